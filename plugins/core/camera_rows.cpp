@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The pixel loops of the transform: interleaved scene rows -> planes of camera RGB.
+#include "cg2raw/transform.h"
+
+#include "multiversion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+/// What an infinite radiance counts as; any sensor clips far below it.
+constexpr float largest_radiance = 1e6f;
+/// Where highlights begin to lose their colour, and over what range.
+/// Source: Brooks et al., Unprocessing Images for Learned Raw Denoising, CVPR 2019.
+constexpr float highlight_start = 0.9f, highlight_range = 0.1f;
+
+/// A transform in the arithmetic of pixels.
+struct Coefficients {
+    float first[9], second[9], gain[3];
+    float highlight; ///< 1: kept, 0: not
+    float ceiling;   ///< of the result
+    bool two_steps;
+};
+
+Coefficients coefficients_of(const CameraTransform& transform)
+{
+    Coefficients c {};
+    std::copy(transform.first.m.begin(), transform.first.m.end(), c.first);
+    std::copy(transform.second.m.begin(), transform.second.m.end(), c.second);
+    std::copy(transform.gains.begin(), transform.gains.end(), c.gain);
+    c.highlight = transform.keep_highlights ? 1.0f : 0.0f;
+    c.ceiling = transform.clip_result ? 1.0f : largest_radiance;
+    c.two_steps = transform.two_steps;
+    return c;
+}
+
+inline float legal(float x, int& nan, int& inf)
+{
+    const bool is_nan = x != x;
+    nan += is_nan;
+    inf += std::fabs(x) > 3.402823466e38f;
+    const float number = is_nan ? 0.0f : x;
+    return std::min(std::max(number, -largest_radiance), largest_radiance);
+}
+
+inline float clipped(float x)
+{
+    return std::min(std::max(x, 0.0f), 1.0f);
+}
+
+inline void multiply(const float m[9], float& r, float& g, float& b)
+{
+    const float x = clipped(m[0] * r + m[1] * g + m[2] * b);
+    const float y = clipped(m[3] * r + m[4] * g + m[5] * b);
+    b = clipped(m[6] * r + m[7] * g + m[8] * b);
+    r = x;
+    g = y;
+}
+
+inline float unbalanced(float x, float gain, float m, float ceiling)
+{
+    return std::min(x * std::max(m + (1.0f - m) * gain, gain), ceiling);
+}
+
+/// Rows are worked on in pieces that stay in the first-level cache.
+constexpr int piece = 256;
+
+template <int stride>
+CG2RAW_MULTIVERSION void legal_piece(const float* scene, std::ptrdiff_t pixel_stride,
+                                     int count, float* r, float* g, float* b, int& nan,
+                                     int& inf)
+{
+    const std::ptrdiff_t step = stride ? stride : pixel_stride;
+    int nans = 0, infs = 0;
+    for (int i = 0; i < count; ++i) {
+        r[i] = legal(scene[i * step], nans, infs);
+        g[i] = legal(scene[i * step + 1], nans, infs);
+        b[i] = legal(scene[i * step + 2], nans, infs);
+    }
+    nan += nans;
+    inf += infs;
+}
+
+CG2RAW_MULTIVERSION void camera_piece(const Coefficients& c, int count, float* r, float* g,
+                                      float* b)
+{
+    if (c.two_steps)
+        for (int i = 0; i < count; ++i)
+            multiply(c.second, r[i], g[i], b[i]);
+    for (int i = 0; i < count; ++i) {
+        // Of the mean, but each channel first: near the start the sum would lose digits.
+        const float above
+            = (r[i] - highlight_start) + (g[i] - highlight_start) + (b[i] - highlight_start);
+        const float over = std::max(above, 0.0f) * (1.0f / (3.0f * highlight_range));
+        const float m = c.highlight * over * over;
+        r[i] = unbalanced(r[i], c.gain[0], m, c.ceiling);
+        g[i] = unbalanced(g[i], c.gain[1], m, c.ceiling);
+        b[i] = unbalanced(b[i], c.gain[2], m, c.ceiling);
+    }
+}
+
+CG2RAW_MULTIVERSION void balanced_piece(const float m[9], int count, float* r, float* g,
+                                        float* b)
+{
+    for (int i = 0; i < count; ++i)
+        multiply(m, r[i], g[i], b[i]);
+}
+
+void make_legal(const float* scene, std::ptrdiff_t stride, int count, float* r, float* g,
+                float* b, Illegal& illegal)
+{
+    int nan = 0, inf = 0;
+    if (stride == 3)
+        legal_piece<3>(scene, stride, count, r, g, b, nan, inf);
+    else if (stride == 4)
+        legal_piece<4>(scene, stride, count, r, g, b, nan, inf);
+    else
+        legal_piece<0>(scene, stride, count, r, g, b, nan, inf);
+    illegal.nan += nan;
+    illegal.inf += inf;
+}
+
+} // namespace
+
+void to_camera(const CameraTransform& transform, const float* scene,
+               std::ptrdiff_t pixel_stride, int width, float* const camera[3],
+               Illegal& illegal)
+{
+    const Coefficients c = coefficients_of(transform);
+    for (int start = 0; start < width; start += piece) {
+        const int count = std::min(piece, width - start);
+        float *r = camera[0] + start, *g = camera[1] + start, *b = camera[2] + start;
+        make_legal(scene + start * pixel_stride, pixel_stride, count, r, g, b, illegal);
+        balanced_piece(c.first, count, r, g, b);
+        camera_piece(c, count, r, g, b);
+    }
+}
+
+void copy_camera(const float* scene, std::ptrdiff_t pixel_stride, int width,
+                 float* const camera[3], Illegal& illegal)
+{
+    make_legal(scene, pixel_stride, width, camera[0], camera[1], camera[2], illegal);
+}
+
+} // namespace cg2raw

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+#include "digitise.h"
+
+#include "multiversion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+/// Pixels per piece; a piece and its normals stay in the first-level cache.
+constexpr int piece = 256;
+
+CG2RAW_MULTIVERSION void add_scaled(const float* variance, const float* normal, int count,
+                                    float* mean)
+{
+    for (int i = 0; i < count; ++i)
+        mean[i] += std::sqrt(std::max(variance[i], 0.0f)) * normal[i];
+}
+
+/// Alternating black levels; rounds half up.
+CG2RAW_MULTIVERSION void digitise_bayer(const float* signal, float black_even,
+                                        float black_odd, float white, int width,
+                                        std::uint16_t* dn)
+{
+    const float black[2] = { black_even, black_odd };
+    for (int col = 0; col < width; ++col) {
+        const float b = black[col & 1];
+        const float level = signal[col] * (white - b) + b;
+        dn[col] = std::uint16_t(
+            std::int32_t(std::min(std::max(level, 0.0f), white) + 0.5f));
+    }
+}
+
+} // namespace
+
+Levels levels_of(const SensorProfile& profile)
+{
+    Levels levels { profile.cfa, {}, float(profile.white_level) };
+    std::copy(profile.black_level.begin(), profile.black_level.end(), levels.black.begin());
+    return levels;
+}
+
+void add_gaussian(const Rng& rng, Site origin, const Plane<float>& variance,
+                  const Plane<float>& mean)
+{
+    float normal[piece];
+    for (int row = 0; row < mean.height; ++row)
+        for (int col = 0; col < mean.width; col += piece) {
+            const int count = std::min(piece, mean.width - col);
+            rng.normals({ origin.row + row, origin.col + col }, count, normal);
+            add_scaled(variance.row(row) + col, normal, count, mean.row(row) + col);
+        }
+}
+
+void digitise(const float* signal, const Levels& levels, Site at, int width,
+              std::uint16_t* dn)
+{
+    const auto black_at = [&](int col) {
+        const int site = at.row % levels.cfa.height * levels.cfa.width + col % levels.cfa.width;
+        return levels.black[std::size_t(site)];
+    };
+    if (levels.cfa.width == 2) {
+        digitise_bayer(signal, black_at(at.col), black_at(at.col + 1), levels.white, width, dn);
+        return;
+    }
+    for (int col = 0; col < width; ++col) {
+        const float black = black_at(at.col + col);
+        digitise_bayer(signal + col, black, black, levels.white, 1, dn + col);
+    }
+}
+
+} // namespace cg2raw

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The last step of a pixel: its noise is drawn, and it becomes a DN.
+#pragma once
+
+#include "cg2raw/pipeline.h"
+
+namespace cg2raw {
+
+/// Black and white level in the arithmetic of pixels.
+struct Levels {
+    CfaPattern cfa;
+    std::array<float, 36> black; ///< DN, per CFA site
+    float white;                 ///< DN
+};
+Levels levels_of(const SensorProfile& profile);
+
+/// mean += sqrt(variance) times a standard normal of each site.
+void add_gaussian(const Rng& rng, Site origin, const Plane<float>& variance,
+                  const Plane<float>& mean);
+
+/// DN = round(signal (white - black) + black), clamped to 0 ... white; a row.
+void digitise(const float* signal, const Levels& levels, Site at, int width,
+              std::uint16_t* dn);
+
+} // namespace cg2raw

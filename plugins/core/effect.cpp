@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+#include "cg2raw/effect.h"
+
+#include "effect_list.h"
+#include "text.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace cg2raw {
+
+const char* name_of(Stage stage)
+{
+    constexpr const char* names[]
+        = { "optics", "pixel", "response", "noise", "readout", "output" };
+    return names[std::size_t(stage)];
+}
+
+const char* name_of(Pattern pattern)
+{
+    constexpr const char* names[] = { "none", "fixed", "temporal" };
+    return names[std::size_t(pattern)];
+}
+
+const std::vector<Effect>& all_effects()
+{
+    static const std::vector<Effect> sorted = [] {
+        auto all = defined_effects();
+        std::sort(all.begin(), all.end(), [](const Effect& a, const Effect& b) {
+            return std::tie(a.stage, a.name) < std::tie(b.stage, b.name);
+        });
+        return all;
+    }();
+    return sorted;
+}
+
+const Effect& effect(std::string_view name)
+{
+    std::vector<std::string> names;
+    for (const Effect& candidate : all_effects()) {
+        if (candidate.name == name)
+            return candidate;
+        names.push_back(candidate.name);
+    }
+    throw Error("effect \"" + std::string(name) + "\" is unknown; known: " + joined(names));
+}
+
+Values values_of(const Effect& effect, const std::map<std::string, double>& given,
+                 const std::string& file)
+{
+    const std::string where = file + ": effect " + effect.name + ": ";
+    Values values;
+    std::vector<std::string> names;
+    for (const Parameter& parameter : effect.parameters) {
+        names.push_back(parameter.name);
+        const auto found = given.find(parameter.name);
+        if (found == given.end())
+            throw Error(where + "parameter " + parameter.name + " is missing ("
+                        + parameter.meaning + ", " + number(parameter.min) + " to "
+                        + number(parameter.max) + " " + parameter.unit + ")");
+        if (!(found->second >= parameter.min && found->second <= parameter.max))
+            throw Error(where + parameter.name + " " + number(found->second) + " is outside "
+                        + number(parameter.min) + " to " + number(parameter.max) + " "
+                        + parameter.unit);
+        values.push_back(found->second);
+    }
+    for (const auto& [name, value] : given)
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            throw Error(where + "parameter " + name + " is unknown; known: "
+                        + joined(names));
+    return values;
+}
+
+} // namespace cg2raw

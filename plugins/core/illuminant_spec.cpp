@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The illuminant grammar.
+#include "illuminant_spec.h"
+
+#include "text.h"
+
+#include <cmath>
+
+namespace cg2raw {
+
+const char* const illuminant_grammar
+    = "A, D50, D55, D65, D75, 3200K (1667K to 25000K), xy:0.3457:0.3585, neutral:0.55:0.45 "
+      "(R/G and B/G), sample:7, as-shot";
+
+namespace {
+
+using Kind = IlluminantSpec::Kind;
+
+struct NamedLight {
+    const char* name;
+    Chromaticity xy;
+};
+
+/// Four digits, as IEC 61966-2-1 and the DNG specification print them. Source: CIE 015.
+constexpr NamedLight named_lights[] = {
+    { "a", { 0.4476, 0.4074 } },   { "d50", { 0.3457, 0.3585 } },
+    { "d55", { 0.3324, 0.3474 } }, { "d65", { 0.3127, 0.3290 } },
+    { "d75", { 0.2990, 0.3149 } },
+};
+
+[[noreturn]] void fail(std::string_view spec, const std::string& why)
+{
+    throw Error("illuminant \"" + std::string(spec) + "\" " + why
+                + "; it may be: " + illuminant_grammar);
+}
+
+IlluminantSpec pair_spec(Kind kind, std::string_view spec,
+                         const std::vector<std::string>& parts)
+{
+    if (parts.size() != 3)
+        fail(spec, "needs two numbers");
+    const double a = parsed_number(parts[1]), b = parsed_number(parts[2]);
+    const bool xy = kind == Kind::xy;
+    if (xy && !(a > 0.0 && b >= 0.01 && a + b < 1.0))
+        fail(spec, "is no chromaticity (x above 0, y at least 0.01, x + y below 1)");
+    if (!xy && !(a >= 0.01 && a <= 100.0 && b >= 0.01 && b <= 100.0))
+        fail(spec, "is no neutral (each number 0.01 to 100)");
+    return { kind, a, b };
+}
+
+IlluminantSpec kelvin_spec(std::string_view spec, const std::string& word)
+{
+    const double kelvin = parsed_number(word.substr(0, word.size() - 1));
+    if (std::isnan(kelvin))
+        fail(spec, "does not parse");
+    if (!(kelvin >= 1667.0 && kelvin <= 25000.0))
+        fail(spec, "is outside 1667 K to 25000 K");
+    return { Kind::kelvin, kelvin };
+}
+
+IlluminantSpec sample_spec(std::string_view spec, const std::vector<std::string>& parts)
+{
+    const double index = parts.size() == 2 ? parsed_number(parts[1]) : -1.0;
+    if (!(index >= 0.0 && index <= 2147483647.0 && index == std::floor(index)))
+        fail(spec, "needs a whole number, as in sample:7");
+    return { Kind::sample, 0.0, 0.0, std::uint32_t(index) };
+}
+
+/// "sample:0-9" -> its ten words; any other word alone.
+void append_words(const std::string& word, std::vector<std::string>& words)
+{
+    const auto parts = split(word, ':');
+    const auto ends = split(parts.back(), '-');
+    if (lower_case(parts[0]) != "sample" || parts.size() != 2 || ends.size() != 2) {
+        parse_illuminant(word);
+        words.push_back(word);
+        return;
+    }
+    const auto first = parse_illuminant("sample:" + ends[0]).index;
+    const auto last = parse_illuminant("sample:" + ends[1]).index;
+    if (last < first || last - first >= 100000)
+        fail(word, "must rise, over 100000 samples at most");
+    for (auto index = first; index <= last; ++index)
+        words.push_back("sample:" + std::to_string(index));
+}
+
+} // namespace
+
+IlluminantSpec parse_illuminant(std::string_view spec)
+{
+    const std::string word = lower_case(spec);
+    for (const NamedLight& light : named_lights)
+        if (word == light.name)
+            return { Kind::xy, light.xy.x, light.xy.y };
+    if (word == "as-shot")
+        return { Kind::as_shot };
+    const auto parts = split(word, ':');
+    if (parts[0] == "xy")
+        return pair_spec(Kind::xy, spec, parts);
+    if (parts[0] == "neutral")
+        return pair_spec(Kind::neutral, spec, parts);
+    if (parts[0] == "sample")
+        return sample_spec(spec, parts);
+    if (word.size() > 1 && word.back() == 'k')
+        return kelvin_spec(spec, word);
+    fail(spec, "does not parse");
+}
+
+std::vector<std::string> illuminant_list(std::string_view list)
+{
+    std::vector<std::string> words;
+    for (const std::string& word : split(list, ','))
+        append_words(word, words);
+    return words;
+}
+
+} // namespace cg2raw

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Where profiles lie.
+#include "cg2raw/profile.h"
+
+#include "text.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace cg2raw {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A profile has some thousand numbers; what is larger is no profile.
+constexpr std::uintmax_t largest_profile = 16u << 20;
+
+/// The folder of the library or program that this code is part of.
+fs::path own_folder()
+{
+    Dl_info info {};
+    if (!dladdr(reinterpret_cast<const void*>(&own_folder), &info) || !info.dli_fname)
+        return {};
+    std::error_code ignored;
+    return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+}
+
+std::string read_file(const fs::path& path)
+{
+    std::error_code error;
+    if (fs::is_directory(path, error))
+        throw Error(path.string() + ": is a folder, not a sensor profile");
+    const auto size = fs::file_size(path, error);
+    if (error)
+        throw Error(path.string() + ": " + error.message());
+    if (size > largest_profile)
+        throw Error(path.string() + ": " + std::to_string(size)
+                    + " bytes are too many for a sensor profile (16 MiB at most)");
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    if (!file)
+        throw Error(path.string() + ": cannot be read");
+    return text.str();
+}
+
+bool is_path(const std::string& id_or_path)
+{
+    const std::string ending = ".json";
+    return id_or_path.find('/') != std::string::npos
+        || (id_or_path.size() > ending.size()
+            && id_or_path.compare(id_or_path.size() - ending.size(), ending.size(), ending)
+                == 0);
+}
+
+} // namespace
+
+std::vector<std::string> profile_folders()
+{
+    std::vector<std::string> folders;
+    if (const char* path = std::getenv("CG2RAW_PROFILE_PATH"))
+        for (const std::string& folder : split(path, ':'))
+            if (!folder.empty())
+                folders.push_back(folder);
+    const fs::path own = own_folder();
+    for (const char* relative : { "share/cg2raw/profiles", "../../../share/cg2raw/profiles" }) {
+        std::error_code ignored;
+        const fs::path folder = fs::weakly_canonical(own / relative, ignored);
+        if (fs::is_directory(folder, ignored))
+            folders.push_back(folder.string());
+    }
+    return folders;
+}
+
+std::vector<std::string> installed_profiles()
+{
+    std::vector<std::string> ids;
+    for (const std::string& folder : profile_folders()) {
+        std::error_code ignored;
+        for (const auto& entry : fs::directory_iterator(folder, ignored))
+            if (entry.path().extension() == ".json")
+                ids.push_back(entry.path().stem().string());
+    }
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    return ids;
+}
+
+SensorProfile load_profile(const std::string& id_or_path)
+{
+    if (is_path(id_or_path))
+        return parse_profile(read_file(id_or_path), id_or_path);
+    for (const std::string& folder : profile_folders()) {
+        const fs::path path = fs::path(folder) / (id_or_path + ".json");
+        std::error_code ignored;
+        if (!id_or_path.empty() && fs::exists(path, ignored))
+            return parse_profile(read_file(path), path.string());
+    }
+    const auto installed = installed_profiles();
+    throw Error("unknown sensor \"" + id_or_path + "\"; installed: "
+                + (installed.empty() ? "none" : joined(installed))
+                + "; or give the path of a profile (.json)");
+}
+
+} // namespace cg2raw

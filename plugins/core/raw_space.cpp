@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Names of RAW colour spaces: what a pixel that is already camera RGB is called.
+#include "cg2raw/illuminant.h"
+
+#include "illuminant_spec.h"
+#include "text.h"
+
+#include <algorithm>
+
+namespace cg2raw {
+namespace {
+
+std::string aliased(std::string_view text)
+{
+    std::string alias = lower_case(text);
+    for (char& c : alias)
+        if (c == '-' || c == ':' || c == '.' || c == ' ')
+            c = '_';
+    return alias;
+}
+
+/// The word whose alias is @p alias: "sample_7" -> "sample:7", "xy_0_3_0_4" -> "xy:0.3:0.4".
+std::string illuminant_from_alias(const std::string& alias)
+{
+    const auto parts = split(alias, '_');
+    if (parts.size() == 5 && (parts[0] == "xy" || parts[0] == "neutral"))
+        return parts[0] + ":" + parts[1] + "." + parts[2] + ":" + parts[3] + "." + parts[4];
+    if (parts.size() == 2 && parts[0] == "sample")
+        return "sample:" + parts[1];
+    if (alias == "as_shot")
+        return "as-shot";
+    std::string word = parts[0]; // "2856k", or "2856_5k" for 2856.5K
+    for (std::size_t i = 1; i < parts.size(); ++i)
+        word += "." + parts[i];
+    return word;
+}
+
+std::string trimmed(std::string_view text)
+{
+    const auto first = text.find_first_not_of(' ');
+    const auto last = text.find_last_not_of(' ');
+    return first == text.npos ? "" : std::string(text.substr(first, last - first + 1));
+}
+
+std::optional<RawSpace> from_alias(const std::string& name,
+                                   const std::vector<std::string>& sensors)
+{
+    std::optional<RawSpace> best; // the longest id wins: sony-a7 and sony-a7-ii
+    for (const std::string& sensor : sensors) {
+        const std::string prefix = "raw_" + aliased(sensor) + "_";
+        if (name.compare(0, prefix.size(), prefix) == 0
+            && (!best || sensor.size() > best->sensor.size()))
+            best = RawSpace { sensor, illuminant_from_alias(name.substr(prefix.size())) };
+    }
+    return best;
+}
+
+} // namespace
+
+std::optional<RawSpace> raw_space_from_name(std::string_view name,
+                                            const std::vector<std::string>& sensors)
+{
+    const std::string text = trimmed(name);
+    const std::string lower = lower_case(text);
+    std::optional<RawSpace> space;
+    if (lower.compare(0, 6, "raw - ") == 0) {
+        const auto second = text.find(" - ", 6);
+        if (second == text.npos)
+            throw Error("colour space \"" + text
+                        + "\" must be named RAW - <sensor> - <illuminant>");
+        space = RawSpace { lower_case(trimmed(text.substr(6, second - 6))),
+                           trimmed(text.substr(second + 3)) };
+    } else if (lower.compare(0, 4, "raw_") == 0) {
+        space = from_alias(lower, sensors);
+        if (!space)
+            throw Error("colour space \"" + text
+                        + "\" names none of the installed sensors: " + joined(sensors));
+    }
+    if (space)
+        parse_illuminant(space->illuminant);
+    return space;
+}
+
+std::string raw_space_name(const RawSpace& space)
+{
+    return "RAW - " + space.sensor + " - " + space.illuminant;
+}
+
+std::string raw_space_alias(const RawSpace& space)
+{
+    return "raw_" + aliased(space.sensor) + "_" + aliased(space.illuminant);
+}
+
+} // namespace cg2raw

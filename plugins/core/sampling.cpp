@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Draw an illuminant. Source: Seo et al., Graphics2RAW, ICCV 2023, eq. 2-3.
+#include "illuminant_spec.h"
+
+#include "cg2raw/random.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+using Point = std::array<double, 2>;
+
+/// A hull takes less than one in this many draws of its own Gaussian only if it is a sliver.
+constexpr std::uint32_t most_draws = 100000;
+
+double at_precision(double value)
+{
+    return std::round(value * 1e6) / 1e6;
+}
+
+bool inside(const std::vector<Point>& hull, const Point& p)
+{
+    for (std::size_t i = 0; i < hull.size(); ++i) {
+        const Point &a = hull[i], &b = hull[(i + 1) % hull.size()];
+        if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) < 0.0)
+            return false;
+    }
+    return true;
+}
+
+Point sampled_from_gaussian(const SensorProfile& profile, const Rng& rng)
+{
+    const NeutralDistribution& lights = profile.illuminants;
+    const auto& [rr, rb, bb] = lights.covariance;
+    const double l00 = std::sqrt(rr), l10 = l00 > 0.0 ? rb / l00 : 0.0;
+    const double l11 = std::sqrt(std::max(0.0, bb - l10 * l10));
+    for (std::uint32_t draw = 0; draw < most_draws; ++draw) {
+        const double z0 = rng.normal(2 * draw), z1 = rng.normal(2 * draw + 1);
+        const Point point { at_precision(lights.mean[0] + l00 * z0),
+                            at_precision(lights.mean[1] + l10 * z0 + l11 * z1) };
+        if (inside(lights.hull, point))
+            return point;
+    }
+    throw Error("sensor " + profile.id + ": no draw of its illuminants falls inside their "
+                "hull; name an illuminant instead of sample");
+}
+
+Point sampled_from_locus(const SensorProfile& profile, const Rng& rng)
+{
+    if (profile.calibrations.size() < 2)
+        throw Error("sensor " + profile.id + " has fewer than 3 distinct neutrals and one "
+                    "colour matrix: nothing to sample from; name an illuminant instead");
+    const auto mired = [&](std::size_t i) {
+        const double kelvin
+            = light_source_temperature(profile.calibrations[i].light_source).value;
+        return 1e6 / std::clamp(kelvin, 1667.0, 25000.0);
+    };
+    const double drawn = mired(0) + (mired(1) - mired(0)) * rng.uniform(0);
+    const Vec3 neutral = neutral_from_xy(profile, planckian_xy({ 1e6 / drawn }));
+    return { neutral[0], neutral[2] };
+}
+
+} // namespace
+
+Point sampled_neutral(const SensorProfile& profile, std::uint32_t index)
+{
+    const Rng rng(index, "illuminant");
+    return profile.illuminants.hull.size() >= 3 ? sampled_from_gaussian(profile, rng)
+                                                : sampled_from_locus(profile, rng);
+}
+
+} // namespace cg2raw

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Small words for messages and names; private to the core.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cg2raw {
+
+std::string lower_case(std::string_view text);
+/// "a, b, c"
+std::string joined(const std::vector<std::string>& words);
+std::vector<std::string> split(std::string_view text, char separator);
+/// A number as people write it: shortest form that reads back the same.
+std::string number(double value);
+/// The number that @p text is, whole, in the C locale; NaN if it is none.
+double parsed_number(std::string_view text);
+
+} // namespace cg2raw

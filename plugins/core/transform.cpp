@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+#include "cg2raw/transform.h"
+
+#include "text.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+/// XYZ -> linear sRGB as the paper's reference implementation has it (B. Lindbloom), before
+/// its rows are normalised.
+constexpr Mat3 paper_srgb_from_xyz { { 3.2404542, -1.5371385, -0.4985314, -0.9692660,
+                                       1.8760108, 0.0415560, 0.0556434, -0.2040259,
+                                       1.0572252 } };
+/// Temperatures between which the paper's reference implementation interpolates, K.
+constexpr double paper_warm = 2500.0, paper_cool = 6500.0;
+constexpr double paper_close_enough = 1e-4;
+constexpr int paper_most_passes = 1000;
+
+/// The row-normalised matrices of the paper; the same twice if there is but one.
+std::array<Mat3, 2> paper_warm_and_cool(const SensorProfile& profile)
+{
+    std::array<Mat3, 2> result {};
+    const bool swapped = profile.calibrations.size() == 2
+        && light_source_temperature(profile.calibrations[0].light_source).value
+            > light_source_temperature(profile.calibrations[1].light_source).value;
+    const std::size_t last = profile.calibrations.size() - 1;
+    const std::size_t warm = swapped ? last : 0, cool = swapped ? 0 : last;
+    result[0] = row_normalised(profile.calibrations[warm].camera_from_xyz);
+    result[1] = row_normalised(profile.calibrations[cool].camera_from_xyz);
+    return result;
+}
+
+double paper_cool_weight(double cct)
+{
+    return (1.0 / cct - 1.0 / paper_warm) / (1.0 / paper_cool - 1.0 / paper_warm);
+}
+
+Mat3 paper_camera_from_xyz(const SensorProfile& profile, double cct)
+{
+    const auto [warm, cool] = paper_warm_and_cool(profile);
+    const double w = paper_cool_weight(cct);
+    Mat3 result {};
+    for (std::size_t i = 0; i < 9; ++i)
+        result.m[i] = std::max(w, 0.0) * cool.m[i] + std::clamp(1.0 - w, 0.0, 1.0) * warm.m[i];
+    return row_normalised(result);
+}
+
+Mat3 balanced_from_srgb(const SensorProfile& profile, const Illuminant& light)
+{
+    const Mat3 xyz_d50 = xyz_d50_from_srgb();
+    if (const auto xyz_d50_from_balanced = xyz_d50_from_camera(profile, light.xy)) {
+        // A renderer scales the rows so that balanced white is exactly D50.
+        const Vec3 white = *xyz_d50_from_balanced * Vec3 { 1, 1, 1 };
+        const Vec3 d50 = xyz_from_xy(d50_white);
+        const Vec3 scale { d50[0] / white[0], d50[1] / white[1], d50[2] / white[2] };
+        return inverse(diagonal(scale) * *xyz_d50_from_balanced) * xyz_d50;
+    }
+    const Mat3 camera = camera_from_xyz(profile, light.xy) * bradford(light.xy, d50_white)
+        * xyz_d50;
+    return row_normalised(camera);
+}
+
+CameraTransform dng_transform(const SensorProfile& profile, const Illuminant& light)
+{
+    CameraTransform transform {};
+    transform.first = balanced_from_srgb(profile, light);
+    transform.second = diagonal({ 1, 1, 1 });
+    const double largest = max_of(light.neutral);
+    for (std::size_t i = 0; i < 3; ++i)
+        transform.gains[i] = light.neutral[i] / largest;
+    return transform;
+}
+
+CameraTransform paper_transform(const SensorProfile& profile, const Illuminant& light)
+{
+    const double cct = paper_temperature(profile, light.neutral).cct.value;
+    CameraTransform transform {};
+    transform.first = inverse(row_normalised(paper_srgb_from_xyz));
+    transform.two_steps = true;
+    transform.second = paper_camera_from_xyz(profile, cct);
+    transform.gains = { light.neutral[0], light.neutral[1], light.neutral[2] };
+    transform.clip_result = true;
+    return transform;
+}
+
+} // namespace
+
+Convention convention_from_name(std::string_view name)
+{
+    const std::string word = lower_case(name);
+    if (word == "dng")
+        return Convention::dng;
+    if (word == "paper")
+        return Convention::paper;
+    throw Error("convention \"" + std::string(name) + "\" must be dng or paper");
+}
+
+const char* name_of(Convention convention)
+{
+    return convention == Convention::dng ? "dng" : "paper";
+}
+
+Temperature paper_temperature(const SensorProfile& profile, const Vec3& neutral)
+{
+    const auto [warm, cool] = paper_warm_and_cool(profile);
+    Vec3 xyz { 0.3, 0.3, 0.3 };
+    Temperature temperature {};
+    for (int pass = 0; pass < paper_most_passes; ++pass) {
+        temperature
+            = temperature_from_xy(xy_from_xyz(xyz), RobertsonTable::corrected);
+        const Mat3 m
+            = mixed(warm, cool, paper_cool_weight(temperature.cct.value));
+        const Vec3 next = inverse(m) * neutral;
+        const double step = std::hypot(next[0] - xyz[0], next[1] - xyz[1], next[2] - xyz[2]);
+        xyz = next;
+        if (step <= paper_close_enough)
+            break;
+    }
+    return temperature;
+}
+
+CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant& light,
+                                  Convention convention, double digital_gain,
+                                  bool keep_highlights)
+{
+    if (!(digital_gain > 0.0 && digital_gain <= 1000.0))
+        throw Error("digital gain " + number(digital_gain)
+                    + " must be above 0 and at most 1000");
+    CameraTransform transform = convention == Convention::dng
+        ? dng_transform(profile, light)
+        : paper_transform(profile, light);
+    for (double& gain : transform.gains)
+        gain *= digital_gain;
+    transform.keep_highlights = keep_highlights;
+    return transform;
+}
+
+Mat3 srgb_from_balanced(const SensorProfile& profile, const Illuminant& light)
+{
+    return inverse(balanced_from_srgb(profile, light));
+}
+
+} // namespace cg2raw

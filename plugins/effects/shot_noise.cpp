@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Photon noise, in the Gaussian limit: its variance is in proportion to the signal.
+#include "cg2raw/effect.h"
+
+#include "site_rows.h"
+
+#include <algorithm>
+
+namespace cg2raw::effects {
+namespace {
+
+void expect(Signal& signal, const Values& beta1)
+{
+    each_row_of_sites(signal, beta1,
+                      [](const float* mean, float* variance, const float* slope, int width) {
+                          for (int col = 0; col < width; ++col)
+                              variance[col] += slope[col & 1] * std::max(mean[col], 0.0f);
+                      });
+}
+
+} // namespace
+
+Effect shot_noise()
+{
+    return { "shot_noise",
+             Stage::noise,
+             Pattern::temporal,
+             per_site("beta1", "1", 0.0, 1.0, "variance per signal at a CFA site"),
+             "photon noise: variance grows in proportion to the signal",
+             "A. Foi et al., IEEE Trans. Image Process. 17(10), 2008",
+             expect };
+}
+
+} // namespace cg2raw::effects

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Metadata of a real DNG, and the sensor profile that it amounts to.
+#pragma once
+
+#include "cg2raw/dng_writer.h"
+
+namespace cg2raw {
+
+/// What one DNG says of its camera and its shot, resolved from whichever IFD holds it.
+struct DngMetadata {
+    std::string file;
+    /// Trimmed UTF-8; model or unique_camera_model may be empty, not both.
+    std::string make, model, unique_camera_model;
+    Size active_area;
+    /// 2x2 to 6x6; phase of the active area's corner.
+    CfaPattern cfa;
+    /// That white_level needs, 8 to 16; the file's samples are often wider.
+    int bits;
+    /// DN per CFA site: means of BlackLevel and its deltas.
+    std::vector<double> black_level;
+    /// DN after linearisation, as black_level.
+    int white_level;
+    /// One or two in the file's order, AnalogBalance and CameraCalibration folded in;
+    /// every light source has a temperature.
+    std::vector<Calibration> calibrations;
+    std::optional<Vec3> as_shot_neutral; ///< G = 1
+    /// Per colour plane R, G, B; empty: none.
+    std::vector<NoisePair> noise_profile;
+    Shot shot;
+    /// What was missing or had to be simplified, and what stands in for it; one
+    /// sentence each.
+    std::vector<std::string> notes;
+};
+
+/// Reads metadata only, a few kilobytes of a file of any size. Tags that are not needed
+/// are not looked at. Throws Error naming file, tag, value and bound for whatever is
+/// missing, malformed, cyclic or larger than the file can hold.
+/// Source: DNG specification 1.7.1; TIFF 6.0.
+DngMetadata read_dng_metadata(const std::string& path);
+
+/// A profile as one reference DNG defines it: id from the model, one neutral, noise at
+/// the file's ISO where NoiseProfile says it. Throws Error if the file has no neutral,
+/// or if what it says is no profile that check() lets pass.
+SensorProfile profile_from_dng(const DngMetadata& metadata);
+
+/// A camera's name as an id: lower case, words joined by '-'. "GoPro HERO6 Black" ->
+/// "gopro-hero6-black". Empty if the name has no ASCII letter or digit.
+std::string sensor_id_from_name(std::string_view name);
+
+} // namespace cg2raw

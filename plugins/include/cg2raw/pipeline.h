@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file simulate(): stages 1 to 5 in order, then DN. The map of the core.
+#pragma once
+
+#include "cg2raw/effect.h"
+
+#include <functional>
+#include <memory>
+
+namespace cg2raw {
+
+/// What one exposure is asked to be.
+struct Run {
+    std::string illuminant;     ///< grammar of illuminant.h
+    std::optional<double> iso;  ///< none: no noise
+    std::uint64_t seed = 0;     ///< of everything random
+    std::uint64_t frame = 0;    ///< temporal noise differs between frames
+    double digital_gain = 1.0;
+    bool sample_digital_gain = false; ///< draw it from the profile instead
+    Convention convention = Convention::dng;
+    bool keep_highlights = true;
+    bool effects = true;        ///< false: neither the profile's effects nor noise
+    bool camera_input = false;  ///< pixels already are camera RGB under this illuminant
+    std::optional<Vec3> as_shot; ///< neutral that the word as-shot stands for
+};
+
+/// Calls task(0) ... task(count - 1), in any order, on any threads, and returns when all are done.
+using ParallelFor = std::function<void(int count, const std::function<void(int)>& task)>;
+/// As many std::threads as asked; 0: one per core.
+ParallelFor parallel_threads(int threads);
+
+/// Everything decided before the first pixel; then blocks of pixels in any order, on any
+/// thread, with the same result.
+class Simulation {
+public:
+    /// Throws Error.
+    Simulation(const SensorProfile& profile, const Run& run, Size frame);
+
+    /// Scene pixels of a block whose first pixel is @p origin -> DN.
+    void block(const RgbView& scene, Site origin, const Plane<std::uint16_t>& raw,
+               Illegal& illegal) const;
+    /// The same before quantisation: signal in 0..1 above black, not clamped. For tests.
+    void block(const RgbView& scene, Site origin, const Plane<float>& signal,
+               Illegal& illegal) const;
+
+    const SensorProfile& profile() const;
+    const Run& run() const;
+    Size frame() const;
+    const Illuminant& illuminant() const;
+    /// After sampling, if that was asked.
+    double digital_gain() const;
+    /// Noise of the run's ISO; nothing when the run is clean.
+    const std::optional<NoiseAtIso>& noise() const;
+    /// Values of an effect that is active in this run; nothing if it is not.
+    std::optional<Values> active(std::string_view effect_name) const;
+
+    ~Simulation();
+    Simulation(Simulation&&) noexcept;
+
+private:
+    struct State;
+    std::unique_ptr<const State> m_state;
+};
+
+/// A mosaic of DN and its size.
+struct RawFrame {
+    int width, height;
+    std::vector<std::uint16_t> dn;
+    Illegal illegal;
+};
+
+/// The whole frame. Same bytes for any ParallelFor.
+RawFrame simulate(const RgbView& scene, const Simulation& simulation,
+                  const ParallelFor& parallel);
+
+} // namespace cg2raw

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file 1 - SensorProfile: all that is known of one sensor, and where it is read from.
+#pragma once
+
+#include "cg2raw/color.h"
+#include "cg2raw/types.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace cg2raw {
+
+/// Colours of a CFA's repeat, row major, 0 = R, 1 = G, 2 = B; phase of the top-left
+/// active pixel. 2x2 for Bayer.
+struct CfaPattern {
+    int width = 2, height = 2;
+    std::array<std::uint8_t, 36> colors {};
+
+    int color(Site at) const
+    {
+        return colors[std::size_t(at.row % height * width + at.col % width)];
+    }
+    int sites() const { return width * height; }
+};
+
+/// "rggb", "grbg", "gbrg" or "bggr", in either case. Throws Error on other words.
+CfaPattern cfa_from_name(std::string_view name);
+/// The same in upper case: "RGGB".
+std::string name_of(const CfaPattern& cfa);
+
+/// What the maker measured under one light.
+struct Calibration {
+    int light_source;     ///< EXIF LightSource: 17 = A, 21 = D65 ...
+    Mat3 camera_from_xyz; ///< DNG ColorMatrix
+    std::optional<Mat3> xyz_d50_from_camera; ///< DNG ForwardMatrix (balanced camera)
+};
+
+/// Temperature that raw converters give an EXIF LightSource code (A = 2850, D50 = 5000,
+/// D65 = 6500 K). Throws Error for a code without one.
+Kelvin light_source_temperature(int light_source);
+/// EXIF LightSource of "A", "D50", "D55", "D65", "D75" ... Throws Error on other words.
+int light_source_from_name(std::string_view name);
+std::string light_source_name(int light_source);
+
+/// Where the sensor's neutrals lie: chromaticities (R/G, B/G) of grey under real lights.
+struct NeutralDistribution {
+    std::vector<std::array<double, 2>> neutrals; ///< as measured; may be empty
+    std::array<double, 2> mean {};
+    std::array<double, 3> covariance {}; ///< rr, rb, bb; divisor N - 1
+    std::vector<std::array<double, 2>> hull; ///< convex, counter-clockwise; empty: none known
+};
+
+/// Mean, covariance and convex hull of @p neutrals.
+NeutralDistribution distribution_of(std::vector<std::array<double, 2>> neutrals);
+
+/// Heteroscedastic noise at one ISO, one value per CFA site:
+/// variance(x) = beta1 x + beta2 with x in 0..1 above black.
+struct NoiseAtIso {
+    double iso;
+    std::vector<double> beta1, beta2;
+};
+
+/// An effect as a profile lists it.
+struct EffectSetting {
+    std::string name;
+    std::map<std::string, double> parameters;
+    std::string evidence; ///< JSON text, kept as it came
+};
+
+struct DigitalGain {
+    double mean, sigma;
+};
+
+struct SensorProfile {
+    std::string id, make, model, unique_camera_model;
+    std::vector<std::pair<std::string, std::string>> sources; ///< field, where it is from
+    CfaPattern cfa;
+    int width, height; ///< active area
+    int bits;
+    std::vector<double> black_level; ///< DN, one per CFA site
+    int white_level;                 ///< DN
+    std::vector<Calibration> calibrations; ///< one or two, in either order
+    NeutralDistribution illuminants;
+    std::optional<DigitalGain> digital_gain;
+    std::vector<NoiseAtIso> noise; ///< by rising ISO; empty: not measured
+    std::vector<EffectSetting> effects;
+};
+
+/// Read a profile (JSON, schema 1). @p file names the source in messages.
+/// Throws Error naming file, field, value and what is allowed; unknown fields are errors.
+SensorProfile parse_profile(std::string_view json, const std::string& file);
+/// The profile as JSON that parse_profile reads back, field for field.
+std::string to_json(const SensorProfile& profile);
+
+/// A profile by id (folders of profile_folders()) or by path (has a slash or ends in
+/// .json). Throws Error; for an unknown id the message lists those installed.
+SensorProfile load_profile(const std::string& id_or_path);
+/// Throws Error if an invariant of the profile does not hold; @p file leads the message.
+void check(const SensorProfile& profile, const std::string& file);
+
+/// Folders searched, in order: $CG2RAW_PROFILE_PATH, then share/cg2raw/profiles of the
+/// installation that this code runs from.
+std::vector<std::string> profile_folders();
+/// Ids of all profiles found there, sorted.
+std::vector<std::string> installed_profiles();
+
+/// Noise at any ISO: log-log interpolation between calibrated ISOs, and up to one stop
+/// beyond them. Throws Error farther out, or if the profile has no noise.
+NoiseAtIso noise_at(const SensorProfile& profile, double iso);
+
+} // namespace cg2raw

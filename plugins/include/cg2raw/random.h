@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Counter-based random numbers: a draw is a pure function of key and site.
+#pragma once
+
+#include "cg2raw/types.h"
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace cg2raw {
+
+/// Philox 4x32-10: four words of a counter under a key.
+/// Source: Salmon et al., Parallel Random Numbers: As Easy as 1, 2, 3, SC 2011.
+std::array<std::uint32_t, 4> philox_words(const std::array<std::uint32_t, 4>& counter,
+                                          const std::array<std::uint32_t, 2>& key);
+
+/// One stream of random numbers: that of (seed, purpose, frame).
+class Rng {
+public:
+    Rng(std::uint64_t seed, std::string_view purpose, std::uint64_t frame = 0);
+
+    /// Standard normals, float32, of the sites (row, col) ... (row, col + count - 1);
+    /// the same for a site whichever row piece it is asked in, on every machine.
+    void normals(Site at, int count, float* out) const;
+    /// The n-th uniform in (0, 1), float64; for parameters, not for pixels.
+    double uniform(std::uint32_t n) const;
+    /// The n-th standard normal, float64; uses uniforms 2n and 2n + 1.
+    double normal(std::uint32_t n) const;
+
+private:
+    std::uint64_t m_key;
+    std::uint64_t m_frame;
+};
+
+} // namespace cg2raw

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file 3 - Scene linear -> camera RGB under an illuminant, in two conventions.
+#pragma once
+
+#include "cg2raw/illuminant.h"
+
+namespace cg2raw {
+
+enum class Convention {
+    dng,   ///< exact inverse of a DNG renderer (default)
+    paper, ///< as the published reference implementation of Graphics2RAW computes it
+};
+Convention convention_from_name(std::string_view name);
+const char* name_of(Convention convention);
+
+/// Scene-linear Rec.709 -> camera RGB, decided before the first pixel:
+/// balanced = clip(second clip(first scene)), camera = highlights(balanced, gains).
+struct CameraTransform {
+    Mat3 first;          ///< dng: balanced camera from sRGB; paper: XYZ from sRGB
+    bool two_steps;      ///< paper: clip to 0..1 between the two products
+    Mat3 second;         ///< paper: balanced camera from XYZ; dng: identity
+    std::array<double, 3> gains; ///< g_c, white balance undone, times the digital gain
+    bool keep_highlights; ///< false: camera = balanced * gains
+    bool clip_result;     ///< paper: clip to 0..1 after the gains
+};
+
+/// The transform of @p profile under @p illuminant. Throws Error.
+CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant& illuminant,
+                                  Convention convention, double digital_gain = 1.0,
+                                  bool keep_highlights = true);
+
+/// Linear sRGB from balanced camera RGB (white = 1, 1, 1), for pictures of a RAW.
+Mat3 srgb_from_balanced(const SensorProfile& profile, const Illuminant& illuminant);
+
+/// T and xy as the paper's reference implementation iterates them; not a true CCT.
+Temperature paper_temperature(const SensorProfile& profile, const Vec3& neutral);
+
+/// Legal pixels out of any: NaN -> 0, infinities -> +-1e6; counts what was not finite.
+struct Illegal {
+    long nan = 0, inf = 0;
+};
+
+/// One row of scene pixels -> three planes of camera RGB, each @p width floats.
+/// @p scene steps by @p pixel_stride floats. Adds to @p illegal.
+void to_camera(const CameraTransform& transform, const float* scene,
+               std::ptrdiff_t pixel_stride, int width, float* const camera[3],
+               Illegal& illegal);
+/// The same for pixels that already are camera RGB: they are only made legal.
+void copy_camera(const float* scene, std::ptrdiff_t pixel_stride, int width,
+                 float* const camera[3], Illegal& illegal);
+
+} // namespace cg2raw

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The words that every stage shares: errors, sites, and views of pixels.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <stdexcept>
+
+namespace cg2raw {
+
+/// Bad input: the message names file, field, value, bound and remedy, in one line.
+struct Error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A pixel's place; row 0, col 0 is the top-left pixel of the active area.
+struct Site {
+    int row, col;
+};
+
+/// Width and height, pixels.
+struct Size {
+    int width, height;
+};
+
+/// Non-owning view of one sensor plane; the pitch counts elements, not bytes.
+template <class T> struct Plane {
+    T* data;
+    int width, height;
+    std::ptrdiff_t pitch;
+
+    T* row(int r) const
+    {
+        assert(r >= 0 && r < height);
+        return data + r * pitch;
+    }
+    T& operator()(Site at) const
+    {
+        assert(at.col >= 0 && at.col < width);
+        return row(at.row)[at.col];
+    }
+};
+
+/// Non-owning view of interleaved float pixels whose first three channels are R, G, B;
+/// strides count floats.
+struct RgbView {
+    const float* data;
+    int width, height;
+    std::ptrdiff_t pixel_stride, row_stride;
+
+    const float* row(int r) const { return data + r * row_stride; }
+};
+
+} // namespace cg2raw
