@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+#include "cg2raw/dng_writer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+
+namespace {
+
+/// EXIF LightSource of D65.
+constexpr int daylight = 21;
+/// Fine enough for a polynomial of degree six between bilinear nodes: 1e-4 of the gain.
+constexpr int map_rows = 49;
+constexpr int map_cols = 65;
+/// NoiseProfile allows no scale of 0.
+constexpr double least_scale = 1e-12;
+
+/// The one matrix by which a reader that inverts it for D65 and divides by the neutral
+/// gives linear sRGB back: diag(neutral) . balanced from sRGB . sRGB from XYZ.
+Calibration exact_calibration(const Simulation& simulation)
+{
+    const Illuminant& light = simulation.illuminant();
+    const Mat3 balanced_from_srgb
+        = row_normalised(inverse(srgb_from_balanced(simulation.profile(), light)));
+    const Mat3 srgb_from_xyz = inverse(xyz_d65_from_srgb());
+    return { daylight, diagonal(light.neutral) * balanced_from_srgb * srgb_from_xyz,
+             std::nullopt };
+}
+
+/// RawTherapee by default, and Adobe's renderers, prefer their own profile of a camera whose
+/// name they know (Canon EOS 5D Mark III: mean dE2000 2.6, Nikon D800: 6.1, not 0.014).
+/// This matrix is one file's, not that camera's: the name says so.
+std::string name_of_exact(const std::string& model) { return model + " exact"; }
+
+/// The planes' noise: means over the sites of a colour.
+std::vector<NoisePair> noise_profile(const NoiseAtIso& noise, const CfaPattern& cfa)
+{
+    std::vector<NoisePair> pairs(3, NoisePair { 0.0, 0.0 });
+    std::array<int, 3> count {};
+    for (std::size_t site = 0; site < std::size_t(cfa.sites()); ++site) {
+        const std::size_t color = cfa.colors[site];
+        pairs[color].scale += noise.beta1.at(site);
+        pairs[color].offset += noise.beta2.at(site);
+        ++count[color];
+    }
+    for (std::size_t color = 0; color < 3; ++color) {
+        NoisePair& pair = pairs[color];
+        pair = { std::max(pair.scale / count[color], least_scale),
+                 std::max(pair.offset / count[color], 0.0) };
+    }
+    return pairs;
+}
+
+/// Reciprocals of the fall-off; the first and last node lie on the frame's edges.
+GainMap gains_against(const Values& falloff, Size frame)
+{
+    const double half_diagonal = 0.5 * std::hypot(frame.width, frame.height);
+    GainMap map { map_rows, map_cols, {} };
+    for (int row = 0; row < map_rows; ++row)
+        for (int col = 0; col < map_cols; ++col) {
+            const double u
+                = (double(col) / (map_cols - 1) - 0.5) * frame.width / half_diagonal;
+            const double v
+                = (double(row) / (map_rows - 1) - 0.5) * frame.height / half_diagonal;
+            // Where nothing is left, nothing can be restored.
+            constexpr double darkest = 1e-3;
+            map.gains.push_back(
+                float(1.0 / std::max(lens_shading_at(falloff, u, v), darkest)));
+        }
+    return map;
+}
+
+} // namespace
+
+DngDescription describe(const Simulation& simulation, const DngOptions& options,
+                        const Shot& shot)
+{
+    const SensorProfile& profile = simulation.profile();
+    DngDescription description {
+        simulation.frame(),
+        profile.cfa,
+        profile.black_level,
+        profile.white_level,
+        profile.calibrations,
+        simulation.illuminant().neutral,
+        profile.make,
+        profile.model,
+        profile.unique_camera_model,
+        {},
+        std::nullopt,
+        srgb_from_balanced(profile, simulation.illuminant()),
+        shot,
+    };
+    if (options.matrices == Matrices::exact) {
+        description.calibrations = { exact_calibration(simulation) };
+        description.model = name_of_exact(profile.model);
+        description.unique_camera_model = name_of_exact(profile.unique_camera_model);
+    }
+    if (simulation.noise())
+        description.noise_profile = noise_profile(*simulation.noise(), profile.cfa);
+    if (const std::optional<Values> falloff = simulation.active("lens_shading"))
+        description.lens_shading = gains_against(*falloff, simulation.frame());
+    return description;
+}
+
+} // namespace cg2raw

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+#include "dng_tags.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+
+namespace {
+
+/// Tags of IFDs by number. Those from 50936 on are younger than libtiff 4.5's table.
+enum : std::uint32_t {
+    new_sub_file_type = 254,
+    image_description = 270,
+    make = 271,
+    model = 272,
+    orientation = 274,
+    software = 305,
+    date_time = 306,
+    artist = 315,
+    cfa_repeat_pattern_dim = 33421,
+    cfa_pattern = 33422,
+    copyright = 33432,
+    dng_version = 50706,
+    dng_backward_version = 50707,
+    unique_camera_model = 50708,
+    cfa_plane_color = 50710,
+    cfa_layout = 50711,
+    black_level_repeat_dim = 50713,
+    black_level = 50714,
+    white_level = 50717,
+    default_scale = 50718,
+    default_crop_origin = 50719,
+    default_crop_size = 50720,
+    color_matrix_1 = 50721, // and 2
+    as_shot_neutral = 50728,
+    calibration_illuminant_1 = 50778, // and 2
+    active_area = 50829,
+    profile_tone_curve = 50940,
+    forward_matrix_1 = 50964, // and 2
+    preview_color_space = 50970,
+    opcode_list_2 = 51009,
+    noise_profile = 51041,
+    default_black_render = 51110,
+};
+
+using Shorts = std::vector<std::uint16_t>;
+using Longs = std::vector<std::uint32_t>;
+using Rationals = std::vector<Rational>;
+using SignedRationals = std::vector<SignedRational>;
+
+/// Matrices of real cameras have four decimals, and Adobe's renderer rounds to them.
+constexpr std::int32_t camera_denominator = 10000;
+/// The exact matrix keeps what it is: no reader tried minds, Adobe's renderer rounds.
+constexpr std::int32_t exact_denominator = 10000000;
+/// A coarser neutral costs temperature: 1/128 up to 82 K.
+constexpr std::uint32_t neutral_denominator = 1000000;
+/// Black levels are means; raw converters drop what is finer.
+constexpr std::uint32_t black_denominator = 10000;
+/// Demosaicing near the border lacks neighbours: renderers crop there, as cameras ask.
+constexpr int crop_border = 2;
+constexpr int smallest_cropped = 16;
+
+SignedRationals matrix_value(const Mat3& matrix, std::int32_t denominator)
+{
+    SignedRationals value;
+    for (const double m : matrix.m)
+        value.push_back(signed_rational(m, denominator));
+    return value;
+}
+
+/// The warmer calibration first: dcraw and LibRaw read all into one place, the last stays,
+/// and they mean it to be the daylight one.
+std::vector<Calibration> warm_first(std::vector<Calibration> calibrations)
+{
+    if (calibrations.size() == 2
+        && light_source_temperature(calibrations[0].light_source).value
+            > light_source_temperature(calibrations[1].light_source).value)
+        std::swap(calibrations[0], calibrations[1]);
+    return calibrations;
+}
+
+void add_text(Tags& tags, std::uint32_t number, const std::string& text)
+{
+    if (!text.empty())
+        tags.push_back({ number, text });
+}
+
+void add_calibrations(Tags& tags, const DngDescription& description, Matrices matrices)
+{
+    const std::int32_t denominator
+        = matrices == Matrices::exact ? exact_denominator : camera_denominator;
+    std::uint32_t i = 0;
+    for (const Calibration& calibration : warm_first(description.calibrations)) {
+        tags.push_back({ calibration_illuminant_1 + i,
+                         Shorts { std::uint16_t(calibration.light_source) } });
+        tags.push_back({ color_matrix_1 + i,
+                         matrix_value(calibration.camera_from_xyz, denominator) });
+        if (calibration.xyz_d50_from_camera)
+            tags.push_back({ forward_matrix_1 + i,
+                             matrix_value(*calibration.xyz_d50_from_camera, denominator) });
+        ++i;
+    }
+}
+
+Rationals black_value(const std::vector<double>& levels)
+{
+    const bool whole = std::all_of(levels.begin(), levels.end(),
+                                   [](double dn) { return dn == std::floor(dn); });
+    Rationals value;
+    for (const double dn : levels)
+        value.push_back(rational(dn, whole ? 1 : black_denominator));
+    return value;
+}
+
+void add_crop(Tags& tags, Size size)
+{
+    const bool tiny = std::min(size.width, size.height) < smallest_cropped;
+    const std::uint32_t border = tiny ? 0 : crop_border;
+    const std::uint32_t width = std::uint32_t(size.width);
+    const std::uint32_t height = std::uint32_t(size.height);
+    tags.push_back({ active_area, Longs { 0, 0, height, width } });
+    tags.push_back({ default_scale, Rationals { { 1, 1 }, { 1, 1 } } });
+    tags.push_back({ default_crop_origin, Rationals { { border, 1 }, { border, 1 } } });
+    tags.push_back(
+        { default_crop_size,
+          Rationals { { width - 2 * border, 1 }, { height - 2 * border, 1 } } });
+}
+
+void add_cfa(Tags& tags, const CfaPattern& cfa)
+{
+    const Shorts repeat { std::uint16_t(cfa.height), std::uint16_t(cfa.width) };
+    tags.push_back({ cfa_repeat_pattern_dim, repeat });
+    tags.push_back(
+        { cfa_pattern, Bytes(cfa.colors.begin(), cfa.colors.begin() + cfa.sites()) });
+    tags.push_back({ cfa_plane_color, Bytes { 0, 1, 2 } });
+    tags.push_back({ cfa_layout, Shorts { 1 } }); // rectangular
+    tags.push_back({ black_level_repeat_dim, repeat });
+}
+
+} // namespace
+
+Tags camera_tags(const DngDescription& description, const DngOptions& options)
+{
+    Tags tags {
+        { dng_version, Bytes { 1, 4, 0, 0 } },
+        { dng_backward_version, Bytes { 1, 3, 0, 0 } }, // opcodes came with 1.3
+        { orientation, Shorts { std::uint16_t(description.shot.orientation) } },
+        { software, std::string("cg2raw " CG2RAW_VERSION) },
+    };
+    add_text(tags, make, description.make);
+    add_text(tags, model, description.model);
+    add_text(tags, unique_camera_model, description.unique_camera_model);
+    add_text(tags, image_description, description.shot.description);
+    add_text(tags, artist, description.shot.artist);
+    add_text(tags, copyright, description.shot.copyright);
+    add_text(tags, date_time, description.shot.date_time_original);
+    add_calibrations(tags, description, options.matrices);
+    // Green stays 1 though red may pass 1 under tungsten: Adobe's renderer divides by the
+    // maximum itself, LibRaw, dcraw, RawTherapee and RawSpeed take reciprocals.
+    Rationals neutral;
+    for (const double channel : description.as_shot_neutral)
+        neutral.push_back(rational(channel, neutral_denominator));
+    tags.push_back({ as_shot_neutral, neutral });
+    if (options.tone_curve == ToneCurve::linear) {
+        tags.push_back({ profile_tone_curve, std::vector<float> { 0, 0, 1, 1 } });
+        tags.push_back({ default_black_render, Longs { 1 } }); // 1 = none
+    }
+    return tags;
+}
+
+Tags mosaic_tags(const DngDescription& description)
+{
+    Tags tags { { new_sub_file_type, Longs { 0 } } };
+    add_cfa(tags, description.cfa);
+    tags.push_back({ black_level, black_value(description.black_level) });
+    tags.push_back({ white_level, Longs { std::uint32_t(description.white_level) } });
+    add_crop(tags, description.size);
+    if (!description.noise_profile.empty()) {
+        std::vector<double> pairs;
+        for (const NoisePair& pair : description.noise_profile)
+            pairs.insert(pairs.end(), { pair.scale, pair.offset });
+        tags.push_back({ noise_profile, pairs });
+    }
+    if (description.lens_shading)
+        tags.push_back({ opcode_list_2,
+                         Undefined { gain_map_opcodes(*description.lens_shading,
+                                                      description.size,
+                                                      description.cfa) } });
+    return tags;
+}
+
+Tags preview_tags()
+{
+    return { { new_sub_file_type, Longs { 1 } }, // a reduced image
+             { preview_color_space, Longs { 2 } } }; // sRGB
+}
+
+} // namespace cg2raw

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+#include "dng_tags.h"
+
+#include "cg2raw/types.h"
+
+#include <cstring>
+
+namespace cg2raw {
+
+namespace {
+
+/// Source: DNG specification 1.4, chapter 6, "GainMap".
+constexpr std::uint32_t gain_map_id = 9;
+constexpr std::uint32_t since_dng_1_3 = 0x01030000;
+/// A reader that does not know it may skip it.
+constexpr std::uint32_t optional_flag = 1;
+constexpr std::uint32_t parameter_bytes = 76; // before the gains
+
+/// Opcode lists are big-endian whatever the file is.
+class BigEndian {
+public:
+    void put(std::uint32_t value)
+    {
+        for (int shift = 24; shift >= 0; shift -= 8)
+            m_bytes.push_back(std::uint8_t(value >> shift));
+    }
+    void put(float value)
+    {
+        std::uint32_t word;
+        std::memcpy(&word, &value, sizeof word);
+        put(word);
+    }
+    void put(double value)
+    {
+        std::uint64_t word;
+        std::memcpy(&word, &value, sizeof word);
+        put(std::uint32_t(word >> 32));
+        put(std::uint32_t(word));
+    }
+    Bytes take() { return std::move(m_bytes); }
+
+private:
+    Bytes m_bytes;
+};
+
+/// The map for one site of the CFA's repeat.
+void put_opcode(BigEndian& out, const GainMap& map, Size size, Size repeat, Site site)
+{
+    out.put(gain_map_id);
+    out.put(since_dng_1_3);
+    out.put(optional_flag);
+    out.put(std::uint32_t(parameter_bytes + 4 * map.gains.size()));
+    for (const int edge : { site.row, site.col, size.height, size.width })
+        out.put(std::uint32_t(edge)); // top, left, bottom, right
+    out.put(std::uint32_t(0)); // first plane
+    out.put(std::uint32_t(1)); // planes
+    out.put(std::uint32_t(repeat.height)); // row and column pitch
+    out.put(std::uint32_t(repeat.width));
+    out.put(std::uint32_t(map.rows));
+    out.put(std::uint32_t(map.cols));
+    out.put(1.0 / (map.rows - 1)); // spacing; the map spans the active area, 0 to 1
+    out.put(1.0 / (map.cols - 1));
+    out.put(0.0); // origin
+    out.put(0.0);
+    out.put(std::uint32_t(1)); // planes of the map
+    for (const float gain : map.gains)
+        out.put(gain);
+}
+
+} // namespace
+
+/// The same map once per site: one map for all is as legal, but darktable applies gain maps
+/// only if there is one for each of the four Bayer sites.
+Bytes gain_map_opcodes(const GainMap& map, Size size, const CfaPattern& cfa)
+{
+    if (map.rows < 2 || map.cols < 2
+        || map.gains.size() != std::size_t(map.rows) * std::size_t(map.cols))
+        throw Error("DNG: lens shading needs a map of at least 2 x 2 gains, all given");
+    const bool bayer = cfa.width == 2 && cfa.height == 2;
+    const Size repeat = bayer ? Size { 2, 2 } : Size { 1, 1 };
+    BigEndian out;
+    out.put(std::uint32_t(repeat.width * repeat.height)); // opcodes
+    for (int row = 0; row < repeat.height; ++row)
+        for (int col = 0; col < repeat.width; ++col)
+            put_opcode(out, map, size, repeat, { row, col });
+    return out.take();
+}
+
+} // namespace cg2raw
