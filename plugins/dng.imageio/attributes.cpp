@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+#include "attributes.h"
+
+#include <OpenImageIO/strutil.h>
+
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+/// An attribute's name and value, whatever its type.
+struct Given {
+    std::string name;
+    OIIO::ParamValue value;
+
+    std::string text() const { return std::string(OIIO::Strutil::strip(value.get_string())); }
+
+    [[noreturn]] void fail(const std::string& allowed) const
+    {
+        throw Error(name + " \"" + text() + "\" must be " + allowed);
+    }
+
+    double real(double low, double high, const std::string& allowed) const
+    {
+        double number = std::nan("");
+        if (value.type() == OIIO::TypeDesc::FLOAT) // its text would be rounded
+            number = double(value.get_float());
+        else if (OIIO::Strutil::string_is<float>(text()))
+            number = double(OIIO::Strutil::stof(text()));
+        if (!(number >= low && number <= high))
+            fail(allowed);
+        return number;
+    }
+
+    /// A whole number from 0; 64 bits when it is given as text.
+    std::uint64_t whole() const
+    {
+        const std::string digits = text();
+        if (digits.empty() || digits.size() > 18
+            || digits.find_first_not_of("0123456789") != digits.npos)
+            fail("a whole number from 0 to 999999999999999999");
+        return std::stoull(digits);
+    }
+
+    bool flag() const
+    {
+        const std::string word = OIIO::Strutil::lower(text());
+        if (word == "1" || word == "true" || word == "on" || word == "yes")
+            return true;
+        if (word == "0" || word == "false" || word == "off" || word == "no")
+            return false;
+        fail("0 or 1");
+    }
+
+    /// The result of @p parse, whose error gets this attribute's name.
+    template <class Parse> auto named(const Parse& parse) const
+    {
+        try {
+            return parse(text());
+        } catch (const Error& error) {
+            throw Error(name + ": " + error.what());
+        }
+    }
+};
+
+bool effects_from(const Given& given)
+{
+    const std::string word = OIIO::Strutil::lower(given.text());
+    if (word != "profile" && word != "none")
+        given.fail("profile or none");
+    return word == "profile";
+}
+
+void set_gain(Attributes& a, const Given& given)
+{
+    a.sample_gain = OIIO::Strutil::iequals(given.text(), "sample");
+    if (!a.sample_gain)
+        a.gain = given.real(0.001, 1000.0, "0.001 to 1000, or sample");
+}
+
+struct Known {
+    const char* name;
+    void (*set)(Attributes&, const Given&);
+};
+
+constexpr Known known[] = {
+    { "dng:sensor", [](Attributes& a, const Given& g) { a.sensor = g.text(); } },
+    { "dng:reference", [](Attributes& a, const Given& g) { a.reference = g.text(); } },
+    { "dng:illuminant", [](Attributes& a, const Given& g) { a.illuminant = g.text(); } },
+    { "dng:iso",
+      [](Attributes& a, const Given& g) {
+          a.iso = g.real(1.0, 1e7, "an ISO from 1 to 10000000");
+      } },
+    { "dng:seed", [](Attributes& a, const Given& g) { a.seed = g.whole(); } },
+    { "dng:frame", [](Attributes& a, const Given& g) { a.frame = g.whole(); } },
+    { "dng:gain", set_gain },
+    { "dng:convention",
+      [](Attributes& a, const Given& g) { a.convention = g.named(convention_from_name); } },
+    { "dng:matrices",
+      [](Attributes& a, const Given& g) {
+          a.options.matrices = g.named(matrices_from_name);
+      } },
+    { "dng:highlights", [](Attributes& a, const Given& g) { a.highlights = g.flag(); } },
+    { "dng:effects", [](Attributes& a, const Given& g) { a.effects = effects_from(g); } },
+    { "dng:compression",
+      [](Attributes& a, const Given& g) {
+          a.options.compression = g.named(compression_from_name);
+      } },
+    { "dng:preview",
+      [](Attributes& a, const Given& g) { a.options.preview = g.flag(); } },
+    { "dng:tone_curve",
+      [](Attributes& a, const Given& g) {
+          a.options.tone_curve = g.named(tone_curve_from_name);
+      } },
+};
+
+[[noreturn]] void fail_unknown(const std::string& name)
+{
+    std::string names;
+    for (const Known& attribute : known)
+        names += std::string(names.empty() ? "" : ", ") + attribute.name;
+    throw Error("attribute " + name + " is unknown; known: " + names);
+}
+
+} // namespace
+
+Attributes attributes_of(const OIIO::ImageSpec& spec)
+{
+    Attributes attributes;
+    for (const OIIO::ParamValue& param : spec.extra_attribs) {
+        const std::string name(param.name().string());
+        if (!OIIO::Strutil::istarts_with(name, "dng:"))
+            continue;
+        const Known* found = nullptr;
+        for (const Known& candidate : known)
+            if (OIIO::Strutil::iequals(name, candidate.name))
+                found = &candidate;
+        if (!found)
+            fail_unknown(name);
+        found->set(attributes, { name, param });
+    }
+    return attributes;
+}
+
+} // namespace cg2raw

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The dng:* attributes of an image, checked one by one.
+#pragma once
+
+#include "cg2raw/dng_writer.h"
+
+#include <OpenImageIO/imageio.h>
+
+namespace cg2raw {
+
+/// The attributes as they were given; absent ones are empty.
+struct Attributes {
+    std::string sensor, reference, illuminant;
+    std::optional<double> iso, gain;
+    std::optional<bool> highlights;
+    std::optional<Convention> convention;
+    bool sample_gain = false;
+    std::uint64_t seed = 0, frame = 0;
+    bool effects = true;
+    DngOptions options;
+};
+
+/// Throws Error naming attribute, value and what is allowed.
+Attributes attributes_of(const OIIO::ImageSpec& spec);
+
+} // namespace cg2raw

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The face of cg2raw in OpenImageIO: ImageSpec attributes -> simulation -> DNG.
+#include "request.h"
+#include "row_assembly.h"
+
+#include <OpenImageIO/imageio.h>
+#include <OpenImageIO/parallel.h>
+
+#include <mutex>
+
+using namespace OIIO;
+
+namespace cg2raw {
+namespace {
+
+/// Rows that one task of the thread pool works on.
+constexpr int task_rows = 16;
+
+/// OpenImageIO's thread pool. It lets no exception through, so the first one is kept.
+void parallel(int count, const std::function<void(int)>& task)
+{
+    std::exception_ptr first_error;
+    std::mutex guard;
+    parallel_for(int64_t(0), int64_t(count), [&](int64_t index) {
+        try {
+            task(int(index));
+        } catch (...) {
+            const std::lock_guard<std::mutex> lock(guard);
+            if (!first_error)
+                first_error = std::current_exception();
+        }
+    });
+    if (first_error)
+        std::rethrow_exception(first_error);
+}
+
+/// Pixels as a host hands them over.
+struct HostPixels {
+    const char* data;
+    TypeDesc format;
+    int width, height;
+    stride_t xstride, ystride;
+};
+
+/// A view of host pixels as float RGB; @p room holds them when they must be converted.
+RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
+{
+    const bool is_float = host.format == TypeDesc::FLOAT
+        && host.xstride % stride_t(sizeof(float)) == 0
+        && host.ystride % stride_t(sizeof(float)) == 0;
+    if (is_float)
+        return { reinterpret_cast<const float*>(host.data), host.width, host.height,
+                 host.xstride / stride_t(sizeof(float)),
+                 host.ystride / stride_t(sizeof(float)) };
+    room.resize(3 * std::size_t(host.width) * std::size_t(host.height));
+    convert_image(3, host.width, host.height, 1, host.data, host.format, host.xstride,
+                  host.ystride, AutoStride, room.data(), TypeDesc::FLOAT, AutoStride,
+                  AutoStride, AutoStride);
+    return { room.data(), host.width, host.height, 3, 3 * host.width };
+}
+
+} // namespace
+
+/// One file: everything is decided in open(), pixels stream through, close() publishes.
+class DngOutput final : public ImageOutput {
+public:
+    ~DngOutput() override { abandon(); }
+
+    const char* format_name() const override { return "dng"; }
+    int supports(string_view feature) const override;
+
+    using ImageOutput::open;
+    using ImageOutput::write_scanline;
+    using ImageOutput::write_scanlines;
+    using ImageOutput::write_tile;
+
+    bool open(const std::string& name, const ImageSpec& spec, OpenMode mode) override;
+    bool close() override;
+    bool write_scanline(int y, int z, TypeDesc format, const void* data,
+                        stride_t xstride) override;
+    bool write_scanlines(int ybegin, int yend, int z, TypeDesc format, const void* data,
+                         stride_t xstride, stride_t ystride) override;
+    bool write_tile(int x, int y, int z, TypeDesc format, const void* data,
+                    stride_t xstride, stride_t ystride, stride_t zstride) override;
+
+private:
+    template <class Work> bool reported(const Work& work);
+    void start(const std::string& name);
+    void finish();
+    void abandon();
+    HostPixels host_pixels(const void* data, TypeDesc format, int width, int height,
+                           stride_t xstride, stride_t ystride, int full_width) const;
+    void simulate_block(const HostPixels& host, Site at);
+
+    std::string m_name;
+    std::unique_ptr<Simulation> m_simulation;
+    std::unique_ptr<DngWriter> m_writer;
+    std::unique_ptr<RowAssembly> m_rows;
+    std::vector<std::uint16_t> m_block; ///< DN of the pixels that came last
+    Illegal m_illegal;
+    std::mutex m_guard; ///< hosts may write one file from several threads
+};
+
+int DngOutput::supports(string_view feature) const
+{
+    return feature == "tiles" || feature == "alpha" || feature == "random_access"
+        || feature == "exif"
+        // Of more channels we say that they are too many; hosts else drop them.
+        || feature == "nchannels";
+}
+
+/// Runs @p work; whatever it throws becomes OpenImageIO's error message, and no file.
+template <class Work> bool DngOutput::reported(const Work& work)
+{
+    const std::lock_guard<std::mutex> lock(m_guard);
+    try {
+        work();
+        return true;
+    } catch (const std::bad_alloc&) {
+        errorfmt("{}: not enough memory for {} x {} pixels", m_name, m_spec.width,
+                 m_spec.height);
+    } catch (const std::exception& error) {
+        const std::string message = error.what();
+        const bool names_file = message.find(m_name) != message.npos;
+        errorfmt("{}{}", names_file ? "" : m_name + ": ", message);
+    } catch (...) {
+        errorfmt("{}: unknown failure", m_name);
+    }
+    abandon();
+    return false;
+}
+
+bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mode)
+{
+    abandon();
+    m_name = name;
+    m_spec = spec;
+    return reported([&] {
+        if (mode != Create)
+            throw Error("a DNG of ours holds one image: write each subimage to its own file "
+                        "(oiiotool --subimage N, or -sisplit)");
+        if (spec.deep || spec.depth > 1)
+            throw Error("deep and volume images cannot become a DNG: flatten first "
+                        "(oiiotool --flatten)");
+        if (spec.nchannels < 3 || spec.nchannels > 4)
+            throw Error(std::to_string(spec.nchannels)
+                        + " channels; needs RGB or RGBA (oiiotool --ch R,G,B)");
+        start(name);
+    });
+}
+
+void DngOutput::start(const std::string& name)
+{
+    const Request request = request_of(m_spec);
+    const Size frame { m_spec.width, m_spec.height };
+    m_simulation = std::make_unique<Simulation>(request.profile, request.run, frame);
+    const DngDescription description
+        = describe(*m_simulation, request.options, request.shot);
+    m_writer = std::make_unique<DngWriter>(name, description, request.options, parallel);
+    m_rows = std::make_unique<RowAssembly>(
+        frame, [this](const Plane<const std::uint16_t>& rows) { m_writer->write_rows(rows); });
+    m_spec.format = TypeDesc::UINT16;
+}
+
+bool DngOutput::close()
+{
+    if (!m_writer)
+        return true; // nothing was opened, or it failed and said so
+    return reported([&] { finish(); });
+}
+
+void DngOutput::finish()
+{
+    if (m_rows->rows_done() != m_spec.height)
+        throw Error("row " + std::to_string(m_rows->rows_done())
+                    + " was never written; no file is left");
+    m_writer->close();
+    if (m_illegal.nan || m_illegal.inf)
+        OIIO::debug("dng: " + m_name + ": " + std::to_string(m_illegal.nan)
+                    + " NaN values became 0, " + std::to_string(m_illegal.inf)
+                    + " infinite ones black or white\n");
+    abandon();
+}
+
+void DngOutput::abandon()
+{
+    m_rows.reset();
+    m_writer.reset();
+    m_simulation.reset();
+    m_illegal = {};
+}
+
+HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width, int height,
+                                  stride_t xstride, stride_t ystride, int full_width) const
+{
+    if (format == TypeDesc::UNKNOWN)
+        format = m_spec.format;
+    if (xstride == AutoStride)
+        xstride = stride_t(format.size()) * m_spec.nchannels;
+    if (ystride == AutoStride)
+        ystride = xstride * full_width;
+    return { static_cast<const char*>(data), format, width, height, xstride, ystride };
+}
+
+void DngOutput::simulate_block(const HostPixels& host, Site at)
+{
+    m_block.resize(std::size_t(host.width) * std::size_t(host.height));
+    const int tasks = (host.height + task_rows - 1) / task_rows;
+    std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
+    parallel(tasks, [&](int task) {
+        const int first = task * task_rows;
+        const int rows = std::min(task_rows, host.height - first);
+        HostPixels part = host;
+        part.data += first * host.ystride;
+        part.height = rows;
+        std::vector<float> room;
+        m_simulation->block(rgb_view(part, room), { at.row + first, at.col },
+                            Plane<std::uint16_t> { m_block.data()
+                                                       + std::ptrdiff_t(first) * host.width,
+                                                   host.width, rows, host.width },
+                            illegal[std::size_t(task)]);
+    });
+    for (const Illegal& part : illegal) {
+        m_illegal.nan += part.nan;
+        m_illegal.inf += part.inf;
+    }
+    m_rows->put(at, { m_block.data(), host.width, host.height, host.width });
+}
+
+bool DngOutput::write_scanline(int y, int z, TypeDesc format, const void* data,
+                               stride_t xstride)
+{
+    return write_scanlines(y, y + 1, z, format, data, xstride, AutoStride);
+}
+
+bool DngOutput::write_scanlines(int ybegin, int yend, int, TypeDesc format,
+                                const void* data, stride_t xstride, stride_t ystride)
+{
+    if (!m_writer)
+        return false; // the failure was reported when it happened
+    return reported([&] {
+        const HostPixels host = host_pixels(data, format, m_spec.width, yend - ybegin,
+                                            xstride, ystride, m_spec.width);
+        simulate_block(host, { ybegin - m_spec.y, 0 });
+    });
+}
+
+bool DngOutput::write_tile(int x, int y, int, TypeDesc format, const void* data,
+                           stride_t xstride, stride_t ystride, stride_t)
+{
+    if (!m_writer)
+        return false;
+    return reported([&] {
+        const Site at { y - m_spec.y, x - m_spec.x };
+        const int width = std::min(m_spec.tile_width, m_spec.width - at.col);
+        const int height = std::min(m_spec.tile_height, m_spec.height - at.row);
+        simulate_block(host_pixels(data, format, width, height, xstride, ystride,
+                                   m_spec.tile_width),
+                       at);
+    });
+}
+
+} // namespace cg2raw
+
+OIIO_PLUGIN_NAMESPACE_BEGIN
+extern "C" {
+
+OIIO_EXPORT int dng_imageio_version = OIIO_PLUGIN_VERSION;
+
+OIIO_EXPORT const char* dng_imageio_library_version()
+{
+    return "cg2raw " CG2RAW_VERSION;
+}
+
+OIIO_EXPORT ImageOutput* dng_output_imageio_create()
+{
+    return new cg2raw::DngOutput;
+}
+
+OIIO_EXPORT const char* dng_output_extensions[] = { "dng", nullptr };
+}
+OIIO_PLUGIN_NAMESPACE_END
