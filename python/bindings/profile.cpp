@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+#include "bindings.h"
+
+#include "cg2raw/effect.h"
+
+namespace cg2raw::python {
+namespace {
+
+py::dict dict_of(const NoiseAtIso& noise)
+{
+    return py::dict("iso"_a = noise.iso, "beta1"_a = noise.beta1, "beta2"_a = noise.beta2);
+}
+
+py::dict dict_of(const Effect& effect)
+{
+    py::list parameters;
+    for (const Parameter& p : effect.parameters)
+        parameters.append(py::dict("name"_a = p.name, "unit"_a = p.unit, "min"_a = p.min,
+                                   "max"_a = p.max, "null"_a = p.null,
+                                   "meaning"_a = p.meaning));
+    return py::dict("name"_a = effect.name, "stage"_a = name_of(effect.stage),
+                    "pattern"_a = name_of(effect.pattern),
+                    "parameters"_a = parameters, "meaning"_a = effect.meaning,
+                    "source"_a = effect.source);
+}
+
+void bind_illuminant(py::module_& m)
+{
+    py::class_<Illuminant>(m, "Illuminant", "A light as one sensor sees it.")
+        .def_readonly("spec", &Illuminant::spec, "The word that named it.")
+        .def_readonly("neutral", &Illuminant::neutral,
+                      "Camera RGB of a neutral patch (AsShotNeutral): (R, G = 1, B).")
+        .def_property_readonly(
+            "xy", [](const Illuminant& i) { return std::array<double, 2> { i.xy.x, i.xy.y }; },
+            "CIE 1931 chromaticity, as a raw converter derives it from the neutral.")
+        .def_property_readonly(
+            "cct", [](const Illuminant& i) { return i.temperature.cct.value; },
+            "Correlated colour temperature of xy, K.")
+        .def_property_readonly(
+            "duv", [](const Illuminant& i) { return i.temperature.duv; },
+            "Distance from the Planckian locus in CIE 1960 uv, positive above it.")
+        .def("__repr__", [](const Illuminant& i) {
+            return "<Illuminant " + i.spec + ": " + std::to_string(int(i.temperature.cct.value))
+                + " K>";
+        });
+    m.attr("illuminant_grammar") = illuminant_grammar;
+    m.def("illuminant_list", &illuminant_list, "words"_a,
+          "The single words of a list such as \"A,D65,sample:0-9\".\n\n"
+          "Raises ValueError that lists the grammar.");
+    m.def(
+        "raw_space_from_name",
+        [](const std::string& name) -> std::optional<std::pair<std::string, std::string>> {
+            const auto space = raw_space_from_name(name, installed_profiles());
+            if (!space)
+                return std::nullopt;
+            return std::pair(space->sensor, space->illuminant);
+        },
+        "name"_a,
+        "(sensor, illuminant) of a colour space named \"RAW - <sensor> - <illuminant>\", or\n"
+        "of its alias; None for the name of another space.");
+    m.def(
+        "raw_space_name",
+        [](const std::string& sensor, const std::string& illuminant) {
+            return raw_space_name({ sensor, illuminant });
+        },
+        "sensor"_a, "illuminant"_a, "Name of the colour space of a sensor's RAW.");
+    m.def(
+        "raw_space_alias",
+        [](const std::string& sensor, const std::string& illuminant) {
+            return raw_space_alias({ sensor, illuminant });
+        },
+        "sensor"_a, "illuminant"_a, "Its alias: lower case, with underscores.");
+}
+
+void bind_search(py::module_& m)
+{
+    m.def("load_profile", &load_profile, "id_or_path"_a,
+          "A sensor profile by id, or by path (has a slash or ends in .json).");
+    m.def("parse_profile", &parse_profile, "json"_a, "file"_a = "profile",
+          "A sensor profile from its JSON text; file names it in messages.");
+    m.def("installed_profiles", &installed_profiles, "Ids of all profiles found, sorted.");
+    m.def("profile_folders", &profile_folders, "Folders that are searched, in order.");
+    m.def(
+        "effects",
+        [] {
+            py::list list;
+            for (const Effect& effect : all_effects())
+                list.append(dict_of(effect));
+            return list;
+        },
+        "Every effect that a profile may list: name, stage, parameters, meaning, source.");
+}
+
+void bind_numbers(py::class_<SensorProfile>& c)
+{
+    c.def("to_json", &to_json, "The profile as JSON text that reads back the same.")
+        .def("illuminant", &illuminant, "spec"_a, "as_shot"_a = py::none(),
+             "The Illuminant that a word names; as_shot is what \"as-shot\" stands for.")
+        .def(
+            "xy_from_neutral",
+            [](const SensorProfile& p, const Vec3& neutral) {
+                const NeutralChromaticity n = xy_from_neutral(p, neutral);
+                return py::make_tuple(py::make_tuple(n.xy.x, n.xy.y), n.passes, n.converged);
+            },
+            "neutral"_a, "((x, y), passes, converged), as a raw converter iterates them.")
+        .def(
+            "camera_from_xyz",
+            [](const SensorProfile& p, std::array<double, 2> xy) {
+                return array_of(camera_from_xyz(p, { xy[0], xy[1] }));
+            },
+            "xy"_a, "(3, 3) float64 ColorMatrix interpolated at chromaticity xy.")
+        .def(
+            "warm_weight",
+            [](const SensorProfile& p, std::array<double, 2> xy) {
+                return warm_weight(p, { xy[0], xy[1] });
+            },
+            "xy"_a, "Weight of the warmer calibration at xy, 0 to 1.")
+        .def(
+            "paper_temperature",
+            [](const SensorProfile& p, const Vec3& neutral) {
+                const Temperature t = paper_temperature(p, neutral);
+                return std::array<double, 2> { t.cct.value, t.duv };
+            },
+            "neutral"_a, "(K, Duv) as the paper's reference implementation iterates them.")
+        .def(
+            "noise_at", [](const SensorProfile& p, double iso) { return dict_of(noise_at(p, iso)); },
+            "iso"_a, "{\"iso\", \"beta1\", \"beta2\"} per CFA site, x in 0..1 above black.");
+}
+
+} // namespace
+
+void bind_profile(py::module_& m)
+{
+    bind_illuminant(m);
+    bind_search(m);
+    py::class_<SensorProfile> c(m, "SensorProfile", "All that is known of one sensor.");
+    c.def_readonly("id", &SensorProfile::id)
+        .def_readonly("make", &SensorProfile::make)
+        .def_readonly("model", &SensorProfile::model)
+        .def_readonly("unique_camera_model", &SensorProfile::unique_camera_model)
+        .def_readonly("sources", &SensorProfile::sources)
+        .def_property_readonly("cfa", [](const SensorProfile& p) { return name_of(p.cfa); })
+        .def_readonly("width", &SensorProfile::width)
+        .def_readonly("height", &SensorProfile::height)
+        .def_readonly("bits", &SensorProfile::bits)
+        .def_readonly("black_level", &SensorProfile::black_level)
+        .def_readonly("white_level", &SensorProfile::white_level)
+        .def_property_readonly(
+            "neutrals", [](const SensorProfile& p) { return p.illuminants.neutrals; },
+            "Measured neutrals, (R/G, B/G) each.");
+    bind_numbers(c);
+}
+
+} // namespace cg2raw::python

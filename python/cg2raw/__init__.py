@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""cg2raw: the camera RAW file that a chosen sensor would have written of a CG image."""
+
+from cg2raw._core import (
+    DngMetadata,
+    Illuminant,
+    __version__,
+    effects,
+    illuminant_grammar,
+    illuminant_list,
+    installed_profiles,
+    philox_words,
+    planckian_xy,
+    profile_folders,
+    raw_space_alias,
+    raw_space_from_name,
+    raw_space_name,
+    read_dng_metadata,
+    temperature_from_xy,
+)
+from cg2raw.sensor import RawFrame, Sensor, write_dng
+
+__all__ = [
+    "DngMetadata",
+    "Illuminant",
+    "RawFrame",
+    "Sensor",
+    "__version__",
+    "effects",
+    "illuminant_grammar",
+    "illuminant_list",
+    "installed_profiles",
+    "philox_words",
+    "planckian_xy",
+    "profile_folders",
+    "raw_space_alias",
+    "raw_space_from_name",
+    "raw_space_name",
+    "read_dng_metadata",
+    "temperature_from_xy",
+    "write_dng",
+]

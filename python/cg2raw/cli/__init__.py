@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The command cg2raw. Each module here without a leading underscore is a subcommand.
+
+Such a module has a docstring, whose first line is its help, add_arguments(parser), and
+run(arguments), which returns the exit code: 0, or 1 for "no" where there is a question.
+A ValueError or OSError that leaves run is printed as one line, with exit code 1;
+argparse exits with 2 on a wrong command line.
+"""
+
+import argparse
+import importlib
+import os
+import pkgutil
+import sys
+
+
+def subcommands():
+    """Return {name: module} of all subcommands, by name."""
+    names = sorted(
+        module.name
+        for module in pkgutil.iter_modules(__path__)
+        if not module.name.startswith("_")
+    )
+    return {
+        name.replace("_", "-"): importlib.import_module(f"{__name__}.{name}")
+        for name in names
+    }
+
+
+def make_parser():
+    """Return the parser of the whole command line."""
+    parser = argparse.ArgumentParser(
+        prog="cg2raw", description="CG images as the RAW of a chosen sensor."
+    )
+    choices = parser.add_subparsers(metavar="COMMAND", required=True)
+    for name, module in subcommands().items():
+        first, _, rest = module.__doc__.partition("\n")
+        command = choices.add_parser(
+            name,
+            help=first.rstrip("."),
+            description=first + rest,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.add_arguments(command)
+        command.set_defaults(run=module.run, name=name)
+    return parser
+
+
+def main(argv=None):
+    """Run one command line (default: sys.argv); return its exit code."""
+    arguments = make_parser().parse_args(argv)
+    try:
+        code = arguments.run(arguments)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Whoever read our output has seen enough; keep the interpreter from saying so.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except (ValueError, OSError) as error:
+        print(f"cg2raw {arguments.name}: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130

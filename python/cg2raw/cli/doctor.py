@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Which OpenImageIO finds the DNG plugin, which does not, and why.
+
+Looks at every oiiotool and every Python with OpenImageIO on PATH, lists the plugins
+that each finds, and lets each write a 16x16 DNG. OpenImageIO itself skips a plugin that
+does not fit without a word. Exits with 1 if none of them can write one.
+"""
+
+import json
+import os
+import platform
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from cg2raw import _core
+from cg2raw.cli import _elf, _hosts
+
+PLUGIN = "dng.imageio.so"
+API_NAMES = {
+    25: "OpenImageIO 2.3 to 2.5",
+    26: "OpenImageIO 3.0",
+    27: "OpenImageIO 3.1 to 3.2",
+}
+
+
+@dataclass
+class Plugin:
+    """One plugin file as one host sees it."""
+
+    path: str
+    plugin_api: int | None
+    reason: str  # why the host does not use it; empty if it does
+
+    @property
+    def loads(self):
+        """Return whether the host uses this file."""
+        return not self.reason
+
+
+def add_arguments(parser):
+    """Declare the options of cg2raw doctor."""
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+
+
+def run(arguments):
+    """Print the report; return 0 if at least one OpenImageIO writes DNGs, else 1."""
+    report = examine()
+    print(json.dumps(report, indent=2) if arguments.json else as_text(report))
+    return 0 if report["works"] else 1
+
+
+def examine():
+    """Return the whole report as JSON's types."""
+    folders, sensors = _core.profile_folders(), _core.installed_profiles()
+    hosts = [examine_host(host, sensors) for host in _hosts.find_hosts()]
+    return {
+        "works": any(host["works"] for host in hosts),
+        "hosts": hosts,
+        "sensors": {"folders": folders, "ids": sensors},
+    }
+
+
+def examine_host(host, sensors):
+    """Return the report on one Host."""
+    trial = _hosts.try_to_write(host, sensors[0] if sensors else "none")
+    plugins = plugins_of(host, trial)
+    return {
+        "kind": host.kind,
+        "path": host.path,
+        "version": host.version,
+        "plugin_api": host.plugin_api,
+        "search": [
+            {"variable": variable, "folder": folder, "exists": os.path.isdir(folder)}
+            for variable, folder in host.search
+        ],
+        "plugins": [{**vars(plugin), "loads": plugin.loads} for plugin in plugins],
+        "works": trial.wrote,
+        "message": "" if trial.wrote else trial.message,
+        "remedy": "" if trial.wrote else remedy(host, plugins),
+    }
+
+
+def plugins_of(host, trial):
+    """Return the Plugins in the folders that @host searches, in that order."""
+    plugins, in_use = [], ""
+    for path in dict.fromkeys(
+        os.path.join(folder, PLUGIN) for _, folder in host.search
+    ):
+        if not os.path.exists(path):
+            continue
+        api, reason = None, ""
+        try:
+            library = _elf.read_library(path, "dng_imageio_version")
+            api, reason = library.value, misfit(library, host)
+        except (ValueError, OSError) as error:
+            reason = str(error)
+        reason = reason or (
+            f"comes after {in_use}" if in_use else loader_reason(path, trial.loader)
+        )
+        in_use = in_use or ("" if reason else path)
+        plugins.append(Plugin(path, api, reason))
+    return plugins
+
+
+def misfit(library, host):
+    """Return why @library cannot be a plugin of @host; empty if it may be."""
+    if library.machine != platform.machine():
+        return f"is for {library.machine}, this machine is {platform.machine()}"
+    if library.value is None:
+        return "is no OpenImageIO plugin for dng (no dng_imageio_version in it)"
+    if host.plugin_api is not None and library.value != host.plugin_api:
+        name = API_NAMES.get(library.value, "another OpenImageIO")
+        return (
+            f"is built for plugin API {library.value} ({name}); OpenImageIO "
+            f"{host.version} wants {host.plugin_api}"
+        )
+    return ""
+
+
+def loader_reason(path, log):
+    """Return what the dynamic loader had against @path, by its LD_DEBUG=files @log."""
+    begin = re.search(rf"file={re.escape(path)} \[\d+\];\s+dynamically loaded by", log)
+    if not log or re.search(rf"calling init: {re.escape(path)}$", log, re.MULTILINE):
+        return ""
+    if not begin:
+        return "was not opened, although it lies on the search path"
+    after = log[begin.end() :].partition("dynamically loaded by")[0]
+    error = re.search(r"error: (.*?) \(fatal\)", after)
+    if error:
+        return f"does not load: {error[1]}"
+    for name, needed_by in re.findall(r"file=(\S+) \[\d+\];\s+needed by (\S+)", after):
+        mapped = rf"file={re.escape(name)} \[\d+\];\s+generating link map"
+        if not re.search(mapped, after):
+            return f"does not load: {name} is not found, needed by {needed_by}"
+    return "does not load: the dynamic loader refuses it"
+
+
+def remedy(host, plugins):
+    """Return one line that helps @host to its plugin."""
+    if any(plugin.loads for plugin in plugins):
+        return "the plugin is loaded; its message says what it lacks"
+    for path in known_plugins():
+        try:
+            fits = not misfit(_elf.read_library(path, "dng_imageio_version"), host)
+        except (ValueError, OSError):
+            continue
+        if fits and path not in [plugin.path for plugin in plugins]:
+            folder = os.path.dirname(path)
+            return f"export {host.variable}={folder} (or: source scripts/env)"
+    return (
+        f"build the plugin for OpenImageIO {host.version}: cmake -S . -B build/own "
+        "-DCMAKE_PREFIX_PATH=<its SDK> && cmake --build build/own, then "
+        f"export {host.variable}=$PWD/build/own/lib/cg2raw/oiio"
+    )
+
+
+def known_plugins():
+    """Return plugin files of the tree or installation that this module is part of."""
+    here = Path(os.path.abspath(__file__))
+    parents = dict.fromkeys([*here.parents, *here.resolve().parents])
+    found = [
+        path
+        for parent in parents
+        for pattern in (
+            f"lib/cg2raw/oiio/{PLUGIN}",
+            f"build/*/lib/cg2raw/oiio/{PLUGIN}",
+        )
+        for path in sorted(parent.glob(pattern))
+    ]
+    return [str(path) for path in dict.fromkeys(found)]
+
+
+def as_text(report):
+    """Return the report for people."""
+    lines = []
+    for host in report["hosts"]:
+        lines += host_lines(host)
+    if not report["hosts"]:
+        lines.append(
+            "no oiiotool, no Python with OpenImageIO on PATH: run scripts/setup"
+        )
+    sensors = report["sensors"]
+    names = ", ".join(sensors["ids"]) or "none"
+    lines.append(f"sensors: {len(sensors['ids'])} ({names})")
+    lines += [f"  in {folder}" for folder in sensors["folders"]]
+    return "\n".join(lines)
+
+
+def host_lines(host):
+    """Return the lines on one host."""
+    api = host["plugin_api"] or "unknown"
+    lines = [f"{host['path']}: OpenImageIO {host['version']}, plugin API {api}"]
+    for place in host["search"]:
+        missing = "" if place["exists"] else "   (no such folder)"
+        lines.append(f"  searches  {place['variable']}: {place['folder']}{missing}")
+    if not host["search"]:
+        lines.append(
+            "  searches  nothing: neither OIIO_LIBRARY_PATH nor "
+            "OPENIMAGEIO_PLUGIN_PATH names a folder"
+        )
+    for plugin in host["plugins"]:
+        lines.append(f"  plugin    {plugin['path']} {plugin['reason'] or 'loads'}")
+    if host["search"] and not host["plugins"]:
+        lines.append(f"  plugin    no {PLUGIN} in these folders")
+    lines.append(
+        "  writes    "
+        + ("a 16x16 DNG: works" if host["works"] else f"no DNG: {host['message']}")
+    )
+    if host["remedy"]:
+        lines.append(f"  remedy    {host['remedy']}")
+    return [*lines, ""]

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Sensor: a profile and what can be simulated with it."""
+
+import os
+
+import numpy as np
+
+from cg2raw import _core
+
+
+class RawFrame(np.ndarray):
+    """(height, width) uint16 DN that remembers the simulation it came from.
+
+    DN may be altered before they are written: what keeps the shape keeps `simulation`.
+    A piece of another shape has none, and write_dng refuses it."""
+
+    simulation = None
+
+    def __array_finalize__(self, source):
+        same = source is not None and source.shape == self.shape
+        self.simulation = getattr(source, "simulation", None) if same else None
+
+
+class Sensor:
+    """One camera sensor.
+
+    id_or_path : id of an installed profile, or the path of one (.json).
+    Raises ValueError for an unknown id, listing those installed, or a bad profile.
+    """
+
+    def __init__(self, id_or_path):
+        self._profile = _core.load_profile(os.fspath(id_or_path))
+
+    @classmethod
+    def from_json(cls, text, name="profile"):
+        """Return the sensor of a profile's JSON text; name stands in messages."""
+        sensor = cls.__new__(cls)
+        sensor._profile = _core.parse_profile(text, name)
+        return sensor
+
+    @classmethod
+    def from_dng(cls, path):
+        """Return the sensor that one real DNG describes, by its metadata alone."""
+        sensor = cls.__new__(cls)
+        metadata = _core.read_dng_metadata(os.fspath(path))
+        sensor._profile = _core.profile_from_dng(metadata)
+        return sensor
+
+    def __getattr__(self, name):
+        if name == "_profile":
+            raise AttributeError(name)
+        return getattr(self._profile, name)
+
+    def __dir__(self):
+        return [*super().__dir__(), *dir(self._profile)]
+
+    def __repr__(self):
+        return f"Sensor({self.id!r})"
+
+    def simulate(self, rgb, *, threads=0, **run):
+        """Return the RAW frame that this sensor would have written of an image.
+
+        rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709; alpha is ignored.
+        threads : 0 for one per core; the result does not depend on it.
+        run : see `simulation`.
+        Returns (H, W) uint16 DN. Raises ValueError."""
+        rgb = np.asarray(rgb, dtype=np.float32)
+        simulation = self.simulation(rgb.shape[:2], **run)
+        frame = simulation.raw(rgb, threads=threads).view(RawFrame)
+        frame.simulation = simulation
+        return frame
+
+    def signal(self, rgb, **run):
+        """Return (H, W) float32 before quantisation: 0..1 above black, not clamped."""
+        rgb = np.asarray(rgb, dtype=np.float32)
+        return self.simulation(rgb.shape[:2], **run).signal(rgb)
+
+    def simulation(
+        self,
+        shape,
+        *,
+        illuminant,
+        iso=None,
+        seed=0,
+        frame=0,
+        digital_gain=1.0,
+        convention="dng",
+        highlights=True,
+        effects=True,
+        camera_input=False,
+        as_shot=None,
+    ):
+        """Return what decides every pixel of an exposure.
+
+        shape : (H, W) of the image.
+        illuminant : word of the illuminant grammar, or an Illuminant.
+        iso : None for no noise; else within one stop of the calibrated ISOs.
+        seed, frame : key of everything random; noise differs from frame to frame.
+        digital_gain : multiplies the white balance gains (0 to 1000).
+        convention : "dng" (inverse of a DNG renderer) or "paper".
+        highlights : keep white white while white balance is undone.
+        effects : False for neither the profile's effects nor noise.
+        camera_input : the image already is camera RGB under this illuminant.
+        as_shot : (3,) neutral that the word as-shot stands for."""
+        run = _core.Run(
+            illuminant=_word(illuminant),
+            iso=iso,
+            seed=seed,
+            frame=frame,
+            digital_gain=digital_gain,
+            convention=convention,
+            highlights=highlights,
+            effects=effects,
+            camera_input=camera_input,
+            as_shot=as_shot,
+        )
+        return _core.Simulation(self._profile, tuple(shape), run)
+
+    def to_camera(
+        self, rgb, *, illuminant, convention="dng", digital_gain=1.0, highlights=True
+    ):
+        """Return (H, W, 3) float32 camera RGB before the mosaic; arguments as above."""
+        light = self.illuminant(_word(illuminant))
+        rgb = np.asarray(rgb, dtype=np.float32)
+        planes = _core.to_camera(
+            self._profile, rgb, light, convention, digital_gain, highlights
+        )
+        return np.moveaxis(planes, 0, -1)
+
+
+def _word(illuminant):
+    """Return the word of the grammar that names an illuminant, exactly."""
+    if isinstance(illuminant, str):
+        return illuminant
+    red, _, blue = illuminant.neutral
+    return f"neutral:{red!r}:{blue!r}"
+
+
+def write_dng(
+    path,
+    raw,
+    *,
+    compression="ljpeg",
+    preview=True,
+    matrices="camera",
+    tone_curve="camera",
+    threads=0,
+):
+    """Write a simulated frame as a DNG, complete or not at all.
+
+    raw : RawFrame, as Sensor.simulate returns it.
+    compression : "ljpeg" (lossless JPEG) or "none".
+    preview : whether IFD0 holds a rendered picture.
+    matrices : "camera" (the sensor's) or "exact" (every reader gives the render back).
+    tone_curve : "camera" (the reader's own) or "linear".
+    Raises ValueError naming path and reason."""
+    simulation = getattr(raw, "simulation", None)
+    if simulation is None:
+        raise ValueError("raw must be a frame as Sensor.simulate returns it")
+    if raw.dtype != np.uint16:
+        raise ValueError(f"raw must stay uint16 DN, not {raw.dtype}")
+    _core.write_dng(
+        os.fspath(path),
+        np.ascontiguousarray(raw),
+        simulation,
+        compression,
+        preview,
+        matrices,
+        tone_curve,
+        threads,
+    )
