@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What tests share: where things lie, both oiiotools, and the choice of slow tests."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILD = Path(os.environ.get("CG2RAW_BUILD", ROOT / "build" / "system"))
+OIIOTOOLS = {
+    "oiio-system": (Path("/usr/bin/oiiotool"), BUILD / "lib/cg2raw/oiio"),
+    "oiio-wheel": (ROOT / ".venv/bin/oiiotool", ROOT / "build/wheel/lib/cg2raw/oiio"),
+}
+
+
+def pytest_addoption(parser):
+    parser.addoption("--slow", action="store_true", help="run the slow tests too")
+
+
+def pytest_configure(config):
+    slow = config.getoption("--slow") or os.environ.get("CG2RAW_TEST_SLOW") == "1"
+    if not slow and not config.option.markexpr:
+        config.option.markexpr = "not slow"
+
+
+@pytest.fixture(scope="session")
+def repository():
+    """Return the root of the source tree."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def build_folder():
+    """Return the CMake build folder that is under test."""
+    return BUILD
+
+
+@pytest.fixture(scope="session")
+def camera_data():
+    """Return the folder of real camera data, or skip: it is not in the repository."""
+    folder = Path(os.environ.get("CG2RAW_TEST_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no camera data in {folder}; CG2RAW_TEST_DATA names another one")
+    return folder
+
+
+def oiiotool_runner(name):
+    """Return run(*arguments, check=True, **keywords) of one of OIIOTOOLS.
+
+    The environment has that tool's plugin folder, no other, and the tree's profiles.
+    """
+    tool, plugins = OIIOTOOLS[name]
+    if not tool.exists() or not (plugins / "dng.imageio.so").exists():
+        pytest.skip(f"no {tool} with {plugins}/dng.imageio.so: run scripts/setup")
+
+    def run(*arguments, check=True, env=None, **keywords):
+        environment = {
+            **os.environ,
+            "OIIO_LIBRARY_PATH": str(plugins),
+            "OPENIMAGEIO_PLUGIN_PATH": str(plugins),
+            "CG2RAW_PROFILE_PATH": str(ROOT / "plugins" / "profiles"),
+            **(env or {}),
+        }
+        done = subprocess.run(
+            [tool, *map(str, arguments)],
+            env=environment,
+            text=True,
+            capture_output=True,
+            **keywords,
+        )
+        if check:
+            assert done.returncode == 0, done.stdout + done.stderr
+        return done
+
+    run.name = name
+    return run
+
+
+@pytest.fixture(params=list(OIIOTOOLS))
+def oiiotool(request):
+    """Return a runner of the system's, then of the wheel's oiiotool."""
+    return oiiotool_runner(request.param)
+
+
+@pytest.fixture
+def system_oiiotool():
+    """Return a runner of the system's oiiotool."""
+    return oiiotool_runner("oiio-system")
+
+
+@pytest.fixture(scope="session")
+def program():
+    """Return program(name): the path of an external reader, or skip the test."""
+
+    def find(name):
+        path = shutil.which(name)
+        if path is None:
+            pytest.skip(f"{name} is not installed")
+        return path
+
+    return find

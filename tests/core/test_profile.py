@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""profile.h: the schema and its errors, the bundled sensors, noise between ISOs."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import cg2raw
+import numpy as np
+import pytest
+
+from oracles import cameras
+
+PROFILES = Path(__file__).parents[2] / "plugins" / "profiles"
+
+
+def load(**fields):
+    return cg2raw.Sensor.from_json(cameras.profile_text(**fields), name="inline.json")
+
+
+def test_a_legal_profile_is_read():
+    sensor = load(cfa="GBRG", black_level=[60, 61.5, 62, 63])
+    assert (sensor.id, sensor.make, sensor.model) == (
+        "test-sensor",
+        "cg2raw",
+        "Test Sensor",
+    )
+    assert (sensor.cfa, sensor.width, sensor.height) == ("GBRG", 64, 48)
+    assert (sensor.bits, sensor.white_level) == (14, 16383)
+    assert list(sensor.black_level) == [60.0, 61.5, 62.0, 63.0]
+
+
+REQUIRED = (
+    "schema id make model unique_camera_model sources cfa width height bits "
+    "black_level white_level calibration_illuminant_1 color_matrix_1"
+).split()
+
+
+@pytest.mark.parametrize("field", REQUIRED)
+def test_no_field_has_a_silent_default(field):
+    with pytest.raises(ValueError, match=rf"^inline.json: {field}\b.*missing"):
+        load(**{field: None})
+
+
+M = [0.7, -0.2, -0.1, -0.8, 1.5, 0.3, -0.1, 0.1, 0.8]
+NOISE = {"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 4}
+# Field, what is wrong with it, what the message must say beside file and field.
+WRONG = [
+    ("schema", 2, "1"),
+    ("schema", "1", "whole number"),
+    ("id", "", "text"),
+    ("id", "Nikon D40", "lower"),
+    ("id", 5, "text"),
+    ("make", "", "text"),
+    ("sources", [], "object"),
+    ("sources", {"noise": 3}, "text"),
+    ("cfa", "RGBG", "rggb|RGGB"),
+    ("cfa", "XTRANS", "rggb|RGGB"),
+    ("width", 0, "1|2"),
+    ("height", -4, "1|2"),
+    ("width", 70000, "65535"),
+    ("width", 64.5, "whole number"),
+    ("width", 1e300, "whole number|65535"),
+    ("bits", 7, "8 to 16"),
+    ("bits", 17, "8 to 16"),
+    ("bits", "14", "whole number"),
+    ("black_level", 512, "list"),
+    ("black_level", [512], "4"),
+    ("black_level", [512] * 5, "4"),
+    ("black_level", [512, 512, 512, -1], "0.*white_level"),
+    ("black_level", [512, 512, 512, 16383], "white_level 16383"),
+    ("black_level", [512, 512, 512, "512"], "number"),
+    ("white_level", 0, "1 to 16383"),
+    ("white_level", 16384, "1 to 16383"),
+    ("white_level", 1e4 + 0.5, "whole number"),
+    ("calibration_illuminant_1", "E", "A.*D65"),
+    ("calibration_illuminant_2", "A", "differ"),
+    ("calibration_illuminant_2", None, "missing"),
+    ("color_matrix_1", M[:8], "9"),
+    ("color_matrix_1", [0.0] * 9, "singular"),
+    ("color_matrix_1", [1, 2, 3] * 3, "singular"),
+    ("color_matrix_1", [-v for v in M], "white"),
+    ("color_matrix_2", None, "_2.*matrix"),
+    ("color_matrix_2", [M[:3], M[3:6], M[6:]], "9|number"),
+    ("forward_matrix_1", [0.0] * 9, "singular|white|sum"),
+    ("forward_matrix_1", [1, 2, 3] * 3, "singular"),
+    ("forward_matrix_1", M[:4], "9"),
+    ("illuminants", {}, "mean|neutrals"),
+    ("illuminants", {"neutrals": [[0.5]]}, "2|R/G"),
+    ("illuminants", {"neutrals": [[0.5, 0.0]]}, "0.01"),
+    ("illuminants", {"neutrals": [[0.5, 101]]}, "100"),
+    ("illuminants", {"neutrals": [], "seed": 1}, "unknown.*neutrals"),
+    ("illuminants", {"mean": [0.5, 0.5], "hull": []}, "covariance"),
+    ("digital_gain", {"mean": 0.8}, "sigma"),
+    ("digital_gain", {"mean": -0.8, "sigma": 0.1}, "mean"),
+    ("digital_gain", {"mean": 0.8, "sigma": -0.1}, "sigma"),
+    ("digital_gain", 0.8, "object"),
+    ("noise", {}, "list"),
+    ("noise", [{**NOISE, "beta1": [1e-4]}], "4"),
+    ("noise", [{**NOISE, "beta1": [1e-4, 1e-4, 1e-4, -1e-4]}], "0"),
+    ("noise", [{**NOISE, "iso": 0}], "iso"),
+    ("noise", [{**NOISE, "gain": 1}], "unknown.*beta1"),
+    ("noise", [{"iso": 100, "beta1": [1e-4] * 4}], "beta2"),
+    ("noise", [NOISE, NOISE], "rise"),
+    ("effects", {}, "list"),
+    ("effects", [{}], "name"),
+]
+
+
+@pytest.mark.parametrize(("field", "value", "says"), WRONG)
+def test_a_wrong_field_is_named_with_what_is_allowed(field, value, says):
+    with pytest.raises(ValueError, match=says) as error:
+        load(**{field: value})
+    message = str(error.value)
+    assert message.startswith("inline.json: ") and "\n" not in message
+    if value is not None:
+        assert field.removesuffix("_1").removesuffix("_2") in message
+
+
+@pytest.mark.parametrize(
+    ("effect", "says"),
+    [
+        ({"name": "no_such_effect", "parameters": {}}, "no_such_effect.*lens_shading"),
+        ({"name": "lens_shading", "parameters": {}}, "r2.*missing"),
+        ({"name": "lens_shading", "parameters": {"r2": "x"}}, "r2.*number"),
+        ({"name": "lens_shading", "kind": "x"}, "kind.*unknown"),
+    ],
+)
+def test_a_wrong_effect_is_named_with_what_is_allowed(effect, says):
+    rgb = np.zeros((2, 2, 3), np.float32)
+    with pytest.raises(ValueError, match=says):
+        load(effects=[effect]).simulate(rgb, illuminant="A")
+
+
+def test_unknown_fields_are_errors():
+    with pytest.raises(
+        ValueError, match=r"inline.json: blacklevel .*unknown.*black_level"
+    ):
+        load(blacklevel=[512] * 4)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "null", '{"schema": NaN}', "\x00", "1e999"]
+)
+def test_what_is_no_profile_is_an_error(text):
+    with pytest.raises(ValueError, match=r"^inline.json: "):
+        cg2raw.Sensor.from_json(text, name="inline.json")
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+@pytest.mark.parametrize("field", ["color_matrix_1", "black_level", "white_level"])
+def test_numbers_that_are_none_are_errors(field, number):
+    text = cameras.profile_text(**{field: "HERE"})
+    value = number if field == "white_level" else f"[{', '.join([number] * 9)}]"
+    with pytest.raises(ValueError, match=r"^inline.json: "):
+        cg2raw.Sensor.from_json(text.replace('"HERE"', value), name="inline.json")
+
+
+FULL = {
+    "cfa": "BGGR",
+    "black_level": [500.25, 501, 502, 503],
+    "forward_matrix_1": [0.7, 0.2, 0.06, 0.28, 0.8, -0.08, 0.02, -0.1, 0.9],
+    "forward_matrix_2": [0.72, 0.2, 0.04, 0.28, 0.8, -0.08, 0.02, -0.1, 0.9],
+    "digital_gain": {"mean": 0.8, "sigma": 0.1},
+    "effects": [
+        {
+            "name": "lens_shading",
+            "parameters": {
+                "r2": -0.3,
+                "r4": 0.0,
+                "r6": 0.0,
+                "tilt_x": 0.0,
+                "tilt_y": 0.0,
+            },
+            "evidence": {"frames": 3, "odds": 1e9},
+        }
+    ],
+}
+
+
+def test_a_profile_survives_a_round_trip_field_for_field():
+    once = load(**FULL).to_json()
+    assert json.loads(once) == cameras.profile(**FULL)
+    assert cg2raw.Sensor.from_json(once).to_json() == once
+
+
+def test_a_distribution_survives_a_round_trip():
+    stated = {
+        "mean": [0.6, 0.5],
+        "covariance": [[0.04, -0.02], [-0.02, 0.03]],
+        "hull": [[0.4, 0.3], [0.9, 0.3], [0.6, 0.8]],
+    }
+    once = load(illuminants=stated).to_json()
+    assert json.loads(once)["illuminants"] == stated
+
+
+def test_bundled_profiles_are_installed_and_load():
+    installed = cg2raw.installed_profiles()
+    assert {"nikon-d40", "samsung-s20fe"} <= set(installed)
+    assert installed == sorted(installed)
+    for name in installed:
+        assert cg2raw.Sensor(name).id == name
+
+
+def test_an_unknown_sensor_lists_those_installed():
+    with pytest.raises(ValueError, match="nikon-d41.*nikon-d40.*samsung-s20fe"):
+        cg2raw.Sensor("nikon-d41")
+
+
+def test_a_profile_is_found_by_path_and_by_search_path(tmp_path, monkeypatch):
+    file = tmp_path / "mine.json"
+    file.write_text(cameras.profile_text(id="mine"))
+    assert cg2raw.Sensor(str(file)).id == "mine"
+    monkeypatch.setenv("CG2RAW_PROFILE_PATH", str(tmp_path))
+    assert cg2raw.Sensor("mine").id == "mine"
+    assert {"mine", "nikon-d40"} <= set(cg2raw.installed_profiles())
+
+
+@pytest.mark.parametrize("name", ["./missing.json", "/no/such/folder/x.json", "a/b"])
+def test_a_missing_file_is_an_error_that_names_it(name):
+    with pytest.raises(ValueError, match=name):
+        cg2raw.Sensor(name)
+
+
+def test_bundled_profiles_are_what_their_script_makes(camera_data, tmp_path):
+    script = shutil.copy(PROFILES / "make_profiles.py", tmp_path)
+    command = [sys.executable, script, "--data", camera_data, "--out", tmp_path]
+    subprocess.run(list(map(str, command)), check=True)
+    made = sorted(tmp_path.glob("*.json"))
+    assert [path.name for path in made] == ["nikon-d40.json", "samsung-s20fe.json"]
+    for path in made:
+        assert path.read_bytes() == (PROFILES / path.name).read_bytes()
+
+
+def test_the_samsung_is_the_one_that_was_measured():
+    sensor = cg2raw.Sensor("samsung-s20fe")
+    assert (sensor.cfa, sensor.width, sensor.height) == ("GRBG", 4032, 3024)
+    assert (sensor.bits, sensor.white_level) == (10, 1023)
+    assert list(sensor.black_level) == [64.0] * 4
+    # ISO 1600, top-left green: 2.24355796 DN^2 per DN, -134.138137 DN^2, DN with black.
+    noise = sensor.noise_at(1600)
+    for dn in (64.0, 300.0, 1023.0):
+        x = (dn - 64.0) / 959.0
+        variance = (noise["beta1"][0] * x + noise["beta2"][0]) * 959.0**2
+        assert variance == pytest.approx(2.24355796 * dn - 134.138137, rel=1e-5)
+
+
+def test_every_number_of_a_bundled_profile_has_a_source():
+    for name in ("nikon-d40", "samsung-s20fe"):
+        profile = json.loads((PROFILES / f"{name}.json").read_text())
+        facts = set(profile) - {"schema", "id", "sources", "effects"}
+        assert facts == set(profile["sources"])
+
+
+def table(isos, beta1, beta2):
+    rows = zip(isos, beta1, beta2, strict=True)
+    return [{"iso": i, "beta1": [a] * 4, "beta2": [b] * 4} for i, a, b in rows]
+
+
+def test_noise_is_interpolated_on_log_log_axes():
+    sensor = load(
+        noise=table([100, 400, 1600], [1e-4, 4e-4, 1.6e-3], [1e-6, 9e-6, 9e-6])
+    )
+    for iso, beta1, beta2 in [
+        (100, 1e-4, 1e-6),
+        (200, 2e-4, 3e-6),
+        (800, 8e-4, 9e-6),
+        (1600, 1.6e-3, 9e-6),
+        (50, 5e-5, 1e-6 / 3.0),
+        (3200, 3.2e-3, 9e-6),
+    ]:
+        noise = sensor.noise_at(iso)
+        assert noise["iso"] == iso
+        assert noise["beta1"] == pytest.approx([beta1] * 4, rel=1e-12)
+        assert noise["beta2"] == pytest.approx([beta2] * 4, rel=1e-12)
+
+
+@pytest.mark.parametrize("iso", [49.9, 3201, 0, -100, np.nan, np.inf])
+def test_more_than_one_stop_beyond_the_table_is_an_error(iso):
+    sensor = load(noise=table([100, 1600], [1e-4, 1.6e-3], [1e-6, 9e-6]))
+    with pytest.raises(ValueError, match="50.*3200"):
+        sensor.noise_at(iso)
+
+
+def test_a_sensor_without_noise_says_so():
+    with pytest.raises(ValueError, match="test-sensor.*no.*noise"):
+        load(noise=None).noise_at(100)
+
+
+def test_a_measured_zero_stays_finite_between_isos():
+    sensor = load(noise=table([100, 400], [1e-4, 4e-4], [0.0, 4e-6]))
+    assert 0.0 <= sensor.noise_at(200)["beta2"][0] <= 4e-6
+    assert sensor.noise_at(50)["beta2"][0] >= 0.0

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Every reader opens every kind of file, and reads our very numbers."""
+
+import itertools
+import json
+import re
+
+import numpy as np
+import pytest
+import rawpy
+import tifffile
+
+from dng import dng_files
+
+BLACK, WHITE = 512, 16383
+PATTERNS = ("RGGB", "GRBG", "GBRG", "BGGR")
+DAYLIGHT = dng_files.fields_of()["color_matrix_2"]
+LEVELS = {"bits": 14, "black_level": [BLACK] * 4, "white_level": WHITE}
+ONE_MATRIX = {
+    "calibration_illuminant_1": "D65",
+    "calibration_illuminant_2": None,
+    "color_matrix_1": DAYLIGHT,
+    "color_matrix_2": None,
+}
+# Several tiles and strips each way; an odd size ends within a CFA repeat.
+SHAPES = {"even": (272, 1040), "odd": (271, 1039)}
+CASES = list(
+    itertools.product(("none", "ljpeg"), (False, True), PATTERNS, (1, 2), SHAPES)
+)
+
+
+def name_of(case):
+    compression, preview, cfa, matrices, size = case
+    words = (compression, "preview" if preview else "raw", cfa, f"{matrices}m", size)
+    return "-".join(words)
+
+
+def sensor_of(case):
+    _, _, cfa, matrices, _ = case
+    matrix = ONE_MATRIX if matrices == 1 else {}
+    return dng_files.sensor(cfa=cfa, **LEVELS, **matrix)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Return {case: (path, DN)} of the whole matrix."""
+    folder = tmp_path_factory.mktemp("readers")
+    written = {}
+    for seed, case in enumerate(CASES):
+        compression, preview, *_, size = case
+        sensor = sensor_of(case)
+        path = folder / f"{name_of(case)}.dng"
+        mosaic = dng_files.random_mosaic(sensor, SHAPES[size], seed)
+        dng_files.write(path, sensor, mosaic, compression=compression, preview=preview)
+        written[case] = path, mosaic
+    return written
+
+
+@pytest.fixture(params=CASES, ids=name_of)
+def case(request, files):
+    """Return (words of the case, path, DN)."""
+    return (request.param, *files[request.param])
+
+
+def neutral_of(case):
+    return np.array(sensor_of(case).illuminant("A").neutral)
+
+
+def test_libraw(case):
+    words, path, mosaic = case
+    with rawpy.imread(str(path)) as raw:
+        np.testing.assert_array_equal(raw.raw_image, mosaic)
+        np.testing.assert_array_equal(raw.raw_image_visible, mosaic)
+        colors = "".join("RGBG"[i] for i in np.ravel(raw.raw_pattern))
+        assert colors == words[2]
+        assert raw.black_level_per_channel == [BLACK] * 4
+        assert raw.white_level == WHITE
+        multipliers = np.array(raw.camera_whitebalance[:3])
+        matrix = raw.rgb_xyz_matrix[:3]
+    np.testing.assert_allclose(multipliers, 1.0 / neutral_of(words), rtol=2e-6)
+    # LibRaw and dcraw keep the daylight matrix.
+    np.testing.assert_allclose(matrix, np.reshape(DAYLIGHT, (3, 3)), atol=1e-6)
+
+
+def test_dcraw(case, program, tmp_path):
+    program("dcraw")
+    words, path, mosaic = case
+    for option in ("-D", "-E"):
+        dn, complaint = dng_files.dcraw(path, tmp_path / "dn.tif", option, "-4")
+        np.testing.assert_array_equal(dn, mosaic)
+        assert complaint == ""
+    report = dng_files.run("dcraw", "-i", "-v", path).stdout.decode()
+    cfa = words[2]
+    assert f"Filter pattern: {cfa[:2]}/{cfa[2:]}" in report
+    multipliers = re.search(r"Camera multipliers: ([\d. ]+)", report)[1].split()[:3]
+    np.testing.assert_allclose(
+        np.array(multipliers, float), 1.0 / neutral_of(words), atol=2e-6
+    )
+    said = dng_files.run("dcraw", "-v", "-w", "-c", path).stderr.decode()
+    assert f"darkness {BLACK}, saturation {WHITE}," in said
+
+
+def test_tifffile(case):
+    words, path, mosaic = case
+    with tifffile.TiffFile(path) as tiff:
+        page = dng_files.raw_page(tiff)
+        np.testing.assert_array_equal(page.asarray(), mosaic)
+        assert page.photometric == tifffile.PHOTOMETRIC.CFA
+        colors = {"R": 0, "G": 1, "B": 2}
+        assert page.tags["CFAPattern"].value == bytes(colors[c] for c in words[2])
+        assert page.is_tiled == (words[0] == "ljpeg")
+
+
+def test_oiiotool(case, program, tmp_path):
+    # Its raw reader: neither our plugin nor tiff claims reading .dng.
+    tool = program("oiiotool")
+    _, path, mosaic = case
+    out = tmp_path / "dn.tif"
+    dng_files.run(tool, "--iconfig", "raw:Demosaic", "none", path, "-o", out)
+    dn = tifffile.imread(out)
+    np.testing.assert_array_equal(dn, mosaic)
+
+
+def test_exiftool(files, program):
+    # All at once: a start of exiftool takes longer than a file.
+    tool = program("exiftool")
+    paths = [path for path, _ in files.values()]
+    report = dng_files.run(tool, "-j", "-validate", "-a", "-warning", "-error", *paths)
+    entries = json.loads(report.stdout)
+    assert len(entries) == len(CASES)
+    for entry in entries:
+        assert "Warning" not in entry and "Error" not in entry, entry
+        assert entry["Validate"] == "OK", entry
+
+
+def test_exiftool_finds_no_warning_in_a_real_camera_file(camera_data, program):
+    # The measure above is fair: real DNGs pass without one, and a warning would show.
+    tool = program("exiftool")
+    path = camera_data / "real" / "Hero6_GOPR0024.dng"
+    report = dng_files.run(tool, "-j", "-validate", "-a", "-warning", path)
+    assert "Warning" not in json.loads(report.stdout)[0]
+
+
+SUBSET = [case for case in CASES if case[2] == "GRBG" and case[3] == 2]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", SUBSET, ids=name_of)
+def test_rawtherapee_opens(words, files, program, tmp_path):
+    tool = program("rawtherapee-cli")
+    out = tmp_path / "out.tif"
+    dng_files.run(tool, "-q", "-o", out, "-t", "-b16", "-Y", "-c", files[words][0])
+    height, width = SHAPES[words[-1]]
+    border = 4  # RawTherapee's own, on each side
+    assert tifffile.imread(out).shape == (height - 2 * border, width - 2 * border, 3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", SUBSET, ids=name_of)
+def test_darktable_opens(words, files, program, tmp_path):
+    tool = program("darktable-cli")
+    out = tmp_path / "out.tif"
+    core = ("--core", "--configdir", tmp_path, "--library", ":memory:")
+    dng_files.run(
+        tool, files[words][0], out, *core, "--conf", "write_sidecar_files=never"
+    )
+    height, width = SHAPES[words[-1]]
+    border = 2  # DefaultCropOrigin
+    assert tifffile.imread(out).shape == (height - 2 * border, width - 2 * border, 3)

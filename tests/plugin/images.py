@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Images to write, and ways to read back, for the tests of the plugin."""
+
+import numpy as np
+import OpenImageIO as oiio
+import rawpy
+
+
+def write_image(path, pixels, attributes=None, tile=0):
+    """Write (H, W, C) pixels as float32 and return the path; tiled if tile is not 0."""
+    height, width, channels = pixels.shape
+    spec = oiio.ImageSpec(width, height, channels, "float")
+    spec.tile_width = spec.tile_height = tile
+    for name, value in (attributes or {}).items():
+        spec.attribute(name, value)
+    image = oiio.ImageBuf(spec)
+    image.set_pixels(oiio.ROI(), np.ascontiguousarray(pixels, dtype=np.float32))
+    if tile:
+        image.set_write_tiles(tile, tile)
+    assert image.write(str(path)), image.geterror()
+    return path
+
+
+def read_dn(path):
+    """Return the (H, W) uint16 mosaic of a DNG, as LibRaw reads it."""
+    with rawpy.imread(str(path)) as raw:
+        return raw.raw_image_visible.copy()
+
+
+def attributes(**values):
+    """Return oiiotool arguments: attributes(sensor="nikon-d40") -> --attrib dng:sensor ..."""
+    arguments = []
+    for name, value in values.items():
+        arguments += ["--attrib", f"dng:{name}", value]
+    return arguments

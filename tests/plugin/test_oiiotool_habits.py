@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""What people do to images before -o: resize, crop, tiles, parts, data formats."""
+
+import numpy as np
+import pytest
+from images import attributes, read_dn, write_image
+
+import cg2raw
+
+S20 = attributes(sensor="samsung-s20fe", illuminant="D65")
+
+
+def simulated(scene):
+    return cg2raw.Sensor("samsung-s20fe").simulate(scene, illuminant="D65")
+
+
+def test_resize_and_cut(oiiotool, exr, scene, tmp_path):
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, "--resize", "63x41", *S20, "-o", out)
+    assert read_dn(out).shape == (41, 63)
+    oiiotool(exr, "--cut", "50x40+10+6", *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene[6:46, 10:60]))
+
+
+def test_crop_keeps_the_display_window(oiiotool, exr, scene, tmp_path):
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, "--crop", "50x40+10+6", *S20, "-o", out)
+    expected = np.zeros_like(scene)
+    expected[6:46, 10:60] = scene[6:46, 10:60]
+    np.testing.assert_array_equal(read_dn(out), simulated(expected))
+
+
+@pytest.mark.parametrize("data_format", ["uint8", "uint10", "uint16", "half", "float"])
+def test_data_format_of_the_output_does_not_matter(
+    oiiotool, exr, scene, tmp_path, data_format
+):
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, "-d", data_format, *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene))
+
+
+def test_bits_that_the_sensor_has_not_are_an_error(oiiotool, exr, tmp_path):
+    out = tmp_path / "shot.dng"
+    done = oiiotool(exr, "-d", "uint12", *S20, "-o", out, check=False)
+    assert done.returncode != 0
+    assert "10 bits" in done.stdout + done.stderr
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("tile", [16, 64])
+def test_tiled_input(oiiotool, scene, tmp_path, tile):
+    exr = write_image(tmp_path / "tiled.exr", scene, tile=tile)
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene))
+    oiiotool(exr, "--tile", tile, tile, *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene))
+
+
+def test_subimages(oiiotool, scene, tmp_path):
+    parts = tmp_path / "parts.tif"
+    first = write_image(tmp_path / "a.exr", scene)
+    second = write_image(tmp_path / "b.exr", scene[::-1].copy())
+    oiiotool(first, second, "--siappend", "-o", parts)
+    out = tmp_path / "shot.dng"
+    oiiotool(parts, "--subimage", 1, *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene[::-1]))
+
+
+def test_alpha_is_ignored(oiiotool, scene, tmp_path):
+    alpha = np.full((96, 128, 1), 0.25, np.float32)
+    exr = write_image(tmp_path / "rgba.exr", np.concatenate([scene, alpha], axis=-1))
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene))
+
+
+@pytest.mark.parametrize("channels", [1, 2, 5])
+def test_other_channel_counts_are_refused(oiiotool, tmp_path, channels):
+    exr = write_image(tmp_path / "in.exr", np.ones((32, 32, channels), np.float32))
+    out = tmp_path / "shot.dng"
+    done = oiiotool(exr, *S20, "-o", out, check=False)
+    assert done.returncode != 0
+    assert "--ch R,G,B" in done.stdout + done.stderr
+    assert not out.exists()
+
+
+def test_pixels_that_are_no_numbers(oiiotool, scene, tmp_path):
+    pixels = scene.copy()
+    pixels[5, 5] = np.nan
+    pixels[6, 6] = np.inf
+    pixels[7, 7] = -np.inf
+    pixels[8, 8] = -3.0
+    exr = write_image(tmp_path / "ugly.exr", pixels)
+    out = tmp_path / "shot.dng"
+    debug = {"OPENIMAGEIO_DEBUG": "1"}
+    done = oiiotool(exr, *S20, *attributes(compression="none"), "-o", out, env=debug)
+    dn = read_dn(out)
+    assert (dn[5, 5], dn[6, 6], dn[7, 7], dn[8, 8]) == (64, 1023, 64, 64)
+    assert "3 NaN" in done.stdout + done.stderr
+    assert "6 infinite" in done.stdout + done.stderr
+
+
+def test_the_input_s_own_compression_is_not_taken_over(oiiotool, scene, tmp_path):
+    exr = write_image(tmp_path / "in.exr", scene, {"compression": "zip"})
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene))

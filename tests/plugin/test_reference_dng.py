@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""dng:reference: a real DNG of the target camera, and ours in its image."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+from images import attributes, read_dn, write_image
+
+import cg2raw
+
+SAME = [
+    "Make",
+    "Model",
+    "UniqueCameraModel",
+    "CFAPattern",
+    "CalibrationIlluminant1",
+    "CalibrationIlluminant2",
+    "ColorMatrix1",
+    "ColorMatrix2",
+    "ExposureTime",
+    "FNumber",
+    "ISO",
+    "WhiteLevel",
+]
+
+
+def tags(program, path):
+    """Return exiftool's numbers of a file; SubIFD's raw tags win over a preview's."""
+    command = [program("exiftool"), "-j", "-n", "-a", path]
+    return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)[0]
+
+
+@pytest.fixture
+def reference(camera_data):
+    """Return the path of a real DNG with two matrices, a neutral and noise."""
+    return camera_data / "real" / "Hero6_GOPR0024.dng"
+
+
+def test_ours_is_in_the_image_of_the_reference(oiiotool, program, reference, exr, tmp_path):
+    out = tmp_path / "shot.dng"
+    given = attributes(reference=reference, illuminant="as-shot", preview=0)
+    oiiotool(exr, *given, "-o", out)
+    ours, theirs = tags(program, out), tags(program, reference)
+    for name in SAME:
+        assert ours.get(name) == theirs.get(name), name
+    neutral = np.array(ours["AsShotNeutral"].split(), float)
+    expected = np.array(theirs["AsShotNeutral"].split(), float)
+    np.testing.assert_allclose(neutral / neutral[1], expected / expected[1], atol=2e-6)
+
+
+def test_pixels_are_those_of_the_reference_s_profile(
+    oiiotool, reference, exr, scene, tmp_path
+):
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, *attributes(reference=reference, illuminant="D50"), "-o", out)
+    sensor = cg2raw.Sensor.from_dng(reference)
+    np.testing.assert_array_equal(
+        read_dn(out), sensor.simulate(scene, illuminant="D50")
+    )
+
+
+def test_a_reference_of_another_camera_than_the_sensor(oiiotool, reference, exr, tmp_path):
+    out = tmp_path / "shot.dng"
+    given = attributes(reference=reference, sensor="nikon-d40", illuminant="D50")
+    done = oiiotool(exr, *given, "-o", out, check=False)
+    message = done.stdout + done.stderr
+    assert done.returncode != 0
+    assert "HERO6" in message and "nikon-d40" in message
+    assert not out.exists()
+
+
+def test_reference_of_ours_gives_the_same_file(oiiotool, exr, tmp_path):
+    first, second = tmp_path / "first.dng", tmp_path / "second.dng"
+    base = attributes(illuminant="D65", compression="none", preview=0)
+    oiiotool(exr, *attributes(sensor="nikon-d40"), *base, "-o", first)
+    oiiotool(exr, *attributes(reference=first), *base, "-o", second)
+    assert first.read_bytes() == second.read_bytes()
+
+
+@pytest.mark.parametrize("kept", [0, 7, 100, 1000])
+def test_truncated_reference(oiiotool, exr, tmp_path, reference, kept):
+    bad = tmp_path / "bad.dng"
+    bad.write_bytes(reference.read_bytes()[:kept])
+    out = tmp_path / "shot.dng"
+    done = oiiotool(
+        exr, *attributes(reference=bad, illuminant="D50"), "-o", out, check=False
+    )
+    assert done.returncode != 0
+    assert "bad.dng" in done.stdout + done.stderr
+    assert not out.exists()
+
+
+def test_reference_without_a_matrix(oiiotool, exr, tmp_path, camera_data):
+    bad = camera_data / "real" / "oiio_testsuite_bayer_r5.dng"
+    out = tmp_path / "shot.dng"
+    done = oiiotool(
+        exr, *attributes(reference=bad, illuminant="D50"), "-o", out, check=False
+    )
+    assert done.returncode != 0
+    assert "ColorMatrix1" in done.stdout + done.stderr
+
+
+def test_a_render_of_another_size_is_written_at_its_size(oiiotool, reference, tmp_path):
+    exr = write_image(tmp_path / "in.exr", np.full((50, 70, 3), 0.2, np.float32))
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, *attributes(reference=reference, illuminant="as-shot"), "-o", out)
+    assert read_dn(out).shape == (50, 70)

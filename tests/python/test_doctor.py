@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""cg2raw doctor: it names the plugin that works, and why another does not."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SYSTEM_TOOL = "/usr/bin/oiiotool"
+
+
+def doctor(*options, **environment):
+    """Run cg2raw doctor with nothing but @environment to find plugins by."""
+    inherited = {
+        name: value
+        for name, value in os.environ.items()
+        if name
+        not in ("OIIO_LIBRARY_PATH", "OPENIMAGEIO_PLUGIN_PATH", "LD_LIBRARY_PATH")
+    }
+    inherited["PATH"] = "/usr/bin:/bin"
+    return subprocess.run(
+        [sys.executable, "-m", "cg2raw", "doctor", *options],
+        env={**inherited, **environment},
+        text=True,
+        capture_output=True,
+    )
+
+
+def examine(host_path, **environment):
+    """Return doctor's report on one host, and its exit code."""
+    done = doctor("--json", **environment)
+    assert done.stderr == ""
+    hosts = {
+        host["path"]: host
+        for host in json.loads(done.stdout)["hosts"]
+        if host["kind"] == "oiiotool"
+    }
+    return hosts[host_path], done.returncode
+
+
+@pytest.fixture(scope="module")
+def plugin(build_folder):
+    """Return the plugin that is built for the system's OpenImageIO."""
+    path = build_folder / "lib/cg2raw/oiio/dng.imageio.so"
+    if not path.exists() or not Path(SYSTEM_TOOL).exists():
+        pytest.skip("no plugin for the system's oiiotool in this build")
+    return path
+
+
+@pytest.fixture
+def altered(plugin, tmp_path):
+    """Return alter(old, new): a folder with a plugin in which bytes are replaced."""
+
+    def alter(old, new):
+        data = plugin.read_bytes()
+        assert old in data
+        (tmp_path / "dng.imageio.so").write_bytes(data.replace(old, new, 1))
+        return tmp_path
+
+    return alter
+
+
+def test_a_fitting_plugin_works(plugin):
+    host, code = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(plugin.parent))
+    assert host["works"] and code == 0
+    assert host["plugin_api"] == 25 or not host["version"].startswith("2.4")
+    assert [found["path"] for found in host["plugins"]] == [str(plugin)]
+    assert host["plugins"][0]["loads"] and host["plugins"][0]["reason"] == ""
+
+
+def test_nothing_on_the_path_exits_1_and_names_the_remedy(plugin):
+    host, code = examine(SYSTEM_TOOL)
+    assert code == 1
+    assert not host["works"] and host["plugins"] == [] and host["search"] == []
+    assert "export OIIO_LIBRARY_PATH=" in host["remedy"]
+    assert "/lib/cg2raw/oiio" in host["remedy"]
+
+
+def test_a_folder_that_does_not_exist_is_said(plugin):
+    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH="/nowhere")
+    assert host["search"] == [
+        {"variable": "OIIO_LIBRARY_PATH", "folder": "/nowhere", "exists": False}
+    ]
+
+
+def test_a_plugin_of_another_abi_is_named(repository, plugin):
+    wheel = repository / "build/wheel/lib/cg2raw/oiio"
+    if not (wheel / plugin.name).exists():
+        pytest.skip("no plugin for the wheel's OpenImageIO: run scripts/setup")
+    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=f"{wheel}:{plugin.parent}")
+    wrong, right = host["plugins"]
+    assert wrong["plugin_api"] == 27 and not wrong["loads"]
+    assert "plugin API 27" in wrong["reason"] and "wants 25" in wrong["reason"]
+    assert right["loads"] and host["works"]
+
+
+def test_a_second_plugin_that_fits_is_said_to_come_after(plugin, altered):
+    folder = altered(b"\x7fELF", b"\x7fELF")
+    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=f"{plugin.parent}:{folder}")
+    assert [found["loads"] for found in host["plugins"]] == [True, False]
+    assert host["plugins"][1]["reason"] == f"comes after {plugin}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        (b"libtiff.so", b"libnone.so", "libnone.so.6 is not found"),
+        (
+            b"dng_imageio_version\0",
+            b"dng_imageio_nothing\0",
+            "is no OpenImageIO plugin",
+        ),
+        (b"\x7fELF", b"\x7fELM", "is not a shared library"),
+        (b"\x7fELF\x02", b"\x7fELF\x01", "is not a 64-bit"),
+        (b"\x03\x00\x3e\x00", b"\x03\x00\xb7\x00", "is for aarch64, this machine is"),
+    ],
+)
+def test_a_plugin_that_cannot_load_says_why(altered, old, new, reason):
+    host, code = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(altered(old, new)))
+    assert reason in host["plugins"][0]["reason"]
+    assert not host["works"] and code == 1
+    assert host["message"] and host["remedy"]
+
+
+def test_a_truncated_plugin_is_damaged(plugin, tmp_path):
+    (tmp_path / plugin.name).write_bytes(plugin.read_bytes()[:5000])
+    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(tmp_path))
+    assert "is damaged" in host["plugins"][0]["reason"]
+
+
+def test_it_lists_the_folders_and_ids_of_sensors(plugin, tmp_path):
+    done = doctor("--json", CG2RAW_PROFILE_PATH=str(tmp_path))
+    sensors = json.loads(done.stdout)["sensors"]
+    assert sensors["folders"][0] == str(tmp_path)
+    assert {"nikon-d40", "samsung-s20fe"} <= set(sensors["ids"])
+
+
+def test_the_text_report_is_for_people(plugin):
+    done = doctor(OIIO_LIBRARY_PATH=str(plugin.parent))
+    assert done.returncode == 0 and done.stderr == ""
+    assert f"{SYSTEM_TOOL}: OpenImageIO " in done.stdout
+    assert f"plugin    {plugin} loads" in done.stdout
+    assert "a 16x16 DNG: works" in done.stdout
+    assert "sensors: " in done.stdout
+
+
+def test_a_wrong_option_exits_2():
+    done = doctor("--jsn")
+    assert done.returncode == 2 and "usage: cg2raw" in done.stderr
