@@ -44,7 +44,8 @@ def bookcase(x0, x1):
     rng = random.Random(11)
     for level in range(7):
         z = 0.06 + level * 0.308
-        geometry.span("case_shelf", (x0, y0, z - 0.02), (x1, y1, z), dark)
+        low, high = (x0 + 0.02, y0 + 0.002, z - 0.02), (x1 - 0.02, y1 - 0.002, z)
+        geometry.span("case_shelf", low, high, dark)
         if z + 0.3 < top + 0.05:
             row_of_books(rng, x0 + 0.03, x1 - 0.1, y0 + 0.03, z)
 

@@ -52,17 +52,15 @@ def metalware(vase, chrome, grey):
     """A brass vase, and the chrome and 18 % grey balls of a lighting reference."""
     brass = materials.metal("brass", (0.86, 0.60, 0.24), 0.10)
     steel = materials.metal("chrome", (0.78, 0.79, 0.80), 0.015, 0.02)
+    foot = [(0, 0), (0.042, 0), (0.045, 0.003), (0.045, 0.008)]
     outer = [
-        (0, 0),
-        (0.042, 0),
-        (0.046, 0.006),
         (0.030, 0.03),
         (0.055, 0.09),
         (0.060, 0.125),
         (0.046, 0.18),
         (0.024, 0.215),
-        (0.034, 0.25),
     ]
+    outer = [*foot, *geometry.rounded([*outer, (0.034, 0.25)])]
     inner = [(0.031, 0.25), (0.021, 0.215), (0.043, 0.18), (0.056, 0.125), (0, 0.10)]
     geometry.lathe("vase", outer + inner, vase, brass)
     rest = materials.plain("ball_rest", (0.02, 0.02, 0.02), 0.6)
