@@ -14,6 +14,9 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
+from scipy.spatial import ConvexHull
+
 S20FE_SOURCES = {
     "make, model, unique_camera_model": "Galaxy S20 FE 4G as Android's DNG writer "
     "names it (MODEL-MANUFACTURER-BRAND); which variant was measured is not public",
@@ -23,7 +26,8 @@ S20FE_SOURCES = {
     "calibration_illuminant_1, color_matrix_1": "SamsungLabs graphics2raw (ICCV 2023), "
     "table of ten D65 matrices, index 7; the table has none for A, so this profile has "
     "one matrix and nothing is interpolated",
-    "illuminants": "SamsungLabs graphics2raw (ICCV 2023): 105 grey cards shot at night",
+    "illuminants": "SamsungLabs graphics2raw (ICCV 2023): the distribution of 105 grey "
+    "cards shot at night",
     "digital_gain": "SamsungLabs graphics2raw, option --rgb_gain: N(0.8, 0.1)",
     "noise": "SamsungLabs modular_neural_isp, model h-gauss-s20-v1, ISO 100-3200, "
     "var = b1 DN + b2 with DN including black 64; beta1 = b1 / 959, beta2 = "
@@ -40,7 +44,8 @@ D40_SOURCES = {
     "calibration_illuminant_1, color_matrix_1, calibration_illuminant_2, "
     "color_matrix_2": "Adobe's matrices for A and D65, as SamsungLabs graphics2raw "
     "(ICCV 2023) lists them; equal to 1e-4 to those in dnglab's rawler",
-    "illuminants": "NUS set, Nikon D40 (Cheng et al., JOSA A 2014): 117 grey cards",
+    "illuminants": "NUS set, Nikon D40 (Cheng et al., JOSA A 2014): the distribution "
+    "of 117 grey cards",
     "noise": "none is published of its raw data, so this sensor is simulated clean",
 }
 
@@ -63,15 +68,17 @@ def rows_of(path):
         return list(csv.DictReader(file))
 
 
-def neutrals_of(rows):
-    """[[R/G, B/G], ...] at 1e-6, the resolution of AsShotNeutral."""
-    return [
-        [
-            round(float(r["r"]) / float(r["g"]), 6),
-            round(float(r["b"]) / float(r["g"]), 6),
-        ]
-        for r in rows
-    ]
+def illuminants_of(rows):
+    """Mean, covariance (divisor N - 1) and convex hull of the rows' (R/G, B/G).
+
+    A sampler needs no more, and no table of others is passed on."""
+    neutrals = np.array([[float(row[c]) / float(row["g"]) for c in "rb"] for row in rows])
+    hull = neutrals[ConvexHull(neutrals).vertices]
+    return {
+        "mean": neutrals.mean(axis=0).round(6).tolist(),
+        "covariance": np.cov(neutrals.T).round(9).tolist(),
+        "hull": np.roll(hull, -hull[:, 0].argmin(), axis=0).round(6).tolist(),
+    }
 
 
 def noise_from_dn(rows, black, white):
@@ -117,7 +124,7 @@ def samsung_s20fe(data):
         "white_level": white,
         "calibration_illuminant_1": "D65",
         "color_matrix_1": [value for row in "012" for value in matrix[row]],
-        "illuminants": {"neutrals": neutrals_of(rows_of(night))},
+        "illuminants": illuminants_of(rows_of(night)),
         "digital_gain": {"mean": 0.8, "sigma": 0.1},
         "noise": noise_from_dn(noise, black, white),
         "effects": [],
@@ -155,7 +162,7 @@ def nikon_d40(data):
         "calibration_illuminant_2": "D65",
         "color_matrix_1": matrices["cm_A"],
         "color_matrix_2": matrices["cm_D65"],
-        "illuminants": {"neutrals": neutrals_of(neutrals)},
+        "illuminants": illuminants_of(neutrals),
         "noise": [],
         "effects": [],
     }
