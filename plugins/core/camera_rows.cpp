@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file The pixel loops of the transform: interleaved scene rows -> planes of camera RGB.
+/// @file The pixel loops of the transform: interleaved scene rows -> planes of camera
+/// RGB.
 #include "cg2raw/transform.h"
 
 #include "multiversion.h"
@@ -22,7 +23,7 @@ constexpr float highlight_start = 0.9f, highlight_range = 0.1f;
 struct Coefficients {
     float first[9], second[9], gain[3];
     float highlight; ///< 1: kept, 0: not
-    float ceiling;   ///< of the result
+    float ceiling; ///< of the result
     bool two_steps;
 };
 
@@ -47,10 +48,7 @@ inline float legal(float x, int& nan, int& inf)
     return std::min(std::max(number, -largest_radiance), largest_radiance);
 }
 
-inline float clipped(float x)
-{
-    return std::min(std::max(x, 0.0f), 1.0f);
-}
+inline float clipped(float x) { return std::min(std::max(x, 0.0f), 1.0f); }
 
 inline void multiply(const float m[9], float& r, float& g, float& b)
 {
@@ -85,16 +83,17 @@ CG2RAW_MULTIVERSION void legal_piece(const float* scene, std::ptrdiff_t pixel_st
     inf += infs;
 }
 
-CG2RAW_MULTIVERSION void camera_piece(const Coefficients& c, int count, float* r, float* g,
-                                      float* b)
+CG2RAW_MULTIVERSION void camera_piece(const Coefficients& c, int count, float* r,
+                                      float* g, float* b)
 {
     if (c.two_steps)
         for (int i = 0; i < count; ++i)
             multiply(c.second, r[i], g[i], b[i]);
     for (int i = 0; i < count; ++i) {
-        // Of the mean, but each channel first: near the start the sum would lose digits.
-        const float above
-            = (r[i] - highlight_start) + (g[i] - highlight_start) + (b[i] - highlight_start);
+        // Of the mean, but each channel first: near the start the sum would lose
+        // digits.
+        const float above = (r[i] - highlight_start) + (g[i] - highlight_start)
+            + (b[i] - highlight_start);
         const float over = std::max(above, 0.0f) * (1.0f / (3.0f * highlight_range));
         const float m = c.highlight * over * over;
         r[i] = unbalanced(r[i], c.gain[0], m, c.ceiling);
@@ -110,8 +109,8 @@ CG2RAW_MULTIVERSION void balanced_piece(const float m[9], int count, float* r, f
         multiply(m, r[i], g[i], b[i]);
 }
 
-void make_legal(const float* scene, std::ptrdiff_t stride, int count, float* r, float* g,
-                float* b, Illegal& illegal)
+void make_legal(const float* scene, std::ptrdiff_t stride, int count, float* r,
+                float* g, float* b, Illegal& illegal)
 {
     int nan = 0, inf = 0;
     if (stride == 3)

@@ -17,8 +17,8 @@ Mat3 operator*(const Mat3& a, const Mat3& b)
     Mat3 product {};
     for (int row = 0; row < 3; ++row)
         for (int col = 0; col < 3; ++col)
-            product(row, col) = a(row, 0) * b(0, col) + a(row, 1) * b(1, col)
-                + a(row, 2) * b(2, col);
+            product(row, col)
+                = a(row, 0) * b(0, col) + a(row, 1) * b(1, col) + a(row, 2) * b(2, col);
     return product;
 }
 
@@ -26,18 +26,17 @@ Vec3 operator*(const Mat3& a, const Vec3& v)
 {
     Vec3 product {};
     for (int row = 0; row < 3; ++row)
-        product[std::size_t(row)] = a(row, 0) * v[0] + a(row, 1) * v[1] + a(row, 2) * v[2];
+        product[std::size_t(row)]
+            = a(row, 0) * v[0] + a(row, 1) * v[1] + a(row, 2) * v[2];
     return product;
 }
 
-Mat3 diagonal(const Vec3& v)
-{
-    return { { v[0], 0, 0, 0, v[1], 0, 0, 0, v[2] } };
-}
+Mat3 diagonal(const Vec3& v) { return { { v[0], 0, 0, 0, v[1], 0, 0, 0, v[2] } }; }
 
 Mat3 transposed(const Mat3& a)
 {
-    return { { a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8] } };
+    return { { a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5],
+               a.m[8] } };
 }
 
 Mat3 inverse(const Mat3& a)
@@ -49,8 +48,8 @@ Mat3 inverse(const Mat3& a)
             const int c1 = (row + 1) % 3, c2 = (row + 2) % 3;
             adjugate(row, col) = a(r1, c1) * a(r2, c2) - a(r1, c2) * a(r2, c1);
         }
-    const double determinant
-        = a(0, 0) * adjugate(0, 0) + a(0, 1) * adjugate(1, 0) + a(0, 2) * adjugate(2, 0);
+    const double determinant = a(0, 0) * adjugate(0, 0) + a(0, 1) * adjugate(1, 0)
+        + a(0, 2) * adjugate(2, 0);
     if (!(std::abs(determinant) > 1e-12) || !std::isfinite(determinant))
         throw Error("matrix is singular (determinant " + number(determinant) + ")");
     for (double& value : adjugate.m)
@@ -79,10 +78,7 @@ Mat3 mixed(const Mat3& a, const Mat3& b, double weight)
     return result;
 }
 
-double max_of(const Vec3& v)
-{
-    return std::max({ v[0], v[1], v[2] });
-}
+double max_of(const Vec3& v) { return std::max({ v[0], v[1], v[2] }); }
 
 Vec3 xyz_from_xy(Chromaticity xy)
 {
@@ -100,8 +96,8 @@ Chromaticity xy_from_xyz(const Vec3& xyz)
 
 Mat3 bradford(Chromaticity to, Chromaticity from)
 {
-    const Mat3 cone_from_xyz
-        = { { 0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296 } };
+    const Mat3 cone_from_xyz = { { 0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367,
+                                   0.0389, -0.0685, 1.0296 } };
     const Vec3 cone_to = cone_from_xyz * xyz_from_xy(to);
     const Vec3 cone_from = cone_from_xyz * xyz_from_xy(from);
     const Vec3 scale { cone_to[0] / cone_from[0], cone_to[1] / cone_from[1],
@@ -114,8 +110,8 @@ Mat3 xyz_d65_from_srgb()
     const Vec3 red = xyz_from_xy({ 0.64, 0.33 });
     const Vec3 green = xyz_from_xy({ 0.30, 0.60 });
     const Vec3 blue = xyz_from_xy({ 0.15, 0.06 });
-    const Mat3 primaries = { { red[0], green[0], blue[0], red[1], green[1], blue[1], red[2],
-                               green[2], blue[2] } };
+    const Mat3 primaries = { { red[0], green[0], blue[0], red[1], green[1], blue[1],
+                               red[2], green[2], blue[2] } };
     return primaries * diagonal(inverse(primaries) * xyz_from_xy(d65_white));
 }
 

@@ -14,11 +14,13 @@ namespace {
 /// Pixels per piece; a piece and its normals stay in the first-level cache.
 constexpr int piece = 256;
 
-CG2RAW_MULTIVERSION void add_scaled(const float* variance, const float* normal, int count,
-                                    float* mean)
+CG2RAW_MULTIVERSION void add_scaled(const float* variance, const float* normal,
+                                    int count, float ceiling, float* mean)
 {
-    for (int i = 0; i < count; ++i)
-        mean[i] += std::sqrt(std::max(variance[i], 0.0f)) * normal[i];
+    for (int i = 0; i < count; ++i) {
+        const float noise = std::sqrt(std::max(variance[i], 0.0f)) * normal[i];
+        mean[i] += mean[i] < ceiling ? noise : 0.0f;
+    }
 }
 
 /// Alternating black levels; rounds half up.
@@ -40,19 +42,21 @@ CG2RAW_MULTIVERSION void digitise_bayer(const float* signal, float black_even,
 Levels levels_of(const SensorProfile& profile)
 {
     Levels levels { profile.cfa, {}, float(profile.white_level) };
-    std::copy(profile.black_level.begin(), profile.black_level.end(), levels.black.begin());
+    std::copy(profile.black_level.begin(), profile.black_level.end(),
+              levels.black.begin());
     return levels;
 }
 
 void add_gaussian(const Rng& rng, Site origin, const Plane<float>& variance,
-                  const Plane<float>& mean)
+                  float ceiling, const Plane<float>& mean)
 {
     float normal[piece];
     for (int row = 0; row < mean.height; ++row)
         for (int col = 0; col < mean.width; col += piece) {
             const int count = std::min(piece, mean.width - col);
             rng.normals({ origin.row + row, origin.col + col }, count, normal);
-            add_scaled(variance.row(row) + col, normal, count, mean.row(row) + col);
+            add_scaled(variance.row(row) + col, normal, count, ceiling,
+                       mean.row(row) + col);
         }
 }
 
@@ -60,11 +64,13 @@ void digitise(const float* signal, const Levels& levels, Site at, int width,
               std::uint16_t* dn)
 {
     const auto black_at = [&](int col) {
-        const int site = at.row % levels.cfa.height * levels.cfa.width + col % levels.cfa.width;
+        const int site
+            = at.row % levels.cfa.height * levels.cfa.width + col % levels.cfa.width;
         return levels.black[std::size_t(site)];
     };
     if (levels.cfa.width == 2) {
-        digitise_bayer(signal, black_at(at.col), black_at(at.col + 1), levels.white, width, dn);
+        digitise_bayer(signal, black_at(at.col), black_at(at.col + 1), levels.white,
+                       width, dn);
         return;
     }
     for (int col = 0; col < width; ++col) {

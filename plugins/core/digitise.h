@@ -12,13 +12,18 @@ namespace cg2raw {
 struct Levels {
     CfaPattern cfa;
     std::array<float, 36> black; ///< DN, per CFA site
-    float white;                 ///< DN
+    float white; ///< DN
 };
 Levels levels_of(const SensorProfile& profile);
 
-/// mean += sqrt(variance) times a standard normal of each site.
+/// Signals that count as saturated: they were clipped, and some chains round white
+/// down.
+constexpr float saturated = 0.99999f;
+
+/// mean += sqrt(variance) times a standard normal of each site; sites of @p ceiling and
+/// above stay as they are.
 void add_gaussian(const Rng& rng, Site origin, const Plane<float>& variance,
-                  const Plane<float>& mean);
+                  float ceiling, const Plane<float>& mean);
 
 /// DN = round(signal (white - black) + black), clamped to 0 ... white; a row.
 void digitise(const float* signal, const Levels& levels, Site at, int width,

@@ -44,7 +44,8 @@ const Effect& effect(std::string_view name)
             return candidate;
         names.push_back(candidate.name);
     }
-    throw Error("effect \"" + std::string(name) + "\" is unknown; known: " + joined(names));
+    throw Error("effect \"" + std::string(name)
+                + "\" is unknown; known: " + joined(names));
 }
 
 Values values_of(const Effect& effect, const std::map<std::string, double>& given,
@@ -61,15 +62,15 @@ Values values_of(const Effect& effect, const std::map<std::string, double>& give
                         + parameter.meaning + ", " + number(parameter.min) + " to "
                         + number(parameter.max) + " " + parameter.unit + ")");
         if (!(found->second >= parameter.min && found->second <= parameter.max))
-            throw Error(where + parameter.name + " " + number(found->second) + " is outside "
-                        + number(parameter.min) + " to " + number(parameter.max) + " "
-                        + parameter.unit);
+            throw Error(where + parameter.name + " " + number(found->second)
+                        + " is outside " + number(parameter.min) + " to "
+                        + number(parameter.max) + " " + parameter.unit);
         values.push_back(found->second);
     }
     for (const auto& [name, value] : given)
         if (std::find(names.begin(), names.end(), name) == names.end())
-            throw Error(where + "parameter " + name + " is unknown; known: "
-                        + joined(names));
+            throw Error(where + "parameter " + name
+                        + " is unknown; known: " + joined(names));
     return values;
 }
 

@@ -17,10 +17,7 @@ namespace {
 constexpr int most_passes = 30;
 constexpr double close_enough = 1e-7;
 
-double rounded(double value, double steps)
-{
-    return std::round(value * steps) / steps;
-}
+double rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
 /// As raw converters take a ColorMatrix in: the largest channel of D50 near 1, rounded.
 Mat3 as_converters_read(Mat3 camera_from_xyz)
@@ -40,12 +37,14 @@ std::array<std::size_t, 2> warm_and_cool(const SensorProfile& profile)
         return { 0, 0 };
     const bool ordered = light_source_temperature(all[0].light_source).value
         <= light_source_temperature(all[1].light_source).value;
-    return ordered ? std::array<std::size_t, 2> { 0, 1 } : std::array<std::size_t, 2> { 1, 0 };
+    return ordered ? std::array<std::size_t, 2> { 0, 1 }
+                   : std::array<std::size_t, 2> { 1, 0 };
 }
 
 Vec3 over_green(const Vec3& camera)
 {
-    return { rounded(camera[0] / camera[1], 1e6), 1.0, rounded(camera[2] / camera[1], 1e6) };
+    return { rounded(camera[0] / camera[1], 1e6), 1.0,
+             rounded(camera[2] / camera[1], 1e6) };
 }
 
 Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
@@ -134,9 +133,9 @@ Vec3 neutral_from_xy(const SensorProfile& profile, Chromaticity xy)
     const Vec3 camera = camera_from_xyz(profile, xy) * xyz_from_xy(xy);
     for (double channel : camera)
         if (!(channel > 0.0))
-            throw Error("sensor " + profile.id + " does not see a light of xy " + number(xy.x)
-                        + ", " + number(xy.y) + ": its matrix gives a channel "
-                        + number(channel));
+            throw Error("sensor " + profile.id + " does not see a light of xy "
+                        + number(xy.x) + ", " + number(xy.y)
+                        + ": its matrix gives a channel " + number(channel));
     return over_green(camera);
 }
 

@@ -10,9 +10,9 @@
 
 namespace cg2raw {
 
-const char* const illuminant_grammar
-    = "A, D50, D55, D65, D75, 3200K (1667K to 25000K), xy:0.3457:0.3585, neutral:0.55:0.45 "
-      "(R/G and B/G), sample:7, as-shot";
+const char* const illuminant_grammar = "A, D50, D55, D65, D75, 3200K (1667K to "
+                                       "25000K), xy:0.3457:0.3585, neutral:0.55:0.45 "
+                                       "(R/G and B/G), sample:7, as-shot";
 
 namespace {
 

@@ -10,20 +10,21 @@ namespace cg2raw {
 
 struct IlluminantSpec {
     enum class Kind { xy, kelvin, neutral, sample, as_shot } kind;
-    double a = 0.0, b = 0.0;  ///< x, y; temperature; R/G, B/G
-    std::uint32_t index = 0;  ///< of a sample
+    double a = 0.0, b = 0.0; ///< x, y; temperature; R/G, B/G
+    std::uint32_t index = 0; ///< of a sample
 };
 
 /// Throws Error that lists the grammar.
 IlluminantSpec parse_illuminant(std::string_view spec);
 
-/// (R/G, B/G) of draw @p index: the profile's Gaussian inside its hull, or the Planckian
-/// locus between the two calibration illuminants where fewer than 3 neutrals are known.
-/// Throws Error if the profile has neither.
-std::array<double, 2> sampled_neutral(const SensorProfile& profile, std::uint32_t index);
+/// (R/G, B/G) of draw @p index: the profile's Gaussian inside its hull, or the
+/// Planckian locus between the two calibration illuminants where fewer than 3 neutrals
+/// are known. Throws Error if the profile has neither.
+std::array<double, 2> sampled_neutral(const SensorProfile& profile,
+                                      std::uint32_t index);
 
-/// Neutral (G = 1, at 1e-6) of a light of chromaticity @p xy. Throws Error if the sensor's
-/// matrix makes a channel of it 0 or less.
+/// Neutral (G = 1, at 1e-6) of a light of chromaticity @p xy. Throws Error if the
+/// sensor's matrix makes a channel of it 0 or less.
 Vec3 neutral_from_xy(const SensorProfile& profile, Chromaticity xy);
 
 } // namespace cg2raw

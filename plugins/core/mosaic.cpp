@@ -8,7 +8,8 @@
 namespace cg2raw {
 namespace {
 
-CG2RAW_MULTIVERSION void alternate(const float* even, const float* odd, int width, float* raw)
+CG2RAW_MULTIVERSION void alternate(const float* even, const float* odd, int width,
+                                   float* raw)
 {
     for (int col = 0; col + 1 < width; col += 2) {
         raw[col] = even[col];
@@ -24,8 +25,8 @@ void mosaic(const float* const camera[3], const CfaPattern& cfa, Site at, int wi
             float* raw)
 {
     if (cfa.width == 2) {
-        alternate(camera[cfa.color(at)], camera[cfa.color({ at.row, at.col + 1 })], width,
-                  raw);
+        alternate(camera[cfa.color(at)], camera[cfa.color({ at.row, at.col + 1 })],
+                  width, raw);
         return;
     }
     for (int col = 0; col < width; ++col)

@@ -28,9 +28,10 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
 {
     const auto& table = profile.noise;
     if (table.empty())
-        throw Error("sensor " + profile.id
-                    + " has no measured noise: leave the ISO out, or add \"noise\" to its "
-                      "profile");
+        throw Error(
+            "sensor " + profile.id
+            + " has no measured noise: leave the ISO out, or add \"noise\" to its "
+              "profile");
     const double lowest = table.front().iso / reach, highest = table.back().iso * reach;
     if (!(iso >= lowest && iso <= highest))
         throw Error("iso " + number(iso) + " is outside " + number(lowest) + " to "
@@ -39,12 +40,13 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
     if (table.size() == 1 && iso != table.front().iso)
         throw Error("iso " + number(iso) + ": sensor " + profile.id
                     + " was calibrated at ISO " + number(table.front().iso) + " only");
-    const auto above = std::find_if(table.begin(), table.end(),
-                                    [&](const NoiseAtIso& row) { return row.iso >= iso; });
+    const auto above
+        = std::find_if(table.begin(), table.end(),
+                       [&](const NoiseAtIso& row) { return row.iso >= iso; });
     if (above != table.end() && above->iso == iso)
         return *above;
-    const std::size_t second = std::clamp<std::size_t>(std::size_t(above - table.begin()), 1,
-                                                       table.size() - 1);
+    const std::size_t second = std::clamp<std::size_t>(
+        std::size_t(above - table.begin()), 1, table.size() - 1);
     const NoiseAtIso &a = table[second - 1], &b = table[second];
     const double weight = std::log(iso / a.iso) / std::log(b.iso / a.iso);
     NoiseAtIso result { iso, {}, {} };

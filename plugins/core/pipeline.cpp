@@ -7,13 +7,16 @@
 #include "text.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 namespace cg2raw {
 namespace {
 
 /// Rows that pass through all stages together; few, so that they stay in the cache.
-constexpr int band_rows = 4;
+constexpr int band_rows = 2;
+/// Above any signal.
+constexpr float largest_signal = std::numeric_limits<float>::max();
 
 /// An effect, its values and its random numbers.
 struct Active {
@@ -54,9 +57,10 @@ std::vector<Active> active_effects(const SensorProfile& profile, const Run& run,
     const auto add = [&](const Effect& effect, Values values) {
         for (const Active& other : active)
             if (other.effect == &effect)
-                throw Error("sensor " + profile.id + ": effect " + effect.name
-                            + " would act twice: leave it out of the profile's effects, or "
-                              "the ISO out of the run");
+                throw Error(
+                    "sensor " + profile.id + ": effect " + effect.name
+                    + " would act twice: leave it out of the profile's effects, or "
+                      "the ISO out of the run");
         active.push_back({ &effect, std::move(values), rng_of(effect, profile, run) });
     };
     for (const EffectSetting& setting : profile.effects) {
@@ -89,7 +93,8 @@ struct Band {
     void resize(int width, int rows)
     {
         float* next = pixels.data();
-        for (Plane<float>* plane : { &camera[0], &camera[1], &camera[2], &mosaic, &variance }) {
+        for (Plane<float>* plane :
+             { &camera[0], &camera[1], &camera[2], &mosaic, &variance }) {
             *plane = { next, width, rows, width };
             next += std::ptrdiff_t(band_rows) * width;
         }
@@ -119,7 +124,11 @@ struct Simulation::State {
     std::optional<NoiseAtIso> noise;
     std::vector<Active> active;
     bool noisy; ///< some active effect has a variance to draw from
-    Rng rng;    ///< of the Gaussian that the effects' variances add up to
+    Rng rng; ///< of the Gaussian that the effects' variances add up to
+    /// A sensor clips after its noise, and what was clipped lay far above white: it
+    /// reads white, or raw converters see coloured speckles in highlights. The paper's
+    /// noise falls on clipped white too.
+    float noise_ceiling;
     Levels levels;
 
     State(const SensorProfile& sensor, const Run& asked, Size size)
@@ -133,9 +142,11 @@ struct Simulation::State {
         , noise(run.effects && run.iso ? std::optional(noise_at(profile, *run.iso))
                                        : std::nullopt)
         , active(active_effects(profile, run, noise))
-        , noisy(std::any_of(active.begin(), active.end(),
-                            [](const Active& a) { return a.effect->stage == Stage::noise; }))
+        , noisy(std::any_of(
+              active.begin(), active.end(),
+              [](const Active& a) { return a.effect->stage == Stage::noise; }))
         , rng(run.seed, "noise/" + profile.id, run.frame)
+        , noise_ceiling(run.convention == Convention::dng ? saturated : largest_signal)
         , levels(levels_of(profile))
     {
         if (frame.width < 1 || frame.height < 1)
@@ -150,8 +161,9 @@ struct Simulation::State {
         Signal signal { 3, band.camera, {}, origin, frame, profile.cfa };
         apply(active, Stage::optics, Stage::optics, signal);
         for (int row = 0; row < scene.height; ++row) {
-            const float* const camera[3] = { band.camera[0].row(row), band.camera[1].row(row),
-                                             band.camera[2].row(row) };
+            const float* const camera[3]
+                = { band.camera[0].row(row), band.camera[1].row(row),
+                    band.camera[2].row(row) };
             mosaic(camera, profile.cfa, { origin.row + row, origin.col }, scene.width,
                    band.mosaic.row(row));
         }
@@ -163,7 +175,7 @@ struct Simulation::State {
         std::fill_n(band.variance.data, scene.width * scene.height, 0.0f);
         apply(active, Stage::pixel, Stage::noise, signal);
         if (noisy)
-            add_gaussian(rng, origin, band.variance, band.mosaic);
+            add_gaussian(rng, origin, band.variance, noise_ceiling, band.mosaic);
         apply(active, Stage::readout, Stage::output, signal);
     }
 
@@ -173,23 +185,25 @@ struct Simulation::State {
             float* const camera[3] = { band.camera[0].row(row), band.camera[1].row(row),
                                        band.camera[2].row(row) };
             if (run.camera_input)
-                copy_camera(scene.row(row), scene.pixel_stride, scene.width, camera, illegal);
+                copy_camera(scene.row(row), scene.pixel_stride, scene.width, camera,
+                            illegal);
             else
-                to_camera(transform, scene.row(row), scene.pixel_stride, scene.width, camera,
-                          illegal);
+                to_camera(transform, scene.row(row), scene.pixel_stride, scene.width,
+                          camera, illegal);
         }
     }
 
     /// Calls done(row of the block, its signal) for every row.
     template <class Done>
-    void each_row(const RgbView& scene, Site origin, Illegal& illegal, const Done& done) const
+    void each_row(const RgbView& scene, Site origin, Illegal& illegal,
+                  const Done& done) const
     {
         Band band(scene.width);
         for (int start = 0; start < scene.height; start += band_rows) {
             const int rows = std::min(band_rows, scene.height - start);
             band.resize(scene.width, rows);
-            const RgbView part { scene.row(start), scene.width, rows, scene.pixel_stride,
-                                 scene.row_stride };
+            const RgbView part { scene.row(start), scene.width, rows,
+                                 scene.pixel_stride, scene.row_stride };
             expose(part, { origin.row + start, origin.col }, band, illegal);
             for (int row = 0; row < rows; ++row)
                 done(start + row, band.mosaic.row(row));
@@ -205,8 +219,8 @@ Simulation::Simulation(const SensorProfile& profile, const Run& run, Size frame)
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 
-void Simulation::block(const RgbView& scene, Site origin, const Plane<std::uint16_t>& raw,
-                       Illegal& illegal) const
+void Simulation::block(const RgbView& scene, Site origin,
+                       const Plane<std::uint16_t>& raw, Illegal& illegal) const
 {
     m_state->each_row(scene, origin, illegal, [&](int row, const float* signal) {
         digitise(signal, m_state->levels, { origin.row + row, origin.col }, scene.width,
@@ -246,10 +260,12 @@ RawFrame simulate(const RgbView& scene, const Simulation& simulation,
     const int tasks = (scene.height + task_rows - 1) / task_rows;
     std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
     parallel(tasks, [&](int task) {
-        const int first = task * task_rows, rows = std::min(task_rows, scene.height - first);
+        const int first = task * task_rows,
+                  rows = std::min(task_rows, scene.height - first);
         const RgbView part { scene.row(first), scene.width, rows, scene.pixel_stride,
                              scene.row_stride };
-        const Plane<std::uint16_t> raw { frame.dn.data() + std::ptrdiff_t(first) * scene.width,
+        const Plane<std::uint16_t> raw { frame.dn.data()
+                                             + std::ptrdiff_t(first) * scene.width,
                                          scene.width, rows, scene.width };
         simulation.block(part, { first, 0 }, raw, illegal[std::size_t(task)]);
     });

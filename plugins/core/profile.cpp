@@ -20,15 +20,24 @@ struct LightSource {
 /// EXIF 2.32 LightSource codes, with the temperatures that raw converters give them.
 /// Source: DNG specification 1.7, CalibrationIlluminant1; temperatures as Adobe's.
 constexpr LightSource light_sources[] = {
-    { 17, "A", 2850 },           { 18, "B", 5500 },
-    { 19, "C", 6500 },           { 20, "D55", 5500 },
-    { 21, "D65", 6500 },         { 22, "D75", 7500 },
-    { 23, "D50", 5000 },         { 24, "ISO studio tungsten", 3200 },
-    { 1, "daylight", 5500 },     { 2, "fluorescent", 4150 },
-    { 3, "tungsten", 2850 },     { 4, "flash", 5500 },
-    { 9, "fine weather", 5500 }, { 10, "cloudy weather", 6500 },
-    { 11, "shade", 7500 },       { 12, "daylight fluorescent", 6400 },
-    { 13, "day white fluorescent", 5050 }, { 14, "cool white fluorescent", 4150 },
+    { 17, "A", 2850 },
+    { 18, "B", 5500 },
+    { 19, "C", 6500 },
+    { 20, "D55", 5500 },
+    { 21, "D65", 6500 },
+    { 22, "D75", 7500 },
+    { 23, "D50", 5000 },
+    { 24, "ISO studio tungsten", 3200 },
+    { 1, "daylight", 5500 },
+    { 2, "fluorescent", 4150 },
+    { 3, "tungsten", 2850 },
+    { 4, "flash", 5500 },
+    { 9, "fine weather", 5500 },
+    { 10, "cloudy weather", 6500 },
+    { 11, "shade", 7500 },
+    { 12, "daylight fluorescent", 6400 },
+    { 13, "day white fluorescent", 5050 },
+    { 14, "cool white fluorescent", 4150 },
     { 15, "white fluorescent", 3525 },
 };
 
@@ -52,7 +61,8 @@ void append_chain(const std::vector<std::array<double, 2>>& points,
     hull.pop_back();
 }
 
-std::vector<std::array<double, 2>> convex_hull(std::vector<std::array<double, 2>> points)
+std::vector<std::array<double, 2>>
+convex_hull(std::vector<std::array<double, 2>> points)
 {
     std::sort(points.begin(), points.end());
     points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -76,16 +86,19 @@ void check_levels(const SensorProfile& profile, const std::string& file)
         fail(file, "bits " + std::to_string(profile.bits) + " must be 8 to 16");
     const int top = (1 << profile.bits) - 1;
     if (profile.white_level < 1 || profile.white_level > top)
-        fail(file, "white_level " + std::to_string(profile.white_level)
-                 + " DN must be 1 to " + std::to_string(top) + " DN, the most of "
+        fail(file,
+             "white_level " + std::to_string(profile.white_level) + " DN must be 1 to "
+                 + std::to_string(top) + " DN, the most of "
                  + std::to_string(profile.bits) + " bits");
     if (profile.black_level.size() != std::size_t(profile.cfa.sites()))
-        fail(file, "black_level has " + std::to_string(profile.black_level.size())
+        fail(file,
+             "black_level has " + std::to_string(profile.black_level.size())
                  + " values; it needs " + std::to_string(profile.cfa.sites())
                  + ", one per CFA site");
     for (double black : profile.black_level)
         if (!(black >= 0.0 && black < profile.white_level))
-            fail(file, "black_level " + number(black)
+            fail(file,
+                 "black_level " + number(black)
                      + " DN must be at least 0 and below white_level "
                      + std::to_string(profile.white_level) + " DN");
 }
@@ -102,9 +115,10 @@ void check_forward_matrix(const Calibration& calibration, const std::string& fil
     } catch (const Error& error) {
         fail(file, field + ": " + error.what());
     }
-    for (double value : *calibration.xyz_d50_from_camera * Vec3 { 1, 1, 1 })
+    for (double value : *calibration.xyz_d50_from_camera* Vec3 { 1, 1, 1 })
         if (!(value > 0.0))
-            fail(file, field + " maps white to an XYZ of " + number(value)
+            fail(file,
+                 field + " maps white to an XYZ of " + number(value)
                      + "; each must be above 0");
 }
 
@@ -125,7 +139,8 @@ void check_calibrations(const SensorProfile& profile, const std::string& file)
         const Vec3 white = calibration.camera_from_xyz * xyz_from_xy(d50_white);
         for (double channel : white)
             if (!(channel > 0.0))
-                fail(file, field + " maps white to " + number(channel)
+                fail(file,
+                     field + " maps white to " + number(channel)
                          + "; each channel must see white (more than 0)");
     }
     if (profile.calibrations.size() == 2
@@ -140,11 +155,16 @@ void check_noise(const SensorProfile& profile, const std::string& file)
     for (const NoiseAtIso& row : profile.noise) {
         const std::string at = "noise at iso " + number(row.iso);
         if (!(row.iso > last_iso) || !(row.iso <= 1e7))
-            fail(file, at + ": iso must be positive, rise from row to row, and stay below 1e7");
+            fail(file,
+                 at
+                     + ": iso must be positive, rise from row to row, and stay below "
+                       "1e7");
         last_iso = row.iso;
         for (const auto* values : { &row.beta1, &row.beta2 }) {
             if (values->size() != std::size_t(profile.cfa.sites()))
-                fail(file, at + ": beta1 and beta2 need " + std::to_string(profile.cfa.sites())
+                fail(file,
+                     at + ": beta1 and beta2 need "
+                         + std::to_string(profile.cfa.sites())
                          + " values each, one per CFA site");
             for (double value : *values)
                 if (!(value >= 0.0 && value <= 1.0))
@@ -158,7 +178,8 @@ void check_neutrals(const SensorProfile& profile, const std::string& file)
     for (const auto& neutral : profile.illuminants.neutrals)
         for (double ratio : neutral)
             if (!(ratio >= 0.01 && ratio <= 100.0))
-                fail(file, "illuminants: neutral " + number(ratio)
+                fail(file,
+                     "illuminants: neutral " + number(ratio)
                          + " must be within 0.01 to 100 (R/G and B/G)");
     const auto& [rr, rb, bb] = profile.illuminants.covariance;
     if (!(rr >= 0.0 && bb >= 0.0 && rb * rb <= rr * bb * (1 + 1e-9) + 1e-30))
@@ -241,7 +262,8 @@ void check(const SensorProfile& profile, const std::string& file)
 {
     if (profile.width < 2 || profile.height < 2 || profile.width > 65535
         || profile.height > 65535)
-        fail(file, "width and height " + std::to_string(profile.width) + " x "
+        fail(file,
+             "width and height " + std::to_string(profile.width) + " x "
                  + std::to_string(profile.height) + " must be 2 to 65535 pixels");
     check_levels(profile, file);
     check_calibrations(profile, file);

@@ -113,7 +113,8 @@ public:
     {
         for (const auto& [name, value] : m_json.items())
             if (!m_asked.count(name))
-                fail(name, "is unknown; known here: "
+                fail(name,
+                     "is unknown; known here: "
                          + joined({ m_asked.begin(), m_asked.end() }));
     }
 
@@ -136,7 +137,8 @@ private:
                                  std::size_t count) const
     {
         if (!list.is_array() || (count && list.size() != count))
-            fail(field, "must be a list of " + (count ? std::to_string(count) + " " : "")
+            fail(field,
+                 "must be a list of " + (count ? std::to_string(count) + " " : "")
                      + "numbers, not " + shown(list));
         std::vector<double> result;
         for (const Json& value : list)
@@ -163,7 +165,8 @@ std::vector<Calibration> calibrations(Fields& fields)
     for (const std::string number : { "_1", "_2" }) {
         const bool given = number == "_1" || fields.has("color_matrix" + number);
         if (!given && fields.has("calibration_illuminant" + number))
-            fields.fail("calibration_illuminant" + number, "is there without its matrix");
+            fields.fail("calibration_illuminant" + number,
+                        "is there without its matrix");
         if (!given && fields.has("forward_matrix" + number))
             fields.fail("forward_matrix" + number, "is there without its color_matrix");
         if (!given)
@@ -209,8 +212,8 @@ std::vector<NoiseAtIso> noise(Fields& fields, std::size_t sites)
     if (!fields.has("noise"))
         return result;
     for (Fields& row : fields.objects("noise")) {
-        result.push_back({ row.real("iso"), row.reals("beta1", sites),
-                           row.reals("beta2", sites) });
+        result.push_back(
+            { row.real("iso"), row.reals("beta1", sites), row.reals("beta2", sites) });
         row.done();
     }
     return result;
@@ -256,7 +259,8 @@ SensorProfile profile_from(Fields fields)
     profile.id = fields.text("id");
     const auto legal = "abcdefghijklmnopqrstuvwxyz0123456789-.";
     if (profile.id.find_first_not_of(legal) != std::string::npos)
-        fields.fail("id", "\"" + profile.id
+        fields.fail("id",
+                    "\"" + profile.id
                         + "\" must be of lower-case letters, digits, '-' and '.'");
     profile.make = fields.text("make");
     profile.model = fields.text("model");

@@ -56,7 +56,8 @@ bool is_path(const std::string& id_or_path)
     const std::string ending = ".json";
     return id_or_path.find('/') != std::string::npos
         || (id_or_path.size() > ending.size()
-            && id_or_path.compare(id_or_path.size() - ending.size(), ending.size(), ending)
+            && id_or_path.compare(id_or_path.size() - ending.size(), ending.size(),
+                                  ending)
                 == 0);
 }
 
@@ -70,7 +71,8 @@ std::vector<std::string> profile_folders()
             if (!folder.empty())
                 folders.push_back(folder);
     const fs::path own = own_folder();
-    for (const char* relative : { "share/cg2raw/profiles", "../../../share/cg2raw/profiles" }) {
+    for (const char* relative :
+         { "share/cg2raw/profiles", "../../../share/cg2raw/profiles" }) {
         std::error_code ignored;
         const fs::path folder = fs::weakly_canonical(own / relative, ignored);
         if (fs::is_directory(folder, ignored))
@@ -104,8 +106,8 @@ SensorProfile load_profile(const std::string& id_or_path)
             return parse_profile(read_file(path), path.string());
     }
     const auto installed = installed_profiles();
-    throw Error("unknown sensor \"" + id_or_path + "\"; installed: "
-                + (installed.empty() ? "none" : joined(installed))
+    throw Error("unknown sensor \"" + id_or_path
+                + "\"; installed: " + (installed.empty() ? "none" : joined(installed))
                 + "; or give the path of a profile (.json)");
 }
 

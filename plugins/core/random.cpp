@@ -12,7 +12,8 @@
 namespace cg2raw {
 namespace {
 
-/// Philox 4x32: multipliers and Weyl constants. Source: Salmon et al., SC 2011, table 2.
+/// Philox 4x32: multipliers and Weyl constants. Source: Salmon et al., SC 2011,
+/// table 2.
 constexpr std::uint32_t multiplier_0 = 0xD2511F53, multiplier_1 = 0xCD9E8D57;
 constexpr std::uint32_t weyl_0 = 0x9E3779B9, weyl_1 = 0xBB67AE85;
 constexpr int rounds = 10;
@@ -42,8 +43,8 @@ inline void philox(Words& w, std::uint32_t key_0, std::uint32_t key_1)
     }
 }
 
-/// Natural logarithm of 0 < x <= 1, relative error below 2e-7; a polynomial of ours, not
-/// libm's, so that every machine has the same bits.
+/// Natural logarithm of 0 < x <= 1, relative error below 2e-7; a polynomial of ours,
+/// not libm's, so that every machine has the same bits.
 inline float log_of(float x)
 {
     std::int32_t bits;
@@ -66,7 +67,8 @@ inline float log_of(float x)
 }
 
 /// Standard normals from two words, by Box-Muller; the tail reaches 6.7 sigma.
-inline void normal_pair_of(std::uint32_t a, std::uint32_t b, float& first, float& second)
+inline void normal_pair_of(std::uint32_t a, std::uint32_t b, float& first,
+                           float& second)
 {
     const float u = (float(std::int32_t(a >> 1)) + 0.5f) * 4.65661287e-10f; // 2^-31
     const float radius = std::sqrt(std::max(0.0f, -2.0f * log_of(u)));
@@ -74,11 +76,19 @@ inline void normal_pair_of(std::uint32_t a, std::uint32_t b, float& first, float
     const float x
         = float(std::int32_t(b - (quadrant << 30))) * 1.46291808e-9f; // 2 pi / 2^32
     const float square = x * x;
-    const float sine
-        = x * ((((-0.000195039631f) * square + 0.00833203633f) * square - 0.166666507f) * square + 0.999999997f);
-    const float cosine = ((((2.43798803e-05f) * square - 0.00138866186f) * square + 0.0416666167f) * square - 0.499999996f) * square + 1.0f;
+    const float sine = x
+        * ((((-0.000195039631f) * square + 0.00833203633f) * square - 0.166666507f)
+               * square
+           + 0.999999997f);
+    const float cosine
+        = ((((2.43798803e-05f) * square - 0.00138866186f) * square + 0.0416666167f)
+               * square
+           - 0.499999996f)
+            * square
+        + 1.0f;
     const bool swapped = quadrant & 1;
-    const float cosine_part = swapped ? sine : cosine, sine_part = swapped ? cosine : sine;
+    const float cosine_part = swapped ? sine : cosine,
+                sine_part = swapped ? cosine : sine;
     first = radius * (quadrant == 1 || quadrant == 2 ? -cosine_part : cosine_part);
     second = radius * (quadrant >= 2 ? -sine_part : sine_part);
 }
@@ -142,7 +152,8 @@ void Rng::normals(Site at, int count, float* out) const
     constexpr int per_draw = lanes * per_counter;
     float drawn[per_draw];
     const int end = at.col + count;
-    for (int first = at.col / per_counter * per_counter; first < end; first += per_draw) {
+    for (int first = at.col / per_counter * per_counter; first < end;
+         first += per_draw) {
         draw_groups(std::uint32_t(first / per_counter), std::uint32_t(at.row), m_frame,
                     m_key, drawn);
         const int from = std::max(at.col, first), to = std::min(end, first + per_draw);
@@ -152,9 +163,9 @@ void Rng::normals(Site at, int count, float* out) const
 
 double Rng::uniform(std::uint32_t n) const
 {
-    const auto w = philox_words(
-        { n, 0, std::uint32_t(m_frame), std::uint32_t(m_frame >> 32) },
-        { std::uint32_t(m_key), std::uint32_t(m_key >> 32) });
+    const auto w
+        = philox_words({ n, 0, std::uint32_t(m_frame), std::uint32_t(m_frame >> 32) },
+                       { std::uint32_t(m_key), std::uint32_t(m_key >> 32) });
     const std::uint64_t bits = (std::uint64_t(w[0]) << 32 | w[1]) >> 12;
     return (double(bits) + 0.5) / 4503599627370496.0; // 2^52
 }

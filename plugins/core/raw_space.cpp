@@ -21,12 +21,14 @@ std::string aliased(std::string_view text)
     return alias;
 }
 
-/// The word whose alias is @p alias: "sample_7" -> "sample:7", "xy_0_3_0_4" -> "xy:0.3:0.4".
+/// The word whose alias is @p alias: "sample_7" -> "sample:7", "xy_0_3_0_4" ->
+/// "xy:0.3:0.4".
 std::string illuminant_from_alias(const std::string& alias)
 {
     const auto parts = split(alias, '_');
     if (parts.size() == 5 && (parts[0] == "xy" || parts[0] == "neutral"))
-        return parts[0] + ":" + parts[1] + "." + parts[2] + ":" + parts[3] + "." + parts[4];
+        return parts[0] + ":" + parts[1] + "." + parts[2] + ":" + parts[3] + "."
+            + parts[4];
     if (parts.size() == 2 && parts[0] == "sample")
         return "sample:" + parts[1];
     if (alias == "as_shot")
@@ -52,7 +54,8 @@ std::optional<RawSpace> from_alias(const std::string& name,
         const std::string prefix = "raw_" + aliased(sensor) + "_";
         if (name.compare(0, prefix.size(), prefix) == 0
             && (!best || sensor.size() > best->sensor.size()))
-            best = RawSpace { sensor, illuminant_from_alias(name.substr(prefix.size())) };
+            best = RawSpace { sensor,
+                              illuminant_from_alias(name.substr(prefix.size())) };
     }
     return best;
 }

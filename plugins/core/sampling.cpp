@@ -14,13 +14,11 @@ namespace {
 
 using Point = std::array<double, 2>;
 
-/// A hull takes less than one in this many draws of its own Gaussian only if it is a sliver.
+/// A hull takes less than one in this many draws of its own Gaussian only if it is a
+/// sliver.
 constexpr std::uint32_t most_draws = 100000;
 
-double at_precision(double value)
-{
-    return std::round(value * 1e6) / 1e6;
-}
+double at_precision(double value) { return std::round(value * 1e6) / 1e6; }
 
 bool inside(const std::vector<Point>& hull, const Point& p)
 {
@@ -45,15 +43,18 @@ Point sampled_from_gaussian(const SensorProfile& profile, const Rng& rng)
         if (inside(lights.hull, point))
             return point;
     }
-    throw Error("sensor " + profile.id + ": no draw of its illuminants falls inside their "
-                "hull; name an illuminant instead of sample");
+    throw Error("sensor " + profile.id
+                + ": no draw of its illuminants falls inside their "
+                  "hull; name an illuminant instead of sample");
 }
 
 Point sampled_from_locus(const SensorProfile& profile, const Rng& rng)
 {
     if (profile.calibrations.size() < 2)
-        throw Error("sensor " + profile.id + " has fewer than 3 distinct neutrals and one "
-                    "colour matrix: nothing to sample from; name an illuminant instead");
+        throw Error(
+            "sensor " + profile.id
+            + " has fewer than 3 distinct neutrals and one "
+              "colour matrix: nothing to sample from; name an illuminant instead");
     const auto mired = [&](std::size_t i) {
         const double kelvin
             = light_source_temperature(profile.calibrations[i].light_source).value;

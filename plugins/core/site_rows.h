@@ -8,9 +8,11 @@
 
 namespace cg2raw {
 
-/// One parameter per site of a Bayer CFA: name_00, name_01, name_10, name_11 (row, col).
+/// One parameter per site of a Bayer CFA: name_00, name_01, name_10, name_11 (row,
+/// col).
 inline std::vector<Parameter> per_site(const std::string& name, const std::string& unit,
-                                       double min, double max, const std::string& meaning)
+                                       double min, double max,
+                                       const std::string& meaning)
 {
     std::vector<Parameter> parameters;
     for (const char* site : { "00", "01", "10", "11" })
@@ -18,8 +20,8 @@ inline std::vector<Parameter> per_site(const std::string& name, const std::strin
     return parameters;
 }
 
-/// Calls row(mean, variance, values of the row's even and odd columns, width) for every row;
-/// even and odd count from the row's first pixel.
+/// Calls row(mean, variance, values of the row's even and odd columns, width) for every
+/// row; even and odd count from the row's first pixel.
 template <class Row>
 void each_row_of_sites(Signal& signal, const Values& values, const Row& row)
 {

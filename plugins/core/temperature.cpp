@@ -73,7 +73,8 @@ Temperature temperature_from_xy(Chromaticity xy, RobertsonTable table)
     const double mired = a.mired * to_cool + b.mired * (1.0 - to_cool);
 
     // Direction of the isotherm at the point, interpolated between unit vectors.
-    const double length_a = std::hypot(1.0, a.slope), length_b = std::hypot(1.0, b.slope);
+    const double length_a = std::hypot(1.0, a.slope),
+                 length_b = std::hypot(1.0, b.slope);
     double du = to_cool / length_a + (1.0 - to_cool) / length_b;
     double dv = a.slope / length_a * to_cool + b.slope / length_b * (1.0 - to_cool);
     const double length = std::hypot(du, dv);

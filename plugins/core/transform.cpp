@@ -11,8 +11,8 @@
 namespace cg2raw {
 namespace {
 
-/// XYZ -> linear sRGB as the paper's reference implementation has it (B. Lindbloom), before
-/// its rows are normalised.
+/// XYZ -> linear sRGB as the paper's reference implementation has it (B. Lindbloom),
+/// before its rows are normalised.
 constexpr Mat3 paper_srgb_from_xyz { { 3.2404542, -1.5371385, -0.4985314, -0.9692660,
                                        1.8760108, 0.0415560, 0.0556434, -0.2040259,
                                        1.0572252 } };
@@ -46,7 +46,8 @@ Mat3 paper_camera_from_xyz(const SensorProfile& profile, double cct)
     const double w = paper_cool_weight(cct);
     Mat3 result {};
     for (std::size_t i = 0; i < 9; ++i)
-        result.m[i] = std::max(w, 0.0) * cool.m[i] + std::clamp(1.0 - w, 0.0, 1.0) * warm.m[i];
+        result.m[i]
+            = std::max(w, 0.0) * cool.m[i] + std::clamp(1.0 - w, 0.0, 1.0) * warm.m[i];
     return row_normalised(result);
 }
 
@@ -60,8 +61,8 @@ Mat3 balanced_from_srgb(const SensorProfile& profile, const Illuminant& light)
         const Vec3 scale { d50[0] / white[0], d50[1] / white[1], d50[2] / white[2] };
         return inverse(diagonal(scale) * *xyz_d50_from_balanced) * xyz_d50;
     }
-    const Mat3 camera = camera_from_xyz(profile, light.xy) * bradford(light.xy, d50_white)
-        * xyz_d50;
+    const Mat3 camera
+        = camera_from_xyz(profile, light.xy) * bradford(light.xy, d50_white) * xyz_d50;
     return row_normalised(camera);
 }
 
@@ -111,12 +112,11 @@ Temperature paper_temperature(const SensorProfile& profile, const Vec3& neutral)
     Vec3 xyz { 0.3, 0.3, 0.3 };
     Temperature temperature {};
     for (int pass = 0; pass < paper_most_passes; ++pass) {
-        temperature
-            = temperature_from_xy(xy_from_xyz(xyz), RobertsonTable::corrected);
-        const Mat3 m
-            = mixed(warm, cool, paper_cool_weight(temperature.cct.value));
+        temperature = temperature_from_xy(xy_from_xyz(xyz), RobertsonTable::corrected);
+        const Mat3 m = mixed(warm, cool, paper_cool_weight(temperature.cct.value));
         const Vec3 next = inverse(m) * neutral;
-        const double step = std::hypot(next[0] - xyz[0], next[1] - xyz[1], next[2] - xyz[2]);
+        const double step
+            = std::hypot(next[0] - xyz[0], next[1] - xyz[1], next[2] - xyz[2]);
         xyz = next;
         if (step <= paper_close_enough)
             break;

@@ -11,11 +11,12 @@ namespace {
 
 void expect(Signal& signal, const Values& beta2)
 {
-    each_row_of_sites(signal, beta2,
-                      [](const float*, float* variance, const float* offset, int width) {
-                          for (int col = 0; col < width; ++col)
-                              variance[col] += offset[col & 1];
-                      });
+    each_row_of_sites(
+        signal, beta2,
+        [](const float*, float* variance, const float* offset, int width) {
+            for (int col = 0; col < width; ++col)
+                variance[col] += offset[col & 1];
+        });
 }
 
 } // namespace

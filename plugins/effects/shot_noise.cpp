@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Photon noise, in the Gaussian limit: its variance is in proportion to the signal.
+/// @file Photon noise, in the Gaussian limit: its variance is in proportion to the
+/// signal.
 #include "cg2raw/effect.h"
 
 #include "site_rows.h"
@@ -13,11 +14,12 @@ namespace {
 
 void expect(Signal& signal, const Values& beta1)
 {
-    each_row_of_sites(signal, beta1,
-                      [](const float* mean, float* variance, const float* slope, int width) {
-                          for (int col = 0; col < width; ++col)
-                              variance[col] += slope[col & 1] * std::max(mean[col], 0.0f);
-                      });
+    each_row_of_sites(
+        signal, beta1,
+        [](const float* mean, float* variance, const float* slope, int width) {
+            for (int col = 0; col < width; ++col)
+                variance[col] += slope[col & 1] * std::max(mean[col], 0.0f);
+        });
 }
 
 } // namespace

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Colours that belong to no camera: xy, XYZ, temperature, adaptation, 3x3 algebra.
-/// All of it is float64. A matrix is named to_from, so that inner names cancel.
+/// @file Colours that belong to no camera: xy, XYZ, temperature, adaptation, 3x3
+/// algebra. All of it is float64. A matrix is named to_from, so that inner names
+/// cancel.
 #pragma once
 
 #include <array>
@@ -39,7 +40,8 @@ Mat3 diagonal(const Vec3& v);
 Mat3 transposed(const Mat3& a);
 /// Throws Error if the matrix is singular or not finite.
 Mat3 inverse(const Mat3& a);
-/// Each row divided by its sum, so that (1, 1, 1) maps to itself. Throws Error on a sum of 0.
+/// Each row divided by its sum, so that (1, 1, 1) maps to itself. Throws Error on a sum
+/// of 0.
 Mat3 row_normalised(const Mat3& a);
 /// Linear interpolation a + weight (b - a).
 Mat3 mixed(const Mat3& a, const Mat3& b, double weight);
@@ -58,7 +60,7 @@ struct Temperature {
 
 /// Which value Robertson's isotherm of 325 mired has for u.
 enum class RobertsonTable {
-    adobe,     ///< 0.24702, as raw converters have it: parity with them
+    adobe, ///< 0.24702, as raw converters have it: parity with them
     corrected, ///< 0.24792, the published table's corrected value
 };
 

@@ -14,7 +14,7 @@ Compression compression_from_name(std::string_view name);
 /// Which colour matrices the file carries.
 enum class Matrices {
     camera, ///< the sensor's own
-    exact,  ///< one synthetic matrix by which every reader gives the render back
+    exact, ///< one synthetic matrix by which every reader gives the render back
 };
 Matrices matrices_from_name(std::string_view name);
 
@@ -31,13 +31,14 @@ struct DngOptions {
     ToneCurve tone_curve = ToneCurve::camera;
 };
 
-/// Noise of one colour plane as NoiseProfile has it: sd = sqrt(scale x + offset), x in 0..1.
+/// Noise of one colour plane as NoiseProfile has it: sd = sqrt(scale x + offset), x in
+/// 0..1.
 struct NoisePair {
     double scale, offset;
 };
 
-/// Gains that undo lens shading, on a regular grid over the active area, one map for all
-/// sites. Row major.
+/// Gains that undo lens shading, on a regular grid over the active area, one map for
+/// all sites. Row major.
 struct GainMap {
     int rows, cols;
     std::vector<float> gains;
@@ -59,7 +60,7 @@ struct DngDescription {
     Size size; ///< of the active area, which is the whole mosaic
     CfaPattern cfa;
     std::vector<double> black_level; ///< DN per CFA site
-    int white_level;                 ///< DN
+    int white_level; ///< DN
     std::vector<Calibration> calibrations;
     Vec3 as_shot_neutral; ///< G = 1
     std::string make, model, unique_camera_model;
@@ -69,16 +70,17 @@ struct DngDescription {
     Shot shot;
 };
 
-/// What the file of a simulation says: matrices per @p options, noise and lens shading of
-/// the active effects.
+/// What the file of a simulation says: matrices per @p options, noise and lens shading
+/// of the active effects.
 DngDescription describe(const Simulation& simulation, const DngOptions& options,
                         const Shot& shot);
 
-/// Writes one DNG, row by row. Nothing appears under @p path before close() succeeds; an
-/// unfinished file is removed by the destructor.
+/// Writes one DNG, row by row. Nothing appears under @p path before close() succeeds;
+/// an unfinished file is removed by the destructor.
 class DngWriter {
 public:
-    /// Throws Error: unwritable folder, sizes below 2x2 or above 65535, bad description.
+    /// Throws Error: unwritable folder, sizes below 2x2 or above 65535, bad
+    /// description.
     DngWriter(const std::string& path, const DngDescription& description,
               const DngOptions& options, ParallelFor parallel = parallel_threads(1));
     ~DngWriter();

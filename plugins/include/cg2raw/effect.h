@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file 5 - Effects of optics, sensor and read-out: what each is, and the one registry.
+/// @file 5 - Effects of optics, sensor and read-out: what each is, and the one
+/// registry.
 #pragma once
 
 #include "cg2raw/mosaic.h"
@@ -11,8 +12,8 @@ namespace cg2raw {
 
 /// Where in the chain an effect stands; the order is the order of application.
 enum class Stage {
-    optics,   ///< on camera RGB, three planes
-    pixel,    ///< from here on: on the mosaic
+    optics, ///< on camera RGB, three planes
+    pixel, ///< from here on: on the mosaic
     response,
     noise,
     readout,
@@ -34,19 +35,20 @@ struct Parameter {
 /// A block of rows on its way through the sensor, with what it knows of its place.
 /// Signal is in units of 0..1 above black; variance in the square of that.
 struct Signal {
-    int planes;                     ///< 3: camera RGB, 1: mosaic
+    int planes; ///< 3: camera RGB, 1: mosaic
     std::array<Plane<float>, 3> mean;
-    Plane<float> variance;          ///< mosaic only; its data is null before the mosaic
-    Site origin;                    ///< of the block's first pixel in the active area
-    Size frame;                     ///< active area
+    Plane<float> variance; ///< mosaic only; its data is null before the mosaic
+    Site origin; ///< of the block's first pixel in the active area
+    Size frame; ///< active area
     CfaPattern cfa;
 };
 
 /// Parameter values in the order of Effect::parameters.
 using Values = std::vector<double>;
 
-/// One departure from the ideal sensor. It states how it moves the expected signal and its
-/// variance (expect) and, if its draw is not the Gaussian of that variance, how to draw.
+/// One departure from the ideal sensor. It states how it moves the expected signal and
+/// its variance (expect) and, if its draw is not the Gaussian of that variance, how to
+/// draw.
 struct Effect {
     std::string name;
     Stage stage;
@@ -65,8 +67,8 @@ const Effect& effect(std::string_view name);
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,
                  const std::string& file);
 
-/// Relative illumination at (u, v), the offset from the centre in half diagonals, for the
-/// values of the effect lens_shading; never below 0.
+/// Relative illumination at (u, v), the offset from the centre in half diagonals, for
+/// the values of the effect lens_shading; never below 0.
 double lens_shading_at(const Values& values, double u, double v);
 
 } // namespace cg2raw

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file 2 - Name or draw an illuminant; hence the neutral, its chromaticity, its matrix.
+/// @file 2 - Name or draw an illuminant; hence the neutral, its chromaticity, its
+/// matrix.
 #pragma once
 
 #include "cg2raw/profile.h"
@@ -14,15 +15,15 @@ extern const char* const illuminant_grammar;
 /// A light as one sensor sees it.
 struct Illuminant {
     std::string spec; ///< the word that named it
-    Vec3 neutral;     ///< camera RGB of a neutral patch, G = 1 (AsShotNeutral), at 1e-6
-    Chromaticity xy;  ///< as a raw converter derives it from the neutral
+    Vec3 neutral; ///< camera RGB of a neutral patch, G = 1 (AsShotNeutral), at 1e-6
+    Chromaticity xy; ///< as a raw converter derives it from the neutral
     Temperature temperature; ///< of xy, Adobe's table
 };
 
 /// The illuminant that @p spec names ("A", "D65", "3200K", "xy:0.3457:0.3585",
-/// "neutral:0.55:0.45", "sample:7", "as-shot"); @p as_shot is the reference DNG's neutral,
-/// if there is one. sample:n is a pure function of profile and n.
-/// Throws Error that lists the grammar.
+/// "neutral:0.55:0.45", "sample:7", "as-shot"); @p as_shot is the reference DNG's
+/// neutral, if there is one. sample:n is a pure function of profile and n. Throws Error
+/// that lists the grammar.
 Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
                       const std::optional<Vec3>& as_shot = std::nullopt);
 
@@ -30,8 +31,9 @@ Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
 std::vector<std::string> illuminant_list(std::string_view list);
 
 /// What a raw converter makes of a neutral: fixed point of
-/// xy <- chromaticity(M(T(xy))^-1 neutral), from D50, at most 30 passes; a file that does
-/// not converge gets the mean of the last two. Source: DNG specification 1.7, chapter 6.
+/// xy <- chromaticity(M(T(xy))^-1 neutral), from D50, at most 30 passes; a file that
+/// does not converge gets the mean of the last two. Source: DNG specification 1.7,
+/// chapter 6.
 struct NeutralChromaticity {
     Chromaticity xy;
     int passes;
@@ -41,8 +43,8 @@ NeutralChromaticity xy_from_neutral(const SensorProfile& profile, const Vec3& ne
 
 /// Weight of the warmer calibration at @p xy, linear in 1/T, clamped to 0..1.
 double warm_weight(const SensorProfile& profile, Chromaticity xy);
-/// The profile's ColorMatrix at the temperature of @p xy, scaled and rounded to 1/10000 as
-/// raw converters do.
+/// The profile's ColorMatrix at the temperature of @p xy, scaled and rounded to 1/10000
+/// as raw converters do.
 Mat3 camera_from_xyz(const SensorProfile& profile, Chromaticity xy);
 /// ForwardMatrix at the temperature of @p xy; nothing if a calibration has none.
 std::optional<Mat3> xyz_d50_from_camera(const SensorProfile& profile, Chromaticity xy);
@@ -52,8 +54,8 @@ struct RawSpace {
     std::string sensor, illuminant;
 };
 /// What a colour space's name says; nothing if it is not the name of a RAW space.
-/// Aliases are resolved against @p sensors. Throws Error if it starts like one but names
-/// no sensor or illuminant.
+/// Aliases are resolved against @p sensors. Throws Error if it starts like one but
+/// names no sensor or illuminant.
 std::optional<RawSpace> raw_space_from_name(std::string_view name,
                                             const std::vector<std::string>& sensors);
 std::string raw_space_name(const RawSpace& space);

@@ -8,7 +8,8 @@
 
 namespace cg2raw {
 
-/// Keep one of three values per CFA site: a row of @p width pixels that starts at @p at.
+/// Keep one of three values per CFA site: a row of @p width pixels that starts at @p
+/// at.
 void mosaic(const float* const camera[3], const CfaPattern& cfa, Site at, int width,
             float* raw);
 

@@ -13,26 +13,28 @@ namespace cg2raw {
 
 /// What one exposure is asked to be.
 struct Run {
-    std::string illuminant;     ///< grammar of illuminant.h
-    std::optional<double> iso;  ///< none: no noise
-    std::uint64_t seed = 0;     ///< of everything random
-    std::uint64_t frame = 0;    ///< temporal noise differs between frames
+    std::string illuminant; ///< grammar of illuminant.h
+    std::optional<double> iso; ///< none: no noise
+    std::uint64_t seed = 0; ///< of everything random
+    std::uint64_t frame = 0; ///< temporal noise differs between frames
     double digital_gain = 1.0;
     bool sample_digital_gain = false; ///< draw it from the profile instead
     Convention convention = Convention::dng;
     bool keep_highlights = true;
-    bool effects = true;        ///< false: neither the profile's effects nor noise
-    bool camera_input = false;  ///< pixels already are camera RGB under this illuminant
+    bool effects = true; ///< false: neither the profile's effects nor noise
+    bool camera_input = false; ///< pixels already are camera RGB under this illuminant
     std::optional<Vec3> as_shot; ///< neutral that the word as-shot stands for
 };
 
-/// Calls task(0) ... task(count - 1), in any order, on any threads, and returns when all are done.
-using ParallelFor = std::function<void(int count, const std::function<void(int)>& task)>;
+/// Calls task(0) ... task(count - 1), in any order, on any threads, and returns when
+/// all are done.
+using ParallelFor
+    = std::function<void(int count, const std::function<void(int)>& task)>;
 /// As many std::threads as asked; 0: one per core.
 ParallelFor parallel_threads(int threads);
 
-/// Everything decided before the first pixel; then blocks of pixels in any order, on any
-/// thread, with the same result.
+/// Everything decided before the first pixel; then blocks of pixels in any order, on
+/// any thread, with the same result.
 class Simulation {
 public:
     /// Throws Error.
@@ -41,7 +43,8 @@ public:
     /// Scene pixels of a block whose first pixel is @p origin -> DN.
     void block(const RgbView& scene, Site origin, const Plane<std::uint16_t>& raw,
                Illegal& illegal) const;
-    /// The same before quantisation: signal in 0..1 above black, not clamped. For tests.
+    /// The same before quantisation: signal in 0..1 above black, not clamped. For
+    /// tests.
     void block(const RgbView& scene, Site origin, const Plane<float>& signal,
                Illegal& illegal) const;
 

@@ -37,7 +37,7 @@ std::string name_of(const CfaPattern& cfa);
 
 /// What the maker measured under one light.
 struct Calibration {
-    int light_source;     ///< EXIF LightSource: 17 = A, 21 = D65 ...
+    int light_source; ///< EXIF LightSource: 17 = A, 21 = D65 ...
     Mat3 camera_from_xyz; ///< DNG ColorMatrix
     std::optional<Mat3> xyz_d50_from_camera; ///< DNG ForwardMatrix (balanced camera)
 };
@@ -49,12 +49,14 @@ Kelvin light_source_temperature(int light_source);
 int light_source_from_name(std::string_view name);
 std::string light_source_name(int light_source);
 
-/// Where the sensor's neutrals lie: chromaticities (R/G, B/G) of grey under real lights.
+/// Where the sensor's neutrals lie: chromaticities (R/G, B/G) of grey under real
+/// lights.
 struct NeutralDistribution {
     std::vector<std::array<double, 2>> neutrals; ///< as measured; may be empty
     std::array<double, 2> mean {};
     std::array<double, 3> covariance {}; ///< rr, rb, bb; divisor N - 1
-    std::vector<std::array<double, 2>> hull; ///< convex, counter-clockwise; empty: none known
+    std::vector<std::array<double, 2>>
+        hull; ///< convex, counter-clockwise; empty: none known
 };
 
 /// Mean, covariance and convex hull of @p neutrals.
@@ -80,12 +82,13 @@ struct DigitalGain {
 
 struct SensorProfile {
     std::string id, make, model, unique_camera_model;
-    std::vector<std::pair<std::string, std::string>> sources; ///< field, where it is from
+    std::vector<std::pair<std::string, std::string>>
+        sources; ///< field, where it is from
     CfaPattern cfa;
     int width, height; ///< active area
     int bits;
     std::vector<double> black_level; ///< DN, one per CFA site
-    int white_level;                 ///< DN
+    int white_level; ///< DN
     std::vector<Calibration> calibrations; ///< one or two, in either order
     NeutralDistribution illuminants;
     std::optional<DigitalGain> digital_gain;
@@ -94,7 +97,8 @@ struct SensorProfile {
 };
 
 /// Read a profile (JSON, schema 1). @p file names the source in messages.
-/// Throws Error naming file, field, value and what is allowed; unknown fields are errors.
+/// Throws Error naming file, field, value and what is allowed; unknown fields are
+/// errors.
 SensorProfile parse_profile(std::string_view json, const std::string& file);
 /// The profile as JSON that parse_profile reads back, field for field.
 std::string to_json(const SensorProfile& profile);
@@ -102,7 +106,8 @@ std::string to_json(const SensorProfile& profile);
 /// A profile by id (folders of profile_folders()) or by path (has a slash or ends in
 /// .json). Throws Error; for an unknown id the message lists those installed.
 SensorProfile load_profile(const std::string& id_or_path);
-/// Throws Error if an invariant of the profile does not hold; @p file leads the message.
+/// Throws Error if an invariant of the profile does not hold; @p file leads the
+/// message.
 void check(const SensorProfile& profile, const std::string& file);
 
 /// Folders searched, in order: $CG2RAW_PROFILE_PATH, then share/cg2raw/profiles of the

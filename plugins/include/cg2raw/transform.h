@@ -9,7 +9,7 @@
 namespace cg2raw {
 
 enum class Convention {
-    dng,   ///< exact inverse of a DNG renderer (default)
+    dng, ///< exact inverse of a DNG renderer (default)
     paper, ///< as the published reference implementation of Graphics2RAW computes it
 };
 Convention convention_from_name(std::string_view name);
@@ -18,17 +18,18 @@ const char* name_of(Convention convention);
 /// Scene-linear Rec.709 -> camera RGB, decided before the first pixel:
 /// balanced = clip(second clip(first scene)), camera = highlights(balanced, gains).
 struct CameraTransform {
-    Mat3 first;          ///< dng: balanced camera from sRGB; paper: XYZ from sRGB
-    bool two_steps;      ///< paper: clip to 0..1 between the two products
-    Mat3 second;         ///< paper: balanced camera from XYZ; dng: identity
+    Mat3 first; ///< dng: balanced camera from sRGB; paper: XYZ from sRGB
+    bool two_steps; ///< paper: clip to 0..1 between the two products
+    Mat3 second; ///< paper: balanced camera from XYZ; dng: identity
     std::array<double, 3> gains; ///< g_c, white balance undone, times the digital gain
     bool keep_highlights; ///< false: camera = balanced * gains
-    bool clip_result;     ///< paper: clip to 0..1 after the gains
+    bool clip_result; ///< paper: clip to 0..1 after the gains
 };
 
 /// The transform of @p profile under @p illuminant. Throws Error.
-CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant& illuminant,
-                                  Convention convention, double digital_gain = 1.0,
+CameraTransform camera_from_scene(const SensorProfile& profile,
+                                  const Illuminant& illuminant, Convention convention,
+                                  double digital_gain = 1.0,
                                   bool keep_highlights = true);
 
 /// Linear sRGB from balanced camera RGB (white = 1, 1, 1), for pictures of a RAW.
