@@ -15,7 +15,10 @@ struct Given {
     std::string name;
     OIIO::ParamValue value;
 
-    std::string text() const { return std::string(OIIO::Strutil::strip(value.get_string())); }
+    std::string text() const
+    {
+        return std::string(OIIO::Strutil::strip(value.get_string()));
+    }
 
     [[noreturn]] void fail(const std::string& allowed) const
     {
@@ -88,7 +91,8 @@ struct Known {
 constexpr Known known[] = {
     { "dng:sensor", [](Attributes& a, const Given& g) { a.sensor = g.text(); } },
     { "dng:reference", [](Attributes& a, const Given& g) { a.reference = g.text(); } },
-    { "dng:illuminant", [](Attributes& a, const Given& g) { a.illuminant = g.text(); } },
+    { "dng:illuminant",
+      [](Attributes& a, const Given& g) { a.illuminant = g.text(); } },
     { "dng:iso",
       [](Attributes& a, const Given& g) {
           a.iso = g.real(1.0, 1e7, "an ISO from 1 to 10000000");
@@ -97,13 +101,17 @@ constexpr Known known[] = {
     { "dng:frame", [](Attributes& a, const Given& g) { a.frame = g.whole(); } },
     { "dng:gain", set_gain },
     { "dng:convention",
-      [](Attributes& a, const Given& g) { a.convention = g.named(convention_from_name); } },
+      [](Attributes& a, const Given& g) {
+          a.convention = g.named(convention_from_name);
+      } },
     { "dng:matrices",
       [](Attributes& a, const Given& g) {
           a.options.matrices = g.named(matrices_from_name);
       } },
-    { "dng:highlights", [](Attributes& a, const Given& g) { a.highlights = g.flag(); } },
-    { "dng:effects", [](Attributes& a, const Given& g) { a.effects = effects_from(g); } },
+    { "dng:highlights",
+      [](Attributes& a, const Given& g) { a.highlights = g.flag(); } },
+    { "dng:effects",
+      [](Attributes& a, const Given& g) { a.effects = effects_from(g); } },
     { "dng:compression",
       [](Attributes& a, const Given& g) {
           a.options.compression = g.named(compression_from_name);

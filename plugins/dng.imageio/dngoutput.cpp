@@ -15,8 +15,9 @@ using namespace OIIO;
 namespace cg2raw {
 namespace {
 
-/// Rows that one task of the thread pool works on.
-constexpr int task_rows = 16;
+/// Rows that one task of the thread pool works on, and rows whose DN are held at a
+/// time: hosts may hand over a whole image at once.
+constexpr int task_rows = 4, held_rows = 64;
 
 /// OpenImageIO's thread pool. It lets no exception through, so the first one is kept.
 void parallel(int count, const std::function<void(int)>& task)
@@ -93,12 +94,13 @@ private:
     HostPixels host_pixels(const void* data, TypeDesc format, int width, int height,
                            stride_t xstride, stride_t ystride, int full_width) const;
     void simulate_block(const HostPixels& host, Site at);
+    void simulate_held(const HostPixels& host, Site at);
 
     std::string m_name;
     std::unique_ptr<Simulation> m_simulation;
     std::unique_ptr<DngWriter> m_writer;
     std::unique_ptr<RowAssembly> m_rows;
-    std::vector<std::uint16_t> m_block; ///< DN of the pixels that came last
+    std::vector<std::uint16_t> m_block; ///< DN of the rows that are held
     Illegal m_illegal;
     std::mutex m_guard; ///< hosts may write one file from several threads
 };
@@ -139,8 +141,9 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
     m_spec = spec;
     return reported([&] {
         if (mode != Create)
-            throw Error("a DNG of ours holds one image: write each subimage to its own file "
-                        "(oiiotool --subimage N, or -sisplit)");
+            throw Error(
+                "a DNG of ours holds one image: write each subimage to its own file "
+                "(oiiotool --subimage N, or -sisplit)");
         if (spec.deep || spec.depth > 1)
             throw Error("deep and volume images cannot become a DNG: flatten first "
                         "(oiiotool --flatten)");
@@ -158,9 +161,11 @@ void DngOutput::start(const std::string& name)
     m_simulation = std::make_unique<Simulation>(request.profile, request.run, frame);
     const DngDescription description
         = describe(*m_simulation, request.options, request.shot);
-    m_writer = std::make_unique<DngWriter>(name, description, request.options, parallel);
+    m_writer
+        = std::make_unique<DngWriter>(name, description, request.options, parallel);
     m_rows = std::make_unique<RowAssembly>(
-        frame, [this](const Plane<const std::uint16_t>& rows) { m_writer->write_rows(rows); });
+        frame,
+        [this](const Plane<const std::uint16_t>& rows) { m_writer->write_rows(rows); });
     m_spec.format = TypeDesc::UINT16;
 }
 
@@ -192,8 +197,9 @@ void DngOutput::abandon()
     m_illegal = {};
 }
 
-HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width, int height,
-                                  stride_t xstride, stride_t ystride, int full_width) const
+HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width,
+                                  int height, stride_t xstride, stride_t ystride,
+                                  int full_width) const
 {
     if (format == TypeDesc::UNKNOWN)
         format = m_spec.format;
@@ -206,6 +212,16 @@ HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width, 
 
 void DngOutput::simulate_block(const HostPixels& host, Site at)
 {
+    for (int first = 0; first < host.height; first += held_rows) {
+        HostPixels part = host;
+        part.data += first * host.ystride;
+        part.height = std::min(held_rows, host.height - first);
+        simulate_held(part, { at.row + first, at.col });
+    }
+}
+
+void DngOutput::simulate_held(const HostPixels& host, Site at)
+{
     m_block.resize(std::size_t(host.width) * std::size_t(host.height));
     const int tasks = (host.height + task_rows - 1) / task_rows;
     std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
@@ -216,11 +232,11 @@ void DngOutput::simulate_block(const HostPixels& host, Site at)
         part.data += first * host.ystride;
         part.height = rows;
         std::vector<float> room;
-        m_simulation->block(rgb_view(part, room), { at.row + first, at.col },
-                            Plane<std::uint16_t> { m_block.data()
-                                                       + std::ptrdiff_t(first) * host.width,
-                                                   host.width, rows, host.width },
-                            illegal[std::size_t(task)]);
+        m_simulation->block(
+            rgb_view(part, room), { at.row + first, at.col },
+            Plane<std::uint16_t> { m_block.data() + std::ptrdiff_t(first) * host.width,
+                                   host.width, rows, host.width },
+            illegal[std::size_t(task)]);
     });
     for (const Illegal& part : illegal) {
         m_illegal.nan += part.nan;
@@ -274,10 +290,7 @@ OIIO_EXPORT const char* dng_imageio_library_version()
     return "cg2raw " CG2RAW_VERSION;
 }
 
-OIIO_EXPORT ImageOutput* dng_output_imageio_create()
-{
-    return new cg2raw::DngOutput;
-}
+OIIO_EXPORT ImageOutput* dng_output_imageio_create() { return new cg2raw::DngOutput; }
 
 OIIO_EXPORT const char* dng_output_extensions[] = { "dng", nullptr };
 }

@@ -18,11 +18,19 @@ using OIIO::ImageSpec;
 using OIIO::Strutil::iequals;
 
 /// Names that OpenImageIO and common configs give to scene-linear Rec.709.
-constexpr const char* rec709_names[]
-    = { "",           "linear",           "lin_srgb",          "lin_rec709",
-        "srgb_linear", "lin_srgb_scene",  "lin_rec709_scene",  "linear rec.709 (srgb)",
-        "linear rec.709", "lin_rec709_srgb", "utility - linear - rec.709",
-        "utility - linear - srgb", "linear srgb" };
+constexpr const char* rec709_names[] = { "",
+                                         "linear",
+                                         "lin_srgb",
+                                         "lin_rec709",
+                                         "srgb_linear",
+                                         "lin_srgb_scene",
+                                         "lin_rec709_scene",
+                                         "linear rec.709 (srgb)",
+                                         "linear rec.709",
+                                         "lin_rec709_srgb",
+                                         "utility - linear - rec.709",
+                                         "utility - linear - srgb",
+                                         "linear srgb" };
 
 bool is_rec709(const std::string& space)
 {
@@ -57,10 +65,11 @@ SensorProfile with_measurements(SensorProfile reference, const SensorProfile& me
 {
     if (!iequals(reference.unique_camera_model, measured.unique_camera_model)
         && !iequals(reference.model, measured.model))
-        throw Error("dng:reference " + file + " is of a \"" + reference.unique_camera_model
-                    + "\", dng:sensor " + measured.id + " is a \""
-                    + measured.unique_camera_model + "\": give only one of them, or a pair "
-                                                     "of the same camera");
+        throw Error("dng:reference " + file + " is of a \""
+                    + reference.unique_camera_model + "\", dng:sensor " + measured.id
+                    + " is a \"" + measured.unique_camera_model
+                    + "\": give only one of them, or a pair "
+                      "of the same camera");
     reference.id = measured.id;
     reference.illuminants = measured.illuminants;
     reference.digital_gain = measured.digital_gain;
@@ -82,8 +91,8 @@ Shot shot_of(const ImageSpec& spec)
     shot.exposure_time = positive("ExposureTime");
     shot.f_number = positive("FNumber");
     shot.focal_length = positive("Exif:FocalLength");
-    shot.date_time_original = spec.get_string_attribute("Exif:DateTimeOriginal",
-                                                        spec.get_string_attribute("DateTime"));
+    shot.date_time_original = spec.get_string_attribute(
+        "Exif:DateTimeOriginal", spec.get_string_attribute("DateTime"));
     shot.artist = spec.get_string_attribute("Artist");
     shot.copyright = spec.get_string_attribute("Copyright");
     shot.description = spec.get_string_attribute("ImageDescription");
@@ -93,8 +102,8 @@ Shot shot_of(const ImageSpec& spec)
     return shot;
 }
 
-/// Exif of the reference, and of the image what the reference lacks. Orientation, author,
-/// rights and description are the image's own: they are not the camera's.
+/// Exif of the reference, and of the image what the reference lacks. Orientation,
+/// author, rights and description are the image's own: they are not the camera's.
 Shot merged(Shot reference, const Shot& image)
 {
     reference.orientation = image.orientation;
@@ -114,7 +123,8 @@ Shot merged(Shot reference, const Shot& image)
 }
 
 /// The space of the pixels, if they already are RAW; contradictions are errors.
-std::optional<RawSpace> raw_space_of(const ImageSpec& spec, const Attributes& attributes,
+std::optional<RawSpace> raw_space_of(const ImageSpec& spec,
+                                     const Attributes& attributes,
                                      const std::optional<SensorProfile>& sensor)
 {
     auto sensors = installed_profiles();
@@ -128,13 +138,15 @@ std::optional<RawSpace> raw_space_of(const ImageSpec& spec, const Attributes& at
     if (sensor && !iequals(sensor->id, space->sensor))
         throw Error(pixels + ", but dng:sensor is " + sensor->id
                     + ": leave dng:sensor out, or convert to its RAW space");
-    if (!attributes.illuminant.empty() && !iequals(attributes.illuminant, space->illuminant))
+    if (!attributes.illuminant.empty()
+        && !iequals(attributes.illuminant, space->illuminant))
         throw Error(pixels + ", but dng:illuminant is " + attributes.illuminant
                     + ": leave dng:illuminant out, or convert to its RAW space");
     if (attributes.convention || attributes.gain || attributes.sample_gain
         || attributes.highlights)
-        throw Error(pixels + ": dng:convention, dng:gain and dng:highlights belong to the "
-                             "conversion, which has been done; leave them out");
+        throw Error(pixels
+                    + ": dng:convention, dng:gain and dng:highlights belong to the "
+                      "conversion, which has been done; leave them out");
     return space;
 }
 

@@ -18,9 +18,9 @@ struct Request {
     Shot shot;
 };
 
-/// Reads dng:* attributes, oiio:ColorSpace, oiio:BitsPerSample and Exif. Throws Error for
-/// an unknown dng: attribute, a value out of range, a contradiction, or a colour space that
-/// is neither RAW nor scene-linear Rec.709.
+/// Reads dng:* attributes, oiio:ColorSpace, oiio:BitsPerSample and Exif. Throws Error
+/// for an unknown dng: attribute, a value out of range, a contradiction, or a colour
+/// space that is neither RAW nor scene-linear Rec.709.
 Request request_of(const OIIO::ImageSpec& spec);
 
 } // namespace cg2raw

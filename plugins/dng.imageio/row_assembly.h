@@ -20,8 +20,8 @@ public:
 
     RowAssembly(Size size, Sink sink);
 
-    /// A block whose first pixel is @p at. Throws Error for pixels outside the frame, or of
-    /// rows that were complete already.
+    /// A block whose first pixel is @p at. Throws Error for pixels outside the frame,
+    /// or of rows that were complete already.
     void put(Site at, const Plane<const std::uint16_t>& block);
     /// Rows passed on so far.
     int rows_done() const { return m_done; }

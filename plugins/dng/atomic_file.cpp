@@ -107,7 +107,8 @@ void AtomicFile::open_named()
 
 AtomicFile::~AtomicFile() { discard(); }
 
-bool AtomicFile::write(const void* data, std::size_t size, std::uint64_t offset) noexcept
+bool AtomicFile::write(const void* data, std::size_t size,
+                       std::uint64_t offset) noexcept
 {
     const char* from = static_cast<const char*>(data);
     if (offset + size > tiff_limit) {
@@ -131,12 +132,13 @@ bool AtomicFile::write(const void* data, std::size_t size, std::uint64_t offset)
     return true;
 }
 
-std::size_t AtomicFile::read(void* data, std::size_t size, std::uint64_t offset) noexcept
+std::size_t AtomicFile::read(void* data, std::size_t size,
+                             std::uint64_t offset) noexcept
 {
     std::size_t done = 0;
     while (done < size) {
-        const ssize_t got = ::pread(m_file, static_cast<char*>(data) + done, size - done,
-                                    off_t(offset + done));
+        const ssize_t got = ::pread(m_file, static_cast<char*>(data) + done,
+                                    size - done, off_t(offset + done));
         if (got < 0 && errno == EINTR)
             continue;
         if (got <= 0)
@@ -166,15 +168,17 @@ void AtomicFile::publish()
 void AtomicFile::publish_unnamed()
 {
     const std::string unnamed = descriptor_path(m_file);
-    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, m_target.c_str(), AT_SYMLINK_FOLLOW)
+    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, m_target.c_str(),
+                 AT_SYMLINK_FOLLOW)
         == 0)
         return;
     if (errno != EEXIST)
         fail_with(m_path, "create", errno);
-    // A link cannot replace a file, a rename can: between the two calls, and only there,
-    // the complete file has a temporary name.
+    // A link cannot replace a file, a rename can: between the two calls, and only
+    // there, the complete file has a temporary name.
     const std::string named = temporary_name(m_target);
-    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, named.c_str(), AT_SYMLINK_FOLLOW) != 0)
+    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, named.c_str(), AT_SYMLINK_FOLLOW)
+        != 0)
         fail_with(m_path, "create", errno);
     m_temporary = named;
     if (::rename(named.c_str(), m_target.c_str()) != 0)

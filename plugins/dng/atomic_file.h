@@ -10,21 +10,24 @@
 
 namespace cg2raw {
 
-/// A file without a name until publish(): not even kill -9 leaves something behind, on file
-/// systems with O_TMPFILE (ext4, xfs, btrfs, tmpfs). Elsewhere (NFS, SMB, exFAT) it carries
-/// a hidden temporary name in the same folder, which every failure but kill -9 removes.
+/// A file without a name until publish(): not even kill -9 leaves something behind, on
+/// file systems with O_TMPFILE (ext4, xfs, btrfs, tmpfs). Elsewhere (NFS, SMB, exFAT)
+/// it carries a hidden temporary name in the same folder, which every failure but kill
+/// -9 removes.
 class AtomicFile {
 public:
     /// Opens beside @p path, whose symbolic links are followed.
     /// With @p unnamed false as on file systems that know no files without a name.
-    /// Throws Error: missing or unwritable folder; @p path is no regular file, or read-only.
+    /// Throws Error: missing or unwritable folder; @p path is no regular file, or
+    /// read-only.
     explicit AtomicFile(std::string path, bool unnamed = true);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// All of @p size bytes at @p offset. False, with the reason kept for fail(), if the
-    /// system refuses or the file would pass 4 GiB, the limit of TIFF's 32-bit offsets.
+    /// All of @p size bytes at @p offset. False, with the reason kept for fail(), if
+    /// the system refuses or the file would pass 4 GiB, the limit of TIFF's 32-bit
+    /// offsets.
     bool write(const void* data, std::size_t size, std::uint64_t offset) noexcept;
     /// Bytes read, less than @p size at the end of the file.
     std::size_t read(void* data, std::size_t size, std::uint64_t offset) noexcept;
@@ -33,8 +36,8 @@ public:
     /// Give it its name, replacing an older file in one step. Throws Error.
     void publish();
 
-    /// Throws Error: path, what could not be done, and the first reason that write() met,
-    /// else @p otherwise.
+    /// Throws Error: path, what could not be done, and the first reason that write()
+    /// met, else @p otherwise.
     [[noreturn]] void fail(const std::string& what, const std::string& otherwise) const;
 
 private:
@@ -43,10 +46,10 @@ private:
     void publish_unnamed();
     void discard() noexcept;
 
-    std::string m_path;    ///< as given, for messages
-    std::string m_target;  ///< links resolved
+    std::string m_path; ///< as given, for messages
+    std::string m_target; ///< links resolved
     std::string m_temporary; ///< empty: the file has no name
-    std::string m_reason;  ///< of the first failed write
+    std::string m_reason; ///< of the first failed write
     std::uint64_t m_size = 0;
     int m_file = -1;
     unsigned m_mode = 0666;

@@ -23,15 +23,15 @@ Calibration exact_calibration(const Simulation& simulation)
 {
     const Illuminant& light = simulation.illuminant();
     const Mat3 balanced_from_srgb
-        = row_normalised(inverse(srgb_from_balanced(simulation.profile(), light)));
+        = inverse(srgb_from_balanced(simulation.profile(), light));
     const Mat3 srgb_from_xyz = inverse(xyz_d65_from_srgb());
     return { daylight, diagonal(light.neutral) * balanced_from_srgb * srgb_from_xyz,
              std::nullopt };
 }
 
-/// RawTherapee by default, and Adobe's renderers, prefer their own profile of a camera whose
-/// name they know (Canon EOS 5D Mark III: mean dE2000 2.6, Nikon D800: 6.1, not 0.014).
-/// This matrix is one file's, not that camera's: the name says so.
+/// RawTherapee by default, and Adobe's renderers, prefer their own profile of a camera
+/// whose name they know (Canon EOS 5D Mark III: mean dE2000 2.6, Nikon D800: 6.1, not
+/// 0.014). This matrix is one file's, not that camera's: the name says so.
 std::string name_of_exact(const std::string& model) { return model + " exact"; }
 
 /// The planes' noise: means over the sites of a colour.

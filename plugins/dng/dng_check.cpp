@@ -22,7 +22,8 @@ public:
     }
 
     template <class Value>
-    void need(bool holds, const char* field, const Value& value, const char* bound) const
+    void need(bool holds, const char* field, const Value& value,
+              const char* bound) const
     {
         if (!holds)
             throw Error(m_path + ": " + field + " is " + text(value) + ", but must be "
@@ -49,12 +50,12 @@ void check_size(const Checker& checker, const DngDescription& description)
                  std::to_string(cfa.width) + " x " + std::to_string(cfa.height),
                  "1 to 36 sites");
     for (int color = 0; color < 3; ++color)
-        checker.need(std::count(cfa.colors.begin(), cfa.colors.begin() + cfa.sites(), color)
-                         > 0,
-                     "cfa", "without colour " + std::to_string(color), "of R, G and B");
+        checker.need(
+            std::count(cfa.colors.begin(), cfa.colors.begin() + cfa.sites(), color) > 0,
+            "cfa", "without colour " + std::to_string(color), "of R, G and B");
     const char* const bound = "one repeat of the CFA (2) to 65535 pixels";
-    checker.need(legal(description.size.width, cfa.width), "width", description.size.width,
-                 bound);
+    checker.need(legal(description.size.width, cfa.width), "width",
+                 description.size.width, bound);
     checker.need(legal(description.size.height, cfa.height), "height",
                  description.size.height, bound);
 }
@@ -64,11 +65,12 @@ void check_levels(const Checker& checker, const DngDescription& description)
     checker.need(description.white_level > 0 && description.white_level <= largest_dn,
                  "white_level", description.white_level, "1 to 65535 DN");
     checker.need(int(description.black_level.size()) == description.cfa.sites(),
-                 "black_level", std::to_string(description.black_level.size()) + " numbers",
+                 "black_level",
+                 std::to_string(description.black_level.size()) + " numbers",
                  "one per CFA site");
     for (const double black : description.black_level)
-        checker.need(black >= 0.0 && black < description.white_level, "black_level", black,
-                     "at least 0 and below white_level");
+        checker.need(black >= 0.0 && black < description.white_level, "black_level",
+                     black, "at least 0 and below white_level");
 }
 
 void check_color(const Checker& checker, const DngDescription& description)
@@ -90,8 +92,8 @@ void check_noise(const Checker& checker, const DngDescription& description)
     checker.need(count == 0 || count == 3, "noise_profile",
                  std::to_string(count) + " pairs", "none or one per colour");
     for (const NoisePair& pair : description.noise_profile) {
-        checker.need(pair.scale > 0.0 && std::isfinite(pair.scale), "noise_profile scale",
-                     pair.scale, "above 0");
+        checker.need(pair.scale > 0.0 && std::isfinite(pair.scale),
+                     "noise_profile scale", pair.scale, "above 0");
         checker.need(pair.offset >= 0.0 && std::isfinite(pair.offset),
                      "noise_profile offset", pair.offset, "at least 0");
     }
@@ -112,7 +114,8 @@ void check_shot(const Checker& checker, const Shot& shot)
     checker.need(shot.orientation >= 1 && shot.orientation <= 8, "orientation",
                  shot.orientation, "1 to 8");
     // libtiff keeps 20 bytes for it, with the final 0.
-    checker.need(shot.date_time_original.empty() || shot.date_time_original.size() == 19,
+    checker.need(shot.date_time_original.empty()
+                     || shot.date_time_original.size() == 19,
                  "date_time_original", shot.date_time_original, "YYYY:MM:DD HH:MM:SS");
 }
 

@@ -25,23 +25,23 @@ Value named(const char* option, std::string_view word,
 
 Compression compression_from_name(std::string_view name)
 {
-    return named<Compression>("compression", name,
-                              { { "none", Compression::none },
-                                { "ljpeg", Compression::ljpeg } });
+    return named<Compression>(
+        "compression", name,
+        { { "none", Compression::none }, { "ljpeg", Compression::ljpeg } });
 }
 
 Matrices matrices_from_name(std::string_view name)
 {
-    return named<Matrices>("matrices", name,
-                           { { "camera", Matrices::camera },
-                             { "exact", Matrices::exact } });
+    return named<Matrices>(
+        "matrices", name,
+        { { "camera", Matrices::camera }, { "exact", Matrices::exact } });
 }
 
 ToneCurve tone_curve_from_name(std::string_view name)
 {
-    return named<ToneCurve>("tone_curve", name,
-                            { { "camera", ToneCurve::camera },
-                              { "linear", ToneCurve::linear } });
+    return named<ToneCurve>(
+        "tone_curve", name,
+        { { "camera", ToneCurve::camera }, { "linear", ToneCurve::linear } });
 }
 
 } // namespace cg2raw

@@ -70,8 +70,8 @@ SignedRationals matrix_value(const Mat3& matrix, std::int32_t denominator)
     return value;
 }
 
-/// The warmer calibration first: dcraw and LibRaw read all into one place, the last stays,
-/// and they mean it to be the daylight one.
+/// The warmer calibration first: dcraw and LibRaw read all into one place, the last
+/// stays, and they mean it to be the daylight one.
 std::vector<Calibration> warm_first(std::vector<Calibration> calibrations)
 {
     if (calibrations.size() == 2
@@ -98,8 +98,9 @@ void add_calibrations(Tags& tags, const DngDescription& description, Matrices ma
         tags.push_back({ color_matrix_1 + i,
                          matrix_value(calibration.camera_from_xyz, denominator) });
         if (calibration.xyz_d50_from_camera)
-            tags.push_back({ forward_matrix_1 + i,
-                             matrix_value(*calibration.xyz_d50_from_camera, denominator) });
+            tags.push_back(
+                { forward_matrix_1 + i,
+                  matrix_value(*calibration.xyz_d50_from_camera, denominator) });
         ++i;
     }
 }
@@ -157,8 +158,8 @@ Tags camera_tags(const DngDescription& description, const DngOptions& options)
     add_text(tags, copyright, description.shot.copyright);
     add_text(tags, date_time, description.shot.date_time_original);
     add_calibrations(tags, description, options.matrices);
-    // Green stays 1 though red may pass 1 under tungsten: Adobe's renderer divides by the
-    // maximum itself, LibRaw, dcraw, RawTherapee and RawSpeed take reciprocals.
+    // Green stays 1 though red may pass 1 under tungsten: Adobe's renderer divides by
+    // the maximum itself, LibRaw, dcraw, RawTherapee and RawSpeed take reciprocals.
     Rationals neutral;
     for (const double channel : description.as_shot_neutral)
         neutral.push_back(rational(channel, neutral_denominator));
@@ -184,10 +185,10 @@ Tags mosaic_tags(const DngDescription& description)
         tags.push_back({ noise_profile, pairs });
     }
     if (description.lens_shading)
-        tags.push_back({ opcode_list_2,
-                         Undefined { gain_map_opcodes(*description.lens_shading,
-                                                      description.size,
-                                                      description.cfa) } });
+        tags.push_back(
+            { opcode_list_2,
+              Undefined { gain_map_opcodes(*description.lens_shading, description.size,
+                                           description.cfa) } });
     return tags;
 }
 

@@ -7,6 +7,9 @@
 #include "preview.h"
 #include "tiff_file.h"
 
+#include <cstdlib>
+#include <new>
+
 namespace cg2raw {
 
 namespace {
@@ -17,13 +20,18 @@ constexpr std::uint16_t compression_none = 1;
 Storage storage_of(const Preview& preview)
 {
     const Size size = preview.size();
-    Storage storage { std::uint32_t(size.width), std::uint32_t(size.height), 3, 8,
-                      photometric_rgb, compression_none };
+    Storage storage {
+        std::uint32_t(size.width), std::uint32_t(size.height), 3, 8, photometric_rgb,
+        compression_none
+    };
     storage.rows_per_strip = storage.height;
     return storage;
 }
 
-void append(Tags& tags, const Tags& more) { tags.insert(tags.end(), more.begin(), more.end()); }
+void append(Tags& tags, const Tags& more)
+{
+    tags.insert(tags.end(), more.begin(), more.end());
+}
 
 const std::string& checked(const std::string& path, const DngDescription& description,
                            const DngOptions& options)
@@ -33,9 +41,10 @@ const std::string& checked(const std::string& path, const DngDescription& descri
     const std::uint64_t bytes = 2 * std::uint64_t(description.size.width)
         * std::uint64_t(description.size.height);
     if (options.compression == Compression::none && bytes > 0xfff00000)
-        throw Error(path + ": " + std::to_string(bytes)
-                    + " bytes of pixels, but a TIFF file ends at 4 GiB: write a smaller "
-                      "image, or compress it");
+        throw Error(
+            path + ": " + std::to_string(bytes)
+            + " bytes of pixels, but a TIFF file ends at 4 GiB: write a smaller "
+              "image, or compress it");
     return path;
 }
 
@@ -69,14 +78,31 @@ struct DngWriter::State {
         }
     }
 
-    /// The picture is known only after the mosaic, its size now: its strip keeps the place.
+    /// The picture is known only with the mosaic, its size now: its strip keeps the
+    /// place.
     void reserve_preview()
     {
-        const std::vector<std::uint8_t> blank(3 * std::size_t(preview->size().width)
-                                              * std::size_t(preview->size().height));
-        file.write_chunk(0, blank.data(), blank.size());
-        preview_offset = file.chunk_offset(0);
+        const std::size_t bytes = 3 * std::size_t(preview->size().width)
+            * std::size_t(preview->size().height);
+        // Zeros that come fresh from the system take no memory until they are written
+        // to.
+        const std::unique_ptr<void, void (*)(void*)> blank(std::calloc(bytes, 1),
+                                                           std::free);
+        if (!blank)
+            throw std::bad_alloc();
+        file.write_chunk(0, blank.get(), bytes);
+        preview_next = file.chunk_offset(0);
         file.end();
+    }
+
+    void add_to_preview(const Plane<const std::uint16_t>& mosaic_rows)
+    {
+        const std::vector<std::uint8_t>& pixels
+            = preview->add_rows(mosaic_rows, parallel);
+        if (pixels.empty())
+            return;
+        file.patch(preview_next, pixels.data(), pixels.size());
+        preview_next += pixels.size();
     }
 
     std::string path;
@@ -85,7 +111,7 @@ struct DngWriter::State {
     ParallelFor parallel;
     TiffFile file;
     std::optional<Preview> preview;
-    std::uint64_t preview_offset = 0;
+    std::uint64_t preview_next = 0; ///< place in the file of the picture's next row
     int rows = 0;
     bool closed = false;
 };
@@ -104,11 +130,11 @@ void DngWriter::write_rows(const Plane<const std::uint16_t>& rows)
     State& state = *m_state;
     if (rows.width != state.size.width || rows.height > state.size.height - state.rows)
         throw Error(state.path + ": rows of " + std::to_string(rows.width) + " pixels, "
-                    + std::to_string(state.rows + rows.height) + " in all, do not fit a "
-                    + std::to_string(state.size.width) + " x "
-                    + std::to_string(state.size.height) + " mosaic");
+                    + std::to_string(state.rows + rows.height)
+                    + " in all, do not fit a " + std::to_string(state.size.width)
+                    + " x " + std::to_string(state.size.height) + " mosaic");
     if (state.preview)
-        state.preview->add_rows(rows, state.parallel);
+        state.add_to_preview(rows);
     state.store->write_rows(state.file, rows);
     state.rows += rows.height;
 }
@@ -120,12 +146,9 @@ void DngWriter::close()
         return;
     if (state.rows != state.size.height)
         throw Error(state.path + ": " + std::to_string(state.rows) + " rows written of "
-                    + std::to_string(state.size.height) + ": write them all before closing");
+                    + std::to_string(state.size.height)
+                    + ": write them all before closing");
     state.file.end();
-    if (state.preview) {
-        const std::vector<std::uint8_t>& pixels = state.preview->pixels();
-        state.file.patch(state.preview_offset, pixels.data(), pixels.size());
-    }
     state.file.publish();
     state.closed = true;
 }

@@ -45,7 +45,8 @@ void add_iso(Tags& tags, int iso)
     if (iso > largest_short) {
         tags.push_back(
             { sensitivity_type, std::vector<std::uint16_t> { type_is_iso_speed } });
-        tags.push_back({ iso_speed, std::vector<std::uint32_t> { std::uint32_t(iso) } });
+        tags.push_back(
+            { iso_speed, std::vector<std::uint32_t> { std::uint32_t(iso) } });
     }
 }
 
@@ -80,7 +81,8 @@ Tags exif_tags(const Shot& shot)
     if (shot.f_number)
         tags.push_back({ f_number, Rationals { rational(*shot.f_number, 100) } });
     if (shot.focal_length)
-        tags.push_back({ focal_length, Rationals { rational(*shot.focal_length, 100) } });
+        tags.push_back(
+            { focal_length, Rationals { rational(*shot.focal_length, 100) } });
     if (shot.iso)
         add_iso(tags, *shot.iso);
     if (!shot.date_time_original.empty())

@@ -70,8 +70,8 @@ void put_opcode(BigEndian& out, const GainMap& map, Size size, Size repeat, Site
 
 } // namespace
 
-/// The same map once per site: one map for all is as legal, but darktable applies gain maps
-/// only if there is one for each of the four Bayer sites.
+/// The same map once per site: one map for all is as legal, but darktable applies gain
+/// maps only if there is one for each of the four Bayer sites.
 Bytes gain_map_opcodes(const GainMap& map, Size size, const CfaPattern& cfa)
 {
     if (map.rows < 2 || map.cols < 2

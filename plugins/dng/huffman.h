@@ -18,8 +18,8 @@ using SizeHistogram = std::array<std::uint64_t, difference_sizes>;
 struct HuffmanCode {
     std::array<std::uint16_t, difference_sizes> code {};
     std::array<std::uint8_t, difference_sizes> length {}; ///< 0: does not occur
-    std::array<std::uint8_t, 16> count_of_length {};      ///< DHT's BITS, from length 1
-    std::vector<std::uint8_t> sizes;                      ///< DHT's HUFFVAL
+    std::array<std::uint8_t, 16> count_of_length {}; ///< DHT's BITS, from length 1
+    std::vector<std::uint8_t> sizes; ///< DHT's HUFFVAL
 };
 
 /// The shortest such code for @p histogram, which has a count above 0.

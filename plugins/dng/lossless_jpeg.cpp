@@ -31,7 +31,8 @@ int repeated(int i, int length, int repeat)
 const std::uint16_t* tile_row(const Plane<const std::uint16_t>& image, Size tile,
                               Size repeat, int row, std::uint16_t* padded)
 {
-    const std::uint16_t* const from = image.row(repeated(row, image.height, repeat.height));
+    const std::uint16_t* const from
+        = image.row(repeated(row, image.height, repeat.height));
     if (image.width == tile.width)
         return from;
     std::copy_n(from, image.width, padded);
@@ -60,8 +61,9 @@ int precision(const Plane<const std::uint16_t>& image, int bits)
     return bits;
 }
 
-/// Differences from the prediction, modulo 2^16: the left neighbour of the same component;
-/// for a row's first pixels the ones above, for the first row's half the range.
+/// Differences from the prediction, modulo 2^16: the left neighbour of the same
+/// component; for a row's first pixels the ones above, for the first row's half the
+/// range.
 void find_differences(const Plane<const std::uint16_t>& image, Size tile, Size repeat,
                       int bits, JpegScratch& scratch)
 {
@@ -82,8 +84,9 @@ void find_differences(const Plane<const std::uint16_t>& image, Size tile, Size r
     }
 }
 
-/// Size of each difference: bits of its magnitude, 0 to 16. The exponent of a float is that
-/// number, and the loop has no branch and no table, so that compilers vectorise it.
+/// Size of each difference: bits of its magnitude, 0 to 16. The exponent of a float is
+/// that number, and the loop has no branch and no table, so that compilers vectorise
+/// it.
 void find_sizes(const std::vector<std::uint16_t>& differences,
                 std::vector<std::uint8_t>& sizes)
 {
@@ -102,7 +105,8 @@ void find_sizes(const std::vector<std::uint16_t>& differences,
     }
 }
 
-/// Four histograms side by side: a run of equal sizes does not wait for its own counter.
+/// Four histograms side by side: a run of equal sizes does not wait for its own
+/// counter.
 SizeHistogram histogram_of(const std::vector<std::uint8_t>& sizes)
 {
     std::array<std::array<std::uint32_t, 32>, 4> counts {};
@@ -169,7 +173,7 @@ public:
 private:
     std::uint8_t* m_out;
     std::uint64_t m_pending = 0; ///< from the top
-    unsigned m_fill = 0;         ///< bits pending, below 8
+    unsigned m_fill = 0; ///< bits pending, below 8
 };
 
 /// A negative difference is coded as one less, in the low bits. T.81, F.1.2.1.
@@ -238,7 +242,8 @@ void write_head(Size tile, int bits, const HuffmanCode& code,
 }
 
 /// Entropy-coded bytes; a 0 follows each 0xff, which else would start a marker.
-void append_stuffed(const std::vector<std::uint8_t>& bits, std::vector<std::uint8_t>& jpeg)
+void append_stuffed(const std::vector<std::uint8_t>& bits,
+                    std::vector<std::uint8_t>& jpeg)
 {
     const std::uint8_t* at = bits.data();
     const std::uint8_t* const end = at + bits.size();
@@ -255,8 +260,9 @@ void append_stuffed(const std::vector<std::uint8_t>& bits, std::vector<std::uint
 
 } // namespace
 
-void encode_lossless_jpeg(const Plane<const std::uint16_t>& image, Size tile, Size repeat,
-                          int bits, JpegScratch& scratch, std::vector<std::uint8_t>& jpeg)
+void encode_lossless_jpeg(const Plane<const std::uint16_t>& image, Size tile,
+                          Size repeat, int bits, JpegScratch& scratch,
+                          std::vector<std::uint8_t>& jpeg)
 {
     assert(tile.width % components == 0 && tile.width <= 2 * 65535);
     assert(image.width > 0 && image.width <= tile.width);

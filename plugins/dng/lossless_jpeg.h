@@ -20,14 +20,16 @@ struct JpegScratch {
 };
 
 /// One tile of @p tile pixels -> a lossless JPEG: SOF3, predictor 1, two interleaved
-/// components, so that a pixel is predicted by its neighbour of the same colour two columns
-/// to the left; one Huffman table, made for this tile.
+/// components, so that a pixel is predicted by its neighbour of the same colour two
+/// columns to the left; one Huffman table, made for this tile.
 ///
-/// @p image is the part of the tile that the image covers, from its top-left corner; beyond
-/// it the last pixels repeat in the CFA's rhythm @p repeat. The tile's width is even.
-/// The precision is @p bits (2 to 16), more if a value needs more. Lossless for any values.
+/// @p image is the part of the tile that the image covers, from its top-left corner;
+/// beyond it the last pixels repeat in the CFA's rhythm @p repeat. The tile's width is
+/// even. The precision is @p bits (2 to 16), more if a value needs more. Lossless for
+/// any values.
 /// @p jpeg is overwritten. Source: ITU-T T.81 (1992), annexes H, K.2.
-void encode_lossless_jpeg(const Plane<const std::uint16_t>& image, Size tile, Size repeat,
-                          int bits, JpegScratch& scratch, std::vector<std::uint8_t>& jpeg);
+void encode_lossless_jpeg(const Plane<const std::uint16_t>& image, Size tile,
+                          Size repeat, int bits, JpegScratch& scratch,
+                          std::vector<std::uint8_t>& jpeg);
 
 } // namespace cg2raw

@@ -5,6 +5,7 @@
 #include "lossless_jpeg.h"
 
 #include <algorithm>
+#include <mutex>
 
 namespace cg2raw {
 
@@ -19,8 +20,9 @@ constexpr int tile_step = 16;
 
 int rounded_up(int value, int step) { return (value + step - 1) / step * step; }
 
-/// Contiguous strips of about 1 MiB: dcraw reads on from the first strip, whatever the
-/// others' offsets say; a single strip would be read whole into memory by libtiff's users.
+/// Contiguous strips of about 1/2 MiB: dcraw reads on from the first strip, whatever
+/// the others' offsets say; a single strip would be read whole into memory by libtiff's
+/// users.
 class Strips : public MosaicStore {
 public:
     explicit Strips(Size size)
@@ -32,8 +34,12 @@ public:
 
     Storage storage() const override
     {
-        Storage storage { std::uint32_t(m_size.width), std::uint32_t(m_size.height), 1,
-                          stored_bits, photometric_cfa, compression_none };
+        Storage storage { std::uint32_t(m_size.width),
+                          std::uint32_t(m_size.height),
+                          1,
+                          stored_bits,
+                          photometric_cfa,
+                          compression_none };
         storage.rows_per_strip = std::uint32_t(m_rows_per_strip);
         return storage;
     }
@@ -43,13 +49,14 @@ public:
         m_groups.add(rows, [&](Plane<const std::uint16_t> strip) {
             if (strip.pitch != strip.width)
                 strip = packed(strip);
-            const std::size_t pixels = std::size_t(strip.width) * std::size_t(strip.height);
+            const std::size_t pixels
+                = std::size_t(strip.width) * std::size_t(strip.height);
             file.write_chunk(m_next++, strip.data, 2 * pixels);
         });
     }
 
 private:
-    static constexpr int strip_pixels = 512 * 1024;
+    static constexpr int strip_pixels = 256 * 1024;
 
     Plane<const std::uint16_t> packed(const Plane<const std::uint16_t>& rows)
     {
@@ -66,8 +73,8 @@ private:
     std::uint32_t m_next = 0;
 };
 
-/// Rows of tiles of about 512 x 128: enough of them side by side for many threads, a tile's
-/// pixels and codes within a core's cache, the code table under 0.1 % of a tile.
+/// Rows of tiles of about 512 x 128: enough of them side by side for many threads, a
+/// tile's pixels and codes within a core's cache, the code table under 0.1 % of a tile.
 class Tiles : public MosaicStore {
 public:
     Tiles(const DngDescription& description, ParallelFor parallel)
@@ -84,7 +91,6 @@ public:
             m_across = 2;
         m_tile.width = rounded_up((m_size.width + m_across - 1) / m_across, tile_step);
         m_across = (m_size.width + m_tile.width - 1) / m_tile.width;
-        m_scratch.resize(std::size_t(m_across));
         m_jpegs.resize(std::size_t(m_across));
         while ((description.white_level >> m_bits) != 0)
             ++m_bits;
@@ -92,8 +98,12 @@ public:
 
     Storage storage() const override
     {
-        Storage storage { std::uint32_t(m_size.width), std::uint32_t(m_size.height), 1,
-                          stored_bits, photometric_cfa, compression_jpeg };
+        Storage storage { std::uint32_t(m_size.width),
+                          std::uint32_t(m_size.height),
+                          1,
+                          stored_bits,
+                          photometric_cfa,
+                          compression_jpeg };
         storage.tile_width = std::uint32_t(m_tile.width);
         storage.tile_height = std::uint32_t(m_tile.height);
         return storage;
@@ -111,17 +121,33 @@ public:
 private:
     static constexpr int widest = 512;
     static constexpr int tile_height = 128;
-    /// 8 bits or less would make some readers decode to bytes, against BitsPerSample 16.
+    /// 8 bits or less would make some readers decode to bytes, against
+    /// BitsPerSample 16.
     static constexpr int fewest_bits = 9;
 
     void encode(const Plane<const std::uint16_t>& group, int i)
     {
         const int left = i * m_tile.width;
-        const Plane<const std::uint16_t> part { group.data + left,
-                                                std::min(m_tile.width, m_size.width - left),
-                                                group.height, group.pitch };
-        encode_lossless_jpeg(part, m_tile, m_repeat, m_bits, m_scratch[std::size_t(i)],
+        const Plane<const std::uint16_t> part {
+            group.data + left, std::min(m_tile.width, m_size.width - left),
+            group.height, group.pitch
+        };
+        std::unique_ptr<JpegScratch> scratch = taken_scratch();
+        encode_lossless_jpeg(part, m_tile, m_repeat, m_bits, *scratch,
                              m_jpegs[std::size_t(i)]);
+        const std::lock_guard<std::mutex> lock(m_guard);
+        m_scratch.push_back(std::move(scratch));
+    }
+
+    /// One that no other thread uses: there are as many as threads, not as tiles.
+    std::unique_ptr<JpegScratch> taken_scratch()
+    {
+        const std::lock_guard<std::mutex> lock(m_guard);
+        if (m_scratch.empty())
+            return std::make_unique<JpegScratch>();
+        std::unique_ptr<JpegScratch> scratch = std::move(m_scratch.back());
+        m_scratch.pop_back();
+        return scratch;
     }
 
     Size m_size, m_repeat;
@@ -130,7 +156,8 @@ private:
     int m_bits = fewest_bits;
     RowGroups m_groups;
     ParallelFor m_parallel;
-    std::vector<JpegScratch> m_scratch;
+    std::mutex m_guard;
+    std::vector<std::unique_ptr<JpegScratch>> m_scratch; ///< that no thread uses now
     std::vector<std::vector<std::uint8_t>> m_jpegs; ///< of one row of tiles
     std::uint32_t m_next = 0;
 };

@@ -21,13 +21,14 @@ public:
     virtual void write_rows(TiffFile& file, const Plane<const std::uint16_t>& rows) = 0;
 };
 
-/// Strips or tiles by @p compression; a mosaic below 16 columns, the least width of a tile, stays
-/// uncompressed: dcraw wraps a tile that is wider than the image.
+/// Strips or tiles by @p compression; a mosaic below 16 columns, the least width of a
+/// tile, stays uncompressed: dcraw wraps a tile that is wider than the image.
 std::unique_ptr<MosaicStore> mosaic_store(const DngDescription& description,
-                                          Compression compression, ParallelFor parallel);
+                                          Compression compression,
+                                          ParallelFor parallel);
 
-/// Rows are handed on in groups of @p rows_per_group: from the caller's memory where a whole
-/// group is there, else from a copy that grows until it is whole.
+/// Rows are handed on in groups of @p rows_per_group: from the caller's memory where a
+/// whole group is there, else from a copy that grows until it is whole.
 class RowGroups {
 public:
     RowGroups(Size size, int rows_per_group);
@@ -61,7 +62,7 @@ private:
     Size m_size;
     int m_rows_per_group;
     int m_first_row = 0; ///< of the group that is open
-    int m_copied = 0;    ///< rows of it in the copy
+    int m_copied = 0; ///< rows of it in the copy
     std::vector<std::uint16_t> m_copy;
 };
 

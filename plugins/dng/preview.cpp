@@ -25,8 +25,8 @@ std::vector<std::uint8_t> srgb_curve()
 {
     std::vector<std::uint8_t> curve;
     for (int i = 0; i < curve_steps; ++i)
-        curve.push_back(
-            std::uint8_t(std::lround(255.0 * srgb_code(double(i) / (curve_steps - 1)))));
+        curve.push_back(std::uint8_t(
+            std::lround(255.0 * srgb_code(double(i) / (curve_steps - 1)))));
     return curve;
 }
 
@@ -48,9 +48,9 @@ Preview::Preview(const DngDescription& description)
                std::max(1, description.size.height / m_block) }
     , m_curve(srgb_curve())
     , m_sums(std::size_t(m_cfa.height) * std::size_t(m_width))
-    , m_pixels(3 * std::size_t(m_size.width) * std::size_t(m_size.height))
 {
-    std::copy_n(description.srgb_from_balanced.m.begin(), 9, m_srgb_from_balanced.begin());
+    std::copy_n(description.srgb_from_balanced.m.begin(), 9,
+                m_srgb_from_balanced.begin());
     std::array<int, 3> sites_of_color {};
     for (int site = 0; site < m_cfa.sites(); ++site)
         ++sites_of_color[m_cfa.colors[std::size_t(site)]];
@@ -66,29 +66,34 @@ Preview::Preview(const DngDescription& description)
     }
 }
 
-void Preview::add_rows(const Plane<const std::uint16_t>& rows, const ParallelFor& parallel)
+const std::vector<std::uint8_t>&
+Preview::add_rows(const Plane<const std::uint16_t>& rows, const ParallelFor& parallel)
 {
+    const int first_row = std::min(m_row / m_block, m_size.height);
+    const int end_row = std::min((m_row + rows.height) / m_block, m_size.height);
+    m_pixels.resize(3 * std::size_t(m_size.width) * std::size_t(end_row - first_row));
     const int in_block = m_row % m_block;
     const int head = in_block == 0 ? 0 : std::min(rows.height, m_block - in_block);
     const auto part = [&](int first, int count) {
-        return Plane<const std::uint16_t> { rows.data + first * rows.pitch, rows.width, count,
-                                            rows.pitch };
+        return Plane<const std::uint16_t> { rows.data + first * rows.pitch, rows.width,
+                                            count, rows.pitch };
     };
     add(part(0, head), in_block, m_sums);
     m_row += head;
     if (head > 0 && m_row % m_block == 0) {
-        finish(m_sums, m_row / m_block - 1);
+        finish(m_sums, m_row / m_block - 1 - first_row);
         std::fill(m_sums.begin(), m_sums.end(), 0);
     }
     const int whole = (rows.height - head) / m_block;
     parallel(whole, [&](int i) {
         Sums sums(m_sums.size());
         add(part(head + i * m_block, m_block), 0, sums);
-        finish(sums, m_row / m_block + i);
+        finish(sums, m_row / m_block + i - first_row);
     });
     const int tail = head + whole * m_block;
     add(part(tail, rows.height - tail), 0, m_sums);
     m_row += rows.height - head;
+    return m_pixels;
 }
 
 void Preview::add(const Plane<const std::uint16_t>& rows, int first, Sums& sums) const
@@ -103,12 +108,13 @@ void Preview::add(const Plane<const std::uint16_t>& rows, int first, Sums& sums)
     }
 }
 
-void Preview::finish(const Sums& sums, int picture_row)
+void Preview::finish(const Sums& sums, int row)
 {
-    if (picture_row >= m_size.height)
-        return;
+    const std::size_t at = 3 * std::size_t(row) * std::size_t(m_size.width);
+    if (at >= m_pixels.size())
+        return; // below the picture
     CameraRow camera = balanced(sums);
-    render(camera, m_pixels.data() + 3 * std::ptrdiff_t(picture_row) * m_size.width);
+    render(camera, m_pixels.data() + at);
 }
 
 Preview::CameraRow Preview::balanced(const Sums& sums) const

@@ -46,7 +46,8 @@ toff_t size_proc(thandle_t handle) { return client_of(handle).file.size(); }
 
 int close_proc(thandle_t) { return 0; } // the AtomicFile's own affair
 
-int keep_complaint(TIFF*, void* user, const char*, const char* format, std::va_list values)
+int keep_complaint(TIFF*, void* user, const char*, const char* format,
+                   std::va_list values)
 {
     std::string& complaint = static_cast<TiffClient*>(user)->complaint;
     char text[512];
@@ -78,15 +79,18 @@ template <class T> constexpr TIFFDataType type_of()
         return TIFF_SRATIONAL;
 }
 
-/// The file's own declaration of a tag: any count, passed along. libtiff forgets it with
-/// the IFD, so it is made anew for each. A global extender would reach the host's files.
+/// The file's own declaration of a tag: any count, passed along. libtiff forgets it
+/// with the IFD, so it is made anew for each. A global extender would reach the host's
+/// files.
 void declare(TIFF* tif, std::uint32_t number, TIFFDataType type)
 {
     static char name[] = "DNG";
     const bool text = type == TIFF_ASCII;
     const short count = text ? TIFF_VARIABLE : TIFF_VARIABLE2;
-    const TIFFFieldInfo info { number, count, count, type, FIELD_CUSTOM, 1,
-                               static_cast<unsigned char>(!text), name };
+    const TIFFFieldInfo info {
+        number, count, count, type, FIELD_CUSTOM, 1, static_cast<unsigned char>(!text),
+        name
+    };
     TIFFMergeFieldInfo(tif, &info, 1);
 }
 
@@ -128,7 +132,8 @@ private:
         if (!field)
             return false;
         if (TIFFFieldPassCount(field))
-            return TIFFSetField(m_tif, m_number, int(values.size()), values.data()) == 1;
+            return TIFFSetField(m_tif, m_number, int(values.size()), values.data())
+                == 1;
         if (TIFFFieldWriteCount(field) == 1) // by value; C promotes float to double
             return TIFFSetField(m_tif, m_number, values.at(0)) == 1;
         return TIFFSetField(m_tif, m_number, values.data()) == 1;
@@ -141,9 +146,9 @@ private:
             declare(m_tif, m_number, type_of<T>());
         const TIFFField* const field = known();
         std::vector<double> values(fractions.size());
-        std::transform(fractions.begin(), fractions.end(), values.begin(), [](const T& f) {
-            return double(f.numerator) / double(f.denominator);
-        });
+        std::transform(
+            fractions.begin(), fractions.end(), values.begin(),
+            [](const T& f) { return double(f.numerator) / double(f.denominator); });
         if (field && TIFFFieldSetGetSize(field) == sizeof(double))
             return set(values, type_of<T>());
         return set(std::vector<float>(values.begin(), values.end()), type_of<T>());
@@ -163,9 +168,9 @@ tiff* open_tiff(TiffClient& client)
     TIFFOpenOptionsSetErrorHandlerExtR(options, keep_complaint, &client);
     TIFFOpenOptionsSetWarningHandlerExtR(options, drop_warning, nullptr);
     // "4": classic TIFF, which raw converters read; byte order: the machine's.
-    TIFF* const tif = TIFFClientOpenExt("DNG", "w4", &client, read_proc, write_proc,
-                                        seek_proc, close_proc, size_proc, nullptr, nullptr,
-                                        options);
+    TIFF* const tif
+        = TIFFClientOpenExt("DNG", "w4", &client, read_proc, write_proc, seek_proc,
+                            close_proc, size_proc, nullptr, nullptr, options);
     TIFFOpenOptionsFree(options);
     return tif;
 }

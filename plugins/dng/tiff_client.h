@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file What libtiff asks of its client: bytes in and out, complaints, and tags by type.
+/// @file What libtiff asks of its client: bytes in and out, complaints, and tags by
+/// type.
 #pragma once
 
 #include "atomic_file.h"
@@ -26,8 +27,8 @@ struct TiffClient {
 /// A classic TIFF in the machine's byte order, over @p client; null: see its complaint.
 tiff* open_tiff(TiffClient& client);
 
-/// Sets a tag as its value's type asks; declares it first for this file if libtiff does not
-/// know it. False: see the client's complaint.
+/// Sets a tag as its value's type asks; declares it first for this file if libtiff does
+/// not know it. False: see the client's complaint.
 bool set_tag(tiff* tif, const Tag& tag);
 
 } // namespace cg2raw

@@ -42,7 +42,9 @@ std::uint64_t TiffFile::write_exif(const Tags& tags)
         need(set_tag(m_tiff.get(), tag));
     need(TIFFWriteCustomDirectory(m_tiff.get(), &offset) == 1);
     patch_rationals(std::uint32_t(offset), tags);
-    // Back to the fields of an image.
+    // Back to the fields of an image; libtiff would forget the others without freeing
+    // them.
+    TIFFFreeDirectory(m_tiff.get());
     need(TIFFCreateDirectory(m_tiff.get()) == 0);
     return offset;
 }
@@ -135,13 +137,15 @@ std::uint32_t TiffFile::word_at(std::uint64_t offset, std::size_t size)
 {
     std::uint16_t half = 0;
     std::uint32_t word = 0;
-    need(m_file.read(size == 2 ? static_cast<void*>(&half) : &word, size, offset) == size);
+    need(m_file.read(size == 2 ? static_cast<void*>(&half) : &word, size, offset)
+         == size);
     return size == 2 ? half : word;
 }
 
 std::uint64_t TiffFile::entry_value(std::uint32_t directory, std::uint32_t number)
 {
-    // IFD: a count of entries, then 12 bytes each: tag, type, count, value or its offset.
+    // IFD: a count of entries, then 12 bytes each: tag, type, count, value or its
+    // offset.
     const std::uint32_t entries = word_at(directory, 2);
     for (std::uint32_t i = 0; i < entries; ++i) {
         const std::uint64_t entry = std::uint64_t(directory) + 2 + 12 * i;
@@ -151,8 +155,8 @@ std::uint64_t TiffFile::entry_value(std::uint32_t directory, std::uint32_t numbe
     m_file.fail("write", "libtiff dropped tag " + std::to_string(number));
 }
 
-/// libtiff points to IFDs by type IFD. That is legal, but cameras write LONG, which is all
-/// that Exif allows, and exiftool warns of the other.
+/// libtiff points to IFDs by type IFD. That is legal, but cameras write LONG, which is
+/// all that Exif allows, and exiftool warns of the other.
 void TiffFile::make_long(std::uint64_t value)
 {
     const std::uint16_t type = TIFF_LONG;
@@ -160,12 +164,13 @@ void TiffFile::make_long(std::uint64_t value)
     patch(value - from_type_to_value, &type, sizeof type);
 }
 
-/// libtiff takes rationals as float32 and finds fractions near to those. Ours are exact,
-/// with the denominators that raw converters expect, so they replace libtiff's.
+/// libtiff takes rationals as float32 and finds fractions near to those. Ours are
+/// exact, with the denominators that raw converters expect, so they replace libtiff's.
 void TiffFile::patch_rationals(std::uint32_t directory, const Tags& tags)
 {
     const auto replace = [&](std::uint32_t number, const auto& values) {
-        static_assert(sizeof values[0] == 8, "numerator and denominator, as TIFF has them");
+        static_assert(sizeof values[0] == 8,
+                      "numerator and denominator, as TIFF has them");
         const std::uint32_t at = word_at(entry_value(directory, number), 4);
         patch(at, values.data(), 8 * values.size());
     };

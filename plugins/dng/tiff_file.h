@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file libtiff, writing into an AtomicFile. All that touches libtiff goes through here.
+/// @file libtiff, writing into an AtomicFile. All that touches libtiff goes through
+/// here.
 #pragma once
 
 #include "atomic_file.h"
@@ -22,13 +23,13 @@ struct Storage {
     std::uint16_t samples, bits;
     std::uint16_t photometric; ///< 2 = RGB, 32803 = CFA
     std::uint16_t compression; ///< 1 = none, 7 = JPEG
-    std::uint32_t rows_per_strip = 0;                 ///< 0: tiles
+    std::uint32_t rows_per_strip = 0; ///< 0: tiles
     std::uint32_t tile_width = 0, tile_height = 0;
 };
 
-/// A classic little-endian TIFF. Every member throws Error with the file's name and, where
-/// there is one, the system's reason. Nothing is printed, and no handler, extender or other
-/// state of libtiff is set that a host program shares.
+/// A classic little-endian TIFF. Every member throws Error with the file's name and,
+/// where there is one, the system's reason. Nothing is printed, and no handler,
+/// extender or other state of libtiff is set that a host program shares.
 class TiffFile {
 public:
     explicit TiffFile(const std::string& path);
@@ -68,7 +69,7 @@ private:
     AtomicFile m_file;
     std::unique_ptr<TiffClient> m_client;
     std::unique_ptr<tiff, Close> m_tiff; ///< last: closing it writes to the others
-    Tags m_tags;                         ///< of the IFD that is open
+    Tags m_tags; ///< of the IFD that is open
     std::vector<std::uint32_t> m_pointers; ///< tags of it that point to other IFDs
     bool m_tiled = false;
     bool m_sub_ifd = false;
