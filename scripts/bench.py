@@ -2,8 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Measure whole oiiotool processes on a 12-MP half-float EXR, and the core alone.
 
-Every round runs each command once, the peer among them, so that whatever else the machine
-does meets them all alike; a ratio is that of medians."""
+Every round runs each command once, the peer among them, so that whatever else the
+machine does meets them all alike; a ratio is that of medians."""
 
 import argparse
 import os
@@ -56,8 +56,10 @@ def measured(command):
 def bench_processes(oiiotool, rounds):
     """Print a table of one oiiotool's commands."""
     version = subprocess.run([oiiotool, "--version"], capture_output=True, text=True)
-    print(f"\noiiotool {version.stdout.strip()}, {WIDTH}x{HEIGHT} half EXR, "
-          f"median of {rounds} rounds")
+    print(
+        f"\noiiotool {version.stdout.strip()}, {WIDTH}x{HEIGHT} half EXR, "
+        f"median of {rounds} rounds"
+    )
     source = input_image(oiiotool)
     results = {name: [] for name in COMMANDS}
     for number in range(rounds + 1):
@@ -75,12 +77,17 @@ def print_table(results):
         name: [statistics.median(column) for column in zip(*rows, strict=True)]
         for name, rows in results.items()
     }
-    print(f"{'':24}{'s':>7}{'ratio':>7}{'bound':>7}{'CPU s':>7}{'peak MB':>9}{'file MB':>9}")
+    print(
+        f"{'':24}{'s':>7}{'ratio':>7}{'bound':>7}"
+        f"{'CPU s':>7}{'peak MB':>9}{'file MB':>9}"
+    )
     for name, (seconds, peak, cpu, size) in medians.items():
         ratio = seconds / medians[PEER][0]
         bound = BOUNDS.get(name, "")
-        print(f"{name:24}{seconds:7.3f}{ratio:7.2f}{bound:>7}{cpu:7.3f}{peak:9.0f}"
-              f"{size:9.1f}")
+        print(
+            f"{name:24}{seconds:7.3f}{ratio:7.2f}{bound:>7}{cpu:7.3f}{peak:9.0f}"
+            f"{size:9.1f}"
+        )
 
 
 def bench_core(rounds):

@@ -56,11 +56,7 @@ def significant(value, digits):
 
 def per_field(sources):
     """{"a, b": text} -> {"a": text, "b": text}."""
-    return {
-        field: text
-        for key, text in sources.items()
-        for field in key.split(", ")
-    }
+    return {field: text for key, text in sources.items() for field in key.split(", ")}
 
 
 def rows_of(path):
@@ -72,7 +68,9 @@ def illuminants_of(rows):
     """Mean, covariance (divisor N - 1) and convex hull of the rows' (R/G, B/G).
 
     A sampler needs no more, and no table of others is passed on."""
-    neutrals = np.array([[float(row[c]) / float(row["g"]) for c in "rb"] for row in rows])
+    neutrals = np.array(
+        [[float(row[c]) / float(row["g"]) for c in "rb"] for row in rows]
+    )
     hull = neutrals[ConvexHull(neutrals).vertices]
     return {
         "mean": neutrals.mean(axis=0).round(6).tolist(),

@@ -28,8 +28,9 @@ inline py::array_t<double> array_of(const Mat3& matrix)
 inline RgbView rgb_view(const FloatArray& rgb)
 {
     if (rgb.ndim() != 3 || rgb.shape(2) < 3 || rgb.shape(2) > 4)
-        throw Error("image must be an array of shape (height, width, 3) or (height, width, "
-                    "4), RGB(A)");
+        throw Error(
+            "image must be an array of shape (height, width, 3) or (height, width, "
+            "4), RGB(A)");
     const int width = int(rgb.shape(1)), height = int(rgb.shape(0));
     const auto channels = std::ptrdiff_t(rgb.shape(2));
     return { rgb.data(), width, height, channels, channels * width };

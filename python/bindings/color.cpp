@@ -40,11 +40,13 @@ void bind_color(py::module_& m)
         "cct"_a,
         "CIE 1931 (x, y) of the black body at cct, 1667 to 25000 K.\n\n"
         "Raises ValueError outside that range.");
-    m.def("xyz_d65_from_srgb", [] { return array_of(xyz_d65_from_srgb()); },
-          "(3, 3) float64: XYZ with D65 white from linear sRGB. Source: IEC 61966-2-1.");
-    m.def("philox_words", &philox_words, "counter"_a, "key"_a,
-          "Philox 4x32-10: four 32-bit words of a counter (4 words) under a key (2).\n\n"
-          "Source: Salmon et al., SC 2011.");
+    m.def(
+        "xyz_d65_from_srgb", [] { return array_of(xyz_d65_from_srgb()); },
+        "(3, 3) float64: XYZ with D65 white from linear sRGB. Source: IEC 61966-2-1.");
+    m.def(
+        "philox_words", &philox_words, "counter"_a, "key"_a,
+        "Philox 4x32-10: four 32-bit words of a counter (4 words) under a key (2).\n\n"
+        "Source: Salmon et al., SC 2011.");
 }
 
 } // namespace cg2raw::python

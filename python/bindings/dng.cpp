@@ -13,7 +13,8 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
     const Size frame = simulation.frame();
     if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
         throw Error("raw must keep the shape that it was simulated with: ("
-                    + std::to_string(frame.height) + ", " + std::to_string(frame.width) + ")");
+                    + std::to_string(frame.height) + ", " + std::to_string(frame.width)
+                    + ")");
     const DngOptions options { compression_from_name(compression), preview,
                                matrices_from_name(matrices),
                                tone_curve_from_name(tone_curve) };
@@ -46,32 +47,35 @@ py::list list_of(const std::vector<Calibration>& calibrations)
 {
     py::list list;
     for (const Calibration& c : calibrations)
-        list.append(py::dict(
-            "light_source"_a = c.light_source, "camera_from_xyz"_a = array_of(c.camera_from_xyz),
-            "xyz_d50_from_camera"_a
-            = c.xyz_d50_from_camera ? py::object(array_of(*c.xyz_d50_from_camera))
-                                    : py::none()));
+        list.append(py::dict("light_source"_a = c.light_source,
+                             "camera_from_xyz"_a = array_of(c.camera_from_xyz),
+                             "xyz_d50_from_camera"_a = c.xyz_d50_from_camera
+                                 ? py::object(array_of(*c.xyz_d50_from_camera))
+                                 : py::none()));
     return list;
 }
 
 void bind_metadata(py::module_& m)
 {
-    py::class_<DngMetadata>(m, "DngMetadata", "What one DNG says of its camera and shot.")
+    py::class_<DngMetadata>(m, "DngMetadata",
+                            "What one DNG says of its camera and shot.")
         .def_readonly("file", &DngMetadata::file)
         .def_readonly("make", &DngMetadata::make)
         .def_readonly("model", &DngMetadata::model)
         .def_readonly("unique_camera_model", &DngMetadata::unique_camera_model)
-        .def_property_readonly("active_area",
-                               [](const DngMetadata& d) {
-                                   return std::array<int, 2> { d.active_area.width,
-                                                               d.active_area.height };
-                               })
-        .def_property_readonly("cfa", [](const DngMetadata& d) { return name_of(d.cfa); })
+        .def_property_readonly(
+            "active_area",
+            [](const DngMetadata& d) {
+                return std::array<int, 2> { d.active_area.width, d.active_area.height };
+            })
+        .def_property_readonly("cfa",
+                               [](const DngMetadata& d) { return name_of(d.cfa); })
         .def_readonly("bits", &DngMetadata::bits)
         .def_readonly("black_level", &DngMetadata::black_level)
         .def_readonly("white_level", &DngMetadata::white_level)
-        .def_property_readonly("calibrations",
-                               [](const DngMetadata& d) { return list_of(d.calibrations); })
+        .def_property_readonly(
+            "calibrations",
+            [](const DngMetadata& d) { return list_of(d.calibrations); })
         .def_readonly("as_shot_neutral", &DngMetadata::as_shot_neutral)
         .def_property_readonly("noise_profile",
                                [](const DngMetadata& d) {
@@ -80,8 +84,10 @@ void bind_metadata(py::module_& m)
                                        pairs.push_back({ p.scale, p.offset });
                                    return pairs;
                                })
-        .def_property_readonly("shot", [](const DngMetadata& d) { return dict_of(d.shot); });
-    m.def("read_dng_metadata", py::overload_cast<const std::string&>(&read_dng_metadata), "path"_a,
+        .def_property_readonly("shot",
+                               [](const DngMetadata& d) { return dict_of(d.shot); });
+    m.def("read_dng_metadata",
+          py::overload_cast<const std::string&>(&read_dng_metadata), "path"_a,
           "Metadata of a DNG; no pixels are read.");
     m.def("profile_from_dng", &profile_from_dng, "metadata"_a,
           "The sensor profile that one reference DNG amounts to.");

@@ -10,20 +10,20 @@ namespace {
 
 py::dict dict_of(const NoiseAtIso& noise)
 {
-    return py::dict("iso"_a = noise.iso, "beta1"_a = noise.beta1, "beta2"_a = noise.beta2);
+    return py::dict("iso"_a = noise.iso, "beta1"_a = noise.beta1,
+                    "beta2"_a = noise.beta2);
 }
 
 py::dict dict_of(const Effect& effect)
 {
     py::list parameters;
     for (const Parameter& p : effect.parameters)
-        parameters.append(py::dict("name"_a = p.name, "unit"_a = p.unit, "min"_a = p.min,
-                                   "max"_a = p.max, "null"_a = p.null,
+        parameters.append(py::dict("name"_a = p.name, "unit"_a = p.unit,
+                                   "min"_a = p.min, "max"_a = p.max, "null"_a = p.null,
                                    "meaning"_a = p.meaning));
     return py::dict("name"_a = effect.name, "stage"_a = name_of(effect.stage),
-                    "pattern"_a = name_of(effect.pattern),
-                    "parameters"_a = parameters, "meaning"_a = effect.meaning,
-                    "source"_a = effect.source);
+                    "pattern"_a = name_of(effect.pattern), "parameters"_a = parameters,
+                    "meaning"_a = effect.meaning, "source"_a = effect.source);
 }
 
 void bind_illuminant(py::module_& m)
@@ -33,7 +33,10 @@ void bind_illuminant(py::module_& m)
         .def_readonly("neutral", &Illuminant::neutral,
                       "Camera RGB of a neutral patch (AsShotNeutral): (R, G = 1, B).")
         .def_property_readonly(
-            "xy", [](const Illuminant& i) { return std::array<double, 2> { i.xy.x, i.xy.y }; },
+            "xy",
+            [](const Illuminant& i) {
+                return std::array<double, 2> { i.xy.x, i.xy.y };
+            },
             "CIE 1931 chromaticity, as a raw converter derives it from the neutral.")
         .def_property_readonly(
             "cct", [](const Illuminant& i) { return i.temperature.cct.value; },
@@ -42,8 +45,8 @@ void bind_illuminant(py::module_& m)
             "duv", [](const Illuminant& i) { return i.temperature.duv; },
             "Distance from the Planckian locus in CIE 1960 uv, positive above it.")
         .def("__repr__", [](const Illuminant& i) {
-            return "<Illuminant " + i.spec + ": " + std::to_string(int(i.temperature.cct.value))
-                + " K>";
+            return "<Illuminant " + i.spec + ": "
+                + std::to_string(int(i.temperature.cct.value)) + " K>";
         });
     m.attr("illuminant_grammar") = illuminant_grammar;
     m.def("illuminant_list", &illuminant_list, "words"_a,
@@ -51,14 +54,16 @@ void bind_illuminant(py::module_& m)
           "Raises ValueError that lists the grammar.");
     m.def(
         "raw_space_from_name",
-        [](const std::string& name) -> std::optional<std::pair<std::string, std::string>> {
+        [](const std::string& name)
+            -> std::optional<std::pair<std::string, std::string>> {
             const auto space = raw_space_from_name(name, installed_profiles());
             if (!space)
                 return std::nullopt;
             return std::pair(space->sensor, space->illuminant);
         },
         "name"_a,
-        "(sensor, illuminant) of a colour space named \"RAW - <sensor> - <illuminant>\", or\n"
+        "(sensor, illuminant) of a colour space named \"RAW - <sensor> - "
+        "<illuminant>\", or\n"
         "of its alias; None for the name of another space.");
     m.def(
         "raw_space_name",
@@ -80,7 +85,8 @@ void bind_search(py::module_& m)
           "A sensor profile by id, or by path (has a slash or ends in .json).");
     m.def("parse_profile", &parse_profile, "json"_a, "file"_a = "profile",
           "A sensor profile from its JSON text; file names it in messages.");
-    m.def("installed_profiles", &installed_profiles, "Ids of all profiles found, sorted.");
+    m.def("installed_profiles", &installed_profiles,
+          "Ids of all profiles found, sorted.");
     m.def("profile_folders", &profile_folders, "Folders that are searched, in order.");
     m.def(
         "effects",
@@ -90,21 +96,25 @@ void bind_search(py::module_& m)
                 list.append(dict_of(effect));
             return list;
         },
-        "Every effect that a profile may list: name, stage, parameters, meaning, source.");
+        "Every effect that a profile may list: name, stage, parameters, meaning, "
+        "source.");
 }
 
 void bind_numbers(py::class_<SensorProfile>& c)
 {
     c.def("to_json", &to_json, "The profile as JSON text that reads back the same.")
-        .def("illuminant", &illuminant, "spec"_a, "as_shot"_a = py::none(),
-             "The Illuminant that a word names; as_shot is what \"as-shot\" stands for.")
+        .def(
+            "illuminant", &illuminant, "spec"_a, "as_shot"_a = py::none(),
+            "The Illuminant that a word names; as_shot is what \"as-shot\" stands for.")
         .def(
             "xy_from_neutral",
             [](const SensorProfile& p, const Vec3& neutral) {
                 const NeutralChromaticity n = xy_from_neutral(p, neutral);
-                return py::make_tuple(py::make_tuple(n.xy.x, n.xy.y), n.passes, n.converged);
+                return py::make_tuple(py::make_tuple(n.xy.x, n.xy.y), n.passes,
+                                      n.converged);
             },
-            "neutral"_a, "((x, y), passes, converged), as a raw converter iterates them.")
+            "neutral"_a,
+            "((x, y), passes, converged), as a raw converter iterates them.")
         .def(
             "camera_from_xyz",
             [](const SensorProfile& p, std::array<double, 2> xy) {
@@ -123,10 +133,15 @@ void bind_numbers(py::class_<SensorProfile>& c)
                 const Temperature t = paper_temperature(p, neutral);
                 return std::array<double, 2> { t.cct.value, t.duv };
             },
-            "neutral"_a, "(K, Duv) as the paper's reference implementation iterates them.")
+            "neutral"_a,
+            "(K, Duv) as the paper's reference implementation iterates them.")
         .def(
-            "noise_at", [](const SensorProfile& p, double iso) { return dict_of(noise_at(p, iso)); },
-            "iso"_a, "{\"iso\", \"beta1\", \"beta2\"} per CFA site, x in 0..1 above black.");
+            "noise_at",
+            [](const SensorProfile& p, double iso) {
+                return dict_of(noise_at(p, iso));
+            },
+            "iso"_a,
+            "{\"iso\", \"beta1\", \"beta2\"} per CFA site, x in 0..1 above black.");
 }
 
 } // namespace
@@ -141,7 +156,8 @@ void bind_profile(py::module_& m)
         .def_readonly("model", &SensorProfile::model)
         .def_readonly("unique_camera_model", &SensorProfile::unique_camera_model)
         .def_readonly("sources", &SensorProfile::sources)
-        .def_property_readonly("cfa", [](const SensorProfile& p) { return name_of(p.cfa); })
+        .def_property_readonly("cfa",
+                               [](const SensorProfile& p) { return name_of(p.cfa); })
         .def_readonly("width", &SensorProfile::width)
         .def_readonly("height", &SensorProfile::height)
         .def_readonly("bits", &SensorProfile::bits)

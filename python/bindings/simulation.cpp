@@ -34,9 +34,8 @@ RawArray raw_of(const Simulation& simulation, const FloatArray& rgb, int threads
         frame = simulate(scene, simulation, parallel_threads(threads));
     }
     auto* const dn = new std::vector<std::uint16_t>(std::move(frame.dn));
-    const py::capsule owner(dn, [](void* p) {
-        delete static_cast<std::vector<std::uint16_t>*>(p);
-    });
+    const py::capsule owner(
+        dn, [](void* p) { delete static_cast<std::vector<std::uint16_t>*>(p); });
     return RawArray({ frame.height, frame.width }, dn->data(), owner);
 }
 
@@ -44,7 +43,8 @@ FloatArray signal_of(const Simulation& simulation, const FloatArray& rgb)
 {
     const RgbView scene = rgb_view(rgb);
     FloatArray signal({ scene.height, scene.width });
-    const Plane<float> plane { signal.mutable_data(), scene.width, scene.height, scene.width };
+    const Plane<float> plane { signal.mutable_data(), scene.width, scene.height,
+                               scene.width };
     const py::gil_scoped_release release;
     Illegal illegal;
     simulation.block(scene, { 0, 0 }, plane, illegal);
@@ -53,8 +53,8 @@ FloatArray signal_of(const Simulation& simulation, const FloatArray& rgb)
 
 /// (height, width, 3) camera RGB before the mosaic.
 FloatArray camera_of(const SensorProfile& profile, const FloatArray& rgb,
-                     const Illuminant& light, const std::string& convention, double gain,
-                     bool highlights)
+                     const Illuminant& light, const std::string& convention,
+                     double gain, bool highlights)
 {
     const CameraTransform transform = camera_from_scene(
         profile, light, convention_from_name(convention), gain, highlights);
@@ -62,10 +62,11 @@ FloatArray camera_of(const SensorProfile& profile, const FloatArray& rgb,
     FloatArray planes({ 3, scene.height, scene.width });
     Illegal illegal;
     for (int row = 0; row < scene.height; ++row) {
-        float* const camera[3] = { planes.mutable_data(0, row, 0),
-                                   planes.mutable_data(1, row, 0),
-                                   planes.mutable_data(2, row, 0) };
-        to_camera(transform, scene.row(row), scene.pixel_stride, scene.width, camera, illegal);
+        float* const camera[3]
+            = { planes.mutable_data(0, row, 0), planes.mutable_data(1, row, 0),
+                planes.mutable_data(2, row, 0) };
+        to_camera(transform, scene.row(row), scene.pixel_stride, scene.width, camera,
+                  illegal);
     }
     return planes;
 }
@@ -74,8 +75,8 @@ FloatArray camera_of(const SensorProfile& profile, const FloatArray& rgb,
 
 void bind_simulation(py::module_& m)
 {
-    py::class_<Simulation>(m, "Simulation",
-                           "A sensor, a light and an exposure, decided before any pixel.")
+    py::class_<Simulation>(
+        m, "Simulation", "A sensor, a light and an exposure, decided before any pixel.")
         .def(py::init([](const SensorProfile& profile, std::array<int, 2> shape,
                          const Run& run) {
                  return Simulation(profile, run, { shape[1], shape[0] });
@@ -86,7 +87,8 @@ void bind_simulation(py::module_& m)
         .def("raw", &raw_of, "rgb"_a, "threads"_a = 0,
              "(height, width) uint16 DN of a (height, width, 3 or 4) float32 image.")
         .def("signal", &signal_of, "rgb"_a,
-             "(height, width) float32 before quantisation, 0..1 above black, not clamped.");
+             "(height, width) float32 before quantisation, 0..1 above black, not "
+             "clamped.");
     py::class_<Run>(m, "Run", "What one exposure is asked to be.")
         .def(py::init(&run_of), "illuminant"_a, "iso"_a, "seed"_a, "frame"_a,
              "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file A grey ramp -> RAW -> DNG, with nothing but the installed headers and libraries.
+/// @file A grey ramp -> RAW -> DNG, with nothing but the installed headers and
+/// libraries.
 #include <cg2raw/dng_reader.h>
 #include <cg2raw/dng_writer.h>
 
@@ -39,8 +40,9 @@ int main(int argc, char** argv)
         write_dng(argv[1], { frame.dn.data(), frame.width, frame.height, frame.width },
                   describe(simulation, options, Shot()), options);
         const DngMetadata written = read_dng_metadata(argv[1]);
-        std::printf("%s %dx%d white %d\n", written.model.c_str(), written.active_area.width,
-                    written.active_area.height, written.white_level);
+        std::printf("%s %dx%d white %d\n", written.model.c_str(),
+                    written.active_area.width, written.active_area.height,
+                    written.white_level);
         return written.active_area.width == size.width
                 && written.white_level == profile.white_level
             ? 0

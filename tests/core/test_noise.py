@@ -204,3 +204,15 @@ def test_negative_signal_has_read_noise_only():
     seen = sensor.signal(flat(-0.5, 512), illuminant="A", iso=100, camera_input=True)
     for site, x in enumerate(sites(seen)):
         assert x.var() == pytest.approx(BETA2[site], rel=0.05)
+
+
+@pytest.mark.parametrize("level", [1.0, 1.5, 50.0])
+def test_saturated_pixels_are_white_whatever_the_noise(level):
+    raw = sensor_of().simulate(flat(level), illuminant="A", iso=3200, seed=3)
+    assert (raw == sensor_of().white_level).all()
+
+
+def test_noise_of_the_paper_falls_on_white_too():
+    run = {"illuminant": "A", "iso": 3200, "seed": 3, "convention": "paper"}
+    seen = sensor_of().signal(flat(2.0), **run)
+    assert 0.3 < (seen < 1.0).mean() < 0.7

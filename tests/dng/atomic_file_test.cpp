@@ -27,7 +27,9 @@ protected:
 };
 
 INSTANTIATE_TEST_SUITE_P(Systems, EitherAtomicFile, ::testing::Values(true, false),
-                         [](const auto& info) { return info.param ? "unnamed" : "named"; });
+                         [](const auto& info) {
+                             return info.param ? "unnamed" : "named";
+                         });
 
 std::string message_of(const std::function<void()>& action)
 {
@@ -135,10 +137,12 @@ TEST_F(AtomicFiles, EndAtFourGigabytes)
     EXPECT_TRUE(file.write("x", 1, 0xfffffffe)); // sparse
     EXPECT_FALSE(file.write("x", 1, 0xffffffff));
     EXPECT_EQ(message_of([&] { file.fail("write", "?"); }),
-              path() + ": cannot write: a TIFF file ends at 4 GiB: write a smaller image");
+              path()
+                  + ": cannot write: a TIFF file ends at 4 GiB: write a smaller image");
 }
 
-/// The soft limit on a file's size, for as long as it lives; writing beyond it is EFBIG.
+/// The soft limit on a file's size, for as long as it lives; writing beyond it is
+/// EFBIG.
 class FileSizeLimit {
 public:
     explicit FileSizeLimit(rlim_t bytes)

@@ -19,7 +19,7 @@ def fields_of(profile="nikon-d40"):
 
 
 def sensor(profile="nikon-d40", **changes):
-    """Return a bundled sensor with some fields of its profile changed; None drops one."""
+    """Return a bundled sensor with fields of its profile changed; None drops one."""
     fields = {**fields_of(profile), **changes}
     fields = {name: value for name, value in fields.items() if value is not None}
     return cg2raw.Sensor.from_json(json.dumps(fields), "test.json")
@@ -55,7 +55,7 @@ def raw_page(tiff):
 
 
 def tags_of(path):
-    """Return (IFD0, mosaic, Exif) tags, each {name or number: value} as tifffile has it."""
+    """Return {name: value} of IFD0, the mosaic and Exif, as tifffile has them."""
     with tifffile.TiffFile(path) as tiff:
         first = {tag.name: tag.value for tag in tiff.pages[0].tags}
         mosaic = {tag.name: tag.value for tag in raw_page(tiff).tags}

@@ -22,13 +22,21 @@ using namespace cg2raw::testing;
 
 const Size size { 512, 512 };
 
-class DngFailures : public InFolder,
-                    public ::testing::WithParamInterface<Compression> {
+class DngFailures : public InFolder, public ::testing::WithParamInterface<Compression> {
 protected:
     DngOptions options() const { return { GetParam() }; }
 
-    /// What writing to @p file says.
+    /// What writing to @p file says: by the exception, and nowhere else.
     std::string message(const std::string& file) const
+    {
+        ::testing::internal::CaptureStderr();
+        const std::string text = thrown(file);
+        EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+        return text;
+    }
+
+private:
+    std::string thrown(const std::string& file) const
     {
         const std::vector<std::uint16_t> dn = mosaic_of(size);
         try {
@@ -45,7 +53,8 @@ TEST_P(DngFailures, FileSizeLimit)
     std::signal(SIGXFSZ, SIG_IGN);
     rlimit before;
     ::getrlimit(RLIMIT_FSIZE, &before);
-    // The header, the preview, the first strips, the directory at the end: each may fail.
+    // The header, the preview, the first strips, the directory at the end: each may
+    // fail.
     for (const rlim_t bytes : { 4, 100000, 250000, 400000 }) {
         const rlimit limit { bytes, before.rlim_max };
         ::setrlimit(RLIMIT_FSIZE, &limit);

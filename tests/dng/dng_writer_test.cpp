@@ -17,11 +17,13 @@ using namespace cg2raw::testing;
 class DngWriters : public InFolder {
 protected:
     /// The bytes of a file whose rows come @p rows_at_once.
-    std::string written(Size size, const DngOptions& options, int rows_at_once, int threads)
+    std::string written(Size size, const DngOptions& options, int rows_at_once,
+                        int threads)
     {
         const std::vector<std::uint16_t> dn = mosaic_of(size);
         const Plane<const std::uint16_t> all = plane_of(dn, size);
-        DngWriter writer(path(), description_of(size), options, parallel_threads(threads));
+        DngWriter writer(path(), description_of(size), options,
+                         parallel_threads(threads));
         for (int row = 0; row < size.height; row += rows_at_once)
             writer.write_rows({ all.row(row), size.width,
                                 std::min(rows_at_once, size.height - row), all.pitch });
@@ -48,7 +50,8 @@ TEST_F(DngWriters, SameBytesHoweverRowsArrive)
         const std::string whole = written(size, options, size.height, 1);
         EXPECT_EQ(written(size, options, size.height, 8), whole);
         for (const int rows : { 1, 7, 128, 200 })
-            EXPECT_EQ(written(size, options, rows, 2), whole) << rows << " rows at once";
+            EXPECT_EQ(written(size, options, rows, 2), whole)
+                << rows << " rows at once";
     }
 }
 
@@ -74,9 +77,11 @@ TEST_F(DngWriters, SizesOfFiles)
 {
     const Size size { 640, 480 };
     const std::size_t pixels = 640 * 480;
-    EXPECT_LT(written(size, { Compression::none, false }, 480, 1).size(), 2 * pixels + 2048);
+    EXPECT_LT(written(size, { Compression::none, false }, 480, 1).size(),
+              2 * pixels + 2048);
     // Pure noise over the whole range cannot shrink; it grows by its codes only.
-    EXPECT_LT(written(size, { Compression::ljpeg, false }, 480, 1).size(), 2.1 * pixels);
+    EXPECT_LT(written(size, { Compression::ljpeg, false }, 480, 1).size(),
+              2.1 * pixels);
     std::vector<std::uint16_t> smooth;
     for (std::size_t i = 0; i < pixels; ++i)
         smooth.push_back(std::uint16_t(600 + i % 640 + i / 640));
@@ -95,8 +100,11 @@ TEST_F(DngWriters, NothingAppearsBeforeCloseOrWithoutAllRows)
         EXPECT_EQ(message_of([&] { writer.close(); }),
                   path() + ": 40 rows written of 64: write them all before closing");
         EXPECT_EQ(files(), 0);
-        EXPECT_EQ(message_of([&] { writer.write_rows({ dn.data(), 64, 25, 64 }); }),
-                  path() + ": rows of 64 pixels, 65 in all, do not fit a 64 x 64 mosaic");
+        EXPECT_EQ(message_of([&] {
+                      writer.write_rows({ dn.data(), 64, 25, 64 });
+                  }),
+                  path()
+                      + ": rows of 64 pixels, 65 in all, do not fit a 64 x 64 mosaic");
         writer.write_rows({ dn.data(), 64, 24, 64 });
         EXPECT_EQ(files(), 0);
         writer.close();
@@ -108,8 +116,8 @@ TEST_F(DngWriters, NothingAppearsBeforeCloseOrWithoutAllRows)
 
 TEST_F(DngWriters, TinyMosaics)
 {
-    for (const Size size : { Size { 2, 2 }, Size { 3, 5 }, Size { 15, 40 }, Size { 17, 3 },
-                             Size { 16, 16 }, Size { 1000, 2 } })
+    for (const Size size : { Size { 2, 2 }, Size { 3, 5 }, Size { 15, 40 },
+                             Size { 17, 3 }, Size { 16, 16 }, Size { 1000, 2 } })
         for (const Compression compression : { Compression::none, Compression::ljpeg })
             EXPECT_GT(written(size, { compression }, 1, 1).size(), 500U);
 }
@@ -135,8 +143,9 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Wrong { "narrow", [](DngDescription& d) { d.size.width = 1; },
                 "width is 1, but must be one repeat of the CFA (2) to 65535 pixels" },
-        Wrong { "high", [](DngDescription& d) { d.size.height = 65536; },
-                "height is 65536, but must be one repeat of the CFA (2) to 65535 pixels" },
+        Wrong {
+            "high", [](DngDescription& d) { d.size.height = 65536; },
+            "height is 65536, but must be one repeat of the CFA (2) to 65535 pixels" },
         Wrong { "no_blue", [](DngDescription& d) { d.cfa.colors[3] = 1; },
                 "cfa is without colour 2, but must be of R, G and B" },
         Wrong { "white", [](DngDescription& d) { d.white_level = 65536; },
@@ -144,15 +153,21 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong { "blacks", [](DngDescription& d) { d.black_level.pop_back(); },
                 "black_level is 3 numbers, but must be one per CFA site" },
         Wrong { "black", [](DngDescription& d) { d.black_level[2] = 16383; },
-                "black_level is 16383.000000, but must be at least 0 and below white_level" },
+                "black_level is 16383.000000, but must be at least 0 and below "
+                "white_level" },
         Wrong { "matrices", [](DngDescription& d) { d.calibrations.clear(); },
                 "calibrations is 0 matrices, but must be one or two" },
         Wrong { "neutral", [](DngDescription& d) { d.as_shot_neutral[0] = 0.0; },
                 "as_shot_neutral is 0.000000, but must be 0.001 to 1000, green 1" },
-        Wrong { "noise", [](DngDescription& d) { d.noise_profile = { { 1e-4, 0.0 } }; },
+        Wrong { "noise",
+                [](DngDescription& d) {
+                    d.noise_profile = { { 1e-4, 0.0 } };
+                },
                 "noise_profile is 1 pairs, but must be none or one per colour" },
         Wrong { "scale",
-                [](DngDescription& d) { d.noise_profile.assign(3, { 0.0, 0.0 }); },
+                [](DngDescription& d) {
+                    d.noise_profile.assign(3, { 0.0, 0.0 });
+                },
                 "noise_profile scale is 0.000000, but must be above 0" },
         Wrong { "date", [](DngDescription& d) { d.shot.date_time_original = "today"; },
                 "date_time_original is today, but must be YYYY:MM:DD HH:MM:SS" },
@@ -162,12 +177,13 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(DngWriters, RefuseMoreThanFourGigabytesAtOnce)
 {
-    EXPECT_EQ(message_of([&] {
-                  DngWriter(path(), description_of({ 65535, 65535 }), { Compression::none });
-              }),
-              path()
-                  + ": 8589672450 bytes of pixels, but a TIFF file ends at 4 GiB: write a "
-                    "smaller image, or compress it");
+    EXPECT_EQ(
+        message_of([&] {
+            DngWriter(path(), description_of({ 65535, 65535 }), { Compression::none });
+        }),
+        path()
+            + ": 8589672450 bytes of pixels, but a TIFF file ends at 4 GiB: write a "
+              "smaller image, or compress it");
     EXPECT_EQ(files(), 0);
 }
 

@@ -86,7 +86,8 @@ TEST(Huffman, AllSizesEquallyOften)
 
 TEST(Huffman, FibonacciCountsStayWithinSixteenBits)
 {
-    SizeHistogram histogram; // the counts of the deepest tree: 17 bits with the 18th leaf
+    SizeHistogram
+        histogram; // the counts of the deepest tree: 17 bits with the 18th leaf
     std::uint64_t a = 1, b = 1;
     for (std::uint64_t& count : histogram) {
         count = a;

@@ -31,8 +31,8 @@ public:
         std::vector<std::uint16_t> out(row * std::size_t(height));
         for (std::size_t i = 0; i < out.size(); ++i) {
             const int left = i % row >= 2 ? out[i - 2]
-                : i >= row               ? out[i - row]
-                                         : 1 << (precision - 1);
+                : i >= row                ? out[i - row]
+                                          : 1 << (precision - 1);
             out[i] = std::uint16_t(left + difference());
         }
         while (m_bit > 0) // what is left of the last byte is ones
@@ -135,18 +135,19 @@ private:
 using Image = std::function<unsigned(int row, int col)>;
 
 /// Encodes a @p covered image in a @p tile, decodes it, and compares what is covered.
-std::vector<std::uint16_t> round_trip(const Image& image, Size covered, Size tile, int bits,
-                                      int* precision = nullptr)
+std::vector<std::uint16_t> round_trip(const Image& image, Size covered, Size tile,
+                                      int bits, int* precision = nullptr)
 {
     const int pitch = covered.width + 3; // the rest of a wider image, never to be read
-    std::vector<std::uint16_t> dn(std::size_t(pitch) * std::size_t(covered.height), 54321);
+    std::vector<std::uint16_t> dn(std::size_t(pitch) * std::size_t(covered.height),
+                                  54321);
     for (int row = 0; row < covered.height; ++row)
         for (int col = 0; col < covered.width; ++col)
             dn[std::size_t(row * pitch + col)] = std::uint16_t(image(row, col));
     JpegScratch scratch;
     std::vector<std::uint8_t> jpeg;
-    encode_lossless_jpeg({ dn.data(), covered.width, covered.height, pitch }, tile, { 2, 2 },
-                         bits, scratch, jpeg);
+    encode_lossless_jpeg({ dn.data(), covered.width, covered.height, pitch }, tile,
+                         { 2, 2 }, bits, scratch, jpeg);
     Decoder decoder(jpeg);
     EXPECT_EQ(decoder.height, tile.height);
     EXPECT_EQ(decoder.columns, tile.width / 2);
@@ -193,17 +194,21 @@ INSTANTIATE_TEST_SUITE_P(
         Planted { "extremes", 16,
                   [](int r, int c) { return noise(r, c) & 1U ? 0xffffU : 0U; } },
         // Differences of 32768, the only ones of size 16.
-        Planted { "half_range", 16,
-                  [](int r, int c) { return (unsigned(c) / 2 + unsigned(r)) % 2 * 32768U; } },
+        Planted {
+            "half_range", 16,
+            [](int r, int c) { return (unsigned(c) / 2 + unsigned(r)) % 2 * 32768U; } },
         // Each size from 0 to 16 in turn, up and down.
         Planted { "all_sizes", 16,
                   [](int r, int c) {
-                      return unsigned(c) / 2 % 2 == 0 ? 0U
-                                                      : (1U << (unsigned(c + r) % 17)) & 0xffffU;
+                      return unsigned(c) / 2 % 2 == 0
+                          ? 0U
+                          : (1U << (unsigned(c + r) % 17)) & 0xffffU;
                   } },
         // Long runs of one bits: stuffing.
         Planted { "stuffing", 16,
-                  [](int r, int c) { return (unsigned(r * 64 + c) / 2 * 32767U) & 0xffffU; } },
+                  [](int r, int c) {
+                      return (unsigned(r * 64 + c) / 2 * 32767U) & 0xffffU;
+                  } },
         Planted { "gradient", 12,
                   [](int r, int c) { return unsigned(r * 17 + c * 31) & 0xfffU; } }),
     [](const auto& info) { return info.param.name; });
@@ -211,9 +216,11 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(LosslessJpeg, PaddingKeepsThePhase)
 {
     // Four levels by site: beyond the image, too, each site keeps its own.
-    const Image sites = [](int r, int c) { return unsigned(100 + 40 * (r % 2) + 10 * (c % 2)); };
+    const Image sites
+        = [](int r, int c) { return unsigned(100 + 40 * (r % 2) + 10 * (c % 2)); };
     for (const Size covered : { Size { 5, 3 }, Size { 2, 2 }, Size { 31, 16 } }) {
-        const std::vector<std::uint16_t> out = round_trip(sites, covered, { 32, 16 }, 9);
+        const std::vector<std::uint16_t> out
+            = round_trip(sites, covered, { 32, 16 }, 9);
         for (int row = 0; row < 16; ++row)
             for (int col = 0; col < 32; ++col)
                 EXPECT_EQ(out[std::size_t(row * 32 + col)], sites(row, col));
@@ -224,10 +231,11 @@ TEST(LosslessJpeg, PaddingKeepsThePhase)
 TEST(LosslessJpeg, PrecisionIsTheRangeUnlessAValueExceedsIt)
 {
     int precision = 0;
-    round_trip([](int, int c) { return unsigned(c); }, { 16, 16 }, { 16, 16 }, 10, &precision);
+    round_trip([](int, int c) { return unsigned(c); }, { 16, 16 }, { 16, 16 }, 10,
+               &precision);
     EXPECT_EQ(precision, 10);
-    round_trip([](int, int c) { return unsigned(c == 3 ? 4096 : c); }, { 16, 16 }, { 16, 16 },
-               10, &precision);
+    round_trip([](int, int c) { return unsigned(c == 3 ? 4096 : c); }, { 16, 16 },
+               { 16, 16 }, 10, &precision);
     EXPECT_EQ(precision, 13);
 }
 

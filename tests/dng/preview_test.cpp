@@ -22,10 +22,9 @@ std::vector<std::uint16_t> flat(const DngDescription& description, const Vec3& s
                 = std::size_t(row % 2 * 2 + col % 2); // Bayer in these tests
             const double black = description.black_level[site];
             const int color = description.cfa.color({ row, col });
-            dn.push_back(std::uint16_t(
-                std::lround(black
-                            + (description.white_level - black)
-                                * signal[std::size_t(color)])));
+            dn.push_back(std::uint16_t(std::lround(black
+                                                   + (description.white_level - black)
+                                                       * signal[std::size_t(color)])));
         }
     return dn;
 }
@@ -34,8 +33,8 @@ std::array<int, 3> pixel_of(const DngDescription& description, const Vec3& signa
 {
     Preview preview(description);
     const std::vector<std::uint16_t> dn = flat(description, signal);
-    preview.add_rows(plane_of(dn, description.size), parallel_threads(1));
-    const std::vector<std::uint8_t>& pixels = preview.pixels();
+    const std::vector<std::uint8_t>& pixels
+        = preview.add_rows(plane_of(dn, description.size), parallel_threads(1));
     for (std::size_t i = 0; i < pixels.size(); ++i)
         EXPECT_EQ(pixels[i], pixels[i % 3]) << "not flat at " << i / 3;
     return { pixels[0], pixels[1], pixels[2] };
@@ -93,11 +92,16 @@ TEST(Preview, SameBytesHoweverRowsArrive)
     const std::vector<std::uint16_t> dn = mosaic_of(size);
     const auto pixels = [&](int rows_at_once, int threads) {
         Preview preview(description);
-        for (int row = 0; row < size.height; row += rows_at_once)
-            preview.add_rows({ dn.data() + row * size.width, size.width,
-                               std::min(rows_at_once, size.height - row), size.width },
-                             parallel_threads(threads));
-        return preview.pixels();
+        std::vector<std::uint8_t> all;
+        for (int row = 0; row < size.height; row += rows_at_once) {
+            const std::vector<std::uint8_t>& some = preview.add_rows(
+                { dn.data() + row * size.width, size.width,
+                  std::min(rows_at_once, size.height - row), size.width },
+                parallel_threads(threads));
+            all.insert(all.end(), some.begin(), some.end());
+        }
+        EXPECT_EQ(all.size(), 3U * 652 * 100);
+        return all;
     };
     const std::vector<std::uint8_t> whole = pixels(size.height, 1);
     EXPECT_EQ(pixels(size.height, 3), whole);

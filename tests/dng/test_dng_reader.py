@@ -34,11 +34,18 @@ class Tags:
     """exiftool's numbers of one file, by group and name."""
 
     def __init__(self, exiftool, path):
-        done = subprocess.run([exiftool, "-j", "-n", "-G1", "-a", path],
-                              capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [exiftool, "-j", "-n", "-G1", "-a", path],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         self.tags = json.loads(done.stdout)[0]
-        self.raw = next(group for group in ("IFD0", "SubIFD", "SubIFD1", "SubIFD2")
-                        if self.numbers("PhotometricInterpretation", group) == [32803])
+        self.raw = next(
+            group
+            for group in ("IFD0", "SubIFD", "SubIFD1", "SubIFD2")
+            if self.numbers("PhotometricInterpretation", group) == [32803]
+        )
 
     def numbers(self, name, group="IFD0", default=None):
         """Return a tag's numbers as a list, or @default if it is absent."""
@@ -99,10 +106,12 @@ def test_matrices_are_exiftools_with_calibration_folded_in(pair):
         signature = tags.text("CameraCalibrationSig")
         if single and signature == tags.text("ProfileCalibrationSig"):
             expected = np.reshape(single, (3, 3)) @ expected
-        np.testing.assert_allclose(calibration["camera_from_xyz"], balance @ expected,
-                                   rtol=PRINTED, atol=1e-12)
+        np.testing.assert_allclose(
+            calibration["camera_from_xyz"], balance @ expected, rtol=PRINTED, atol=1e-12
+        )
         assert [calibration["light_source"]] == tags.numbers(
-            f"CalibrationIlluminant{number}", default=[21])
+            f"CalibrationIlluminant{number}", default=[21]
+        )
         assert calibration["xyz_d50_from_camera"] is None  # none of these files has one
         count += 1
     assert count == (2 if tags.numbers("ColorMatrix2") else 1)
@@ -115,14 +124,19 @@ def test_neutral_and_noise_are_exiftools(pair):
     np.testing.assert_allclose(metadata.as_shot_neutral, neutral, rtol=PRINTED)
     noise = np.reshape(tags.numbers("NoiseProfile", default=[]), (-1, 2))
     expected = np.broadcast_to(noise, (3, 2)) if len(noise) else np.empty((0, 2))
-    np.testing.assert_allclose(np.reshape(metadata.noise_profile, (-1, 2)), expected,
-                               rtol=PRINTED)
+    np.testing.assert_allclose(
+        np.reshape(metadata.noise_profile, (-1, 2)), expected, rtol=PRINTED
+    )
 
 
 def test_exif_is_exiftools(pair):
     metadata, tags = pair
-    for field, name in (("exposure_time", "ExposureTime"), ("f_number", "FNumber"),
-                        ("focal_length", "FocalLength"), ("iso", "ISO")):
+    for field, name in (
+        ("exposure_time", "ExposureTime"),
+        ("f_number", "FNumber"),
+        ("focal_length", "FocalLength"),
+        ("iso", "ISO"),
+    ):
         (expected,) = tags.numbers(name, "ExifIFD", default=[0.0])
         # Exif says 0 for unknown.
         known = pytest.approx(expected, rel=PRINTED) if expected else None

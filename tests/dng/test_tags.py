@@ -45,7 +45,7 @@ def test_identity_and_structure(path):
     assert mosaic["DefaultCropOrigin"] == (2, 1, 2, 1)
     assert mosaic["DefaultCropSize"] == (92, 1, 60, 1)
     assert mosaic["DefaultScale"] == (1, 1, 1, 1)
-    assert exif["ExifVersion"] == b"0230"
+    assert exif["ExifVersion"] == "0230"
     unknown = {"DateTime", "Artist", "Copyright", "ImageDescription", "ExposureTime"}
     assert not unknown & (set(first) | set(exif))
 
@@ -84,7 +84,12 @@ def test_colour_is_exact(path):
     assert first["CalibrationIlluminant2"] == 21
     # Green is 1 though red is above it.
     assert first["AsShotNeutral"] == fractions([1.25, 1.0, 0.333333], 1000000)
-    absent = {"AsShotWhiteXY", "AnalogBalance", "CameraCalibration1", "BaselineExposure"}
+    absent = {
+        "AsShotWhiteXY",
+        "AnalogBalance",
+        "CameraCalibration1",
+        "BaselineExposure",
+    }
     assert not absent & set(first)
 
 
@@ -226,6 +231,7 @@ def test_darktable_applies_the_gain_maps(path, program, tmp_path):
 
 def test_same_bytes_again(path, tmp_path):
     again = tmp_path / "again.dng"
+    sensor = dng_files.sensor("samsung-s20fe")
     for name in (path, again):
-        dng_files.write(name, dng_files.sensor(), iso=800, seed=3)
+        dng_files.write(name, sensor, iso=800, seed=3)
     assert path.read_bytes() == again.read_bytes()

@@ -23,10 +23,9 @@ inline DngDescription description_of(Size size)
     description.cfa = cfa_from_name("rggb");
     description.black_level = { 512, 512, 512, 512 };
     description.white_level = 16383;
-    description.calibrations
-        = { { 21,
-              { { 0.7, -0.2, -0.1, -0.5, 1.3, 0.2, -0.1, 0.2, 0.6 } },
-              std::nullopt } };
+    description.calibrations = {
+        { 21, { { 0.7, -0.2, -0.1, -0.5, 1.3, 0.2, -0.1, 0.2, 0.6 } }, std::nullopt }
+    };
     description.as_shot_neutral = { 0.5, 1.0, 0.7 };
     description.make = "Maker";
     description.model = "Model";
@@ -47,7 +46,8 @@ inline std::vector<std::uint16_t> mosaic_of(Size size, int white_level = 16383)
     return dn;
 }
 
-inline Plane<const std::uint16_t> plane_of(const std::vector<std::uint16_t>& dn, Size size)
+inline Plane<const std::uint16_t> plane_of(const std::vector<std::uint16_t>& dn,
+                                           Size size)
 {
     return { dn.data(), size.width, size.height, size.width };
 }
@@ -63,7 +63,8 @@ class InFolder : public ::testing::Test {
 protected:
     InFolder()
     {
-        std::string name = (std::filesystem::temp_directory_path() / "cg2raw-XXXXXX").string();
+        std::string name
+            = (std::filesystem::temp_directory_path() / "cg2raw-XXXXXX").string();
         folder = ::mkdtemp(name.data());
     }
     ~InFolder() override { std::filesystem::remove_all(folder); }

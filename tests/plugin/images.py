@@ -30,7 +30,7 @@ def read_dn(path):
 
 
 def attributes(**values):
-    """Return oiiotool arguments: attributes(sensor="nikon-d40") -> --attrib dng:sensor ..."""
+    """Return oiiotool arguments: sensor="x" -> --attrib dng:sensor x."""
     arguments = []
     for name, value in values.items():
         arguments += ["--attrib", f"dng:{name}", value]

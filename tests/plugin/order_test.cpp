@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Pixels may come in any order and shape, from any thread: the bytes are the same.
+/// @file Pixels may come in any order and shape, from any thread: the bytes are the
+/// same.
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imageio.h>
 
@@ -22,7 +23,8 @@ constexpr int width = 203, height = 131, tile = 32;
 
 class Order : public testing::Test {
 protected:
-    fs::path folder = fs::temp_directory_path() / ("cg2raw-order-" + std::to_string(getpid()));
+    fs::path folder
+        = fs::temp_directory_path() / ("cg2raw-order-" + std::to_string(getpid()));
     std::vector<float> pixels = std::vector<float>(3 * width * height);
 
     void SetUp() override
@@ -63,7 +65,8 @@ protected:
     void write_in_order(const std::string& name, const ImageSpec& spec)
     {
         auto output = opened(name, spec);
-        EXPECT_TRUE(output->write_image(TypeDesc::FLOAT, pixels.data())) << output->geterror();
+        EXPECT_TRUE(output->write_image(TypeDesc::FLOAT, pixels.data()))
+            << output->geterror();
         EXPECT_TRUE(output->close()) << output->geterror();
     }
 };

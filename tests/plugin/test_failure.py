@@ -74,7 +74,7 @@ def test_file_size_limit(oiiotool, exr, tmp_path, compression):
         exr, *S20, *compression, "-o", out, check=False, preexec_fn=limit_file_size
     )
     assert done.returncode != 0
-    # The wheel's launcher gives the signal its deadly meaning back: then nothing is said.
+    # The wheel's launcher gives the signal its deadly meaning back: nothing is said.
     killed = oiiotool.name == "oiio-wheel" and not done.stderr
     assert killed or "File too large" in done.stdout + done.stderr
     assert [p.name for p in tmp_path.iterdir()] == ["scene.exr"]

@@ -31,7 +31,9 @@ SAME = [
 def tags(program, path):
     """Return exiftool's numbers of a file; SubIFD's raw tags win over a preview's."""
     command = [program("exiftool"), "-j", "-n", "-a", path]
-    return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)[0]
+    return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)[
+        0
+    ]
 
 
 @pytest.fixture
@@ -40,7 +42,9 @@ def reference(camera_data):
     return camera_data / "real" / "Hero6_GOPR0024.dng"
 
 
-def test_ours_is_in_the_image_of_the_reference(oiiotool, program, reference, exr, tmp_path):
+def test_ours_is_in_the_image_of_the_reference(
+    oiiotool, program, reference, exr, tmp_path
+):
     out = tmp_path / "shot.dng"
     given = attributes(reference=reference, illuminant="as-shot", preview=0)
     oiiotool(exr, *given, "-o", out)
@@ -63,7 +67,9 @@ def test_pixels_are_those_of_the_reference_s_profile(
     )
 
 
-def test_a_reference_of_another_camera_than_the_sensor(oiiotool, reference, exr, tmp_path):
+def test_a_reference_of_another_camera_than_the_sensor(
+    oiiotool, reference, exr, tmp_path
+):
     out = tmp_path / "shot.dng"
     given = attributes(reference=reference, sensor="nikon-d40", illuminant="D50")
     done = oiiotool(exr, *given, "-o", out, check=False)

@@ -42,7 +42,8 @@ def test_direct_route_writes_what_the_core_simulates(
 
 
 @pytest.mark.parametrize(
-    "space", ["RAW - nikon-d40 - 2856K", "raw_nikon_d40_2856k", "RAW - NIKON-D40 - 2856k"]
+    "space",
+    ["RAW - nikon-d40 - 2856K", "raw_nikon_d40_2856k", "RAW - NIKON-D40 - 2856k"],
 )
 def test_pixels_that_are_raw_are_only_mosaiced(oiiotool, tmp_path, scene, space):
     sensor = cg2raw.Sensor("nikon-d40")
