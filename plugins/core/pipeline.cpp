@@ -152,6 +152,8 @@ struct Simulation::State {
         if (frame.width < 1 || frame.height < 1)
             throw Error("image of " + std::to_string(frame.width) + " x "
                         + std::to_string(frame.height) + " pixels is empty");
+        if (run.iso && !(*run.iso >= 1.0 && *run.iso <= 1e7))
+            throw Error("iso " + number(*run.iso) + " must be 1 to 10000000");
     }
 
     /// All stages in order, for one band; the signal ends in band.mosaic.

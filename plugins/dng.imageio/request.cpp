@@ -79,20 +79,35 @@ SensorProfile with_measurements(SensorProfile reference, const SensorProfile& me
     return reference;
 }
 
-/// Exif that renderers and oiiotool put into an image.
+/// A date as Exif writes it, "YYYY:MM:DD HH:MM:SS", or nothing.
+std::string exif_date(const std::string& text)
+{
+    const std::string form = "0000:00:00 00:00:00";
+    if (text.size() != form.size())
+        return "";
+    for (std::size_t i = 0; i < form.size(); ++i)
+        if (form[i] == '0' ? text[i] < '0' || text[i] > '9' : text[i] != form[i])
+            return "";
+    return text;
+}
+
+/// Exif that renderers and oiiotool put into an image. What makes no sense there is
+/// left out: it is no reason to refuse the picture.
 Shot shot_of(const ImageSpec& spec)
 {
     Shot shot;
     const auto positive = [&](const char* name) -> std::optional<double> {
-        const float value = spec.get_float_attribute(name, 0.0f);
-        return value > 0.0f && std::isfinite(value) ? std::optional<double>(value)
-                                                    : std::nullopt;
+        // OpenImageIO 2.4 makes no float of an int.
+        const float value = spec.get_float_attribute(
+            name, float(spec.get_int_attribute(name, 0)));
+        return value >= 1e-6f && value <= 1e6f ? std::optional<double>(value)
+                                               : std::nullopt;
     };
     shot.exposure_time = positive("ExposureTime");
     shot.f_number = positive("FNumber");
     shot.focal_length = positive("Exif:FocalLength");
-    shot.date_time_original = spec.get_string_attribute(
-        "Exif:DateTimeOriginal", spec.get_string_attribute("DateTime"));
+    shot.date_time_original = exif_date(spec.get_string_attribute(
+        "Exif:DateTimeOriginal", spec.get_string_attribute("DateTime")));
     shot.artist = spec.get_string_attribute("Artist");
     shot.copyright = spec.get_string_attribute("Copyright");
     shot.description = spec.get_string_attribute("ImageDescription");
@@ -188,7 +203,7 @@ Request request_of(const ImageSpec& spec)
     if (space) {
         request.run.camera_input = true;
         request.run.illuminant = space->illuminant;
-        if (!sensor && attributes.reference.empty())
+        if (!sensor)
             sensor = load_profile(space->sensor);
     } else {
         if (!sensor && attributes.reference.empty())

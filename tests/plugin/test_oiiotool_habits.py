@@ -3,6 +3,9 @@
 
 """What people do to images before -o: resize, crop, tiles, parts, data formats."""
 
+import json
+import subprocess
+
 import numpy as np
 import pytest
 from images import attributes, read_dn, write_image
@@ -108,3 +111,43 @@ def test_the_input_s_own_compression_is_not_taken_over(oiiotool, scene, tmp_path
     out = tmp_path / "shot.dng"
     oiiotool(exr, *S20, "-o", out)
     np.testing.assert_array_equal(read_dn(out), simulated(scene))
+
+
+def exif_of(program, path):
+    """Return what exiftool reads of a file's Exif."""
+    command = [program("exiftool"), "-j", "-n", path]
+    return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)[
+        0
+    ]
+
+
+def test_exif_of_the_input_goes_into_the_file(oiiotool, exr, program, tmp_path):
+    out = tmp_path / "shot.dng"
+    given = {
+        "ExposureTime": "0.008",
+        "FNumber": "2.8",
+        "Exif:FocalLength": "35",
+        "DateTime": "2026:03:04 05:06:07",
+        "Artist": "A. Tester",
+        "Orientation": "6",
+    }
+    arguments = [word for pair in given.items() for word in ("--attrib", *pair)]
+    oiiotool(exr, *arguments, *S20, *attributes(iso=400), "-o", out)
+    seen = exif_of(program, out)
+    assert seen["ExposureTime"] == pytest.approx(1 / 125)
+    assert seen["FNumber"] == pytest.approx(2.8)
+    assert seen["FocalLength"] == pytest.approx(35)
+    assert seen["ISO"] == 400
+    assert seen["DateTimeOriginal"] == given["DateTime"]
+    assert seen["Artist"] == given["Artist"]
+    assert seen["Orientation"] == 6
+
+
+def test_exif_that_makes_no_sense_is_left_out(oiiotool, exr, program, tmp_path):
+    out = tmp_path / "shot.dng"
+    given = {"ExposureTime": "-1", "FNumber": "1e9", "DateTime": "yesterday"}
+    arguments = [word for pair in given.items() for word in ("--attrib", *pair)]
+    oiiotool(exr, *arguments, *S20, "-o", out)
+    assert not {"ExposureTime", "FNumber", "DateTimeOriginal"} & set(
+        exif_of(program, out)
+    )

@@ -79,6 +79,18 @@ def test_a_reference_of_another_camera_than_the_sensor(
     assert not out.exists()
 
 
+def test_raw_pixels_of_another_camera_than_the_reference(
+    oiiotool, reference, exr, tmp_path
+):
+    out = tmp_path / "shot.dng"
+    space = ["--iscolorspace", "RAW - nikon-d40 - D65"]
+    given = attributes(reference=reference)
+    done = oiiotool(exr, *space, *given, "-o", out, check=False)
+    assert done.returncode != 0
+    assert "HERO6" in done.stdout + done.stderr
+    assert not out.exists()
+
+
 def test_reference_of_ours_gives_the_same_file(oiiotool, exr, tmp_path):
     first, second = tmp_path / "first.dng", tmp_path / "second.dng"
     base = attributes(illuminant="D65", compression="none", preview=0)
