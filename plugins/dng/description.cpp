@@ -32,7 +32,13 @@ Calibration exact_calibration(const Simulation& simulation)
 /// RawTherapee by default, and Adobe's renderers, prefer their own profile of a camera
 /// whose name they know (Canon EOS 5D Mark III: mean dE2000 2.6, Nikon D800: 6.1, not
 /// 0.014). This matrix is one file's, not that camera's: the name says so.
-std::string name_of_exact(const std::string& model) { return model + " exact"; }
+std::string name_of_exact(const std::string& model)
+{
+    const std::string ending = " exact";
+    const bool has_it = model.size() > ending.size()
+        && model.compare(model.size() - ending.size(), ending.size(), ending) == 0;
+    return has_it ? model : model + ending;
+}
 
 /// The planes' noise: means over the sites of a colour.
 std::vector<NoisePair> noise_profile(const NoiseAtIso& noise, const CfaPattern& cfa)

@@ -30,12 +30,16 @@ std::vector<std::uint8_t> srgb_curve()
     return curve;
 }
 
-/// The smallest multiple of the repeat by which @p size shrinks to longest_side.
-int block_size(Size size, const CfaPattern& cfa)
+/// The smallest multiple of the repeat by which @p size shrinks to longest_side; on a
+/// side that is shorter, all of it.
+Size block_of(Size size, const CfaPattern& cfa)
 {
     const int repeat = std::lcm(cfa.width, cfa.height);
     const int longest = std::max(size.width, size.height);
-    return (longest + longest_side * repeat - 1) / (longest_side * repeat) * repeat;
+    const int block
+        = (longest + longest_side * repeat - 1) / (longest_side * repeat) * repeat;
+    return { std::min(block, size.width / cfa.width * cfa.width),
+             std::min(block, size.height / cfa.height * cfa.height) };
 }
 
 } // namespace
@@ -43,9 +47,8 @@ int block_size(Size size, const CfaPattern& cfa)
 Preview::Preview(const DngDescription& description)
     : m_cfa(description.cfa)
     , m_width(description.size.width)
-    , m_block(block_size(description.size, description.cfa))
-    , m_size { std::max(1, m_width / m_block),
-               std::max(1, description.size.height / m_block) }
+    , m_block(block_of(description.size, description.cfa))
+    , m_size { m_width / m_block.width, description.size.height / m_block.height }
     , m_curve(srgb_curve())
     , m_sums(std::size_t(m_cfa.height) * std::size_t(m_width))
 {
@@ -55,7 +58,7 @@ Preview::Preview(const DngDescription& description)
     for (int site = 0; site < m_cfa.sites(); ++site)
         ++sites_of_color[m_cfa.colors[std::size_t(site)]];
     const Vec3& neutral = description.as_shot_neutral;
-    const int sums = m_block / m_cfa.width * (m_block / m_cfa.height);
+    const int sums = m_block.width / m_cfa.width * (m_block.height / m_cfa.height);
     for (int site = 0; site < m_cfa.sites(); ++site) {
         const int color = m_cfa.colors[std::size_t(site)];
         const double black = description.black_level[std::size_t(site)];
@@ -69,28 +72,29 @@ Preview::Preview(const DngDescription& description)
 const std::vector<std::uint8_t>&
 Preview::add_rows(const Plane<const std::uint16_t>& rows, const ParallelFor& parallel)
 {
-    const int first_row = std::min(m_row / m_block, m_size.height);
-    const int end_row = std::min((m_row + rows.height) / m_block, m_size.height);
+    const int first_row = std::min(m_row / m_block.height, m_size.height);
+    const int end_row = std::min((m_row + rows.height) / m_block.height, m_size.height);
     m_pixels.resize(3 * std::size_t(m_size.width) * std::size_t(end_row - first_row));
-    const int in_block = m_row % m_block;
-    const int head = in_block == 0 ? 0 : std::min(rows.height, m_block - in_block);
+    const int in_block = m_row % m_block.height;
+    const int head
+        = in_block == 0 ? 0 : std::min(rows.height, m_block.height - in_block);
     const auto part = [&](int first, int count) {
         return Plane<const std::uint16_t> { rows.data + first * rows.pitch, rows.width,
                                             count, rows.pitch };
     };
     add(part(0, head), in_block, m_sums);
     m_row += head;
-    if (head > 0 && m_row % m_block == 0) {
-        finish(m_sums, m_row / m_block - 1 - first_row);
+    if (head > 0 && m_row % m_block.height == 0) {
+        finish(m_sums, m_row / m_block.height - 1 - first_row);
         std::fill(m_sums.begin(), m_sums.end(), 0);
     }
-    const int whole = (rows.height - head) / m_block;
+    const int whole = (rows.height - head) / m_block.height;
     parallel(whole, [&](int i) {
         Sums sums(m_sums.size());
-        add(part(head + i * m_block, m_block), 0, sums);
-        finish(sums, m_row / m_block + i - first_row);
+        add(part(head + i * m_block.height, m_block.height), 0, sums);
+        finish(sums, m_row / m_block.height + i - first_row);
     });
-    const int tail = head + whole * m_block;
+    const int tail = head + whole * m_block.height;
     add(part(tail, rows.height - tail), 0, m_sums);
     m_row += rows.height - head;
     return m_pixels;
@@ -127,9 +131,9 @@ Preview::CameraRow Preview::balanced(const Sums& sums) const
         const int col = int(site) % m_cfa.width;
         const std::uint32_t* const from = sums.data() + std::ptrdiff_t(row) * m_width;
         std::fill(of_site.begin(), of_site.end(), 0);
-        for (int at = col; at < m_block; at += m_cfa.width)
+        for (int at = col; at < m_block.width; at += m_cfa.width)
             for (int i = 0; i < m_size.width; ++i)
-                of_site[std::size_t(i)] += from[i * m_block + at];
+                of_site[std::size_t(i)] += from[i * m_block.width + at];
         const SiteScale scale = m_sites[site];
         float* const out = camera[std::size_t(scale.color)].data();
         for (std::size_t i = 0; i < of_site.size(); ++i)

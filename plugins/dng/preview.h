@@ -44,7 +44,7 @@ private:
 
     CfaPattern m_cfa;
     int m_width; ///< of the mosaic
-    int m_block; ///< mosaic pixels per picture pixel, a multiple of the repeat
+    Size m_block; ///< mosaic pixels per picture pixel, multiples of the repeat
     Size m_size;
     std::vector<SiteScale> m_sites;
     std::array<float, 9> m_srgb_from_balanced;

@@ -53,6 +53,19 @@ TEST(Preview, SizesUpToALongestSideOf1024)
     EXPECT_EQ(size_of({ 65535, 2 }), (std::array<int, 2> { 1023, 1 }));
 }
 
+TEST(Preview, SidesShorterThanABlock)
+{
+    for (const Size size : { Size { 2, 5000 }, Size { 3, 3000 }, Size { 61, 65535 },
+                             Size { 65535, 4 }, Size { 5001, 3 } }) {
+        DngDescription description = description_of(size);
+        description.as_shot_neutral = { 1, 1, 1 };
+        description.srgb_from_balanced = diagonal({ 1, 1, 1 });
+        EXPECT_EQ(pixel_of(description, { 0.18, 0.18, 0.18 }),
+                  (std::array<int, 3> { 118, 118, 118 }))
+            << size.width << " x " << size.height;
+    }
+}
+
 TEST(Preview, NeutralIsGreyInEveryPhase)
 {
     for (const char* cfa : { "rggb", "grbg", "gbrg", "bggr" }) {
