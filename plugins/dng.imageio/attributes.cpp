@@ -40,6 +40,9 @@ struct Given {
     /// A whole number from 0; 64 bits when it is given as text.
     std::uint64_t whole() const
     {
+        if (value.type() == OIIO::TypeDesc::INT && value.get_int() == 2147483647)
+            fail("below 2147483647, where oiiotool's integers end; larger ones as "
+                 "--attrib:type=string");
         const std::string digits = text();
         if (digits.empty() || digits.size() > 18
             || digits.find_first_not_of("0123456789") != digits.npos)

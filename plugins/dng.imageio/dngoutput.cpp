@@ -62,6 +62,25 @@ RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
     return { room.data(), host.width, host.height, 3, 3 * host.width };
 }
 
+/// Pixels are taken by place; names that say another order, or no colours, are errors.
+/// A layer's name may stand before the last dot; unnamed channels have "channel".
+void require_rgb_names(const ImageSpec& spec)
+{
+    const char* const expected[3][2]
+        = { { "r", "red" }, { "g", "green" }, { "b", "blue" } };
+    for (int i = 0; i < 3 && std::size_t(i) < spec.channelnames.size(); ++i) {
+        const std::string& name = spec.channelnames[std::size_t(i)];
+        const std::string last = Strutil::lower(name.substr(name.rfind('.') + 1));
+        if (last.empty() || Strutil::starts_with(last, "channel")
+            || last == expected[i][0] || last == expected[i][1])
+            continue;
+        throw Error(
+            "channel " + std::to_string(i) + " is named \"" + name
+            + "\"; needs R, G, B in this order (oiiotool --ch R,G,B, or --chnames "
+              "R,G,B if they are)");
+    }
+}
+
 } // namespace
 
 /// One file: everything is decided in open(), pixels stream through, close() publishes.
@@ -150,6 +169,7 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
         if (spec.nchannels < 3 || spec.nchannels > 4)
             throw Error(std::to_string(spec.nchannels)
                         + " channels; needs RGB or RGBA (oiiotool --ch R,G,B)");
+        require_rgb_names(spec);
         start(name);
     });
 }
@@ -270,6 +290,10 @@ bool DngOutput::write_tile(int x, int y, int, TypeDesc format, const void* data,
         return false;
     return reported([&] {
         const Site at { y - m_spec.y, x - m_spec.x };
+        if (at.row < 0 || at.col < 0 || at.row >= m_spec.height
+            || at.col >= m_spec.width)
+            throw Error("tile at x " + std::to_string(x) + ", y " + std::to_string(y)
+                        + " is outside the image");
         const int width = std::min(m_spec.tile_width, m_spec.width - at.col);
         const int height = std::min(m_spec.tile_height, m_spec.height - at.row);
         simulate_block(host_pixels(data, format, width, height, xstride, ystride,

@@ -9,7 +9,10 @@
 #include <OpenImageIO/color.h>
 #include <OpenImageIO/strutil.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
 
 namespace cg2raw {
 namespace {
@@ -18,31 +21,56 @@ using OIIO::ImageSpec;
 using OIIO::Strutil::iequals;
 
 /// Names that OpenImageIO and common configs give to scene-linear Rec.709.
-constexpr const char* rec709_names[] = { "",
-                                         "linear",
-                                         "lin_srgb",
-                                         "lin_rec709",
-                                         "srgb_linear",
-                                         "lin_srgb_scene",
+constexpr const char* rec709_names[] = { "lin_rec709",
                                          "lin_rec709_scene",
+                                         "lin_srgb",
+                                         "lin_srgb_scene",
+                                         "lin_rec709_srgb",
+                                         "srgb_linear",
+                                         "linear srgb",
                                          "linear rec.709 (srgb)",
                                          "linear rec.709",
-                                         "lin_rec709_srgb",
-                                         "utility - linear - rec.709",
                                          "utility - linear - srgb",
-                                         "linear srgb" };
+                                         "utility - linear - rec.709" };
+
+bool is_rec709_name(const std::string& space)
+{
+    return std::any_of(std::begin(rec709_names), std::end(rec709_names),
+                       [&](const char* name) { return iequals(space, name); });
+}
+
+/// What the words "linear" and "scene_linear" stand for is the OCIO config's business;
+/// without one they are Rec.709.
+bool is_rec709_word([[maybe_unused]] const std::string& word)
+{
+#if OIIO_VERSION < 30000
+    if (!std::getenv("OCIO"))
+        return true;
+#endif
+    const OIIO::ColorConfig config;
+#if OIIO_VERSION >= 30000
+    if (iequals(word, "linear"))
+        return is_rec709_name(std::string(config.resolve(word)));
+#endif
+    const char* const role = config.getColorSpaceNameByRole("scene_linear");
+    return !role || is_rec709_name(role);
+}
 
 bool is_rec709(const std::string& space)
 {
-    for (const char* name : rec709_names)
-        if (iequals(space, name))
-            return true;
-    if (!iequals(space, "scene_linear"))
-        return false;
-    // A role: which space it stands for is the config's business.
+    if (iequals(space, "linear") || iequals(space, "scene_linear"))
+        return is_rec709_word(space);
+    return space.empty() || is_rec709_name(space);
+}
+
+/// A space of the current config that is Rec.709, for the remedy of a message.
+std::string rec709_of_config()
+{
     const OIIO::ColorConfig config;
-    const char* const resolved = config.getColorSpaceNameByRole("scene_linear");
-    return !resolved || (!iequals(resolved, "scene_linear") && is_rec709(resolved));
+    for (int i = 0; i < config.getNumColorSpaces(); ++i)
+        if (is_rec709_name(config.getColorSpaceNameByIndex(i)))
+            return config.getColorSpaceNameByIndex(i);
+    return std::getenv("OCIO") ? "<the config's linear Rec.709 space>" : "linear";
 }
 
 std::string color_space_of(const ImageSpec& spec)
@@ -55,8 +83,25 @@ void require_rec709(const std::string& space)
     if (!is_rec709(space))
         throw Error("colour space \"" + space
                     + "\" is neither scene-linear Rec.709 nor a RAW space: add "
-                      "--tocolorspace linear (or \"RAW - <sensor> - <illuminant>\") "
-                      "before -o");
+                      "--tocolorspace \""
+                    + rec709_of_config()
+                    + "\" (or \"RAW - <sensor> - <illuminant>\") before -o");
+}
+
+/// OpenEXR files may say their primaries themselves. Source: IEC 61966-2-1.
+void require_rec709_primaries(const ImageSpec& spec)
+{
+    constexpr float rec709[8]
+        = { 0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f };
+    float said[8];
+    if (!spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8),
+                           said))
+        return;
+    for (int i = 0; i < 8; ++i)
+        if (!(std::abs(said[i] - rec709[i]) < 0.002f))
+            throw Error(
+                "the image's chromaticities are not those of Rec.709: convert it to "
+                "scene-linear Rec.709, and then --eraseattrib chromaticities");
 }
 
 /// The profile of a reference DNG, with what only a measured profile knows.
@@ -98,8 +143,8 @@ Shot shot_of(const ImageSpec& spec)
     Shot shot;
     const auto positive = [&](const char* name) -> std::optional<double> {
         // OpenImageIO 2.4 makes no float of an int.
-        const float value = spec.get_float_attribute(
-            name, float(spec.get_int_attribute(name, 0)));
+        const float value
+            = spec.get_float_attribute(name, float(spec.get_int_attribute(name, 0)));
         return value >= 1e-6f && value <= 1e6f ? std::optional<double>(value)
                                                : std::nullopt;
     };
@@ -211,6 +256,7 @@ Request request_of(const ImageSpec& spec)
                         "them) or --attrib dng:reference FILE.dng, or convert with "
                         "--tocolorspace \"RAW - <sensor> - <illuminant>\"");
         require_rec709(color_space_of(spec));
+        require_rec709_primaries(spec);
         if (attributes.illuminant.empty())
             throw Error("under which light? Add --attrib dng:illuminant WORD: "
                         + std::string(illuminant_grammar));

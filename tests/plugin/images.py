@@ -8,13 +8,15 @@ import OpenImageIO as oiio
 import rawpy
 
 
-def write_image(path, pixels, attributes=None, tile=0):
+def write_image(path, pixels, attributes=None, tile=0, typed=()):
     """Write (H, W, C) pixels as float32 and return the path; tiled if tile is not 0."""
     height, width, channels = pixels.shape
     spec = oiio.ImageSpec(width, height, channels, "float")
     spec.tile_width = spec.tile_height = tile
     for name, value in (attributes or {}).items():
         spec.attribute(name, value)
+    for name, kind, value in typed:
+        spec.attribute(name, kind, value)
     image = oiio.ImageBuf(spec)
     image.set_pixels(oiio.ROI(), np.ascontiguousarray(pixels, dtype=np.float32))
     if tile:

@@ -18,6 +18,7 @@ BAD = [
     ("iso", "1000000", "one stop"),
     ("seed", "-1", "dng:seed"),
     ("seed", "1.5", "dng:seed"),
+    ("seed", "5000000000", "type=string"),
     ("frame", "x", "dng:frame"),
     ("gain", "0", "dng:gain"),
     ("gain", "nan", "dng:gain"),

@@ -81,6 +81,26 @@ def test_scene_linear_is_what_the_config_says(oiiotool, config, exr, tmp_path):
     assert out.exists() == (role == "lin_rec709")
 
 
+def test_linear_is_what_the_version_says(oiiotool, config, exr, tmp_path):
+    path, role = config
+    out = tmp_path / "shot.dng"
+    given = attributes(sensor="samsung-s20fe", illuminant="D65")
+    done = oiiotool(
+        exr,
+        "--iscolorspace",
+        "linear",
+        *given,
+        "-o",
+        out,
+        env={"OCIO": str(path)},
+        check=False,
+    )
+    # To OpenImageIO 2 it is the role; 3 has made it a name of Rec.709.
+    if role == "ACEScg" and oiiotool.name == "oiio-system":
+        assert done.returncode != 0
+        assert '--tocolorspace "lin_rec709"' in done.stdout + done.stderr
+
+
 def test_an_ocio_config_that_cannot_be_read(oiiotool, exr, tmp_path):
     out = tmp_path / "shot.dng"
     given = attributes(sensor="samsung-s20fe", illuminant="D65")

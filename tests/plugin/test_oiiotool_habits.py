@@ -151,3 +151,31 @@ def test_exif_that_makes_no_sense_is_left_out(oiiotool, exr, program, tmp_path):
     assert not {"ExposureTime", "FNumber", "DateTimeOriginal"} & set(
         exif_of(program, out)
     )
+
+
+@pytest.mark.parametrize("names", ["X,Y,Z", "B,G,R", "N.x,N.y,N.z"])
+def test_channels_that_are_no_rgb_are_refused(oiiotool, exr, tmp_path, names):
+    out = tmp_path / "shot.dng"
+    done = oiiotool(exr, "--chnames", names, *S20, "-o", out, check=False)
+    assert done.returncode != 0
+    assert "--ch R,G,B" in done.stdout + done.stderr
+    assert not out.exists()
+
+
+def test_channels_of_a_layer(oiiotool, exr, scene, tmp_path):
+    out = tmp_path / "shot.dng"
+    names = "diffuse.R,diffuse.G,diffuse.B"
+    oiiotool(exr, "--chnames", names, *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene))
+
+
+def test_primaries_that_the_file_states(oiiotool, scene, tmp_path):
+    ap1 = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
+    rec709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+    out = tmp_path / "shot.dng"
+    for primaries in (ap1, rec709):
+        value = ("chromaticities", "float[8]", primaries)
+        exr = write_image(tmp_path / "in.exr", scene, typed=[value])
+        done = oiiotool(exr, *S20, "-o", out, check=False)
+        assert (done.returncode == 0) == (primaries is rec709), done.stderr
+    assert "chromaticities" not in done.stderr
