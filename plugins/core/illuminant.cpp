@@ -68,6 +68,10 @@ Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
     if (!as_shot)
         throw Error("illuminant \"as-shot\" needs a reference DNG (dng:reference) that "
                     "holds an AsShotNeutral");
+    for (double channel : *as_shot)
+        if (!(channel >= 0.001 && channel <= 1000.0))
+            throw Error("as-shot neutral " + number(channel)
+                        + " must be 0.001 to 1000");
     return over_green(*as_shot);
 }
 
@@ -144,7 +148,7 @@ Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
 {
     const Vec3 neutral = neutral_of(profile, parse_illuminant(spec), as_shot);
     const Chromaticity xy = xy_from_neutral(profile, neutral).xy;
-    return { std::string(spec), neutral, xy,
+    return { std::string(spec), profile.id, neutral, xy,
              temperature_from_xy(xy, RobertsonTable::adobe) };
 }
 

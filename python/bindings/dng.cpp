@@ -3,6 +3,8 @@
 
 #include "bindings.h"
 
+#include <algorithm>
+
 namespace cg2raw::python {
 namespace {
 
@@ -15,6 +17,11 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
         throw Error("raw must keep the shape that it was simulated with: ("
                     + std::to_string(frame.height) + ", " + std::to_string(frame.width)
                     + ")");
+    const auto* const end = raw.data() + raw.size();
+    if (raw.size() > 0
+        && *std::max_element(raw.data(), end) > simulation.profile().white_level)
+        throw Error("raw holds DN above the sensor's white level "
+                    + std::to_string(simulation.profile().white_level));
     const DngOptions options { compression_from_name(compression), preview,
                                matrices_from_name(matrices),
                                tone_curve_from_name(tone_curve) };

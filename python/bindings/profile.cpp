@@ -30,6 +30,8 @@ void bind_illuminant(py::module_& m)
 {
     py::class_<Illuminant>(m, "Illuminant", "A light as one sensor sees it.")
         .def_readonly("spec", &Illuminant::spec, "The word that named it.")
+        .def_readonly("sensor", &Illuminant::sensor,
+                      "Id of the sensor that sees it so.")
         .def_readonly("neutral", &Illuminant::neutral,
                       "Camera RGB of a neutral patch (AsShotNeutral): (R, G = 1, B).")
         .def_property_readonly(

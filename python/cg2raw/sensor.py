@@ -14,7 +14,8 @@ class RawFrame(np.ndarray):
     """(height, width) uint16 DN that remembers the simulation it came from.
 
     DN may be altered before they are written: what keeps the shape keeps `simulation`.
-    A piece of another shape has none, and write_dng refuses it."""
+    A piece of another shape has none. write_dng refuses that, and flipped or transposed
+    views, whose CFA would be another."""
 
     simulation = None
 
@@ -24,11 +25,13 @@ class RawFrame(np.ndarray):
 
 
 class Sensor:
-    """One camera sensor.
+    """One camera sensor. It is not altered: a changed profile is another sensor.
 
     id_or_path : id of an installed profile, or the path of one (.json).
     Raises ValueError for an unknown id, listing those installed, or a bad profile.
     """
+
+    __slots__ = ("_profile",)
 
     def __init__(self, id_or_path):
         self._profile = _core.load_profile(os.fspath(id_or_path))
@@ -48,6 +51,9 @@ class Sensor:
         sensor._profile = _core.profile_from_dng(metadata)
         return sensor
 
+    def __reduce__(self):
+        return (Sensor.from_json, (self.to_json(), self.id))
+
     def __getattr__(self, name):
         if name == "_profile":
             raise AttributeError(name)
@@ -66,7 +72,7 @@ class Sensor:
         threads : 0 for one per core; the result does not depend on it.
         run : see `simulation`.
         Returns (H, W) uint16 DN. Raises ValueError."""
-        rgb = np.asarray(rgb, dtype=np.float32)
+        rgb = _float_image(rgb)
         simulation = self.simulation(rgb.shape[:2], **run)
         frame = simulation.raw(rgb, threads=threads).view(RawFrame)
         frame.simulation = simulation
@@ -74,7 +80,7 @@ class Sensor:
 
     def signal(self, rgb, **run):
         """Return (H, W) float32 before quantisation: 0..1 above black, not clamped."""
-        rgb = np.asarray(rgb, dtype=np.float32)
+        rgb = _float_image(rgb)
         return self.simulation(rgb.shape[:2], **run).signal(rgb)
 
     def simulation(
@@ -104,38 +110,76 @@ class Sensor:
         effects : False for neither the profile's effects nor noise.
         camera_input : the image already is camera RGB under this illuminant.
         as_shot : (3,) neutral that the word as-shot stands for."""
-        run = _core.Run(
-            illuminant=_word(illuminant),
-            iso=iso,
-            seed=seed,
-            frame=frame,
-            digital_gain=digital_gain,
-            convention=convention,
-            highlights=highlights,
-            effects=effects,
-            camera_input=camera_input,
-            as_shot=as_shot,
-        )
+        word = _word(illuminant, self.id)
+        try:
+            run = _core.Run(
+                illuminant=word,
+                iso=iso,
+                seed=seed,
+                frame=frame,
+                digital_gain=digital_gain,
+                convention=convention,
+                highlights=highlights,
+                effects=effects,
+                camera_input=camera_input,
+                as_shot=as_shot,
+            )
+        except TypeError:
+            raise ValueError(
+                f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers, seed "
+                f"{seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
+                f"convention {convention!r} a text, highlights {highlights!r}, effects "
+                f"{effects!r} and camera_input {camera_input!r} True or False, and "
+                f"as_shot {as_shot!r} three numbers"
+            ) from None
         return _core.Simulation(self._profile, tuple(shape), run)
 
     def to_camera(
         self, rgb, *, illuminant, convention="dng", digital_gain=1.0, highlights=True
     ):
         """Return (H, W, 3) float32 camera RGB before the mosaic; arguments as above."""
-        light = self.illuminant(_word(illuminant))
-        rgb = np.asarray(rgb, dtype=np.float32)
+        light = self.illuminant(_word(illuminant, self.id))
+        rgb = _float_image(rgb)
         planes = _core.to_camera(
             self._profile, rgb, light, convention, digital_gain, highlights
         )
         return np.moveaxis(planes, 0, -1)
 
 
-def _word(illuminant):
+def _word(illuminant, sensor):
     """Return the word of the grammar that names an illuminant, exactly."""
     if isinstance(illuminant, str):
         return illuminant
+    if not isinstance(illuminant, _core.Illuminant):
+        raise ValueError(
+            f"illuminant {illuminant!r} must be one word or an Illuminant; the words: "
+            f"{_core.illuminant_grammar}"
+        )
+    if illuminant.sensor != sensor:
+        raise ValueError(
+            f"{illuminant!r} is as {illuminant.sensor} sees it, not {sensor}: give the "
+            f"word {illuminant.spec!r}, or the illuminant of {sensor}"
+        )
     red, _, blue = illuminant.neutral
     return f"neutral:{red!r}:{blue!r}"
+
+
+def _float_image(rgb):
+    """Return an (H, W, 3 or 4) image as float32; integers are no scene-linear light."""
+    try:
+        rgb = np.asarray(rgb)
+    except ValueError as error:
+        raise ValueError(f"rgb is no image: {error}") from None
+    if rgb.ndim != 3 or rgb.shape[2] not in (3, 4):
+        raise ValueError(
+            f"rgb must have the shape (H, W, 3) or (H, W, 4), not {rgb.shape}"
+        )
+    if not np.issubdtype(rgb.dtype, np.floating):
+        raise ValueError(
+            f"rgb must be floating point, scene-linear Rec.709, not {rgb.dtype}: scale "
+            "integers to 0..1 and linearise them first"
+        )
+    return rgb.astype(np.float32, copy=False)
 
 
 def write_dng(
@@ -159,11 +203,17 @@ def write_dng(
     simulation = getattr(raw, "simulation", None)
     if simulation is None:
         raise ValueError("raw must be a frame as Sensor.simulate returns it")
+    if not raw.flags.c_contiguous:
+        raise ValueError(
+            "raw is a flipped or transposed view: its CFA would be another"
+        )
     if raw.dtype != np.uint16:
         raise ValueError(f"raw must stay uint16 DN, not {raw.dtype}")
+    if "\0" in os.fspath(path):
+        raise ValueError(f"path {path!r} holds a NUL character")
     _core.write_dng(
         os.fspath(path),
-        np.ascontiguousarray(raw),
+        raw,
         simulation,
         compression,
         preview,

@@ -14,7 +14,8 @@ extern const char* const illuminant_grammar;
 
 /// A light as one sensor sees it.
 struct Illuminant {
-    std::string spec; ///< the word that named it
+    std::string spec;   ///< the word that named it
+    std::string sensor; ///< id of the profile that sees it so
     Vec3 neutral; ///< camera RGB of a neutral patch, G = 1 (AsShotNeutral), at 1e-6
     Chromaticity xy; ///< as a raw converter derives it from the neutral
     Temperature temperature; ///< of xy, Adobe's table

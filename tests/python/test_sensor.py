@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Sensor and RawFrame: what they take, refuse and remember."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import cg2raw
+
+IMAGE = np.full((8, 10, 3), 0.5, np.float32)
+
+
+@pytest.fixture
+def sensor():
+    return cg2raw.Sensor("samsung-s20fe")
+
+
+BAD_RUNS = [
+    {"seed": -1},
+    {"seed": 2**64},
+    {"seed": 1.5},
+    {"iso": "800"},
+    {"iso": float("nan")},
+    {"digital_gain": "sample"},
+    {"illuminant": None},
+    {"illuminant": ["A", "D65"]},
+    {"illuminant": b"A"},
+    {"illuminant": "as-shot"},
+    {"illuminant": "as-shot", "as_shot": [float("nan"), 1, 0.5]},
+    {"illuminant": "as-shot", "as_shot": [-1, 1, 0.5]},
+]
+
+
+@pytest.mark.parametrize("run", BAD_RUNS, ids=str)
+def test_bad_runs_are_value_errors_of_one_line(sensor, run):
+    with pytest.raises(ValueError, match=r"\A[^\n]+\Z"):
+        sensor.simulate(IMAGE, **{"illuminant": "D65", **run})
+
+
+BAD_IMAGES = [
+    None,
+    3.0,
+    IMAGE[..., 0],
+    IMAGE[..., :2],
+    np.ones((4, 4, 5)),
+    np.ones((0, 4, 3)),
+    (IMAGE * 255).astype(np.uint8),
+    IMAGE > 0,
+    IMAGE.astype(complex),
+]
+
+
+@pytest.mark.parametrize("image", BAD_IMAGES, ids=lambda i: str(np.shape(i)))
+def test_bad_images_are_value_errors(sensor, image):
+    with pytest.raises(ValueError):
+        sensor.simulate(image, illuminant="D65")
+
+
+def test_any_float_and_any_strides(sensor):
+    raw = sensor.simulate(IMAGE, illuminant="D65")
+    for image in (IMAGE.astype(np.float16), IMAGE.astype(float), IMAGE[::-1, ::-1]):
+        np.testing.assert_array_equal(sensor.simulate(image, illuminant="D65"), raw)
+
+
+def test_a_sensor_is_not_altered_and_can_be_pickled(sensor):
+    with pytest.raises(AttributeError):
+        sensor.white_level = 5
+    again = pickle.loads(pickle.dumps(sensor))
+    assert again.to_json() == sensor.to_json()
+
+
+def test_an_illuminant_belongs_to_its_sensor(sensor):
+    light = sensor.illuminant("A")
+    np.testing.assert_array_equal(
+        sensor.simulate(IMAGE, illuminant=light), sensor.simulate(IMAGE, illuminant="A")
+    )
+    with pytest.raises(ValueError, match="nikon-d40"):
+        cg2raw.Sensor("nikon-d40").simulate(IMAGE, illuminant=light)
+
+
+def test_a_frame_remembers_its_simulation_while_its_cfa_holds(sensor, tmp_path):
+    raw = sensor.simulate(np.full((32, 32, 3), 0.5), illuminant="D65")
+    out = tmp_path / "shot.dng"
+    cg2raw.write_dng(out, np.maximum(raw - 1, 0))
+    assert out.exists()
+    for other in (
+        raw[::-1],
+        raw[:, ::-1],
+        raw.T,
+        raw[:4],
+        raw.astype(float),
+        raw + 2000,
+    ):
+        with pytest.raises(ValueError):
+            cg2raw.write_dng(tmp_path / "other.dng", other)
+    with pytest.raises(ValueError, match="NUL"):
+        cg2raw.write_dng(str(tmp_path / "a\0b.dng"), raw)
+    assert [path.name for path in tmp_path.iterdir()] == ["shot.dng"]
