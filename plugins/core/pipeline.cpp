@@ -48,6 +48,15 @@ double drawn_gain(const SensorProfile& profile, const Run& run)
     return mean + sigma * rng.normal(draw);
 }
 
+const Effect& effect_of(const EffectSetting& setting, const SensorProfile& profile)
+{
+    try {
+        return effect(setting.name);
+    } catch (const Error& error) {
+        throw Error("sensor " + profile.id + ": " + error.what());
+    }
+}
+
 std::vector<Active> active_effects(const SensorProfile& profile, const Run& run,
                                    const std::optional<NoiseAtIso>& noise)
 {
@@ -64,7 +73,7 @@ std::vector<Active> active_effects(const SensorProfile& profile, const Run& run,
         active.push_back({ &effect, std::move(values), rng_of(effect, profile, run) });
     };
     for (const EffectSetting& setting : profile.effects) {
-        const Effect& known = effect(setting.name);
+        const Effect& known = effect_of(setting, profile);
         add(known, values_of(known, setting.parameters, "sensor " + profile.id));
     }
     if (noise) {

@@ -32,7 +32,7 @@ public:
 
     [[noreturn]] void fail(const std::string& field, const std::string& what) const
     {
-        throw Error(m_file + ": " + m_path + field + " " + what);
+        throw Error(m_file + ": " + m_path + field + (field.empty() ? "" : " ") + what);
     }
 
     bool has(const std::string& field)
@@ -61,7 +61,7 @@ public:
         const Json& value = at(field, "a whole number");
         const double as_double = value.is_number() ? value.get<double>() : 0.5;
         if (!(std::abs(as_double) < 1e9) || as_double != std::floor(as_double))
-            fail(field, "must be a whole number, not " + shown(value));
+            fail(field, "must be a whole number below 1e9, not " + shown(value));
         return int(as_double);
     }
 

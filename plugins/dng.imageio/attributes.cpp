@@ -64,7 +64,7 @@ struct Given {
     template <class Parse> auto named(const Parse& parse) const
     {
         try {
-            return parse(text());
+            return parse(OIIO::Strutil::lower(text()));
         } catch (const Error& error) {
             throw Error(name + ": " + error.what());
         }
