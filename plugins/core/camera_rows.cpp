@@ -86,9 +86,6 @@ CG2RAW_MULTIVERSION void legal_piece(const float* scene, std::ptrdiff_t pixel_st
 CG2RAW_MULTIVERSION void camera_piece(const Coefficients& c, int count, float* r,
                                       float* g, float* b)
 {
-    if (c.two_steps)
-        for (int i = 0; i < count; ++i)
-            multiply(c.second, r[i], g[i], b[i]);
     for (int i = 0; i < count; ++i) {
         // Of the mean, but each channel first: near the start the sum would lose
         // digits.
@@ -102,8 +99,8 @@ CG2RAW_MULTIVERSION void camera_piece(const Coefficients& c, int count, float* r
     }
 }
 
-CG2RAW_MULTIVERSION void balanced_piece(const float m[9], int count, float* r, float* g,
-                                        float* b)
+CG2RAW_MULTIVERSION void product_piece(const float m[9], int count, float* r, float* g,
+                                       float* b)
 {
     for (int i = 0; i < count; ++i)
         multiply(m, r[i], g[i], b[i]);
@@ -134,7 +131,9 @@ void to_camera(const CameraTransform& transform, const float* scene,
         const int count = std::min(piece, width - start);
         float *r = camera[0] + start, *g = camera[1] + start, *b = camera[2] + start;
         make_legal(scene + start * pixel_stride, pixel_stride, count, r, g, b, illegal);
-        balanced_piece(c.first, count, r, g, b);
+        product_piece(c.first, count, r, g, b);
+        if (c.two_steps)
+            product_piece(c.second, count, r, g, b);
         camera_piece(c, count, r, g, b);
     }
 }

@@ -29,18 +29,6 @@ Mat3 as_converters_read(Mat3 camera_from_xyz)
     return camera_from_xyz;
 }
 
-/// Index of the warmer and the cooler calibration; the same if there is but one.
-std::array<std::size_t, 2> warm_and_cool(const SensorProfile& profile)
-{
-    const auto& all = profile.calibrations;
-    if (all.size() < 2)
-        return { 0, 0 };
-    const bool ordered = light_source_temperature(all[0].light_source).value
-        <= light_source_temperature(all[1].light_source).value;
-    return ordered ? std::array<std::size_t, 2> { 0, 1 }
-                   : std::array<std::size_t, 2> { 1, 0 };
-}
-
 Vec3 over_green(const Vec3& camera)
 {
     return { rounded(camera[0] / camera[1], 1e6), 1.0,
@@ -76,6 +64,17 @@ Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
 }
 
 } // namespace
+
+std::array<std::size_t, 2> warm_and_cool(const SensorProfile& profile)
+{
+    const auto& all = profile.calibrations;
+    if (all.size() < 2)
+        return { 0, 0 };
+    const bool ordered = light_source_temperature(all[0].light_source).value
+        <= light_source_temperature(all[1].light_source).value;
+    return ordered ? std::array<std::size_t, 2> { 0, 1 }
+                   : std::array<std::size_t, 2> { 1, 0 };
+}
 
 double warm_weight(const SensorProfile& profile, Chromaticity xy)
 {

@@ -23,6 +23,9 @@ IlluminantSpec parse_illuminant(std::string_view spec);
 std::array<double, 2> sampled_neutral(const SensorProfile& profile,
                                       std::uint32_t index);
 
+/// Index of the warmer and the cooler calibration; the same if there is but one.
+std::array<std::size_t, 2> warm_and_cool(const SensorProfile& profile);
+
 /// Neutral (G = 1, at 1e-6) of a light of chromaticity @p xy. Throws Error if the
 /// sensor's matrix makes a channel of it 0 or less.
 Vec3 neutral_from_xy(const SensorProfile& profile, Chromaticity xy);

@@ -280,10 +280,8 @@ RawFrame simulate(const RgbView& scene, const Simulation& simulation,
                                          scene.width, rows, scene.width };
         simulation.block(part, { first, 0 }, raw, illegal[std::size_t(task)]);
     });
-    for (const Illegal& part : illegal) {
-        frame.illegal.nan += part.nan;
-        frame.illegal.inf += part.inf;
-    }
+    for (const Illegal& part : illegal)
+        frame.illegal += part;
     return frame;
 }
 

@@ -3,6 +3,7 @@
 
 #include "cg2raw/transform.h"
 
+#include "illuminant_spec.h"
 #include "text.h"
 
 #include <algorithm>
@@ -24,15 +25,9 @@ constexpr int paper_most_passes = 1000;
 /// The row-normalised matrices of the paper; the same twice if there is but one.
 std::array<Mat3, 2> paper_warm_and_cool(const SensorProfile& profile)
 {
-    std::array<Mat3, 2> result {};
-    const bool swapped = profile.calibrations.size() == 2
-        && light_source_temperature(profile.calibrations[0].light_source).value
-            > light_source_temperature(profile.calibrations[1].light_source).value;
-    const std::size_t last = profile.calibrations.size() - 1;
-    const std::size_t warm = swapped ? last : 0, cool = swapped ? 0 : last;
-    result[0] = row_normalised(profile.calibrations[warm].camera_from_xyz);
-    result[1] = row_normalised(profile.calibrations[cool].camera_from_xyz);
-    return result;
+    const auto [warm, cool] = warm_and_cool(profile);
+    return { row_normalised(profile.calibrations[warm].camera_from_xyz),
+             row_normalised(profile.calibrations[cool].camera_from_xyz) };
 }
 
 double paper_cool_weight(double cct)

@@ -258,10 +258,8 @@ void DngOutput::simulate_held(const HostPixels& host, Site at)
                                    host.width, rows, host.width },
             illegal[std::size_t(task)]);
     });
-    for (const Illegal& part : illegal) {
-        m_illegal.nan += part.nan;
-        m_illegal.inf += part.inf;
-    }
+    for (const Illegal& part : illegal)
+        m_illegal += part;
     m_rows->put(at, { m_block.data(), host.width, host.height, host.width });
 }
 

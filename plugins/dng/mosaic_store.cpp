@@ -20,6 +20,17 @@ constexpr int tile_step = 16;
 
 int rounded_up(int value, int step) { return (value + step - 1) / step * step; }
 
+/// What strips and tiles of a mosaic have in common.
+Storage storage_of(Size size, std::uint16_t compression)
+{
+    return { std::uint32_t(size.width),
+             std::uint32_t(size.height),
+             1,
+             stored_bits,
+             photometric_cfa,
+             compression };
+}
+
 /// Contiguous strips of about 1/2 MiB: dcraw reads on from the first strip, whatever
 /// the others' offsets say; a single strip would be read whole into memory by libtiff's
 /// users.
@@ -34,12 +45,7 @@ public:
 
     Storage storage() const override
     {
-        Storage storage { std::uint32_t(m_size.width),
-                          std::uint32_t(m_size.height),
-                          1,
-                          stored_bits,
-                          photometric_cfa,
-                          compression_none };
+        Storage storage = storage_of(m_size, compression_none);
         storage.rows_per_strip = std::uint32_t(m_rows_per_strip);
         return storage;
     }
@@ -98,12 +104,7 @@ public:
 
     Storage storage() const override
     {
-        Storage storage { std::uint32_t(m_size.width),
-                          std::uint32_t(m_size.height),
-                          1,
-                          stored_bits,
-                          photometric_cfa,
-                          compression_jpeg };
+        Storage storage = storage_of(m_size, compression_jpeg);
         storage.tile_width = std::uint32_t(m_tile.width);
         storage.tile_height = std::uint32_t(m_tile.height);
         return storage;

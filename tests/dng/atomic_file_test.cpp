@@ -14,6 +14,7 @@ namespace cg2raw {
 namespace {
 
 using cg2raw::testing::bytes_of;
+using cg2raw::testing::message_of;
 namespace fs = std::filesystem;
 
 class AtomicFiles : public cg2raw::testing::InFolder { };
@@ -30,16 +31,6 @@ INSTANTIATE_TEST_SUITE_P(Systems, EitherAtomicFile, ::testing::Values(true, fals
                          [](const auto& info) {
                              return info.param ? "unnamed" : "named";
                          });
-
-std::string message_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 TEST_P(EitherAtomicFile, AppearOnlyWhenPublished)
 {

@@ -32,16 +32,6 @@ protected:
     }
 };
 
-std::string message_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
-
 TEST_F(DngWriters, SameBytesHoweverRowsArrive)
 {
     const Size size { 777, 301 };

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
 
@@ -80,5 +81,16 @@ protected:
 
     std::filesystem::path folder;
 };
+
+/// What an action that fails says.
+inline std::string message_of(const std::function<void()>& action)
+{
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
 
 } // namespace cg2raw::testing

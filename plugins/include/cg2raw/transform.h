@@ -41,6 +41,13 @@ Temperature paper_temperature(const SensorProfile& profile, const Vec3& neutral)
 /// Legal pixels out of any: NaN -> 0, infinities -> +-1e6; counts what was not finite.
 struct Illegal {
     long nan = 0, inf = 0;
+
+    Illegal& operator+=(const Illegal& more)
+    {
+        nan += more.nan;
+        inf += more.inf;
+        return *this;
+    }
 };
 
 /// One row of scene pixels -> three planes of camera RGB, each @p width floats.
