@@ -81,6 +81,27 @@ void bind_illuminant(py::module_& m)
         "sensor"_a, "illuminant"_a, "Its alias: lower case, with underscores.");
 }
 
+void bind_distribution(py::module_& m)
+{
+    py::class_<NeutralDistribution>(
+        m, "NeutralDistribution",
+        "Where a sensor's neutrals (R/G, B/G) lie: a Gaussian inside a convex hull.")
+        .def_readonly("neutrals", &NeutralDistribution::neutrals,
+                      "As measured; may be empty.")
+        .def_readonly("mean", &NeutralDistribution::mean)
+        .def_property_readonly(
+            "covariance",
+            [](const NeutralDistribution& d) {
+                const auto& [rr, rb, bb] = d.covariance;
+                return std::array<std::array<double, 2>, 2> { { { rr, rb },
+                                                                { rb, bb } } };
+            },
+            "((rr, rb), (rb, bb)), divisor N - 1.")
+        .def_readonly("hull", &NeutralDistribution::hull,
+                      "Its corners, counter-clockwise; empty: fewer than 3 neutrals "
+                      "are known, and samples lie on the Planckian locus.");
+}
+
 void bind_search(py::module_& m)
 {
     m.def("load_profile", &load_profile, "id_or_path"_a,
@@ -151,6 +172,7 @@ void bind_numbers(py::class_<SensorProfile>& c)
 void bind_profile(py::module_& m)
 {
     bind_illuminant(m);
+    bind_distribution(m);
     bind_search(m);
     py::class_<SensorProfile> c(m, "SensorProfile", "All that is known of one sensor.");
     c.def_readonly("id", &SensorProfile::id)
@@ -167,7 +189,9 @@ void bind_profile(py::module_& m)
         .def_readonly("white_level", &SensorProfile::white_level)
         .def_property_readonly(
             "neutrals", [](const SensorProfile& p) { return p.illuminants.neutrals; },
-            "Measured neutrals, (R/G, B/G) each.");
+            "Measured neutrals, (R/G, B/G) each.")
+        .def_readonly("illuminants", &SensorProfile::illuminants,
+                      "The NeutralDistribution that sample:n draws from.");
     bind_numbers(c);
 }
 
