@@ -211,45 +211,6 @@ def test_matrices_are_scaled_and_rounded_as_converters_do():
     assert matrix * 1e4 == pytest.approx(np.round(matrix * 1e4), abs=1e-9)
 
 
-def test_all_nus_neutrals_are_seen_as_adobe_sees_them(camera_data):
-    import csv
-
-    with open(
-        camera_data / "tables/illuminants/nus9_gt_illuminants.csv", newline=""
-    ) as file:
-        rows = list(csv.DictReader(file))
-    with open(
-        camera_data / "tables/illuminants/nus9_cct_tint_summary.csv", newline=""
-    ) as file:
-        summary = {row["camera"]: row for row in csv.DictReader(file)}
-    assert len(rows) == 1853
-    for name in cameras.NINE:
-        sensor = cg2raw.Sensor.from_json(cameras.profile_of(name))
-        oracle, seen = cameras.oracle(name), []
-        for row in (row for row in rows if row["camera"] == name):
-            neutral = [float(row[c]) for c in "rgb"]
-            xy, passes, converged = sensor.xy_from_neutral(neutral)
-            expected = oracle.xy_from_neutral(neutral)
-            assert xy == pytest.approx(expected[0], abs=1e-9)
-            assert (passes, converged) == expected[1:]
-            assert sensor.camera_from_xyz(xy) == pytest.approx(
-                oracle.camera_from_xyz(expected[0]), abs=1e-9
-            )
-            seen.append(cg2raw.temperature_from_xy(xy, table="adobe"))
-        check_summary(np.array(seen), summary[name])
-
-
-def check_summary(seen, row):
-    """Percentiles of (CCT, Duv) are those of the published table, to its last digit."""
-    assert len(seen) == int(row["n"]) and row["nonconverged"] == "0"
-    for column, values in (("cct", seen[:, 0]), ("tint", 3000.0 * seen[:, 1])):
-        for percentile in (5, 50, 95):
-            expected = float(row[f"{column}_p{percentile}"])
-            assert np.percentile(values, percentile) == pytest.approx(
-                expected, abs=0.0501
-            )
-
-
 # Either light makes a renderer think of the other one: it never settles, as with a real
 # file of a GoPro HERO7.
 RESTLESS = {
