@@ -1,36 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file For effects whose parameters differ between the four sites of a Bayer CFA.
+/// @file For effects whose values differ between the sites of a CFA.
 #pragma once
 
 #include "cg2raw/effect.h"
 
+#include <algorithm>
+#include <cassert>
+
 namespace cg2raw {
 
 /// One parameter per site of a Bayer CFA: name_00, name_01, name_10, name_11 (row,
-/// col).
+/// col). A larger CFA has no such parameters; a noise table gives it a value per site.
 inline std::vector<Parameter> per_site(const std::string& name, const std::string& unit,
                                        double min, double max,
                                        const std::string& meaning)
 {
     std::vector<Parameter> parameters;
     for (const char* site : { "00", "01", "10", "11" })
-        parameters.push_back({ name + "_" + site, unit, min, max, 0.0, meaning });
+        parameters.push_back(
+            { name + "_" + site, unit, min, max, 0.0, meaning, CfaRepeat::bayer });
     return parameters;
 }
 
-/// Calls row(mean, variance, values of the row's even and odd columns, width) for every
-/// row; even and odd count from the row's first pixel.
+/// Calls row(mean, variance, pair, width) for pieces of rows; pair[0] and pair[1] are
+/// the values of a piece's even and odd columns, counted from its first pixel. A piece
+/// is a whole row of a Bayer CFA, else two columns. @p values has one per site.
 template <class Row>
 void each_row_of_sites(Signal& signal, const Values& values, const Row& row)
 {
+    const CfaPattern& cfa = signal.cfa;
+    assert(values.size() >= std::size_t(cfa.sites()) && cfa.width % 2 == 0);
+    const int width = signal.variance.width;
+    const int piece = cfa.width == 2 ? width : 2;
     for (int r = 0; r < signal.variance.height; ++r) {
-        const std::size_t first = std::size_t((signal.origin.row + r) % 2 * 2);
-        const std::size_t odd = std::size_t(signal.origin.col % 2);
-        const float pair[2]
-            = { float(values[first + odd]), float(values[first + 1 - odd]) };
-        row(signal.mean[0].row(r), signal.variance.row(r), pair, signal.variance.width);
+        const double* const of_row
+            = values.data() + (signal.origin.row + r) % cfa.height * cfa.width;
+        float* const mean = signal.mean[0].row(r);
+        float* const variance = signal.variance.row(r);
+        int phase = signal.origin.col % cfa.width;
+        for (int col = 0; col < width; col += piece) {
+            const int next = (phase + 1) % cfa.width;
+            const float pair[2] = { float(of_row[phase]), float(of_row[next]) };
+            row(mean + col, variance + col, pair, std::min(piece, width - col));
+            phase = (next + 1) % cfa.width;
+        }
     }
 }
 
