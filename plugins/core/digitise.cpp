@@ -23,18 +23,21 @@ CG2RAW_MULTIVERSION void add_scaled(const float* variance, const float* normal,
     }
 }
 
-/// Alternating black levels; rounds half up.
+/// Rounds half up.
+inline std::uint16_t dn_of(float signal, float black, float white)
+{
+    const float level = signal * (white - black) + black;
+    return std::uint16_t(std::int32_t(std::min(std::max(level, 0.0f), white) + 0.5f));
+}
+
+/// Alternating black levels.
 CG2RAW_MULTIVERSION void digitise_bayer(const float* signal, float black_even,
                                         float black_odd, float white, int width,
                                         std::uint16_t* dn)
 {
     const float black[2] = { black_even, black_odd };
-    for (int col = 0; col < width; ++col) {
-        const float b = black[col & 1];
-        const float level = signal[col] * (white - b) + b;
-        dn[col] = std::uint16_t(
-            std::int32_t(std::min(std::max(level, 0.0f), white) + 0.5f));
-    }
+    for (int col = 0; col < width; ++col)
+        dn[col] = dn_of(signal[col], black[col & 1], white);
 }
 
 } // namespace
@@ -73,9 +76,10 @@ void digitise(const float* signal, const Levels& levels, Site at, int width,
                        width, dn);
         return;
     }
-    for (int col = 0; col < width; ++col) {
-        const float black = black_at(at.col + col);
-        digitise_bayer(signal + col, black, black, levels.white, 1, dn + col);
+    for (int phase = 0; phase < levels.cfa.width; ++phase) {
+        const float black = black_at(at.col + phase);
+        for (int col = phase; col < width; col += levels.cfa.width)
+            dn[col] = dn_of(signal[col], black, levels.white);
     }
 }
 

@@ -48,6 +48,18 @@ const Effect& effect(std::string_view name)
                 + "\" is unknown; known: " + joined(names));
 }
 
+void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string& file)
+{
+    if (cfa.width == 2 && cfa.height == 2)
+        return;
+    for (const Parameter& parameter : effect.parameters)
+        if (parameter.repeat == CfaRepeat::bayer)
+            throw Error(file + ": effect " + effect.name + ": parameter "
+                        + parameter.name + " is of a 2 x 2 CFA, and this one is "
+                        + std::to_string(cfa.height) + " x " + std::to_string(cfa.width)
+                        + ": give its noise per site in the profile's noise table");
+}
+
 Values values_of(const Effect& effect, const std::map<std::string, double>& given,
                  const std::string& file)
 {

@@ -29,8 +29,11 @@ void mosaic(const float* const camera[3], const CfaPattern& cfa, Site at, int wi
                   width, raw);
         return;
     }
-    for (int col = 0; col < width; ++col)
-        raw[col] = camera[cfa.color({ at.row, at.col + col })][col];
+    for (int phase = 0; phase < cfa.width; ++phase) {
+        const float* const from = camera[cfa.color({ at.row, at.col + phase })];
+        for (int col = phase; col < width; col += cfa.width)
+            raw[col] = from[col];
+    }
 }
 
 } // namespace cg2raw

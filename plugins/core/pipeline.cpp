@@ -74,6 +74,7 @@ std::vector<Active> active_effects(const SensorProfile& profile, const Run& run,
     };
     for (const EffectSetting& setting : profile.effects) {
         const Effect& known = effect_of(setting, profile);
+        check_sites(known, profile.cfa, "sensor " + profile.id);
         add(known, values_of(known, setting.parameters, "sensor " + profile.id));
     }
     if (noise) {

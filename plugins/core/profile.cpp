@@ -3,6 +3,7 @@
 
 #include "cg2raw/profile.h"
 
+#include "cfa.h"
 #include "text.h"
 
 #include <algorithm>
@@ -188,27 +189,6 @@ void check_neutrals(const SensorProfile& profile, const std::string& file)
 
 } // namespace
 
-CfaPattern cfa_from_name(std::string_view name)
-{
-    const std::string word = lower_case(name);
-    for (const char* known : { "rggb", "grbg", "gbrg", "bggr" })
-        if (word == known) {
-            CfaPattern cfa;
-            for (std::size_t i = 0; i < 4; ++i)
-                cfa.colors[i] = word[i] == 'r' ? 0 : word[i] == 'g' ? 1 : 2;
-            return cfa;
-        }
-    throw Error("cfa \"" + std::string(name) + "\" must be RGGB, GRBG, GBRG or BGGR");
-}
-
-std::string name_of(const CfaPattern& cfa)
-{
-    std::string name;
-    for (int site = 0; site < cfa.sites(); ++site)
-        name += "RGB"[cfa.colors[std::size_t(site)]];
-    return name;
-}
-
 Kelvin light_source_temperature(int light_source)
 {
     for (const LightSource& light : light_sources)
@@ -265,6 +245,11 @@ void check(const SensorProfile& profile, const std::string& file)
         fail(file,
              "width and height " + std::to_string(profile.width) + " x "
                  + std::to_string(profile.height) + " must be 2 to 65535 pixels");
+    try {
+        check_cfa(profile.cfa);
+    } catch (const Error& error) {
+        fail(file, error.what());
+    }
     check_levels(profile, file);
     check_calibrations(profile, file);
     check_noise(profile, file);

@@ -4,6 +4,7 @@
 /// @file The JSON of a sensor profile, schema 1: read strictly, written back whole.
 #include "cg2raw/profile.h"
 
+#include "cfa.h"
 #include "text.h"
 
 #include <nlohmann/json.hpp>
@@ -74,6 +75,22 @@ public:
     std::vector<double> reals(const std::string& field, std::size_t count)
     {
         return reals_of(at(field, "a list of numbers"), field, count);
+    }
+
+    /// One number per site of @p cfa; the file may say one for all, or one per colour.
+    std::vector<double> per_site(const std::string& field, const CfaPattern& cfa)
+    {
+        const Json& value = at(field, "a number, or a list of them");
+        if (!value.is_number() && !value.is_array())
+            fail(field, "must be a number or a list of numbers, not " + shown(value));
+        const std::vector<double> numbers = value.is_number()
+            ? std::vector<double> { value.get<double>() }
+            : reals_of(value, field, 0);
+        try {
+            return spread_over_sites(numbers, cfa);
+        } catch (const Error& error) {
+            fail(field, error.what());
+        }
     }
 
     std::vector<std::array<double, 2>> pairs(const std::string& field)
@@ -206,14 +223,14 @@ NeutralDistribution illuminants(Fields fields)
     return result;
 }
 
-std::vector<NoiseAtIso> noise(Fields& fields, std::size_t sites)
+std::vector<NoiseAtIso> noise(Fields& fields, const CfaPattern& cfa)
 {
     std::vector<NoiseAtIso> result;
     if (!fields.has("noise"))
         return result;
     for (Fields& row : fields.objects("noise")) {
-        result.push_back(
-            { row.real("iso"), row.reals("beta1", sites), row.reals("beta2", sites) });
+        result.push_back({ row.real("iso"), row.per_site("beta1", cfa),
+                           row.per_site("beta2", cfa) });
         row.done();
     }
     return result;
@@ -275,8 +292,7 @@ SensorProfile profile_from(Fields fields)
     profile.width = fields.integer("width");
     profile.height = fields.integer("height");
     profile.bits = fields.integer("bits");
-    const std::size_t sites = std::size_t(profile.cfa.sites());
-    profile.black_level = fields.reals("black_level", sites);
+    profile.black_level = fields.per_site("black_level", profile.cfa);
     profile.white_level = fields.integer("white_level");
     profile.calibrations = calibrations(fields);
     if (fields.has("illuminants"))
@@ -286,10 +302,19 @@ SensorProfile profile_from(Fields fields)
         profile.digital_gain = DigitalGain { gain.real("mean"), gain.real("sigma") };
         gain.done();
     }
-    profile.noise = noise(fields, sites);
+    profile.noise = noise(fields, profile.cfa);
     profile.effects = effect_settings(fields);
     fields.done();
     return profile;
+}
+
+/// Bayer keeps its four numbers; a larger repeat says no more than it must.
+Json json_of(const std::vector<double>& sites, const CfaPattern& cfa)
+{
+    if (cfa.width == 2)
+        return sites;
+    const std::vector<double> numbers = fewest_numbers(sites, cfa);
+    return numbers.size() == 1 ? Json(numbers.front()) : Json(numbers);
 }
 
 Json json_of(const NeutralDistribution& distribution)
@@ -354,7 +379,7 @@ std::string to_json(const SensorProfile& profile)
                 { "width", profile.width },
                 { "height", profile.height },
                 { "bits", profile.bits },
-                { "black_level", profile.black_level },
+                { "black_level", json_of(profile.black_level, profile.cfa) },
                 { "white_level", profile.white_level } };
     for (const auto& [field, source] : profile.sources)
         json["sources"][field] = source;
@@ -366,8 +391,9 @@ std::string to_json(const SensorProfile& profile)
         json["digital_gain"] = { { "mean", profile.digital_gain->mean },
                                  { "sigma", profile.digital_gain->sigma } };
     for (const NoiseAtIso& row : profile.noise)
-        json["noise"].push_back(
-            { { "iso", row.iso }, { "beta1", row.beta1 }, { "beta2", row.beta2 } });
+        json["noise"].push_back({ { "iso", row.iso },
+                                  { "beta1", json_of(row.beta1, profile.cfa) },
+                                  { "beta2", json_of(row.beta2, profile.cfa) } });
     for (const EffectSetting& setting : profile.effects)
         json["effects"].push_back(json_of(setting));
     return json.dump(2) + "\n";

@@ -1,36 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file For effects whose parameters differ between the four sites of a Bayer CFA.
+/// @file For effects whose values differ between the sites of a CFA.
 #pragma once
 
 #include "cg2raw/effect.h"
 
+#include <cassert>
+
 namespace cg2raw {
 
 /// One parameter per site of a Bayer CFA: name_00, name_01, name_10, name_11 (row,
-/// col).
+/// col). A larger CFA has no such parameters; a noise table gives it a value per site.
 inline std::vector<Parameter> per_site(const std::string& name, const std::string& unit,
                                        double min, double max,
                                        const std::string& meaning)
 {
     std::vector<Parameter> parameters;
     for (const char* site : { "00", "01", "10", "11" })
-        parameters.push_back({ name + "_" + site, unit, min, max, 0.0, meaning });
+        parameters.push_back(
+            { name + "_" + site, unit, min, max, 0.0, meaning, CfaRepeat::bayer });
     return parameters;
 }
 
-/// Calls row(mean, variance, values of the row's even and odd columns, width) for every
-/// row; even and odd count from the row's first pixel.
+/// Calls row(mean, variance, pair, width) for pieces of rows; pair[0] and pair[1] are
+/// the values of a piece's even and odd columns, counted from its first pixel. A piece
+/// is a whole row of a Bayer CFA, else two columns, or the last of an odd row. @p
+/// values has one per site.
 template <class Row>
 void each_row_of_sites(Signal& signal, const Values& values, const Row& row)
 {
+    constexpr int most_pairs = 3; // of a 6x6 repeat
+    const CfaPattern& cfa = signal.cfa;
+    assert(values.size() >= std::size_t(cfa.sites()));
+    assert(cfa.width % 2 == 0 && cfa.width <= 2 * most_pairs);
+    const int pairs = cfa.width / 2, width = signal.variance.width;
     for (int r = 0; r < signal.variance.height; ++r) {
-        const std::size_t first = std::size_t((signal.origin.row + r) % 2 * 2);
-        const std::size_t odd = std::size_t(signal.origin.col % 2);
-        const float pair[2]
-            = { float(values[first + odd]), float(values[first + 1 - odd]) };
-        row(signal.mean[0].row(r), signal.variance.row(r), pair, signal.variance.width);
+        const double* const of_row
+            = values.data() + (signal.origin.row + r) % cfa.height * cfa.width;
+        float pair[most_pairs][2];
+        for (int col = 0; col < cfa.width; ++col)
+            pair[col / 2][col % 2]
+                = float(of_row[(signal.origin.col + col) % cfa.width]);
+        float* const mean = signal.mean[0].row(r);
+        float* const variance = signal.variance.row(r);
+        if (pairs == 1) {
+            row(mean, variance, pair[0], width);
+            continue;
+        }
+        int next = 0;
+        for (int col = 0; col + 1 < width; col += 2) {
+            row(mean + col, variance + col, pair[next], 2);
+            next = next + 1 < pairs ? next + 1 : 0;
+        }
+        if (width % 2)
+            row(mean + width - 1, variance + width - 1, pair[next], 1);
     }
 }
 

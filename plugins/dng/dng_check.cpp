@@ -23,7 +23,7 @@ public:
 
     template <class Value>
     void need(bool holds, const char* field, const Value& value,
-              const char* bound) const
+              const std::string& bound) const
     {
         if (!holds)
             throw Error(m_path + ": " + field + " is " + text(value) + ", but must be "
@@ -53,11 +53,13 @@ void check_size(const Checker& checker, const DngDescription& description)
         checker.need(
             std::count(cfa.colors.begin(), cfa.colors.begin() + cfa.sites(), color) > 0,
             "cfa", "without colour " + std::to_string(color), "of R, G and B");
-    const char* const bound = "one repeat of the CFA (2) to 65535 pixels";
+    const auto bound = [](int repeat) {
+        return "one repeat of the CFA (" + std::to_string(repeat) + ") to 65535 pixels";
+    };
     checker.need(legal(description.size.width, cfa.width), "width",
-                 description.size.width, bound);
+                 description.size.width, bound(cfa.width));
     checker.need(legal(description.size.height, cfa.height), "height",
-                 description.size.height, bound);
+                 description.size.height, bound(cfa.height));
 }
 
 void check_levels(const Checker& checker, const DngDescription& description)

@@ -25,11 +25,18 @@ const char* name_of(Stage stage);
 enum class Pattern { none, fixed, temporal };
 const char* name_of(Pattern pattern);
 
+/// For which CFAs a parameter has a meaning.
+enum class CfaRepeat {
+    any,
+    bayer, ///< it belongs to one of the four sites of a 2x2 repeat
+};
+
 struct Parameter {
     std::string name, unit;
     double min, max;
     double null; ///< switches the effect off
     std::string meaning;
+    CfaRepeat repeat = CfaRepeat::any;
 };
 
 /// A block of rows on its way through the sensor, with what it knows of its place.
@@ -63,6 +70,9 @@ struct Effect {
 const std::vector<Effect>& all_effects();
 /// Throws Error that lists the names.
 const Effect& effect(std::string_view name);
+/// Throws Error if a parameter of @p effect belongs to a site that @p cfa has not; @p
+/// file leads the message.
+void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string& file);
 /// Values of a setting: every parameter given and within its bounds. Throws Error.
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,
                  const std::string& file);

@@ -18,7 +18,7 @@
 namespace cg2raw {
 
 /// Colours of a CFA's repeat, row major, 0 = R, 1 = G, 2 = B; phase of the top-left
-/// active pixel. 2x2 for Bayer.
+/// active pixel. 2x2 for Bayer, 6x6 for X-Trans.
 struct CfaPattern {
     int width = 2, height = 2;
     std::array<std::uint8_t, 36> colors {};
@@ -30,9 +30,11 @@ struct CfaPattern {
     int sites() const { return width * height; }
 };
 
-/// "rggb", "grbg", "gbrg" or "bggr", in either case. Throws Error on other words.
+/// "rggb", "grbg", "gbrg" or "bggr", or the letters of a 4x4 or 6x6 repeat, row major,
+/// each of R, G and B present; in either case. Throws Error on other words; X-Trans is
+/// none, since its phase differs between bodies.
 CfaPattern cfa_from_name(std::string_view name);
-/// The same in upper case: "RGGB".
+/// The same letters in upper case: "RGGB".
 std::string name_of(const CfaPattern& cfa);
 
 /// What the maker measured under one light.
