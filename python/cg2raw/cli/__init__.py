@@ -14,6 +14,8 @@ import os
 import pkgutil
 import sys
 
+from cg2raw import __version__
+
 
 def subcommands():
     """Return {name: module} of all subcommands, by name."""
@@ -33,6 +35,7 @@ def make_parser():
     parser = argparse.ArgumentParser(
         prog="cg2raw", description="CG images as the RAW of a chosen sensor."
     )
+    parser.add_argument("--version", action="version", version=f"cg2raw {__version__}")
     choices = parser.add_subparsers(metavar="COMMAND", required=True)
     for name, module in subcommands().items():
         first, _, rest = module.__doc__.partition("\n")

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Sensors as text: a table of many, all of one."""
+
+import re
+import textwrap
+
+from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words
+
+HEAD = (
+    "id", "camera", "size", "CFA", "bits", "illuminants", "ISO", "matrices", "sources",
+)  # fmt: skip
+GAP = "  "
+FIELD = 26  # columns of a field's name
+
+
+def table(found, columns):
+    """Return the lines of a table of summaries; none is longer than @columns if the
+    ids and numbers alone are not."""
+    rows = [HEAD, *map(row_of, found)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
+    fixed = sum(widths) - widths[1] - widths[-1] + len(GAP) * (len(HEAD) - 1)
+    widths[1] = min(widths[1], max(12, columns - fixed - 16))
+    widths[-1] = max(0, columns - fixed - widths[1])
+    return [
+        GAP.join(
+            shortened(cell, width).ljust(width)
+            for cell, width in zip(row, widths, strict=True)
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def row_of(sensor):
+    """Return the cells of one summary."""
+    return (
+        sensor["id"],
+        sensor["camera"],
+        f"{sensor['width']}x{sensor['height']}",
+        cfa_word(sensor["cfa"]),
+        str(sensor["bits"]),
+        kelvin_words(sensor["illuminants"]["cct"]),
+        iso_words(sensor["noise"]),
+        ", ".join(c["light_source"] for c in sensor["calibrations"]),
+        short_sources(sensor["sources"]),
+    )
+
+
+def shortened(text, width):
+    """Return @text in @width columns; dots stand for what does not fit."""
+    if len(text) <= width:
+        return text
+    return text[: width - 3].rstrip() + "..." if width > 3 else ""
+
+
+def short_sources(sources):
+    """Return where the numbers are from in a few words: what leads each source."""
+    heads = [re.split(r"[:;,(]", text)[0].strip() for text in sources.values()]
+    return "; ".join(dict.fromkeys(filter(None, heads)))
+
+
+def details(sensor, columns):
+    """Return the lines on everything of one sensor, each field with its source."""
+    lines, told = [], set()
+    pending = fields_of(sensor)
+    for index, (field, value) in enumerate(pending):
+        key = source_key(field, sensor["sources"])
+        lines += wrapped(field, value, columns)
+        following = pending[index + 1][0] if index + 1 < len(pending) else None
+        text = sensor["sources"].get(key)
+        same = following and text == sensor["sources"].get(
+            source_key(following, sensor["sources"])
+        )
+        told.add(key)
+        if text and not same:
+            lines += wrapped("", f"from: {text}", columns)
+    rest = {key: text for key, text in sensor["sources"].items() if key not in told}
+    for key, text in rest.items():
+        lines += wrapped(key, text, columns)
+    return lines
+
+
+def source_key(field, sources):
+    """Return the key of @field's source: its own, or that of a group it belongs to."""
+    for key in (field, field.rstrip("12").rstrip("_"), field.partition(" ")[0]):
+        if key in sources:
+            return key
+    return None
+
+
+def wrapped(label, text, columns):
+    """Return lines with @text beside @label."""
+    width = max(30, columns - FIELD)
+    parts = textwrap.wrap(text, width, break_on_hyphens=False) or [""]
+    label = label if len(label) < FIELD else label[: FIELD - 4] + "..."
+    return [f"{label:{FIELD}}{parts[0]}"] + [" " * FIELD + part for part in parts[1:]]
+
+
+def fields_of(sensor):
+    """Return [(field, text), ...] of everything but the sources."""
+    simple = ("id", "make", "model", "unique_camera_model", "cfa", "width", "height")
+    black = " ".join(f"{level:g}" for level in compact(sensor["black_level"]))
+    return [
+        *((name, str(sensor[name])) for name in simple),
+        ("bits", str(sensor["bits"])),
+        ("black_level", f"{black} DN"),
+        ("white_level", f"{sensor['white_level']} DN"),
+        *calibration_fields(sensor["calibrations"]),
+        *illuminant_fields(sensor["illuminants"]),
+        ("digital_gain", gain_words(sensor["digital_gain"])),
+        *noise_fields(sensor["noise"]),
+        *(("effects", effect_words(effect)) for effect in sensor["effects"]),
+    ]
+
+
+def compact(levels):
+    """Return one level if all are alike."""
+    return levels[:1] if len(set(levels)) == 1 else levels
+
+
+def calibration_fields(calibrations):
+    """Return the fields of each colour matrix."""
+    fields = []
+    for number, calibration in enumerate(calibrations, 1):
+        fields.append((f"calibration_illuminant_{number}", calibration["light_source"]))
+        fields.append(
+            (f"color_matrix_{number}", matrix(calibration["camera_from_xyz"]))
+        )
+        if calibration["xyz_d50_from_camera"]:
+            forward = matrix(calibration["xyz_d50_from_camera"])
+            fields.append((f"forward_matrix_{number}", forward))
+    return fields
+
+
+def matrix(rows):
+    """Return "a b c / d e f / g h i"."""
+    return " / ".join(" ".join(f"{value:.4f}" for value in row) for row in rows)
+
+
+def illuminant_fields(lights):
+    """Return what is known of the neutrals."""
+    if not lights["mean"]:
+        return [("illuminants", "none")]
+    (red, blue), (sd_red, sd_blue) = lights["mean"], lights["sd"]
+    count = f"{lights['count']} neutrals, " if lights["count"] else ""
+    return [
+        (
+            "illuminants",
+            f"{count}{kelvin_words(lights['cct'])}, R/G {red:.4f} sd {sd_red:.4f}, "
+            f"B/G {blue:.4f} sd {sd_blue:.4f}, hull of {len(lights['hull'])} corners",
+        )
+    ]
+
+
+def gain_words(gain):
+    """Return the distribution of the digital gain."""
+    return f"mean {gain['mean']:g}, sd {gain['sigma']:g}" if gain else "none"
+
+
+def noise_fields(noise):
+    """Return the ISO range, then beta1 and beta2 at each ISO."""
+    rows = [
+        (
+            f"noise at ISO {row['iso']:g}",
+            f"beta1 {numbers(row['beta1'])}, beta2 {numbers(row['beta2'])}",
+        )
+        for row in noise["rows"]
+    ]
+    return [*rows, ("iso", iso_words(noise))]
+
+
+def numbers(values):
+    """Return the values with three digits, one if all are alike."""
+    return " ".join(f"{value:.3g}" for value in compact(values))
+
+
+def effect_words(effect):
+    """Return the name of an effect with its parameters."""
+    parameters = sorted(effect["parameters"].items())
+    return " ".join([effect["name"], *(f"{name}={v:g}" for name, v in parameters)])
