@@ -6,6 +6,7 @@ import math
 
 FORM = "ISO:S,O or ISO:S,O,S,O,S,O (of R, G, B), as in 100:2.1e-4,3e-7"
 HIGHEST_ISO = 1e7
+SOURCE = "given by hand (cg2raw profile --iso-noise)"
 
 
 def noise_row(word, cfa):
@@ -60,9 +61,10 @@ def with_noise(fields, words):
         if isos.count(iso) > 1:
             raise ValueError(f"--iso-noise: ISO {iso:g} is given twice")
     rows |= {row["iso"]: row for row in given}
-    named = ", ".join(f"{iso:g}" for iso in sorted(isos))
     sources = {
         **fields["sources"],
-        f"noise at ISO {named}": "given by hand (cg2raw profile --iso-noise)",
+        **{f"noise at ISO {iso:g}": SOURCE for iso in isos},
     }
+    if len(rows) == len(given):
+        sources.pop("noise", None)
     return {**fields, "sources": sources, "noise": [rows[iso] for iso in sorted(rows)]}

@@ -54,8 +54,11 @@ def shortened(text, width):
 
 
 def short_sources(sources):
-    """Return where the numbers are from in a few words: what leads each source."""
-    heads = [re.split(r"[:;,(]", text)[0].strip() for text in sources.values()]
+    """Return in a few words where colour, illuminants and noise, then the rest, are
+    from: what leads each source."""
+    first = ("color_matrix_1", "color_matrix", "illuminants", "noise")
+    texts = [sources[key] for key in first if key in sources] + list(sources.values())
+    heads = [re.split(r"[:;,(]", text)[0].strip() for text in texts]
     return "; ".join(dict.fromkeys(filter(None, heads)))
 
 
@@ -99,7 +102,7 @@ def wrapped(label, text, columns):
 def fields_of(sensor):
     """Return [(field, text), ...] of everything but the sources."""
     simple = ("id", "make", "model", "unique_camera_model", "cfa", "width", "height")
-    black = " ".join(f"{level:g}" for level in compact(sensor["black_level"]))
+    black = per_site(sensor["black_level"], sensor["cfa"], 6)
     return [
         *((name, str(sensor[name])) for name in simple),
         ("bits", str(sensor["bits"])),
@@ -108,14 +111,26 @@ def fields_of(sensor):
         *calibration_fields(sensor["calibrations"]),
         *illuminant_fields(sensor["illuminants"]),
         ("digital_gain", gain_words(sensor["digital_gain"])),
-        *noise_fields(sensor["noise"]),
+        *noise_fields(sensor["noise"], sensor["cfa"]),
         *(("effects", effect_words(effect)) for effect in sensor["effects"]),
     ]
 
 
-def compact(levels):
-    """Return one level if all are alike."""
-    return levels[:1] if len(set(levels)) == 1 else levels
+def per_site(values, cfa, digits=3):
+    """Return values of CFA sites: one if all are alike; means of R, G, B of X-Trans."""
+    if len(set(values)) == 1:
+        values, names = values[:1], [""]
+    elif len(values) == 4:
+        names = [""] * 4
+    else:
+        names = ["R ", "G ", "B "]
+        groups = [
+            [v for v, letter in zip(values, cfa, strict=True) if letter == color]
+            for color in "RGB"
+        ]
+        values = [sum(group) / len(group) for group in groups]
+    words = zip(names, values, strict=True)
+    return " ".join(f"{name}{value:.{digits}g}" for name, value in words)
 
 
 def calibration_fields(calibrations):
@@ -157,21 +172,16 @@ def gain_words(gain):
     return f"mean {gain['mean']:g}, sd {gain['sigma']:g}" if gain else "none"
 
 
-def noise_fields(noise):
-    """Return the ISO range, then beta1 and beta2 at each ISO."""
+def noise_fields(noise, cfa):
+    """Return beta1 and beta2 at each ISO, then the range of ISOs."""
     rows = [
         (
             f"noise at ISO {row['iso']:g}",
-            f"beta1 {numbers(row['beta1'])}, beta2 {numbers(row['beta2'])}",
+            f"beta1 {per_site(row['beta1'], cfa)}, beta2 {per_site(row['beta2'], cfa)}",
         )
         for row in noise["rows"]
     ]
-    return [*rows, ("iso", iso_words(noise))]
-
-
-def numbers(values):
-    """Return the values with three digits, one if all are alike."""
-    return " ".join(f"{value:.3g}" for value in compact(values))
+    return [*rows, ("iso", iso_words(noise))] if rows else [("noise", "none")]
 
 
 def effect_words(effect):

@@ -4,6 +4,7 @@
 
 from cg2raw.profile.libraw import camera_name
 
+LEAST_CCT, MOST_CCT = 1e6 / 600, 1e6 / 10  # K, where Robertson's table ends
 STOP = 2.0  # noise is interpolated up to one stop beyond the calibrated ISOs
 
 
@@ -84,8 +85,14 @@ def kelvin_words(cct):
     """Return "2700-7500 K", one temperature if they are alike, "-" for None."""
     if cct is None:
         return "-"
-    low, high = (f"{kelvin:.0f}" for kelvin in cct)
+    low, high = (kelvin_word(kelvin) for kelvin in cct)
     return f"{low} K" if low == high else f"{low}-{high} K"
+
+
+def kelvin_word(kelvin):
+    """Return one temperature; < and > where it is beyond Robertson's table."""
+    beyond = "<" * (kelvin <= LEAST_CCT) + ">" * (kelvin >= MOST_CCT)
+    return f"{beyond}{kelvin:.0f}"
 
 
 def iso_words(noise):
