@@ -39,9 +39,9 @@ def fails(*arguments, code=1):
     return line
 
 
-def write_dng(path, illuminant="A", iso=None, **fields):
+def write_dng(path, illuminant="A", iso=None, shape=(16, 24), **fields):
     """Write a small DNG of a bundled camera with @fields changed; return its path."""
     profile = fields.pop("profile", "nikon-d40")
     sensor = dng_files.sensor(profile, **fields)
-    dng_files.write(path, sensor, illuminant=illuminant, iso=iso, shape=(16, 24))
+    dng_files.write(path, sensor, illuminant=illuminant, iso=iso, shape=shape)
     return path

@@ -38,7 +38,13 @@ def test_the_camera_of_a_dng_is_found_again(tmp_path):
         np.testing.assert_allclose(
             ours["camera_from_xyz"], theirs["camera_from_xyz"], atol=1e-4
         )
-    for words in ("NIKON D40", "1 DNG", "A; D65", "missing   noise", f"wrote     {out}"):
+    for words in (
+        "NIKON D40",
+        "1 DNG",
+        "A; D65",
+        "missing   noise",
+        f"wrote     {out}",
+    ):
         assert words in done.out
 
 
@@ -77,7 +83,7 @@ def test_options_replace_what_the_file_says(dngs, tmp_path):
     names = ("--id", "mine-1", "--make", "Acme", "--model", "One")
     run("profile", dngs[0], "-o", out, "--neutrals", table, *names)
     fields = read(out)
-    assert [fields[name] for name in ("id", "make", "model")] == names[1::2]
+    assert [fields[name] for name in ("id", "make", "model")] == list(names[1::2])
     assert fields["illuminants"]["neutrals"] == [[0.5, 0.5], [0.25, 0.5], [0.75, 0.25]]
     assert "grey.csv" in fields["sources"]["illuminants"]
 
@@ -87,7 +93,16 @@ def test_noise_by_hand_replaces_the_rows_of_its_iso(tmp_path):
     out, noise = tmp_path / "my.json", "--iso-noise"
     run("profile", photo, "-o", out)
     [measured] = read(out)["noise"]
-    run("profile", photo, "-o", out, noise, "100:.1,.2,.3,.4,.5,.6", noise, "1600:1e-3,0")
+    run(
+        "profile",
+        photo,
+        "-o",
+        out,
+        noise,
+        "100:.1,.2,.3,.4,.5,.6",
+        noise,
+        "1600:1e-3,0",
+    )
     rows = read(out)["noise"]
     assert [row["iso"] for row in rows] == [100, 800, 1600] and rows[1] == measured
     assert rows[0]["beta1"] == [0.3, 0.1, 0.5, 0.3]  # GRBG

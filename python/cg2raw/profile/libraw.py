@@ -45,7 +45,7 @@ def read_raw_file(path, make="", model=""):
     with open(path, "rb"):  # LibRaw's own message names no reason
         pass
     try:
-        with no_words_of_libraries(), rawpy.imread(path) as raw:
+        with no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
             fields = fields_of(raw, path)
     except rawpy.LibRawError as error:
         why = error.args[0] if error.args else "unknown error"
