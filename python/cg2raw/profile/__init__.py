@@ -1,0 +1,3 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Where sensor profiles come from: files of the camera, or its measurements."""
