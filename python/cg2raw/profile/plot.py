@@ -91,7 +91,7 @@ def draw_lights(axes, profile, samples):
         axes.scatter(
             *np.array(lights["neutrals"]).T,
             s=16 if len(lights["neutrals"]) > 9 else 50, color=BLUE, edgecolor="white",
-            linewidth=0.4, zorder=5, label="neutrals, as measured",
+            linewidth=0.4, zorder=5, label="neutrals",
         )  # fmt: skip
 
 
@@ -161,7 +161,7 @@ def label_tick(axes, at, kelvin, at_right, at_top):
     axes.annotate(
         f"{kelvin} K",
         at,
-        xytext=(-7 if at_right else 7, -14 if at_top else 6),
+        xytext=(-7 if at_right else 7, -14 if at_top or at_right else 6),
         textcoords="offset points",
         ha="right" if at_right else "left",
         fontsize=9,
