@@ -3,6 +3,7 @@
 """RAW files through LibRaw: known cameras are found again, the rest is refused."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import cg2raw
 import numpy as np
@@ -28,6 +29,19 @@ def test_a_known_camera_is_found_again(tmp_path, cfa):
     assert file.neutral == pytest.approx((red, blue), abs=1e-4)
     daylight = sensor.calibrations[1]["camera_from_xyz"].ravel()
     np.testing.assert_allclose(file.camera_from_xyz, daylight, atol=1e-4)
+
+
+@pytest.mark.parametrize("top", [0, 1, 2, 13])
+@pytest.mark.parametrize("left", [0, 1, 26])
+def test_the_phase_is_that_of_the_visible_corner(top, left):
+    frame = np.tile([[0, 1], [3, 2]], (20, 20))
+    raw = SimpleNamespace(
+        raw_pattern=frame[:2, :2],
+        sizes=SimpleNamespace(top_margin=top, left_margin=left),
+        raw_color=lambda row, column: frame[row, column],  # rawpy: of the full frame
+    )
+    corner = frame[top : top + 2, left : left + 2]
+    assert libraw.corner_of(raw) == corner.ravel().tolist()
 
 
 def example(**changes):
@@ -87,8 +101,6 @@ def test_the_neutral_is_one_over_the_gains(gains):
 
 
 def test_a_camera_without_matrix_or_mosaic_says_so():
-    from types import SimpleNamespace
-
     flat = SimpleNamespace(name="Flat")
     raw = SimpleNamespace(
         raw_type=flat, raw_pattern=1, num_colors=3, rgb_xyz_matrix=np.zeros((4, 3))
