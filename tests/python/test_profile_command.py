@@ -63,6 +63,23 @@ def test_neutrals_of_all_files_are_kept(dngs, tmp_path):
     assert lights["cct"] == pytest.approx([2856, 5003], abs=3)
 
 
+def test_what_is_missing_is_said_once_and_of_the_finished_profile(dngs, tmp_path):
+    photo = write_dng(tmp_path / "one.dng", iso=800, profile="samsung-s20fe")
+    report = json.loads(run("profile", photo, "--json", "-o", tmp_path / "a.json").out)
+    starts = [line.partition(":")[0] for line in report["missing"]]
+    assert report["notes"] == [] and starts == [
+        "second colour matrix",
+        "forward matrix",
+        "3 neutrals that span an area (there are 1)",
+        "noise at a second ISO",
+        "lens shading (GainMap)",
+    ]
+    words = ("--iso-noise", "100:1e-3,0", "--json", "-o", tmp_path / "a.json")
+    report = json.loads(run("profile", *dngs, *words).out)
+    starts = [line.partition(":")[0] for line in report["missing"]]
+    assert starts[1:] == ["noise at a second ISO", "lens shading (GainMap)"]
+
+
 def test_a_file_given_twice_counts_once(dngs, tmp_path):
     out = tmp_path / "my.json"
     done = run("profile", dngs[0], dngs[1], dngs[0], "-o", out)
@@ -110,7 +127,7 @@ def test_noise_by_hand_replaces_the_rows_of_its_iso(tmp_path):
     assert rows[2]["beta1"] == [1e-3] * 4 and rows[2]["beta2"] == [0] * 4
     run("profile", photo, "-o", out, noise, "800:.1,.2")
     assert read(out)["noise"][0]["beta1"] == [0.1] * 4
-    assert list(read(out)["sources"]).count("noise") == 0
+    assert not any("NoiseProfile" in text for text in read(out)["sources"].values())
 
 
 BAD_NOISE = {
@@ -283,6 +300,15 @@ def test_real_dngs(camera_data, tmp_path, name):
     isos = [row["iso"] for row in fields.get("noise", [])]
     found = (fields["id"], fields["cfa"], fields["white_level"], isos)
     assert found == REAL[name]
+
+
+def test_lens_shading_of_a_real_dng_is_an_effect(camera_data):
+    photo = camera_data / "real" / "Hero6_GOPR0024.dng"
+    done = run("profile", photo)
+    [effect] = cg2raw.Sensor.from_json(done.out).effects
+    assert effect["name"] == "lens_shading" and effect["parameters"]["r2"] < -0.1
+    assert "effects   lens_shading" in done.err
+    assert "missing   lens shading" not in done.err
 
 
 REFUSED = ("oiio_testsuite_bayer_r5.dng", "canon6d_lossy_linear_photoprism.dng")

@@ -65,13 +65,14 @@ def add_sensitivities(group):
 
 def run(arguments):
     """Make the profile; return 0."""
-    from cg2raw.profile import json_text, report
+    from cg2raw.profile import from_files, json_text, report
 
     check_inputs(arguments)
     check_outputs(arguments)
     made = make(arguments)
     name = arguments.output or "profile"
-    profile, text = json_text.checked(changed(made.fields, arguments), name)
+    made.fields = changed(made.fields, arguments)
+    profile, text = json_text.checked(from_files.with_notes(made), name)
     found = report.report(made, profile)
     write_outputs(arguments, profile, text, found)
     if not arguments.quiet:

@@ -11,6 +11,15 @@ from cg2raw.profile import libraw
 
 # Read by our own reader; anything else goes through LibRaw.
 DNG_ENDINGS = (".dng", ".gpr", ".tif", ".tiff", "")
+GIVEN = "given by who made the profile"
+# How notes of the core begin that say what a profile lacks. The report says it of every
+# profile, and of the finished one: what options add is not missing.
+LACKS = (
+    "fewer than 3 distinct neutrals",
+    "noise is known at ISO",
+    "NoiseProfile (51041) with an ISO is in none",
+    "ColorMatrix2 (50722) is missing",
+)
 
 
 class BadFiles(ValueError):
@@ -65,8 +74,7 @@ def profile_from_files(
     fields, found = (
         from_dngs(good, id) if dng else libraw.profile_from_raw_files(good, id)
     )
-    if dng:
-        fields |= {"make": make or fields["make"], "model": model or fields["model"]}
+    fields = renamed(fields, make=make, model=model)
     kind = "DNG" if dng else "RAW"
     return Made(fields, kind, len(good), notes + found, reasons)
 
@@ -96,10 +104,24 @@ def read_all(read, paths):
 
 def from_dngs(metadata, id):
     """Return (fields, notes) of DNGs of one camera."""
-    if not hasattr(_core, "profile_from_dngs"):  # TEMPORARY
-        if len(metadata) > 1:
-            raise ValueError("more than one DNG")
-        fields = json.loads(_core.profile_from_dng(metadata[0]).to_json())
-        return fields | ({"id": id} if id else {}), []
     profile, notes = _core.profile_from_dngs(metadata, id)
-    return json.loads(profile.to_json()), list(notes)
+    fields = json.loads(profile.to_json())
+    fields["sources"] = {
+        key: text
+        for key, text in fields["sources"].items()
+        if not key.startswith("note ")
+    }
+    return fields, [note for note in notes if not note.startswith(LACKS)]
+
+
+def with_notes(made):
+    """Return the fields of a Made profile, its notes among their sources."""
+    notes = {f"note {number}": note for number, note in enumerate(made.notes, 1)}
+    return {**made.fields, "sources": {**made.fields["sources"], **notes}}
+
+
+def renamed(fields, **names):
+    """Return @fields with those make and model that are not empty, and their source."""
+    names = {name: text for name, text in names.items() if text}
+    sources = {**fields["sources"], **dict.fromkeys(names, GIVEN)}
+    return {**fields, **names, "sources": sources}

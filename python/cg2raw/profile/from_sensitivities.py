@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Colour from measured spectral sensitivities, in place of that of a camera's files."""
 
+import os
+
 from cg2raw.profile.from_files import Made
 
 SENSOR = ("cfa", "width", "height", "bits", "black_level", "white_level")
@@ -30,15 +32,17 @@ def with_sensitivities(made, path, lights=()):
     measured = made_of_sensitivities(path, lights, **known).fields
     fields = {k: v for k, v in made.fields.items() if not k.startswith(COLOUR)}
     colour = {k: v for k, v in measured.items() if k.startswith(COLOUR)}
-    sources = {k: v for k, v in fields["sources"].items() if not on_colour(k, v)}
-    sources |= {k: v for k, v in measured["sources"].items() if k.startswith(COLOUR)}
+    sources = {
+        **{k: v for k, v in fields["sources"].items() if not k.startswith(COLOUR)},
+        **{k: v for k, v in measured["sources"].items() if k.startswith(COLOUR)},
+    }
     made.fields = {**fields, **colour, "sources": sources}
-    made.notes = [note for note in made.notes if not on_colour("note", note)]
-    made.notes.append(f"colour matrices and neutrals are those of {path}")
+    made.notes = [note for note in made.notes if not on_colour(note)]
+    made.notes.append(f"matrices and neutrals are those of {os.path.basename(path)}")
     return made
 
 
-def on_colour(key, text):
-    """Return whether a source, or a note on it, is about matrices or neutrals."""
-    about = "matri" in text.lower() or "neutral" in text.lower()
-    return key.startswith(COLOUR) or (key.startswith("note") and about)
+def on_colour(note):
+    """Return whether a note on a camera's file is about its matrices or neutrals."""
+    words = ("matri", "neutral", "white balance", "calibrationilluminant")
+    return any(word in note.lower() for word in words)

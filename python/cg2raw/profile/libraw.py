@@ -190,7 +190,7 @@ def neutrals_of(files, notes):
     if without:
         notes.append(
             f"{len(without)} of {len(files)} files record no white balance that LibRaw "
-            f"can read, {without[0]} first: no neutral of them"
+            f"can read, {os.path.basename(without[0])} first: no neutral of them"
         )
     return [list(file.neutral) for file in files if file.neutral is not None]
 

@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What went into a new profile, what it lacks, and what that costs."""
 
-from cg2raw.profile.summary import cfa_word, kelvin_words, summary
+from cg2raw.profile.summary import cfa_word, neutral_words, summary
 
 
 def report(made, profile):
@@ -89,20 +89,6 @@ def matrix_words(calibration):
     """Return the light of one calibration, and whether it has a forward matrix."""
     forward = " with forward matrix" if calibration["xyz_d50_from_camera"] else ""
     return calibration["light_source"] + forward
-
-
-def neutral_words(lights):
-    """Return number, range, mean and standard deviation of the neutrals."""
-    if not lights["mean"]:
-        return "none"
-    (red, blue), (sd_red, sd_blue) = lights["mean"], lights["sd"]
-    spread = (
-        f", R/G {red:.4f} sd {sd_red:.4f}, B/G {blue:.4f} sd {sd_blue:.4f}"
-        if lights["count"] != 1
-        else f", R/G {red:.4f}, B/G {blue:.4f}"
-    )
-    count = lights["count"] or f"hull of {len(lights['hull'])} corners"
-    return f"{count}, {kelvin_words(lights['cct'])}{spread}"
 
 
 def noise_words(rows):

@@ -5,11 +5,12 @@
 import re
 import textwrap
 
-from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words
+from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words, neutral_words
 
 HEAD = (
     "id", "camera", "size", "CFA", "bits", "illuminants", "ISO", "matrices", "sources",
 )  # fmt: skip
+LEVELS = ("cfa", "width", "height", "bits", "black_level", "white_level")
 GAP = "  "
 FIELD = 26  # columns of a field's name
 
@@ -85,10 +86,10 @@ def details(sensor, columns):
 
 def source_key(field, sources):
     """Return the key of @field's source: its own, or that of a group it belongs to."""
-    for key in (field, field.rstrip("12").rstrip("_"), field.partition(" ")[0]):
-        if key in sources:
-            return key
-    return None
+    groups = [field, field.rstrip("12").rstrip("_"), field.partition(" ")[0]]
+    if field in LEVELS:
+        groups.append("levels, CFA and size")  # of profiles made of DNGs
+    return next((key for key in groups if key in sources), None)
 
 
 def wrapped(label, text, columns):
@@ -109,7 +110,7 @@ def fields_of(sensor):
         ("black_level", f"{black} DN"),
         ("white_level", f"{sensor['white_level']} DN"),
         *calibration_fields(sensor["calibrations"]),
-        *illuminant_fields(sensor["illuminants"]),
+        ("illuminants", neutral_words(sensor["illuminants"])),
         ("digital_gain", gain_words(sensor["digital_gain"])),
         *noise_fields(sensor["noise"], sensor["cfa"]),
         *(("effects", effect_words(effect)) for effect in sensor["effects"]),
@@ -150,21 +151,6 @@ def calibration_fields(calibrations):
 def matrix(rows):
     """Return "a b c / d e f / g h i"."""
     return " / ".join(" ".join(f"{value:.4f}" for value in row) for row in rows)
-
-
-def illuminant_fields(lights):
-    """Return what is known of the neutrals."""
-    if not lights["mean"]:
-        return [("illuminants", "none")]
-    (red, blue), (sd_red, sd_blue) = lights["mean"], lights["sd"]
-    count = f"{lights['count']} neutrals, " if lights["count"] else ""
-    return [
-        (
-            "illuminants",
-            f"{count}{kelvin_words(lights['cct'])}, R/G {red:.4f} sd {sd_red:.4f}, "
-            f"B/G {blue:.4f} sd {sd_blue:.4f}, hull of {len(lights['hull'])} corners",
-        )
-    ]
 
 
 def gain_words(gain):

@@ -95,6 +95,20 @@ def kelvin_word(kelvin):
     return f"{beyond}{kelvin:.0f}"
 
 
+def neutral_words(lights):
+    """Return number, range, mean and standard deviation of the neutrals."""
+    if not lights["mean"]:
+        return "none"
+    (red, blue), (sd_red, sd_blue) = lights["mean"], lights["sd"]
+    spread = (
+        f", R/G {red:.4f} sd {sd_red:.4f}, B/G {blue:.4f} sd {sd_blue:.4f}"
+        if lights["count"] != 1
+        else f", R/G {red:.4f}, B/G {blue:.4f}"
+    )
+    count = lights["count"] or f"hull of {len(lights['hull'])} corners"
+    return f"{count}, {kelvin_words(lights['cct'])}{spread}"
+
+
 def iso_words(noise):
     """Return "100-3200 (50-6400)": ISOs calibrated, and those that can be simulated."""
     if not noise["iso"]:
