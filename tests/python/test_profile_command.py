@@ -82,7 +82,8 @@ def test_what_is_missing_is_said_once_and_of_the_finished_profile(dngs, tmp_path
 
 def test_a_file_given_twice_counts_once(dngs, tmp_path):
     out = tmp_path / "my.json"
-    done = run("profile", dngs[0], dngs[1], dngs[0], "-o", out)
+    (tmp_path / "link.dng").symlink_to(dngs[0])
+    done = run("profile", dngs[0], dngs[1], tmp_path / "link.dng", "-o", out)
     assert len(read(out)["illuminants"]["neutrals"]) == 2
     assert "more than once" in done.out
 
@@ -190,7 +191,8 @@ def test_all_bad_files_are_named_or_skipped(dngs, tmp_path):
     done = run("profile", *files, "-o", out, "--skip-bad", "--json")
     assert done.code == 0 and len(json.loads(done.out)["skipped"]) == 5
     assert len(read(out)["illuminants"]["neutrals"]) == 4
-    assert run("profile", *bad.values(), "-o", out, "--skip-bad").code == 1
+    done = run("profile", *bad.values(), "-o", out, "--skip-bad")
+    assert done.code == 1 and "none of the 5 files can be used" in done.err
 
 
 def test_two_cameras_are_no_sensor(dngs, tmp_path):
@@ -256,6 +258,16 @@ def test_a_read_only_folder(dngs, tmp_path):
     folder = tmp_path / "ro"
     folder.mkdir(0o500)
     assert "Permission denied" in fails("profile", dngs[0], "-o", folder / "my.json")
+
+
+def test_names_of_files_need_not_be_ascii(dngs, tmp_path):
+    photo = dngs[0].rename(tmp_path / "caf\u00e9 [1].dng")
+    done = run("profile", photo, "-o", tmp_path / "caf\u00e9.json")
+    assert done.code == 0
+    assert "caf\u00e9 [1].dng" in str(read(tmp_path / "caf\u00e9.json")["sources"])
+    assert "is no UTF-8" in fails("profile", os.fsdecode(b"\xff.dng"))
+    assert "is no UTF-8" in fails("profile", photo, "-o", os.fsdecode(b"\xff.json"))
+    assert "a b.nef: No such file" in fails("profile", "a\nb.nef")
 
 
 def test_same_files_same_bytes(dngs, tmp_path):

@@ -28,7 +28,9 @@ class BadFiles(ValueError):
     def __init__(self, reasons, count):
         self.reasons = reasons
         super().__init__(
-            f"{len(reasons)} of {count} files cannot be used; --skip-bad goes on "
+            f"none of the {count} files can be used"
+            if len(reasons) == count
+            else f"{len(reasons)} of {count} files cannot be used; --skip-bad goes on "
             "without them"
         )
 
