@@ -163,13 +163,13 @@ def test_the_profile_is_legal_and_tells_its_sources(written):
     )
 
 
-@pytest.mark.parametrize("light", ["A", "D65"])
-def test_its_matrix_gives_the_neutral_that_the_sensitivities_give(light):
+def test_its_matrices_give_the_neutrals_that_the_sensitivities_give():
     """Within the matrices' four decimals, and A's 2856 K beside a DNG's 2850 K."""
     profile = profile_from_ssf(three_lobes(), **SENSOR)
     sensor = cg2raw.Sensor.from_json(json.dumps(profile))
-    spectral_neutral = neutral_under(three_lobes(), light)
-    assert sensor.illuminant(light).neutral == pytest.approx(spectral_neutral, abs=5e-4)
+    for light in ("A", "D65"):
+        seen = neutral_under(three_lobes(), light)
+        assert sensor.illuminant(light).neutral == pytest.approx(seen, abs=5e-4)
 
 
 def test_what_is_missing_is_listed_at_once(written):
@@ -262,6 +262,12 @@ BAD = {
         edited(lambda d, r: [row.__setitem__(0, 0.0) for row in r.values()]),
         "R is nowhere above 0",
     ),
+    "huge": (
+        edited(lambda d, r: r["500"].__setitem__(1, 10**400)),
+        "'500' 1000.* must be a finite number",
+    ),
+    "deep": ('{"a":' * 100000, "is no JSON"),
+    "wide": ("4" * 200000 + ",1,2,3", "is no CSV"),
     "repeated": ('{"a": 1, "a": 2}', "'a' stands there twice"),
     "columns": ("400,1,2\n405,1,2\n", "line 1 has 3 columns"),
     "header": ("nm,R,G\n400,1,2\n", "line 1 .* must name the channel B once"),
