@@ -29,7 +29,7 @@ class Sensitivities:
     """Relative spectral sensitivities of a camera's R, G and B."""
 
     file: str  # where they were read, for messages and sources
-    rgb: np.ndarray  # (81, 3), at WAVELENGTHS; 0 outside the table
+    rgb: np.ndarray  # (81, 3), at WAVELENGTHS, peak 1; 0 outside the table
     make: str | None = None  # as the file's header has it
     model: str | None = None
     origin: str = ""  # creator, date and licence, as far as the header says them
@@ -46,6 +46,7 @@ def read_sensitivities(path):
     header, wavelengths, values = _table(path, ("R", "G", "B"))
     for channel, curve in zip("RGB", values.T, strict=True):
         _check_channel(path, channel, wavelengths, curve)
+    values = values / np.max(values)
     curves = PchipInterpolator(wavelengths, values, extrapolate=False)
     rgb = np.nan_to_num(curves(WAVELENGTHS), nan=0.0)
     names = ("document_creator", "document_creation_date", "license")
@@ -80,7 +81,7 @@ def check_cover(name, wavelengths):
 def _table(path, channels):
     """Return (header, wavelengths, values in the order of channels) of a file."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = Path(path).read_text(encoding="utf-8-sig")
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror}") from None
     except UnicodeDecodeError:
@@ -104,7 +105,7 @@ def _json_table(path, text, channels):
 
     try:
         document = json.loads(text, object_pairs_hook=no_duplicates)
-    except json.JSONDecodeError as error:
+    except (json.JSONDecodeError, RecursionError) as error:
         raise ValueError(f"{path}: is no JSON: {error}") from None
     index = _field(path, document, "spectral_data.index.main", list)
     data = _field(path, document, "spectral_data.data.main", dict)
@@ -121,9 +122,13 @@ def _json_table(path, text, channels):
 
 
 def _csv_table(path, text, channels):
+    try:
+        read = list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise ValueError(f"{path}: is no CSV: {error}") from None
     lines = [
         (number, [cell.strip() for cell in cells])
-        for number, cells in enumerate(csv.reader(text.splitlines()), start=1)
+        for number, cells in enumerate(read, start=1)
         if any(cell.strip() for cell in cells) and not cells[0].startswith("#")
     ]
     columns = list(range(len(channels)))
@@ -168,7 +173,7 @@ def _columns(path, field, names, channels):
 def _is_number(word):
     try:
         float(word)
-    except ValueError:
+    except (ValueError, OverflowError):
         return False
     return True
 
