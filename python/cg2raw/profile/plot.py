@@ -31,6 +31,14 @@ def plot_png(profile, cct=None):
     Shows the neutrals, the ellipses of 1, 2 and 3 standard deviations of their
     Gaussian, their hull, samples, and the Planckian locus as the sensor sees it.
     cct : [lowest, highest] K of the neutrals, for the title."""
+    from matplotlib import style
+
+    with style.context("default"):  # whatever the user's matplotlibrc says
+        return drawing(profile, cct)
+
+
+def drawing(profile, cct):
+    """Return the PNG; arguments as above."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
