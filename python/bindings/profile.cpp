@@ -14,6 +14,37 @@ py::dict dict_of(const NoiseAtIso& noise)
                     "beta2"_a = noise.beta2);
 }
 
+py::dict dict_of(const Calibration& calibration)
+{
+    const auto& forward = calibration.xyz_d50_from_camera;
+    return py::dict("light_source"_a = light_source_name(calibration.light_source),
+                    "camera_from_xyz"_a = array_of(calibration.camera_from_xyz),
+                    "xyz_d50_from_camera"_a
+                    = forward ? py::object(array_of(*forward)) : py::none());
+}
+
+py::dict dict_of(const NeutralDistribution& lights)
+{
+    const auto& [rr, rb, bb] = lights.covariance;
+    const std::array<double, 4> covariance { rr, rb, rb, bb };
+    return py::dict("neutrals"_a = lights.neutrals, "mean"_a = lights.mean,
+                    "covariance"_a = py::array_t<double>({ 2, 2 }, covariance.data()),
+                    "hull"_a = lights.hull);
+}
+
+py::dict dict_of(const EffectSetting& setting)
+{
+    return py::dict("name"_a = setting.name, "parameters"_a = setting.parameters,
+                    "evidence"_a = setting.evidence);
+}
+
+py::object dict_of(const std::optional<DigitalGain>& gain)
+{
+    if (!gain)
+        return py::none();
+    return py::dict("mean"_a = gain->mean, "sigma"_a = gain->sigma);
+}
+
 py::dict dict_of(const Effect& effect)
 {
     py::list parameters;
@@ -24,6 +55,14 @@ py::dict dict_of(const Effect& effect)
     return py::dict("name"_a = effect.name, "stage"_a = name_of(effect.stage),
                     "pattern"_a = name_of(effect.pattern), "parameters"_a = parameters,
                     "meaning"_a = effect.meaning, "source"_a = effect.source);
+}
+
+template <class T> py::list dicts_of(const std::vector<T>& values)
+{
+    py::list list;
+    for (const T& value : values)
+        list.append(dict_of(value));
+    return list;
 }
 
 void bind_illuminant(py::module_& m)
@@ -81,27 +120,6 @@ void bind_illuminant(py::module_& m)
         "sensor"_a, "illuminant"_a, "Its alias: lower case, with underscores.");
 }
 
-void bind_distribution(py::module_& m)
-{
-    py::class_<NeutralDistribution>(
-        m, "NeutralDistribution",
-        "Where a sensor's neutrals (R/G, B/G) lie: a Gaussian inside a convex hull.")
-        .def_readonly("neutrals", &NeutralDistribution::neutrals,
-                      "As measured; may be empty.")
-        .def_readonly("mean", &NeutralDistribution::mean)
-        .def_property_readonly(
-            "covariance",
-            [](const NeutralDistribution& d) {
-                const auto& [rr, rb, bb] = d.covariance;
-                return std::array<std::array<double, 2>, 2> { { { rr, rb },
-                                                                { rb, bb } } };
-            },
-            "((rr, rb), (rb, bb)), divisor N - 1.")
-        .def_readonly("hull", &NeutralDistribution::hull,
-                      "Its corners, counter-clockwise; empty: fewer than 3 neutrals "
-                      "are known, and samples lie on the Planckian locus.");
-}
-
 void bind_search(py::module_& m)
 {
     m.def("load_profile", &load_profile, "id_or_path"_a,
@@ -111,14 +129,10 @@ void bind_search(py::module_& m)
     m.def("installed_profiles", &installed_profiles,
           "Ids of all profiles found, sorted.");
     m.def("profile_folders", &profile_folders, "Folders that are searched, in order.");
+    m.def("sensor_id_from_name", &sensor_id_from_name, "name"_a,
+          "A camera's name as an id: lower case, words joined by '-'.");
     m.def(
-        "effects",
-        [] {
-            py::list list;
-            for (const Effect& effect : all_effects())
-                list.append(dict_of(effect));
-            return list;
-        },
+        "effects", [] { return dicts_of(all_effects()); },
         "Every effect that a profile may list: name, stage, parameters, meaning, "
         "source.");
 }
@@ -167,12 +181,36 @@ void bind_numbers(py::class_<SensorProfile>& c)
             "{\"iso\", \"beta1\", \"beta2\"} per CFA site, x in 0..1 above black.");
 }
 
+void bind_fields(py::class_<SensorProfile>& c)
+{
+    using Profile = SensorProfile;
+    c.def_property_readonly(
+         "calibrations", [](const Profile& p) { return dicts_of(p.calibrations); },
+         "One or two {\"light_source\", \"camera_from_xyz\", "
+         "\"xyz_d50_from_camera\"}:\nname of the light, (3, 3) ColorMatrix, (3, 3) "
+         "ForwardMatrix or None.")
+        .def_property_readonly(
+            "illuminants", [](const Profile& p) { return dict_of(p.illuminants); },
+            "{\"neutrals\", \"mean\", \"covariance\", \"hull\"} in (R/G, B/G):\nas "
+            "measured, may be empty; (2, 2), divisor N - 1; counter-clockwise, empty "
+            "if fewer\nthan 3 neutrals are distinct.")
+        .def_property_readonly(
+            "noise", [](const Profile& p) { return dicts_of(p.noise); },
+            "{\"iso\", \"beta1\", \"beta2\"} per calibrated ISO, rising; empty: not "
+            "measured.")
+        .def_property_readonly(
+            "effects", [](const Profile& p) { return dicts_of(p.effects); },
+            "{\"name\", \"parameters\", \"evidence\"} per effect, in order.")
+        .def_property_readonly(
+            "digital_gain", [](const Profile& p) { return dict_of(p.digital_gain); },
+            "{\"mean\", \"sigma\"} of the drawn digital gain, or None.");
+}
+
 } // namespace
 
 void bind_profile(py::module_& m)
 {
     bind_illuminant(m);
-    bind_distribution(m);
     bind_search(m);
     py::class_<SensorProfile> c(m, "SensorProfile", "All that is known of one sensor.");
     c.def_readonly("id", &SensorProfile::id)
@@ -189,9 +227,8 @@ void bind_profile(py::module_& m)
         .def_readonly("white_level", &SensorProfile::white_level)
         .def_property_readonly(
             "neutrals", [](const SensorProfile& p) { return p.illuminants.neutrals; },
-            "Measured neutrals, (R/G, B/G) each.")
-        .def_readonly("illuminants", &SensorProfile::illuminants,
-                      "The NeutralDistribution that sample:n draws from.");
+            "Measured neutrals, (R/G, B/G) each.");
+    bind_fields(c);
     bind_numbers(c);
 }
 

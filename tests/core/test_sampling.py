@@ -81,9 +81,9 @@ def test_every_installed_sensor_is_tested():
 def test_the_distribution_is_what_the_profile_says(sensor_id):
     mean, covariance, hull = described(sensor_id)
     lights = cg2raw.Sensor(sensor_id).illuminants
-    assert lights.mean == pytest.approx(mean, abs=1e-12)
-    assert np.array(lights.covariance) == pytest.approx(covariance, abs=1e-12)
-    assert sorted(map(tuple, lights.hull)) == sorted(map(tuple, hull.tolist()))
+    assert lights["mean"] == pytest.approx(mean, abs=1e-12)
+    assert np.array(lights["covariance"]) == pytest.approx(covariance, abs=1e-12)
+    assert sorted(map(tuple, lights["hull"])) == sorted(map(tuple, hull.tolist()))
 
 
 @pytest.mark.parametrize("sensor_id", GAUSSIAN)

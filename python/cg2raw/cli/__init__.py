@@ -14,6 +14,8 @@ import os
 import pkgutil
 import sys
 
+from cg2raw import __version__
+
 
 def subcommands():
     """Return {name: module} of all subcommands, by name."""
@@ -33,6 +35,7 @@ def make_parser():
     parser = argparse.ArgumentParser(
         prog="cg2raw", description="CG images as the RAW of a chosen sensor."
     )
+    parser.add_argument("--version", action="version", version=f"cg2raw {__version__}")
     choices = parser.add_subparsers(metavar="COMMAND", required=True)
     for name, module in subcommands().items():
         first, _, rest = module.__doc__.partition("\n")
@@ -51,6 +54,7 @@ def main(argv=None):
     """Run one command line (default: sys.argv); return its exit code."""
     arguments = make_parser().parse_args(argv)
     try:
+        check_words(sys.argv[1:] if argv is None else argv)
         code = arguments.run(arguments)
         sys.stdout.flush()
         return code
@@ -59,7 +63,23 @@ def main(argv=None):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except (ValueError, OSError) as error:
-        print(f"cg2raw {arguments.name}: {error}", file=sys.stderr)
+        print(f"cg2raw {arguments.name}: {words_of(error)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
+
+
+def check_words(words):
+    """Raise ValueError for a word that is no UTF-8; the core takes no other names."""
+    for word in words:
+        if not word.isascii() and word != word.encode(errors="replace").decode():
+            raise ValueError(f"{word!a} is no UTF-8; rename the file")
+
+
+def words_of(error):
+    """Return an exception's message in one line, what it is about first."""
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        message = f"{error.filename}: {error.strerror}"
+    else:
+        message = str(error)
+    return " ".join(message.splitlines())

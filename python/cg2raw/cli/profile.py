@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Make a sensor profile of a camera's DNG or RAW files.
+
+Reads their metadata: CFA, levels, colour matrices, the neutral and the noise of each
+file, lens shading. Writes the profile (JSON) and reports what was found, what is
+missing and what that costs. Without -o the profile goes to stdout, the report to
+stderr. RAW files that are no DNGs are read through LibRaw, which knows less of them.
+
+Measured spectral sensitivities (--ssf) replace matrices and neutrals of the files, or
+make a profile without a file, if --cfa, --size, --bits, --black-level and --white-level
+say the rest.
+"""
+
+import json
+import os
+import sys
+
+NOISE_HELP = "noise at one ISO by hand: ISO:S,O or ISO:S,O,S,O,S,O (of R, G, B)"
+BY_HAND = ("cfa", "size", "bits", "black-level", "white-level")
+MANY = 20  # files from which on a terminal shows progress
+
+
+def add_arguments(parser):
+    """Declare the options of cg2raw profile."""
+    add = parser.add_argument
+    add("files", nargs="*", metavar="FILE", help="DNG or RAW files of one camera")
+    add("-o", "--output", metavar="OUT.json", help="the profile; replaces a file")
+    add("--id", default="", help="the sensor's id (default: from the camera's name)")
+    add("--make", default="", help="replaces the camera's make")
+    add("--model", default="", help="replaces the camera's model")
+    add("--iso-noise", action="append", default=[], metavar="NOISE", help=NOISE_HELP)
+    add(
+        "--neutrals",
+        metavar="FILE.csv",
+        help="measured grey cards, columns r,g,b or r/g,b/g, in place of the files'",
+    )
+    add_sensitivities(parser.add_argument_group("spectral sensitivities"))
+    add("--plot", metavar="OUT.png", help="draw the illuminants")
+    add("--skip-bad", action="store_true", help="go on without files that are no good")
+    add("--json", action="store_true", help="the report as JSON, for programs")
+    add("--quiet", action="store_true", help="no report, no progress")
+
+
+def add_sensitivities(group):
+    """Declare the options on measured spectral sensitivities."""
+    add = group.add_argument
+    add("--ssf", metavar="FILE", help="spectral sensitivities (.json or .csv)")
+    add(
+        "--illuminant-spd",
+        action="append",
+        default=[],
+        metavar="LIGHT",
+        help="light whose neutral counts: a name, 3200K, D5500K, or a file of power",
+    )
+    for option, *metavar in (
+        ("--cfa",),
+        ("--size", "WxH"),
+        ("--bits", "N"),
+        ("--black-level", "DN"),
+        ("--white-level", "DN"),
+    ):
+        add(option, metavar=metavar[0] if metavar else None, help="without a FILE")
+
+
+def run(arguments):
+    """Make the profile; return 0."""
+    from cg2raw.profile import from_files, json_text, report
+
+    check_inputs(arguments)
+    check_outputs(arguments)
+    made = make(arguments)
+    name = arguments.output or "profile"
+    made.fields = changed(made.fields, arguments)
+    profile, text = json_text.checked(from_files.with_notes(made), name)
+    found = report.report(made, profile)
+    write_outputs(arguments, profile, text, found)
+    if not arguments.quiet:
+        out = sys.stdout if writes_file(arguments) else sys.stderr
+        words = json.dumps(found, indent=2) if arguments.json else report.as_text(found)
+        print(words, file=out)
+        if writes_file(arguments) and not arguments.json:
+            print(f"wrote     {arguments.output}")
+    return 0
+
+
+def writes_file(arguments):
+    """Return whether the profile goes to a file rather than to stdout."""
+    return arguments.output not in (None, "-")
+
+
+def check_outputs(arguments):
+    """Raise ValueError for outputs that would overwrite a photo or cannot be."""
+    inputs = [*arguments.files, *filter(None, [arguments.neutrals, arguments.ssf])]
+    outputs = [("-o", arguments.output, ".json"), ("--plot", arguments.plot, ".png")]
+    for option, path, ending in outputs:
+        if path in (None, "-") or (os.path.exists(path) and not os.path.isfile(path)):
+            continue
+        if os.path.splitext(path)[1].lower() != ending:
+            raise ValueError(f"{option} {path}: must end in {ending}")
+        folder = os.path.dirname(path) or "."
+        if not os.path.isdir(folder):
+            raise ValueError(f"{option} {path}: there is no folder {folder}")
+        if os.path.realpath(path) in map(os.path.realpath, inputs):
+            raise ValueError(f"{option} {path}: is one of the files to be read")
+
+
+def check_inputs(arguments):
+    """Raise ValueError for options that do not go together."""
+    given = [o for o in BY_HAND if getattr(arguments, o.replace("-", "_")) is not None]
+    if not arguments.files and not arguments.ssf:
+        raise ValueError("give DNG or RAW files of a camera, or --ssf")
+    missing = [f"--{option}" for option in BY_HAND if option not in given]
+    if arguments.ssf and missing and not arguments.files:
+        raise ValueError(
+            f"{arguments.ssf}: sensitivities do not tell {', '.join(missing)}; give "
+            "these, or a DNG of the camera"
+        )
+    if given and arguments.files:
+        raise ValueError(f"--{given[0]}: the files say it; it goes with --ssf alone")
+    if given and not arguments.ssf:
+        raise ValueError(f"--{given[0]}: needs --ssf")
+    if arguments.illuminant_spd and not arguments.ssf:
+        raise ValueError("--illuminant-spd: needs --ssf")
+
+
+def make(arguments):
+    """Return the Made profile of files, sensitivities or both."""
+    if not arguments.ssf:
+        return make_of_files(arguments)
+    from cg2raw.profile import from_sensitivities as ssf
+
+    path, lights = arguments.ssf, arguments.illuminant_spd
+    if arguments.files:
+        return ssf.with_sensitivities(make_of_files(arguments), path, lights)
+    width, height = size_of(arguments.size)
+    return ssf.made_of_sensitivities(
+        path,
+        lights,
+        id=arguments.id,
+        make=arguments.make,
+        model=arguments.model,
+        cfa=arguments.cfa,
+        width=width,
+        height=height,
+        bits=whole("bits", arguments.bits),
+        black_level=whole("black-level", arguments.black_level),
+        white_level=whole("white-level", arguments.white_level),
+    )
+
+
+def whole(option, text):
+    """Return the whole number that an option's value is, None if not given."""
+    if text is not None and not text.isdecimal():
+        raise ValueError(f"--{option} {text}: must be a whole number")
+    return None if text is None else int(text)
+
+
+def size_of(text):
+    """Return (width, height) of "4000x3000", (None, None) if not given."""
+    if text is None:
+        return None, None
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isdecimal() for part in parts):
+        raise ValueError(f"--size {text}: must be WxH in pixels, as in 4000x3000")
+    return int(parts[0]), int(parts[1])
+
+
+def make_of_files(arguments):
+    """Return the Made profile of the files; names each bad one on stderr."""
+    from cg2raw.profile import from_files
+
+    try:
+        return from_files.profile_from_files(
+            arguments.files,
+            id=arguments.id,
+            make=arguments.make,
+            model=arguments.model,
+            skip_bad=arguments.skip_bad,
+            progress=silent if arguments.quiet else progress,
+        )
+    except from_files.BadFiles as bad:
+        if len(arguments.files) == 1:
+            raise ValueError(bad.reasons[0]) from None
+        for reason in bad.reasons:
+            print(f"cg2raw profile: {reason}", file=sys.stderr)
+        raise
+
+
+def silent(paths):
+    """Return the paths as they are."""
+    return paths
+
+
+def progress(paths):
+    """Return @paths, with a progress bar if they are many and stderr is a terminal."""
+    if len(paths) <= MANY or not sys.stderr.isatty():
+        return paths
+    from rich.console import Console
+    from rich.progress import track
+
+    console = Console(stderr=True)
+    return track(paths, "reading", console=console, transient=True)
+
+
+def changed(fields, arguments):
+    """Return the profile's @fields with those changes that the options ask for."""
+    from cg2raw.profile.neutrals import read_neutrals
+    from cg2raw.profile.noise_option import with_noise
+
+    fields = with_noise(fields, arguments.iso_noise)
+    if arguments.neutrals:
+        neutrals = read_neutrals(arguments.neutrals)
+        file = os.path.basename(arguments.neutrals)
+        source = f"{file}: {len(neutrals)} measured neutrals"
+        sources = {**fields["sources"], "illuminants": source}
+        fields = {**fields, "sources": sources, "illuminants": {"neutrals": neutrals}}
+    return fields
+
+
+def write_outputs(arguments, profile, text, found):
+    """Write picture and profile, each whole or not at all."""
+    from cg2raw.atomic_file import write_atomically
+
+    if arguments.plot:
+        from cg2raw.profile.plot import plot_png
+
+        picture = plot_png(profile, found["illuminants"]["cct"])
+        write_atomically(arguments.plot, picture)
+    if writes_file(arguments):
+        write_atomically(arguments.output, text.encode())
+    else:
+        sys.stdout.write(text)
+        sys.stdout.flush()

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The profile that a camera's RAW files amount to."""
+
+import json
+import os
+from dataclasses import dataclass, field
+
+from cg2raw import _core
+from cg2raw.profile import libraw
+
+# Read by our own reader; anything else goes through LibRaw.
+DNG_ENDINGS = (".dng", ".gpr", ".tif", ".tiff", "")
+GIVEN = "given by who made the profile"
+# How notes of the core begin that say what a profile lacks. The report says it of every
+# profile, and of the finished one: what options add is not missing.
+LACKS = (
+    "fewer than 3 distinct neutrals",
+    "noise is known at ISO",
+    "NoiseProfile (51041) with an ISO is in none",
+    "ColorMatrix2 (50722) is missing",
+)
+
+
+class BadFiles(ValueError):
+    """Some files cannot be used; reasons has one line for each."""
+
+    def __init__(self, reasons, count):
+        self.reasons = reasons
+        super().__init__(
+            f"none of the {count} files can be used"
+            if len(reasons) == count
+            else f"{len(reasons)} of {count} files cannot be used; --skip-bad goes on "
+            "without them"
+        )
+
+
+@dataclass
+class Made:
+    """A profile under construction, and what was noticed on the way."""
+
+    fields: dict
+    kind: str  # "DNG", "RAW" or "spectral sensitivities"
+    files: int = 0  # that went in
+    notes: list = field(default_factory=list)
+    skipped: list = field(default_factory=list)  # reasons, one line each
+
+
+def is_dng(path):
+    """Return whether @path is to be read as a DNG, by its name."""
+    return os.path.splitext(path)[1].lower() in DNG_ENDINGS
+
+
+def profile_from_files(
+    paths, *, id="", make="", model="", skip_bad=False, progress=lambda items: items
+):
+    """Return what RAW files of one camera, DNGs or others, make: a Made.
+
+    id, make, model : stand in for those of the files.
+    skip_bad : go on without files that cannot be read, and say so.
+    progress : wraps the paths while they are read.
+    Raises BadFiles, or ValueError if the files are not of one camera and kind."""
+    paths, notes = distinct(paths)
+    dng = is_dng(paths[0])
+    for path in paths:
+        if is_dng(path) != dng:
+            raise ValueError(
+                f"{path}: is not of the kind of {paths[0]}; give DNGs or the camera's "
+                "own RAW files, not both"
+            )
+    read = _core.read_dng_metadata if dng else libraw.read_raw_file
+    names = () if dng else (make, model)
+    good, reasons = read_all(lambda path: read(path, *names), progress(paths))
+    if reasons and (not skip_bad or not good):
+        raise BadFiles(reasons, len(paths))
+    fields, found = (
+        from_dngs(good, id) if dng else libraw.profile_from_raw_files(good, id)
+    )
+    fields = renamed(fields, make=make, model=model)
+    kind = "DNG" if dng else "RAW"
+    return Made(fields, kind, len(good), notes + found, reasons)
+
+
+def distinct(paths):
+    """Return (paths without repeats, notes)."""
+    kept = {os.path.realpath(path): path for path in reversed(paths)}
+    repeats = len(paths) - len(kept)
+    notes = [f"{repeats} files given more than once count once"] if repeats else []
+    return list(reversed(kept.values())), notes
+
+
+def read_all(read, paths):
+    """Return (what was read, reasons why the rest was not)."""
+    good, reasons = [], []
+    for path in paths:
+        try:
+            if os.path.isdir(path):
+                raise ValueError(f"{path}: is a folder; give its files, {path}/*.dng")
+            good.append(read(path))
+        except OSError as error:
+            reasons.append(f"{path}: {error.strerror or error}")
+        except ValueError as error:
+            reasons.append(str(error))
+    return good, reasons
+
+
+def from_dngs(metadata, id):
+    """Return (fields, notes) of DNGs of one camera."""
+    profile, notes = _core.profile_from_dngs(metadata, id)
+    fields = json.loads(profile.to_json())
+    fields["sources"] = {
+        key: text
+        for key, text in fields["sources"].items()
+        if not key.startswith("note ")
+    }
+    return fields, [note for note in notes if not note.startswith(LACKS)]
+
+
+def with_notes(made):
+    """Return the fields of a Made profile, its notes among their sources."""
+    notes = {f"note {number}": note for number, note in enumerate(made.notes, 1)}
+    return {**made.fields, "sources": {**made.fields["sources"], **notes}}
+
+
+def renamed(fields, **names):
+    """Return @fields with those make and model that are not empty, and their source."""
+    names = {name: text for name, text in names.items() if text}
+    sources = {**fields["sources"], **dict.fromkeys(names, GIVEN)}
+    return {**fields, **names, "sources": sources}

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What LibRaw and Exif say of a RAW file that is no DNG, and the profile it makes."""
+
+import contextlib
+import logging
+import os
+import tempfile
+from dataclasses import dataclass
+
+import numpy as np
+
+from cg2raw import _core
+
+REMEDY = "convert it with Adobe DNG Converter or dnglab, then give the DNG"
+NOTE = (
+    "read through LibRaw: its one colour matrix is for D65 and it knows no noise; the "
+    "DNG that Adobe DNG Converter makes of such a file has two matrices and noise"
+)
+
+
+@dataclass(frozen=True)
+class RawFile:
+    """One RAW file as LibRaw reads it."""
+
+    path: str
+    make: str
+    model: str
+    cfa: str  # letters of the sites, phase of the visible area's corner
+    width: int  # visible area
+    height: int
+    black_level: tuple  # DN, one per CFA site
+    white_level: int  # DN
+    camera_from_xyz: tuple  # 9 numbers, row major, for D65
+    neutral: tuple | None  # (R/G, B/G) as shot; None: not recorded
+
+
+def read_raw_file(path, make="", model=""):
+    """Return the RawFile at @path.
+
+    make, model : stand in for those of its Exif.
+    Raises ValueError that says what is missing and what to do, OSError."""
+    import rawpy
+
+    with open(path, "rb"):  # LibRaw's own message names no reason
+        pass
+    try:
+        with no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
+            fields = fields_of(raw, path)
+    except rawpy.LibRawError as error:
+        why = error.args[0] if error.args else "unknown error"
+        why = why.decode(errors="replace") if isinstance(why, bytes) else why
+        raise ValueError(f"{path}: LibRaw cannot read it: {why}") from None
+    exif_make, exif_model = ("", "") if make and model else exif_names(path)
+    make, model = make or exif_make, model or exif_model
+    if not (make and model):
+        raise ValueError(
+            f"{path}: its Exif names no camera: give --make and --model, or {REMEDY}"
+        )
+    return RawFile(path=path, make=make, model=model, **fields)
+
+
+def fields_of(raw, path):
+    """Return the fields of RawFile that an open rawpy.RawPy knows."""
+    if raw.raw_type.name != "Flat" or raw.raw_pattern is None or raw.num_colors != 3:
+        raise ValueError(f"{path}: holds no mosaic of R, G and B; take a camera's RAW")
+    matrix = raw.rgb_xyz_matrix[:3]
+    if not matrix.any():
+        raise ValueError(
+            f"{path}: LibRaw has no colour matrix of this camera: {REMEDY}"
+        )
+    sites = corner_of(raw)
+    black = raw.black_level_per_channel
+    return {
+        "cfa": "".join(chr(raw.color_desc[site]) for site in sites),
+        "width": int(raw.sizes.width),
+        "height": int(raw.sizes.height),
+        "black_level": tuple(float(black[site]) for site in sites),
+        "white_level": int(raw.white_level),
+        "camera_from_xyz": tuple(float(f"{v:.6g}") for v in matrix.ravel()),
+        "neutral": neutral_of(raw.camera_whitebalance),
+    }
+
+
+def corner_of(raw):
+    """Return LibRaw's colour indices of the repeat at the visible area's corner."""
+    rows, columns = raw.raw_pattern.shape
+    top, left = raw.sizes.top_margin, raw.sizes.left_margin
+    return [
+        int(raw.raw_color(top + row, left + column))
+        for row in range(rows)
+        for column in range(columns)
+    ]
+
+
+def neutral_of(gains):
+    """Return (R/G, B/G) of white balance gains (R, G, B, ...), None if not recorded.
+
+    LibRaw has 0, or 1 for each channel, where it found no white balance."""
+    red, green, blue = gains[:3]
+    if min(red, green, blue) <= 0 or red == green == blue:
+        return None
+    return round(green / red, 6), round(green / blue, 6)
+
+
+@contextlib.contextmanager
+def no_words_of_libraries():
+    """Keep what LibRaw prints to stderr by itself; its errors arrive as exceptions."""
+    with tempfile.TemporaryFile() as words:
+        kept = os.dup(2)
+        os.dup2(words.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+
+
+def exif_names(path):
+    """Return (make, model) of a file's Exif; empty where it has none."""
+    import exifread
+
+    logging.getLogger("exifread").setLevel(logging.CRITICAL)
+    with open(path, "rb") as file:
+        try:
+            tags = exifread.process_file(file, details=False)
+        except Exception:  # ExifRead lets any exception out on a damaged file
+            tags = {}
+    return tuple(
+        str(tags.get(f"Image {name}", "")).strip(" \0") for name in ("Make", "Model")
+    )
+
+
+def camera_name(make, model):
+    """Return what people call a camera: the make's first word once, then the model."""
+    brand = make.split()[0]
+    said = model.lower().startswith(brand.lower())
+    return model if said else f"{brand} {model}"
+
+
+def profile_from_raw_files(files, id=""):
+    """Return (fields of the profile, notes) of RawFiles of one camera.
+
+    id : stands in for the one made of the camera's name. Raises ValueError."""
+    first = files[0]
+    for file in files[1:]:
+        for name in ("make", "model", "cfa", "width", "height", "white_level"):
+            ours, others = getattr(first, name), getattr(file, name)
+            if ours != others:
+                raise ValueError(
+                    f"{file.path}: {name} {others} is not that of {first.path}, "
+                    f"{ours}: give files of one camera in one mode"
+                )
+    notes = [NOTE]
+    black, neutrals = black_of(files, notes), neutrals_of(files, notes)
+    name = camera_name(first.make, first.model)
+    fields = {
+        "schema": 1,
+        "id": id or _core.sensor_id_from_name(name),
+        "make": first.make,
+        "model": first.model,
+        "unique_camera_model": name,
+        "sources": sources_of(files, neutrals),
+        "cfa": first.cfa,
+        "width": first.width,
+        "height": first.height,
+        "bits": max(8, first.white_level.bit_length()),
+        "black_level": black,
+        "white_level": first.white_level,
+        "calibration_illuminant_1": "D65",
+        "color_matrix_1": list(first.camera_from_xyz),
+    }
+    return fields | ({"illuminants": {"neutrals": neutrals}} if neutrals else {}), notes
+
+
+def black_of(files, notes):
+    """Return the mean black level per CFA site; a note says if they differ."""
+    black = np.array([file.black_level for file in files])
+    if np.ptp(black, axis=0).any():
+        notes.append(
+            f"black levels differ from file to file, {black.min():g} to "
+            f"{black.max():g} DN: the profile has their mean"
+        )
+    return black.mean(axis=0).round(4).tolist()
+
+
+def neutrals_of(files, notes):
+    """Return [[R/G, B/G], ...] of those files that have one; a note names the rest."""
+    without = [file.path for file in files if file.neutral is None]
+    if without:
+        notes.append(
+            f"{len(without)} of {len(files)} files record no white balance that LibRaw "
+            f"can read, {os.path.basename(without[0])} first: no neutral of them"
+        )
+    return [list(file.neutral) for file in files if file.neutral is not None]
+
+
+def sources_of(files, neutrals):
+    """Return {field: where it is from}."""
+    import rawpy
+
+    libraw = "LibRaw " + ".".join(map(str, rawpy.libraw_version))
+    name = os.path.basename(files[0].path)
+    read = f"{name} as {libraw} reads it"
+    sources = {
+        **dict.fromkeys(("make", "model", "unique_camera_model"), f"{name}: Exif"),
+        **dict.fromkeys(("cfa", "width", "height"), f"{read}: visible area"),
+        "bits": "those that white_level needs",
+        **dict.fromkeys(("black_level", "white_level"), read),
+        "calibration_illuminant_1": f"{libraw}: its matrices are for D65",
+        "color_matrix_1": f"{libraw}: its table of cameras",
+    }
+    if neutrals:
+        sources["illuminants"] = f"as-shot white balance of {len(neutrals)} files"
+    return sources

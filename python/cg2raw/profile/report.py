@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What went into a new profile, what it lacks, and what that costs."""
+
+from cg2raw.profile.summary import cfa_word, neutral_words, summary
+
+
+def report(made, profile):
+    """Return the report on a Made profile in JSON's types."""
+    facts = summary(profile)
+    return {
+        "kind": made.kind,
+        "files": made.files,
+        "skipped": made.skipped,
+        **facts,
+        "missing": missing(facts),
+        "notes": made.notes,
+    }
+
+
+def missing(facts):
+    """Return one line on each thing that the profile lacks: what, and its cost."""
+    calibrations, lights = facts["calibrations"], facts["illuminants"]
+    isos, one = facts["noise"]["iso"], len(calibrations) == 1
+    lines = []
+    if one:
+        light = calibrations[0]["light_source"]
+        lines.append(
+            f"second colour matrix: nothing is interpolated, every light gets the "
+            f"matrix of {light}"
+        )
+    if not all(c["xyz_d50_from_camera"] for c in calibrations):
+        lines.append(
+            "forward matrix: colours are adapted to D50 by Bradford, as converters do"
+        )
+    if not lights["hull"]:
+        draws = (
+            "sample:n is an error"
+            if one
+            else "sample:n is drawn along the Planckian locus between the two matrices"
+        )
+        lines.append(
+            f"3 neutrals that span an area (there are {lights['count']}): {draws}; "
+            "give more files, or --neutrals"
+        )
+    if not isos:
+        lines.append("noise: frames are clean, an ISO is an error; give --iso-noise")
+    elif isos[0] == isos[1]:
+        lines.append(
+            f"noise at a second ISO: only ISO {isos[0]:g} can be simulated; give files "
+            "of other ISOs, or --iso-noise"
+        )
+    if not any(effect["name"] == "lens_shading" for effect in facts["effects"]):
+        lines.append("lens shading (GainMap): corners are as bright as the centre")
+    return lines
+
+
+def as_text(found):
+    """Return the report for people."""
+    lights = found["illuminants"]
+    black = sorted(set(found["black_level"]))
+    black = f"{black[0]:g}" + (f" to {black[-1]:g}" if len(black) > 1 else "")
+    lines = [
+        ("camera", f"{found['camera']}, id {found['id']}"),
+        ("files", files_words(found)),
+        *(("skipped", reason) for reason in found["skipped"]),
+        ("CFA", f"{cfa_word(found['cfa'])}, {found['width']} x {found['height']}"),
+        (
+            "levels",
+            f"{found['bits']} bits, black {black} DN, white {found['white_level']} DN",
+        ),
+        ("matrices", "; ".join(map(matrix_words, found["calibrations"]))),
+        ("neutrals", neutral_words(lights)),
+        ("noise", noise_words(found["noise"]["rows"])),
+        ("effects", ", ".join(e["name"] for e in found["effects"]) or "none"),
+        *(("note", note) for note in found["notes"]),
+        *(("missing", line) for line in found["missing"]),
+    ]
+    return "\n".join(f"{label:9} {words}" for label, words in lines)
+
+
+def files_words(found):
+    """Return how many files of which kind went in."""
+    skipped = f", {len(found['skipped'])} skipped" if found["skipped"] else ""
+    return f"{found['files']} {found['kind']}{skipped}"
+
+
+def matrix_words(calibration):
+    """Return the light of one calibration, and whether it has a forward matrix."""
+    forward = " with forward matrix" if calibration["xyz_d50_from_camera"] else ""
+    return calibration["light_source"] + forward
+
+
+def noise_words(rows):
+    """Return the ISOs, with beta1 and beta2 of the first CFA site."""
+    each = [
+        f"ISO {row['iso']:g} (beta1 {row['beta1'][0]:.3g}, beta2 {row['beta2'][0]:.3g})"
+        for row in rows
+    ]
+    shown = each if len(each) <= 4 else [*each[:2], "...", each[-1]]
+    return (
+        f"{len(rows)} ISOs: {', '.join(shown)}"
+        if len(rows) > 1
+        else (each[0] if each else "none")
+    )

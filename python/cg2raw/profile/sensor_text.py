@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Sensors as text: a table of many, all of one."""
+
+import re
+import textwrap
+
+from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words, neutral_words
+
+HEAD = (
+    "id", "camera", "size", "CFA", "bits", "illuminants", "ISO", "matrices", "sources",
+)  # fmt: skip
+LEVELS = ("cfa", "width", "height", "bits", "black_level", "white_level")
+GAP = "  "
+FIELD = 26  # columns of a field's name
+
+
+def table(found, columns):
+    """Return the lines of a table of summaries; none is longer than @columns if the
+    ids and numbers alone are not."""
+    rows = [HEAD, *map(row_of, found)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
+    fixed = sum(widths) - widths[1] - widths[-1] + len(GAP) * (len(HEAD) - 1)
+    widths[1] = min(widths[1], max(12, columns - fixed - 16))
+    widths[-1] = max(0, columns - fixed - widths[1])
+    return [
+        GAP.join(
+            shortened(cell, width).ljust(width)
+            for cell, width in zip(row, widths, strict=True)
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def row_of(sensor):
+    """Return the cells of one summary."""
+    return (
+        sensor["id"],
+        sensor["camera"],
+        f"{sensor['width']}x{sensor['height']}",
+        cfa_word(sensor["cfa"]),
+        str(sensor["bits"]),
+        kelvin_words(sensor["illuminants"]["cct"]),
+        iso_words(sensor["noise"]),
+        ", ".join(c["light_source"] for c in sensor["calibrations"]),
+        short_sources(sensor["sources"]),
+    )
+
+
+def shortened(text, width):
+    """Return @text in @width columns; dots stand for what does not fit."""
+    if len(text) <= width:
+        return text
+    return text[: width - 3].rstrip() + "..." if width > 3 else ""
+
+
+def short_sources(sources):
+    """Return in a few words where colour, illuminants and noise, then the rest, are
+    from: what leads each source."""
+    first = ("color_matrix_1", "color_matrix", "illuminants", "noise")
+    texts = [sources[key] for key in first if key in sources] + list(sources.values())
+    heads = [re.split(r"[:;,(]", text)[0].strip() for text in texts]
+    return "; ".join(dict.fromkeys(filter(None, heads)))
+
+
+def details(sensor, columns):
+    """Return the lines on everything of one sensor, each field with its source."""
+    lines, told = [], set()
+    pending = fields_of(sensor)
+    for index, (field, value) in enumerate(pending):
+        key = source_key(field, sensor["sources"])
+        lines += wrapped(field, value, columns)
+        following = pending[index + 1][0] if index + 1 < len(pending) else None
+        text = sensor["sources"].get(key)
+        same = following and text == sensor["sources"].get(
+            source_key(following, sensor["sources"])
+        )
+        told.add(key)
+        if text and not same:
+            lines += wrapped("", f"from: {text}", columns)
+    rest = {key: text for key, text in sensor["sources"].items() if key not in told}
+    for key, text in rest.items():
+        lines += wrapped(key, text, columns)
+    return lines
+
+
+def source_key(field, sources):
+    """Return the key of @field's source: its own, or that of a group it belongs to."""
+    groups = [field, field.rstrip("12").rstrip("_"), field.partition(" ")[0]]
+    if field in LEVELS:
+        groups.append("levels, CFA and size")  # of profiles made of DNGs
+    return next((key for key in groups if key in sources), None)
+
+
+def wrapped(label, text, columns):
+    """Return lines with @text beside @label."""
+    width = max(30, columns - FIELD)
+    parts = textwrap.wrap(text, width, break_on_hyphens=False) or [""]
+    label = label if len(label) < FIELD else label[: FIELD - 4] + "..."
+    return [f"{label:{FIELD}}{parts[0]}"] + [" " * FIELD + part for part in parts[1:]]
+
+
+def fields_of(sensor):
+    """Return [(field, text), ...] of everything but the sources."""
+    simple = ("id", "make", "model", "unique_camera_model", "cfa", "width", "height")
+    black = per_site(sensor["black_level"], sensor["cfa"], 6)
+    return [
+        *((name, str(sensor[name])) for name in simple),
+        ("bits", str(sensor["bits"])),
+        ("black_level", f"{black} DN"),
+        ("white_level", f"{sensor['white_level']} DN"),
+        *calibration_fields(sensor["calibrations"]),
+        ("illuminants", neutral_words(sensor["illuminants"])),
+        ("digital_gain", gain_words(sensor["digital_gain"])),
+        *noise_fields(sensor["noise"], sensor["cfa"]),
+        *(("effects", effect_words(effect)) for effect in sensor["effects"]),
+    ]
+
+
+def per_site(values, cfa, digits=3):
+    """Return values of CFA sites: one if all are alike; means of R, G, B of X-Trans."""
+    if len(set(values)) == 1:
+        values, names = values[:1], [""]
+    elif len(values) == 4:
+        names = [""] * 4
+    else:
+        names = ["R ", "G ", "B "]
+        groups = [
+            [v for v, letter in zip(values, cfa, strict=True) if letter == color]
+            for color in "RGB"
+        ]
+        values = [sum(group) / len(group) for group in groups]
+    words = zip(names, values, strict=True)
+    return " ".join(f"{name}{value:.{digits}g}" for name, value in words)
+
+
+def calibration_fields(calibrations):
+    """Return the fields of each colour matrix."""
+    fields = []
+    for number, calibration in enumerate(calibrations, 1):
+        fields.append((f"calibration_illuminant_{number}", calibration["light_source"]))
+        fields.append(
+            (f"color_matrix_{number}", matrix(calibration["camera_from_xyz"]))
+        )
+        if calibration["xyz_d50_from_camera"]:
+            forward = matrix(calibration["xyz_d50_from_camera"])
+            fields.append((f"forward_matrix_{number}", forward))
+    return fields
+
+
+def matrix(rows):
+    """Return "a b c / d e f / g h i"."""
+    return " / ".join(" ".join(f"{value:.4f}" for value in row) for row in rows)
+
+
+def gain_words(gain):
+    """Return the distribution of the digital gain."""
+    return f"mean {gain['mean']:g}, sd {gain['sigma']:g}" if gain else "none"
+
+
+def noise_fields(noise, cfa):
+    """Return beta1 and beta2 at each ISO, then the range of ISOs."""
+    rows = [
+        (
+            f"noise at ISO {row['iso']:g}",
+            f"beta1 {per_site(row['beta1'], cfa)}, beta2 {per_site(row['beta2'], cfa)}",
+        )
+        for row in noise["rows"]
+    ]
+    return [*rows, ("iso", iso_words(noise))] if rows else [("noise", "none")]
+
+
+def effect_words(effect):
+    """Return the name of an effect with its parameters."""
+    parameters = sorted(effect["parameters"].items())
+    return " ".join([effect["name"], *(f"{name}={v:g}" for name, v in parameters)])

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A sensor profile from measured spectral sensitivities, without a photograph.
+
+It needs colour-science and SciPy (the extra cg2raw[profile])."""
+
+import importlib.util
+import json
+import os
+import re
+
+import numpy as np
+
+from cg2raw import _core
+from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
+from cg2raw.profile.matrix_fit import color_matrix, fit_xyz_d50_from_camera
+from cg2raw.profile.spectral_file import Sensitivities, read_sensitivities
+
+CALIBRATION_ILLUMINANTS = ("A", "D65")
+DECIMALS_OF_MATRIX = 4  # steps of a DNG's ColorMatrix, as its renderer keeps it
+DECIMALS_OF_NEUTRAL = 6  # steps of a DNG's AsShotNeutral
+
+
+def neutral_under(sensitivities, light):
+    """Return the neutral (R/G, 1, B/G) that a camera sees of grey under a light.
+
+    sensitivities : Sensitivities. light : a word of illuminant_spectra.GRAMMAR.
+    Raises ValueError for an unknown light, or one that a channel does not see."""
+    response = illuminant_spectrum(light) @ sensitivities.rgb
+    if not np.all(response > 0.0):
+        raise ValueError(
+            f"{sensitivities.file}: under light {str(light)!r} grey is "
+            f"{response.tolist()}; each channel must see it"
+        )
+    return response / response[1]
+
+
+def color_matrices(sensitivities):
+    """Return {"A": (3, 3), "D65": (3, 3)}: DNG ColorMatrices, XYZ -> camera.
+
+    Raises ValueError if the channels see too much the same."""
+    matrices = {}
+    for light in CALIBRATION_ILLUMINANTS:
+        power = illuminant_spectrum(light)
+        try:
+            fitted = fit_xyz_d50_from_camera(sensitivities.rgb, power)
+        except ValueError as error:
+            raise ValueError(f"{sensitivities.file}: {light}: {error}") from None
+        matrix = color_matrix(fitted, sensitivities.rgb, power)
+        matrices[light] = matrix.round(DECIMALS_OF_MATRIX)
+    return matrices
+
+
+def profile_from_ssf(
+    path,
+    *,
+    cfa=None,
+    width=None,
+    height=None,
+    bits=None,
+    black_level=None,
+    white_level=None,
+    make=None,
+    model=None,
+    id=None,
+    lights=None,
+):
+    """Return the profile (a dict of schema 1) of a camera's spectral sensitivities.
+
+    path : file that read_sensitivities reads, or its Sensitivities.
+    cfa, width, height, bits, black_level, white_level : of the sensor; sensitivities do
+        not tell them. black_level : DN, one for all CFA sites or one each.
+    make, model : by default those of the file's header; id : by default made of them.
+    lights : words of illuminant_spectra.GRAMMAR whose neutrals make the distribution of
+        illuminants; by default REAL_LIGHTS.
+    Raises ValueError; what is missing is listed at once."""
+    _need_libraries()
+    measured = path if isinstance(path, Sensitivities) else read_sensitivities(path)
+    profile = {
+        "make": make or measured.make,
+        "model": model or measured.model,
+        "cfa": cfa,
+        "width": width,
+        "height": height,
+        "bits": bits,
+        "black_level": black_level,
+        "white_level": white_level,
+    }
+    missing = [name for name, value in profile.items() if value is None]
+    if missing:
+        raise ValueError(
+            f"{measured.file}: sensitivities do not tell {', '.join(missing)}; give "
+            + ("each of them" if len(missing) > 1 else "it")
+        )
+    black = np.ravel(black_level).tolist()
+    profile["black_level"] = black * 4 if len(black) == 1 else black
+    names = {"id": id or _id_of(profile["make"], profile["model"])}
+    names["unique_camera_model"] = f"{profile['make']} {profile['model']}"
+    lights = REAL_LIGHTS if lights is None else tuple(lights)
+    if not lights:
+        raise ValueError(f"{measured.file}: lights is empty; name at least one light")
+    profile = {"schema": 1, **names, **profile, **_colour_fields(measured, lights)}
+    profile["sources"] = _sources(measured, lights, make, model)
+    _core.parse_profile(json.dumps(profile), measured.file)
+    return profile
+
+
+def _need_libraries():
+    """Raise ValueError unless the optional libraries are installed."""
+    for module, name in (("colour", "colour-science"), ("scipy", "SciPy")):
+        if importlib.util.find_spec(module) is None:
+            raise ValueError(
+                f"a profile from sensitivities needs {name}: pip install "
+                "'cg2raw[profile]'"
+            )
+
+
+def _colour_fields(measured, lights):
+    """Return the fields of a profile that sensitivities tell."""
+    fields = {}
+    for number, (light, matrix) in enumerate(color_matrices(measured).items(), start=1):
+        fields[f"calibration_illuminant_{number}"] = light
+        fields[f"color_matrix_{number}"] = (matrix.ravel() + 0.0).tolist()
+    neutrals = [
+        neutral_under(measured, light)[[0, 2]].round(DECIMALS_OF_NEUTRAL).tolist()
+        for light in lights
+    ]
+    return {**fields, "illuminants": {"neutrals": neutrals}}
+
+
+def _id_of(make, model):
+    """Return an id: "Canon", "EOS 600D" -> "canon-eos-600d"."""
+    name = f"{make} {model}".lower()
+    return re.sub(r"[^a-z0-9.]+", "-", name).strip("-")
+
+
+def _sources(measured, lights, make, model):
+    """Return {field: where it is from}."""
+    given = "given by who made the profile"
+    header = f"header of {measured.file}"
+    origin = f" ({measured.origin})" if measured.origin else ""
+    matrices = (
+        f"spectral sensitivities {measured.file}{origin}: least mean CIEDE2000 of a "
+        "DNG renderer over the Academy's 190 training reflectances, white exact"
+    )
+    sources = {
+        "make": given if make else header,
+        "model": given if model else header,
+        "cfa, width, height, bits, black_level, white_level": given,
+    }
+    for number in (1, 2):
+        sources[f"calibration_illuminant_{number}"] = matrices
+        sources[f"color_matrix_{number}"] = matrices
+    sources["illuminants"] = (
+        f"neutrals of {measured.file} under {len(lights)} lights: "
+        + ", ".join(os.path.basename(light) for light in lights)
+    )
+    return {field: text for key, text in sources.items() for field in key.split(", ")}

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Spectra read from files: sensitivities of a camera, power of a light.
+
+Two forms. JSON as the Academy's rawtoaces-data has it: header {manufacturer, model,
+...}, spectral_data {index {main: channels}, data {main: {"380": values, ...}}}. CSV:
+rows of wavelength and values; lines that start with # are comments; a first row that is
+no numbers names the columns.
+"""
+
+import csv
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+
+# The visible range in steps of the published tables. Source: CIE 015, 7.2.
+WAVELENGTHS = np.arange(380.0, 781.0, 5.0)  # nm
+# What a table must cover at least (as ISO 7589's do), and how far apart rows may lie.
+COVERED = (400.0, 690.0)  # nm
+WIDEST_STEP = 20.0  # nm
+# Measured sensitivities dip below 0 by noise, never by more than this of their peak.
+NEGATIVE_NOISE = 0.01
+
+
+@dataclasses.dataclass(frozen=True)
+class Sensitivities:
+    """Relative spectral sensitivities of a camera's R, G and B."""
+
+    file: str  # where they were read, for messages and sources
+    rgb: np.ndarray  # (81, 3), at WAVELENGTHS, peak 1; 0 outside the table
+    make: str | None = None  # as the file's header has it
+    model: str | None = None
+    origin: str = ""  # creator, date and licence, as far as the header says them
+
+
+def read_sensitivities(path):
+    """Return the Sensitivities of a JSON or CSV file (channels R, G and B).
+
+    Raises ValueError that names file, field and value: wavelengths must rise without a
+    gap and cover 400 to 690 nm, values be finite, none below -1 % of its channel's
+    peak, and every channel see something."""
+    from scipy.interpolate import PchipInterpolator
+
+    header, wavelengths, values = _table(path, ("R", "G", "B"))
+    for channel, curve in zip("RGB", values.T, strict=True):
+        _check_channel(path, channel, wavelengths, curve)
+    values = values / np.max(values)
+    curves = PchipInterpolator(wavelengths, values, extrapolate=False)
+    rgb = np.nan_to_num(curves(WAVELENGTHS), nan=0.0)
+    names = ("document_creator", "document_creation_date", "license")
+    said = [str(header[name]) for name in names if header.get(name)]
+    return Sensitivities(
+        file=Path(path).name,
+        rgb=rgb,
+        make=header.get("manufacturer"),
+        model=header.get("model"),
+        origin=", ".join(said),
+    )
+
+
+def read_power(path):
+    """Return (wavelengths, power) of a light's JSON or CSV file, in nm and any unit.
+
+    Raises ValueError as read_sensitivities does."""
+    _, wavelengths, values = _table(path, ("power",))
+    _check_channel(path, "power", wavelengths, values[:, 0])
+    return wavelengths, values[:, 0]
+
+
+def check_cover(name, wavelengths):
+    """Raise ValueError unless rising wavelengths cover the visible range."""
+    if wavelengths[0] > COVERED[0] or wavelengths[-1] < COVERED[1]:
+        raise ValueError(
+            f"{name}: wavelengths {wavelengths[0]:g} to {wavelengths[-1]:g} nm must "
+            f"cover {COVERED[0]:g} to {COVERED[1]:g} nm"
+        )
+
+
+def _table(path, channels):
+    """Return (header, wavelengths, values in the order of channels) of a file."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ValueError(f"{path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: is no text in UTF-8") from None
+    read = _json_table if text.lstrip().startswith("{") else _csv_table
+    header, rows = read(path, text, channels)
+    if not rows:
+        raise ValueError(f"{path}: holds no row of wavelength and values")
+    table = np.array([[wavelength, *values] for wavelength, values in rows])
+    _check_wavelengths(path, table[:, 0])
+    return header, table[:, 0], table[:, 1:]
+
+
+def _json_table(path, text, channels):
+    def no_duplicates(pairs):
+        names = [name for name, _ in pairs]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"{path}: {twice[0]!r} stands there twice")
+        return dict(pairs)
+
+    try:
+        document = json.loads(text, object_pairs_hook=no_duplicates)
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise ValueError(f"{path}: is no JSON: {error}") from None
+    index = _field(path, document, "spectral_data.index.main", list)
+    data = _field(path, document, "spectral_data.data.main", dict)
+    columns = _columns(path, "spectral_data.index.main", index, channels)
+    rows = []
+    for key, values in data.items():
+        field = f"spectral_data.data.main {key!r}"
+        if not isinstance(values, list) or len(values) != len(index):
+            raise ValueError(f"{path}: {field} must be a list of {len(index)} numbers")
+        numbers = [_number(path, field, values[column]) for column in columns]
+        rows.append((_number(path, "wavelength", key), numbers))
+    header = document.get("header")
+    return header if isinstance(header, dict) else {}, rows
+
+
+def _csv_table(path, text, channels):
+    try:
+        read = list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise ValueError(f"{path}: is no CSV: {error}") from None
+    lines = [
+        (number, [cell.strip() for cell in cells])
+        for number, cells in enumerate(read, start=1)
+        if any(cell.strip() for cell in cells) and not cells[0].startswith("#")
+    ]
+    columns = list(range(len(channels)))
+    if lines and not _is_number(lines[0][1][0]):
+        number, names = lines.pop(0)
+        columns = _columns(path, f"line {number}", names[1:], channels)
+    rows = []
+    for number, cells in lines:
+        if len(cells) <= 1 + max(columns):
+            raise ValueError(
+                f"{path}: line {number} has {len(cells)} columns; it needs wavelength, "
+                + ", ".join(channels)
+            )
+        field = f"line {number}"
+        numbers = [_number(path, field, cells[1 + column]) for column in columns]
+        rows.append((_number(path, field, cells[0]), numbers))
+    return {}, rows
+
+
+def _field(path, document, dotted, kind):
+    """Return a nested field of a JSON document."""
+    value = document
+    for name in dotted.split("."):
+        value = value.get(name) if isinstance(value, dict) else None
+    if not isinstance(value, kind):
+        what = "a list of channels" if kind is list else "an object of wavelengths"
+        raise ValueError(f"{path}: {dotted} is missing: {what}")
+    return value
+
+
+def _columns(path, field, names, channels):
+    """Return where the wanted channels stand among the names of the columns."""
+    folded = [str(name).casefold() for name in names]
+    for channel in channels:
+        if folded.count(channel.casefold()) != 1:
+            raise ValueError(
+                f"{path}: {field} {names} must name the channel {channel} once"
+            )
+    return [folded.index(channel.casefold()) for channel in channels]
+
+
+def _is_number(word):
+    try:
+        float(word)
+    except (ValueError, OverflowError):
+        return False
+    return True
+
+
+def _number(path, field, value):
+    legal = isinstance(value, (int, float, str)) and not isinstance(value, bool)
+    if not legal or not _is_number(value) or not np.isfinite(float(value)):
+        raise ValueError(f"{path}: {field} {value!r} must be a finite number")
+    return float(value)
+
+
+def _check_wavelengths(path, wavelengths):
+    steps = np.diff(wavelengths)
+    for before, after in zip(wavelengths, wavelengths[1:], strict=False):
+        if after <= before:
+            raise ValueError(
+                f"{path}: wavelength {after:g} nm comes after {before:g} nm; they must "
+                "rise"
+            )
+    check_cover(path, wavelengths)
+    widest = int(np.argmax(steps))
+    allowed = min(1.5 * np.median(steps), WIDEST_STEP)
+    if steps[widest] > allowed:
+        raise ValueError(
+            f"{path}: wavelengths have a gap from {wavelengths[widest]:g} to "
+            f"{wavelengths[widest + 1]:g} nm; at most {allowed:g} nm is allowed here"
+        )
+
+
+def _check_channel(path, channel, wavelengths, curve):
+    peak = np.max(curve)
+    if peak <= 0.0:
+        raise ValueError(f"{path}: {channel} is nowhere above 0")
+    lowest = int(np.argmin(curve))
+    if curve[lowest] < -NEGATIVE_NOISE * peak:
+        raise ValueError(
+            f"{path}: {channel} at {wavelengths[lowest]:g} nm is {curve[lowest]:g}; "
+            f"noise may reach {-NEGATIVE_NOISE * peak:g}, 1 % of the peak"
+        )

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A sensor profile summed up in JSON's types, for reports and lists."""
+
+from cg2raw.profile.libraw import camera_name
+
+LEAST_CCT, MOST_CCT = 1e6 / 600, 1e6 / 10  # K, where Robertson's table ends
+STOP = 2.0  # noise is interpolated up to one stop beyond the calibrated ISOs
+
+
+def summary(profile):
+    """Return what people ask of a SensorProfile, as a dictionary.
+
+    Units: DN, K, (R/G, B/G); noise x in 0..1 above black."""
+    return {
+        "id": profile.id,
+        "make": profile.make,
+        "model": profile.model,
+        "camera": camera_name(profile.make, profile.model),
+        "unique_camera_model": profile.unique_camera_model,
+        "cfa": profile.cfa,
+        "width": profile.width,
+        "height": profile.height,
+        "bits": profile.bits,
+        "black_level": list(profile.black_level),
+        "white_level": profile.white_level,
+        "calibrations": [calibration_of(c) for c in profile.calibrations],
+        "illuminants": illuminants_of(profile),
+        "digital_gain": profile.digital_gain,
+        "noise": noise_of(profile.noise),
+        "effects": profile.effects,
+        "sources": dict(profile.sources),
+    }
+
+
+def calibration_of(calibration):
+    """Return one calibration in JSON's types."""
+    forward = calibration["xyz_d50_from_camera"]
+    return {
+        "light_source": calibration["light_source"],
+        "camera_from_xyz": calibration["camera_from_xyz"].tolist(),
+        "xyz_d50_from_camera": None if forward is None else forward.tolist(),
+    }
+
+
+def illuminants_of(profile):
+    """Return the distribution of neutrals, their number and their range in K.
+
+    cct is [lowest, highest] of neutrals or hull, None if there are neither. It bounds
+    the neutrals, not quite what may be drawn between them."""
+    lights = profile.illuminants
+    points = lights["neutrals"] or lights["hull"]
+    kelvins = [profile.illuminant(f"neutral:{r!r}:{b!r}").cct for r, b in points]
+    known = bool(points)
+    return {
+        "count": len(lights["neutrals"]),
+        "mean": list(lights["mean"]) if known else None,
+        "sd": [float(v) ** 0.5 for v in lights["covariance"].diagonal()]
+        if known
+        else None,
+        "covariance": lights["covariance"].tolist() if known else None,
+        "hull": [list(point) for point in lights["hull"]],
+        "neutrals": [list(point) for point in lights["neutrals"]],
+        "cct": [min(kelvins), max(kelvins)] if known else None,
+    }
+
+
+def noise_of(rows):
+    """Return the calibrated rows and the ISOs between which noise can be simulated."""
+    isos = [row["iso"] for row in rows]
+    reach = STOP if len(isos) > 1 else 1.0
+    return {
+        "rows": rows,
+        "iso": [isos[0], isos[-1]] if isos else None,
+        "iso_usable": [isos[0] / reach, isos[-1] * reach] if isos else None,
+    }
+
+
+def cfa_word(cfa):
+    """Return a CFA's name for people: the four letters of Bayer, or X-Trans."""
+    return {4: cfa, 36: "X-Trans"}.get(len(cfa), f"{len(cfa)} sites")
+
+
+def kelvin_words(cct):
+    """Return "2700-7500 K", one temperature if they are alike, "-" for None."""
+    if cct is None:
+        return "-"
+    low, high = (kelvin_word(kelvin) for kelvin in cct)
+    return f"{low} K" if low == high else f"{low}-{high} K"
+
+
+def kelvin_word(kelvin):
+    """Return one temperature; < and > where it is beyond Robertson's table."""
+    beyond = "<" * (kelvin <= LEAST_CCT) + ">" * (kelvin >= MOST_CCT)
+    return f"{beyond}{kelvin:.0f}"
+
+
+def neutral_words(lights):
+    """Return number, range, mean and standard deviation of the neutrals."""
+    if not lights["mean"]:
+        return "none"
+    (red, blue), (sd_red, sd_blue) = lights["mean"], lights["sd"]
+    spread = (
+        f", R/G {red:.4f} sd {sd_red:.4f}, B/G {blue:.4f} sd {sd_blue:.4f}"
+        if lights["count"] != 1
+        else f", R/G {red:.4f}, B/G {blue:.4f}"
+    )
+    count = lights["count"] or f"hull of {len(lights['hull'])} corners"
+    return f"{count}, {kelvin_words(lights['cct'])}{spread}"
+
+
+def iso_words(noise):
+    """Return "100-3200 (50-6400)": ISOs calibrated, and those that can be simulated."""
+    if not noise["iso"]:
+        return "no noise"
+    low, high = (f"{iso:g}" for iso in noise["iso"])
+    if low == high:
+        return f"{low} only"
+    return f"{low}-{high} ({'-'.join(f'{iso:g}' for iso in noise['iso_usable'])})"

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""RAW files through LibRaw: known cameras are found again, the rest is refused."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import cg2raw
+import numpy as np
+import pytest
+from cg2raw.profile import libraw
+from cg2raw.profile.json_text import checked
+from python.commands import fails, run, write_dng
+
+# Nikon D1, XYZ to camera for D65, times 10^4. Source: LibRaw 0.22, colordata.cpp.
+D1_MATRIX = (7637, -2199, -974, -9109, 17099, 2043, -2822, 3306, 8372)
+
+
+@pytest.mark.parametrize("cfa", ["RGGB", "GRBG", "GBRG", "BGGR"])
+def test_a_known_camera_is_found_again(tmp_path, cfa):
+    fields = {"cfa": cfa, "black_level": [60, 64, 68, 72], "white_level": 3880}
+    fields["shape"] = (40, 64)
+    path = write_dng(tmp_path / "a.dng", "A", **fields)
+    file, sensor = libraw.read_raw_file(path), cg2raw.Sensor("nikon-d40")
+    assert (file.make, file.model) == (sensor.make, sensor.model)
+    assert (file.cfa, file.width, file.height) == (cfa, 64, 40)
+    assert file.black_level == (60, 64, 68, 72) and file.white_level == 3880
+    red, _, blue = sensor.illuminant("A").neutral
+    assert file.neutral == pytest.approx((red, blue), abs=1e-4)
+    daylight = sensor.calibrations[1]["camera_from_xyz"].ravel()
+    np.testing.assert_allclose(file.camera_from_xyz, daylight, atol=1e-4)
+
+
+@pytest.mark.parametrize("top", [0, 1, 2, 13])
+@pytest.mark.parametrize("left", [0, 1, 26])
+def test_the_phase_is_that_of_the_visible_corner(top, left):
+    frame = np.tile([[0, 1], [3, 2]], (20, 20))
+    raw = SimpleNamespace(
+        raw_pattern=frame[:2, :2],
+        sizes=SimpleNamespace(top_margin=top, left_margin=left),
+        raw_color=lambda row, column: frame[row, column],  # rawpy: of the full frame
+    )
+    corner = frame[top : top + 2, left : left + 2]
+    assert libraw.corner_of(raw) == corner.ravel().tolist()
+
+
+def example(**changes):
+    """Return a RawFile of a camera that does not exist."""
+    file = libraw.RawFile(
+        path="a.nef",
+        make="ACME WORKS",
+        model="X 1",
+        cfa="RGGB",
+        width=60,
+        height=40,
+        black_level=(10.0, 12.0, 12.0, 10.0),
+        white_level=4000,
+        camera_from_xyz=tuple(np.array(D1_MATRIX) / 1e4),
+        neutral=(0.5, 0.7),
+    )
+    return dataclasses.replace(file, **changes)
+
+
+def test_files_of_one_camera_become_its_profile():
+    files = [
+        example(),
+        example(neutral=(0.6, 0.6), black_level=(12.0, 14.0, 14.0, 12.0)),
+        example(path="c.nef", neutral=None),
+    ]
+    fields, notes = libraw.profile_from_raw_files(files)
+    profile, _ = checked(fields, "made")
+    assert (profile.id, profile.unique_camera_model) == ("acme-x-1", "ACME X 1")
+    assert profile.bits == 12 and profile.noise == []
+    assert profile.illuminants["neutrals"] == [[0.5, 0.7], [0.6, 0.6]]
+    assert profile.black_level == pytest.approx([32 / 3, 38 / 3, 38 / 3, 32 / 3], 1e-4)
+    assert [c["light_source"] for c in profile.calibrations] == ["D65"]
+    assert any("black levels differ" in note for note in notes)
+    assert any("1 of 3 files record no white balance" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    "change", [{"model": "X 2"}, {"white_level": 1023}, {"cfa": "BGGR"}, {"width": 61}]
+)
+def test_files_of_two_cameras_or_modes_are_refused(change):
+    with pytest.raises(ValueError, match=f"b.nef: {next(iter(change))} "):
+        libraw.profile_from_raw_files([example(), example(path="b.nef", **change)])
+
+
+GAINS = {
+    (2.0, 1.0, 1.6, 1.0): (0.5, 0.625),
+    (512.0, 256.0, 320.0, 0.0): (0.5, 0.8),
+    (1.0, 1.0, 1.0, 1.0): None,
+    (0.0, 0.0, 0.0, 0.0): None,
+    (2.0, 1.0, -1.0, 1.0): None,
+}
+
+
+@pytest.mark.parametrize("gains", GAINS)
+def test_the_neutral_is_one_over_the_gains(gains):
+    assert libraw.neutral_of(gains) == GAINS[gains]
+
+
+def test_a_camera_without_matrix_or_mosaic_says_so():
+    flat = SimpleNamespace(name="Flat")
+    raw = SimpleNamespace(
+        raw_type=flat, raw_pattern=1, num_colors=3, rgb_xyz_matrix=np.zeros((4, 3))
+    )
+    with pytest.raises(ValueError, match="no colour matrix.*Adobe DNG Converter"):
+        libraw.fields_of(raw, "a.nef")
+    raw.raw_type = SimpleNamespace(name="Stack")
+    with pytest.raises(ValueError, match="a.nef: holds no mosaic"):
+        libraw.fields_of(raw, "a.nef")
+
+
+def test_a_real_nef(camera_data, tmp_path):
+    path, out = camera_data / "real/nikon_d1_imagemeta.nef", tmp_path / "d1.json"
+    done = run("profile", path, "-o", out)
+    assert done.code == 0 and "no white balance" in done.out
+    sensor = cg2raw.Sensor(out)
+    assert (sensor.id, sensor.cfa, sensor.bits) == ("nikon-d1", "BGGR", 12)
+    assert (sensor.width, sensor.height) == (2012, 1324)
+    [calibration] = sensor.calibrations
+    np.testing.assert_allclose(
+        calibration["camera_from_xyz"].ravel() * 1e4, D1_MATRIX, atol=0.5
+    )
+
+
+@pytest.mark.parametrize("name", ["Nikon.nef", "CanonRaw.cr2"])
+def test_files_that_are_only_a_header(camera_data, name, capfd):
+    path = camera_data / "real" / "meta_only" / name
+    assert f"{name}: LibRaw cannot read it" in fails("profile", path)
+    assert capfd.readouterr() == ("", "")  # nor do the libraries speak by themselves

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The picture of a sensor's illuminants: drawn for any profile, with what it shows."""
+
+import cg2raw
+import numpy as np
+import pytest
+from cg2raw.profile import plot
+from dng import dng_files
+from matplotlib import style
+from matplotlib.figure import Figure
+from python.commands import fails, run
+
+PNG = b"\x89PNG\r\n\x1a\n"
+NEUTRALS = [[0.9, 0.3], [0.6, 0.5], [0.4, 0.8], [0.5, 0.7]]
+
+PROFILES = {
+    "a distribution": {},
+    "neutrals": {"illuminants": {"neutrals": NEUTRALS}},
+    "one neutral": {"illuminants": {"neutrals": NEUTRALS[:1]}},
+    "neutrals on a line": {"illuminants": {"neutrals": [[0.5, 0.5]] * 4}},
+    "extreme neutrals": {"illuminants": {"neutrals": [[0.01, 99], [99, 0.01], [1, 1]]}},
+    "no neutrals": {"illuminants": None},
+    "nothing to draw from": {
+        "illuminants": None,
+        "color_matrix_2": None,
+        "calibration_illuminant_2": None,
+    },
+}
+
+
+@pytest.mark.parametrize("changes", PROFILES.values(), ids=PROFILES)
+def test_any_profile_can_be_drawn(changes):
+    assert plot.plot_png(dng_files.sensor(**changes)).startswith(PNG)
+
+
+def test_the_same_profile_gives_the_same_bytes():
+    png = plot.plot_png(cg2raw.Sensor("samsung-s20fe"))
+    with style.context("dark_background"):  # as a user's matplotlibrc may say
+        assert png == plot.plot_png(cg2raw.Sensor("samsung-s20fe"))
+    assert png != plot.plot_png(cg2raw.Sensor("nikon-d40"))
+
+
+def axes_of(sensor):
+    """Return axes with what is drawn of a sensor."""
+    axes = Figure().add_subplot()
+    plot.draw_lights(axes, sensor, plot.drawn(sensor))
+    return axes
+
+
+def test_the_ellipses_are_those_of_the_covariance():
+    sensor = dng_files.sensor(illuminants={"neutrals": NEUTRALS})
+    mean, covariance = np.mean(NEUTRALS, axis=0), np.cov(np.transpose(NEUTRALS))
+    dashed = [line for line in axes_of(sensor).lines if line.get_linestyle() == "--"]
+    for sigmas, line in enumerate(dashed, 1):
+        offsets = line.get_xydata() - mean
+        distance = np.einsum("ni,ij,nj->n", offsets, np.linalg.inv(covariance), offsets)
+        np.testing.assert_allclose(distance, sigmas**2, rtol=1e-6)
+    assert len(dashed) == 3
+
+
+def test_samples_and_neutrals_are_those_of_the_sensor():
+    sensor = dng_files.sensor(illuminants={"neutrals": NEUTRALS})
+    samples, neutrals = (dots.get_offsets() for dots in axes_of(sensor).collections)
+    np.testing.assert_allclose(neutrals, NEUTRALS)
+    red, _, blue = sensor.illuminant("sample:7").neutral
+    assert len(samples) == 200 and list(samples[7]) == pytest.approx([red, blue])
+
+
+def test_the_locus_is_that_of_the_sensor():
+    sensor = cg2raw.Sensor("nikon-d40")
+    points = plot.draw_locus(Figure().add_subplot(), sensor)
+    for row, word in ((0, "15000K"), (-1, "2000K")):
+        red, _, blue = sensor.illuminant(word).neutral
+        assert list(points[row]) == pytest.approx([red, blue], abs=1e-5)
+
+
+def test_temperatures_stay_within_the_picture():
+    figure = Figure(figsize=(8, 6.5), dpi=120)
+    axes, sensor = figure.add_subplot(), cg2raw.Sensor("nikon-d40")
+    locus = plot.draw_locus(axes, sensor)
+    for cool, warm in ((0, 399), (100, 399), (0, 250)):
+        (left, top), (right, bottom) = locus[cool], locus[warm]
+        axes.set(xlim=(left - 0.01, right + 0.01), ylim=(bottom - 0.01, top + 0.01))
+        plot.label_ticks(axes, sensor)
+        box = axes.get_window_extent().padded(25)  # at the bottom words may hang over
+        assert len(axes.texts) > 3
+        for text in list(axes.texts):
+            words = text.get_window_extent()
+            assert box.contains(words.x0, words.y0) and box.contains(words.x1, words.y1)
+            text.remove()
+
+
+@pytest.mark.parametrize("command", [("sensors", "nikon-d40")], ids=" ".join)
+def test_the_option_plot(tmp_path, command):
+    out = tmp_path / "lights.png"
+    assert run(*command, "--plot", out).code == 0
+    assert out.read_bytes().startswith(PNG)
+    assert "must end in .png" in fails(*command, "--plot", tmp_path / "lights.pdf")
+    assert "needs the ID" in fails("sensors", "--plot", out)
+
+
+def test_a_new_profile_is_drawn_with_it(tmp_path):
+    photo, out = tmp_path / "a.dng", tmp_path / "lights.png"
+    dng_files.write(photo, dng_files.sensor(), shape=(16, 24))
+    assert run("profile", photo, "-o", tmp_path / "a.json", "--plot", out).code == 0
+    assert out.read_bytes().startswith(PNG)

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""cg2raw profile --ssf: measured sensitivities, alone or with a camera's DNG."""
+
+import json
+
+import cg2raw
+import numpy as np
+import pytest
+from cg2raw.profile.spectral import profile_from_ssf
+from python.commands import fails, run, write_dng
+
+ALONE = {
+    "--cfa": "GRBG",
+    "--size": "600x400",
+    "--bits": "12",
+    "--black-level": "0",
+    "--white-level": "4000",
+}
+LIGHTS = ("A", "D65", "FL2")
+
+
+@pytest.fixture
+def ssf(tmp_path):
+    """Return a file of the sensitivities of a camera that does not exist."""
+    steps = np.arange(380, 781, 5)
+    peaks = {"R": (600, 40), "G": (540, 45), "B": (460, 35)}
+    curves = [
+        np.exp(-(((steps - at) / width) ** 2) / 2) for at, width in peaks.values()
+    ]
+    lines = [
+        f"{n},{r:.6f},{g:.6f},{b:.6f}"
+        for n, r, g, b in zip(steps, *curves, strict=True)
+    ]
+    path = tmp_path / "ssf.csv"
+    path.write_text("\n".join(["wavelength,R,G,B", *lines]) + "\n")
+    return path
+
+
+def options(**changes):
+    """Return the words of ALONE with changes; None leaves an option out."""
+    wanted = {**ALONE, **{f"--{k.replace('_', '-')}": v for k, v in changes.items()}}
+    return [word for k, v in wanted.items() if v is not None for word in (k, v)]
+
+
+def lights():
+    """Return the words that name LIGHTS."""
+    return [word for light in LIGHTS for word in ("--illuminant-spd", light)]
+
+
+def colour_of(fields):
+    """Return those fields that sensitivities tell."""
+    starts = ("calibration_illuminant", "color_matrix", "forward_matrix", "illuminants")
+    return {name: value for name, value in fields.items() if name.startswith(starts)}
+
+
+def expected(ssf, **known):
+    """Return the fields that the library computes."""
+    names = {"make": "Acme", "model": "One"}
+    known = {"cfa": "GRBG", "width": 600, "height": 400, "bits": 12, **known}
+    levels = {"black_level": 0, "white_level": 4000}
+    return profile_from_ssf(ssf, lights=LIGHTS, **names, **known, **levels)
+
+
+def test_sensitivities_alone(ssf, tmp_path):
+    out = tmp_path / "my.json"
+    names = ("--make", "Acme", "--model", "One")
+    done = run("profile", "--ssf", ssf, *options(), *lights(), *names, "-o", out)
+    assert done.code == 0, done.err
+    fields = json.loads(out.read_text())
+    assert colour_of(fields) == colour_of(expected(ssf))
+    sensor = cg2raw.Sensor(out)
+    assert (sensor.id, sensor.cfa, sensor.bits) == ("acme-one", "GRBG", 12)
+    assert (sensor.width, sensor.height, sensor.white_level) == (600, 400, 4000)
+    assert len(sensor.neutrals) == 3
+
+
+def test_sensitivities_replace_the_colour_of_a_dng_and_no_more(ssf, tmp_path):
+    photo = write_dng(tmp_path / "a.dng", iso=800, profile="samsung-s20fe")
+    plain, out = tmp_path / "plain.json", tmp_path / "my.json"
+    run("profile", photo, "-o", plain)
+    done = run("profile", photo, "--ssf", ssf, *lights(), "-o", out)
+    assert done.code == 0 and "are those of" in done.out
+    was, now = json.loads(plain.read_text()), json.loads(out.read_text())
+    assert colour_of(now) == colour_of(expected(ssf)) != colour_of(was)
+    for name in set(was) - set(colour_of(was)) - {"sources"}:
+        assert now[name] == was[name]
+    assert "ssf.csv" in now["sources"]["color_matrix_2"]
+    assert not any("one matrix" in text for text in now["sources"].values())
+
+
+BAD = [
+    (options(cfa=None, bits=None), "do not tell --cfa, --bits;"),
+    (options(size="600"), "--size 600: must be WxH"),
+    (options(bits="twelve"), "--bits twelve: must be a whole number"),
+    (options(white_level="-4"), "--white-level -4: must be a whole number"),
+    (options(cfa="RGGX"), "cfa"),
+    ([*options(), "--illuminant-spd", "moonlight"], "'moonlight' is unknown"),
+]
+
+
+@pytest.mark.parametrize(("words", "reason"), BAD, ids=[case[1] for case in BAD])
+def test_what_is_wrong_is_said_in_a_line(ssf, words, reason):
+    names = ("--make", "Acme", "--model", "One")
+    words = [f"{a}={b}" for a, b in zip(words[::2], words[1::2], strict=True)]
+    assert reason in fails("profile", "--ssf", ssf, *words, *names)
+
+
+def test_options_that_do_not_go_together(ssf, tmp_path):
+    photo = write_dng(tmp_path / "a.dng")
+    line = fails("profile", photo, "--ssf", ssf, "--bits", "12")
+    assert "--bits: the files say it" in line
+    assert "--bits: " in fails("profile", photo, "--bits", "12")
+    assert "needs --ssf" in fails("profile", photo, "--illuminant-spd", "A")
+    assert "or --ssf" in fails("profile")
+    assert "absent.csv" in fails("profile", photo, "--ssf", tmp_path / "absent.csv")

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Profiles of spectral sensitivities: laws of colorimetry, tables, bad files."""
+
+import json
+
+import numpy as np
+import pytest
+from oracles import adobe, spectral
+
+import cg2raw
+from cg2raw.profile import matrix_fit
+from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
+from cg2raw.profile.spectral import color_matrices, neutral_under, profile_from_ssf
+from cg2raw.profile.spectral_file import (
+    WAVELENGTHS,
+    Sensitivities,
+    read_sensitivities,
+)
+
+SENSOR = {
+    "cfa": "RGGB",
+    "width": 6000,
+    "height": 4000,
+    "bits": 14,
+    "black_level": 1024,
+    "white_level": 15000,
+}
+# Camera from XYZ of cameras that see as the CIE 1931 observer does: their sensitivities
+# are linear combinations of its.
+LUTHER = {
+    "like an eye": [[0.4, 0.71, -0.08], [-0.23, 1.17, 0.05], [0.0, 0.0, 0.92]],
+    "like sRGB": [[3.24, -1.54, -0.5], [-0.97, 1.88, 0.04], [0.06, -0.2, 1.06]],
+    "broad": [[0.7, 0.3, 0.1], [0.1, 0.8, 0.2], [0.05, 0.1, 0.6]],
+}
+
+
+def luther(name):
+    rgb = spectral.observer() @ np.transpose(LUTHER[name])
+    return Sensitivities(file="luther.json", rgb=rgb)
+
+
+def three_lobes():
+    """Sensitivities of Gaussian shape, as broad as a real camera's."""
+    centres, widths = np.array([600.0, 535.0, 460.0]), np.array([35.0, 42.0, 30.0])
+    rgb = np.exp(-0.5 * ((WAVELENGTHS[:, None] - centres) / widths) ** 2)
+    return Sensitivities("lobes.json", rgb * [0.8, 1.0, 0.7], "Acme", "Lobes 3")
+
+
+def camera_json(rgb, **header):
+    rows = zip(WAVELENGTHS, rgb.tolist(), strict=True)
+    return {
+        "header": {"manufacturer": "Acme", "model": "Lobes 3", **header},
+        "spectral_data": {
+            "index": {"main": ["R", "G", "B"]},
+            "data": {"main": {f"{wavelength:g}": row for wavelength, row in rows}},
+        },
+    }
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Return write(document or text, name): the path of a file."""
+
+    def write(content, name="camera.json"):
+        text = content if isinstance(content, str) else json.dumps(content)
+        (tmp_path / name).write_text(text)
+        return tmp_path / name
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("light", "xy"),
+    [
+        ("A", (0.44758, 0.40745)),
+        ("D65", (0.31272, 0.32903)),
+        ("FL2", (0.3721, 0.3751)),
+        ("FL7", (0.3129, 0.3292)),
+        ("FL11", (0.3805, 0.3769)),
+        ("D5000K", (0.3457, 0.3585)),
+    ],
+)
+def test_lights_have_their_published_chromaticity(light, xy):
+    """CIE 015:2018, tables 3 and 10.1; they have 4 decimals, and other steps."""
+    found = adobe.chromaticity(matrix_fit.xyz_under(illuminant_spectrum(light)))
+    assert found == pytest.approx(xy, abs=1.2e-4)
+
+
+def test_a_black_body_has_the_chromaticity_that_the_core_gives_it():
+    found = adobe.chromaticity(matrix_fit.xyz_under(illuminant_spectrum("3200K")))
+    assert found == pytest.approx(cg2raw.planckian_xy(3200.0), abs=5e-4)
+
+
+@pytest.mark.parametrize("name", LUTHER)
+@pytest.mark.parametrize("light", ["A", "D65", "FL11", "HP1"])
+def test_a_camera_that_sees_like_the_observer_is_fitted_exactly(name, light):
+    camera, power = luther(name), illuminant_spectrum(light)
+    fitted = matrix_fit.fit_xyz_d50_from_camera(camera.rgb, power)
+    for objects in spectral.held_out().values():
+        seen = matrix_fit.balanced_camera(camera.rgb, power, objects) @ fitted.T
+        truth = spectral.truth_d50(power, objects)
+        assert spectral.difference(seen, truth).max() < 1e-6
+    matrix = matrix_fit.color_matrix(fitted, camera.rgb, power)
+    expected = np.array(LUTHER[name])
+    expected = expected / np.max(expected @ adobe.xyz(adobe.D50))
+    assert matrix == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("light", REAL_LIGHTS)
+def test_the_neutral_of_such_a_camera_is_its_matrix_times_white(light):
+    white = spectral.xyz(illuminant_spectrum(light))
+    expected = LUTHER["like an eye"] @ white
+    found = neutral_under(luther("like an eye"), light)
+    assert found == pytest.approx(expected / expected[1], rel=1e-12)
+
+
+def test_no_white_preserving_matrix_near_the_fitted_one_is_better():
+    camera, power = three_lobes(), illuminant_spectrum("A")
+    objects = matrix_fit.training_reflectances()
+    seen = matrix_fit.balanced_camera(camera.rgb, power, objects)
+    truth = spectral.truth_d50(power, objects)
+    fitted = matrix_fit.fit_xyz_d50_from_camera(camera.rgb, power)
+    assert fitted.sum(axis=1) == pytest.approx(adobe.xyz(adobe.D50), abs=1e-12)
+    least = spectral.difference(seen @ fitted.T, truth).mean()
+    random = np.random.default_rng(1)
+    for _ in range(200):
+        step = random.normal(size=(3, 3))
+        step -= step.mean(axis=1, keepdims=True)
+        other = fitted + 0.01 * step / np.linalg.norm(step)
+        assert spectral.difference(seen @ other.T, truth).mean() > least - 1e-4
+
+
+def test_the_scale_of_sensitivities_changes_nothing(written):
+    rgb = three_lobes().rgb
+    paths = [written(camera_json(rgb * k), f"at-{k}.json") for k in (1.0, 40.0)]
+    first, *others = [profile_from_ssf(p, **SENSOR, lights=["FL2"]) for p in paths]
+    step = pytest.approx(1e-4, rel=1e-6)
+    for other in others:
+        assert other["illuminants"] == first["illuminants"]
+        for field in ("color_matrix_1", "color_matrix_2"):
+            apart = np.max(np.abs(np.subtract(other[field], first[field])))
+            assert apart == 0.0 or apart == step  # a decimal may round otherwise
+
+
+def test_the_profile_is_legal_and_tells_its_sources(written):
+    document = camera_json(three_lobes().rgb, license="Apache-2.0")
+    profile = profile_from_ssf(written(document), **SENSOR, lights=["A", "FL2"])
+    assert profile["id"] == "acme-lobes-3"
+    assert profile["black_level"] == [1024] * 4
+    assert set(profile) - set(profile["sources"]) == {
+        "schema",
+        "id",
+        "unique_camera_model",
+        "sources",
+    }
+    assert "camera.json (Apache-2.0)" in profile["sources"]["color_matrix_1"]
+    assert "A, FL2" in profile["sources"]["illuminants"]
+    sensor = cg2raw.Sensor.from_json(json.dumps(profile))
+    neutrals = [neutral_under(three_lobes(), light) for light in ("A", "FL2")]
+    assert sensor.neutrals == pytest.approx(
+        [pytest.approx([n[0], n[2]], abs=1e-6) for n in neutrals]
+    )
+
+
+def test_its_matrices_give_the_neutrals_that_the_sensitivities_give():
+    """Within the matrices' four decimals, and A's 2856 K beside a DNG's 2850 K."""
+    profile = profile_from_ssf(three_lobes(), **SENSOR)
+    sensor = cg2raw.Sensor.from_json(json.dumps(profile))
+    for light in ("A", "D65"):
+        seen = neutral_under(three_lobes(), light)
+        assert sensor.illuminant(light).neutral == pytest.approx(seen, abs=5e-4)
+
+
+def test_what_is_missing_is_listed_at_once(written):
+    path = written(camera_json(three_lobes().rgb))
+    with pytest.raises(ValueError, match="do not tell cfa, height, white_level; give"):
+        profile_from_ssf(path, width=10, bits=14, black_level=0)
+
+
+def test_levels_are_checked_by_the_core():
+    with pytest.raises(ValueError, match="lobes.json: white_level 15000 DN must be"):
+        profile_from_ssf(three_lobes(), **{**SENSOR, "bits": 12}, lights=["A"])
+
+
+def test_csv_and_json_hold_the_same_camera(written):
+    rgb = three_lobes().rgb
+    rows = [
+        f"{wavelength:g},{b!r},{r!r},{g!r}"
+        for wavelength, (r, g, b) in zip(WAVELENGTHS, rgb.tolist(), strict=True)
+    ]
+    text = "\n".join(["# Camera: Acme", "nm,B,R,G", *rows])
+    from_csv = read_sensitivities(written(text, "camera.csv"))
+    from_json = read_sensitivities(written(camera_json(rgb)))
+    assert np.array_equal(from_csv.rgb, from_json.rgb)
+    assert from_csv.rgb == pytest.approx(rgb, rel=1e-12, abs=1e-15)
+    with pytest.raises(ValueError, match="do not tell make, model; give each"):
+        profile_from_ssf(from_csv, **SENSOR)
+
+
+def test_a_coarser_table_is_the_same_camera(written):
+    rgb = three_lobes().rgb
+    coarse = camera_json(rgb)
+    rows = coarse["spectral_data"]["data"]
+    rows["main"] = dict(list(rows["main"].items())[::2])
+    found = neutral_under(read_sensitivities(written(coarse)), "A")
+    assert found == pytest.approx(neutral_under(three_lobes(), "A"), rel=2e-3)
+
+
+def test_a_narrow_line_between_steps_is_seen_where_it_is(written):
+    wavelengths = np.arange(380, 781)
+    lines = [f"{w},{1.0 if w == 547 else 0.0}" for w in wavelengths]
+    found = neutral_under(three_lobes(), written("\n".join(lines), "line.csv"))
+    at_547 = [np.interp(547.0, WAVELENGTHS, c) for c in three_lobes().rgb.T]
+    assert found == pytest.approx(np.array(at_547) / at_547[1], rel=1e-12)
+
+
+def edited(edit):
+    document = camera_json(three_lobes().rgb)
+    rows = document["spectral_data"]["data"]["main"]
+    edit(document["spectral_data"], rows)
+    return document
+
+
+def swapped(data, rows):
+    data["data"]["main"] = dict(reversed(rows.items()))
+
+
+BAD = {
+    "no JSON": ("{", "is no JSON"),
+    "no data": ({"header": {}}, "spectral_data.index.main is missing"),
+    "no row": (edited(lambda d, r: r.clear()), "holds no row"),
+    "falling": (edited(swapped), "wavelength 775 nm comes after 780 nm"),
+    "gap": (edited(lambda d, r: r.pop("550")), "a gap from 545 to 555 nm"),
+    "short": (
+        edited(lambda d, r: [r.pop(f"{w}") for w in range(600, 781, 5)]),
+        "wavelengths 380 to 595 nm must cover 400 to 690",
+    ),
+    "channel": (
+        edited(lambda d, r: d["index"].update(main=["R", "G", "X"])),
+        "must name the channel B once",
+    ),
+    "twice": (
+        edited(lambda d, r: d["index"].update(main=["R", "R", "B"])),
+        "must name the channel R once",
+    ),
+    "two values": (edited(lambda d, r: r["500"].pop()), "'500' must be a list of 3"),
+    "text": (
+        edited(lambda d, r: r["500"].__setitem__(1, "x")),
+        "'500' 'x' must be a finite number",
+    ),
+    "nan": (
+        edited(lambda d, r: r["500"].__setitem__(1, float("nan"))),
+        "'500' nan must be a finite number",
+    ),
+    "wavelength": (edited(lambda d, r: r.update(x=r["500"])), "wavelength 'x' must be"),
+    "negative": (
+        edited(lambda d, r: r["700"].__setitem__(2, -0.05)),
+        "B at 700 nm is -0.05; noise may reach -0.007",
+    ),
+    "blind": (
+        edited(lambda d, r: [row.__setitem__(0, 0.0) for row in r.values()]),
+        "R is nowhere above 0",
+    ),
+    "huge": (
+        edited(lambda d, r: r["500"].__setitem__(1, 10**400)),
+        "'500' 1000.* must be a finite number",
+    ),
+    "deep": ('{"a":' * 100000, "is no JSON"),
+    "wide": ("4" * 200000 + ",1,2,3", "is no CSV"),
+    "repeated": ('{"a": 1, "a": 2}', "'a' stands there twice"),
+    "columns": ("400,1,2\n405,1,2\n", "line 1 has 3 columns"),
+    "header": ("nm,R,G\n400,1,2\n", "line 1 .* must name the channel B once"),
+    "empty": ("", "holds no row"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_file_is_refused_in_one_line(written, case):
+    content, message = BAD[case]
+    path = written(content)
+    with pytest.raises(ValueError, match=message) as caught:
+        read_sensitivities(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="none.json: No such file"):
+        read_sensitivities(tmp_path / "none.json")
+
+
+@pytest.mark.parametrize(
+    ("light", "message"),
+    [
+        ("Z9", "light 'Z9' is unknown; it may be a name"),
+        ("900K", "must be 1000 to 25000 K"),
+        ("D3000K", "must be 4000 to 25000 K"),
+        ("ISO 7589 Sensitometric Printer", "350 to 560 nm must cover"),
+        ("./none.csv", "none.csv: No such file"),
+    ],
+)
+def test_an_unknown_light_is_refused(light, message):
+    with pytest.raises(ValueError, match=message):
+        neutral_under(three_lobes(), light)
+
+
+def test_channels_that_see_the_same_have_no_matrix():
+    rgb = three_lobes().rgb
+    same = Sensitivities("grey.json", np.column_stack([rgb[:, 1]] * 3))
+    with pytest.raises(ValueError, match="grey.json: A: no colour matrix fits"):
+        color_matrices(same)
