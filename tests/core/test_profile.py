@@ -3,18 +3,12 @@
 """profile.h: the schema and its errors, the bundled sensors, noise between ISOs."""
 
 import json
-import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import cg2raw
 import numpy as np
 import pytest
 
 from oracles import cameras
-
-PROFILES = Path(__file__).parents[2] / "plugins" / "profiles"
 
 
 def load(**fields):
@@ -225,16 +219,6 @@ def test_a_missing_file_is_an_error_that_names_it(name):
         cg2raw.Sensor(name)
 
 
-def test_bundled_profiles_are_what_their_script_makes(camera_data, tmp_path):
-    script = shutil.copy(PROFILES / "make_profiles.py", tmp_path)
-    command = [sys.executable, script, "--data", camera_data, "--out", tmp_path]
-    subprocess.run(list(map(str, command)), check=True)
-    made = sorted(tmp_path.glob("*.json"))
-    assert [path.name for path in made] == ["nikon-d40.json", "samsung-s20fe.json"]
-    for path in made:
-        assert path.read_bytes() == (PROFILES / path.name).read_bytes()
-
-
 def test_the_samsung_is_the_one_that_was_measured():
     sensor = cg2raw.Sensor("samsung-s20fe")
     assert (sensor.cfa, sensor.width, sensor.height) == ("GRBG", 4032, 3024)
@@ -246,13 +230,6 @@ def test_the_samsung_is_the_one_that_was_measured():
         x = (dn - 64.0) / 959.0
         variance = (noise["beta1"][0] * x + noise["beta2"][0]) * 959.0**2
         assert variance == pytest.approx(2.24355796 * dn - 134.138137, rel=1e-5)
-
-
-def test_every_number_of_a_bundled_profile_has_a_source():
-    for name in ("nikon-d40", "samsung-s20fe"):
-        profile = json.loads((PROFILES / f"{name}.json").read_text())
-        facts = set(profile) - {"schema", "id", "sources", "effects"}
-        assert facts == set(profile["sources"])
 
 
 def table(isos, beta1, beta2):
