@@ -185,10 +185,9 @@ Tags mosaic_tags(const DngDescription& description)
         tags.push_back({ noise_profile, pairs });
     }
     if (description.lens_shading)
-        tags.push_back(
-            { opcode_list_2,
-              Undefined { gain_map_opcodes(*description.lens_shading, description.size,
-                                           description.cfa) } });
+        tags.push_back({ opcode_list_2,
+                         Undefined { gain_map_opcodes(*description.lens_shading,
+                                                      description.size) } });
     return tags;
 }
 

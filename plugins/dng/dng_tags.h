@@ -20,7 +20,7 @@ Tags preview_tags();
 Tags exif_tags(const Shot& shot);
 
 /// OpcodeList2 with the gain map. Throws Error if the map's size is not rows x cols.
-Bytes gain_map_opcodes(const GainMap& map, Size size, const CfaPattern& cfa);
+Bytes gain_map_opcodes(const GainMap& map, Size size);
 
 /// Throws Error, which @p path leads, for a description that no DNG can express.
 void check(const DngDescription& description, const std::string& path);

@@ -16,6 +16,7 @@ constexpr std::uint32_t since_dng_1_3 = 0x01030000;
 /// A reader that does not know it may skip it.
 constexpr std::uint32_t optional_flag = 1;
 constexpr std::uint32_t parameter_bytes = 76; // before the gains
+constexpr int pitch = 2; ///< pixels from one of a map to the next
 
 /// Opcode lists are big-endian whatever the file is.
 class BigEndian {
@@ -44,8 +45,8 @@ private:
     Bytes m_bytes;
 };
 
-/// The map for one site of the CFA's repeat.
-void put_opcode(BigEndian& out, const GainMap& map, Size size, Size repeat, Site site)
+/// The map for every second pixel each way, from @p site on.
+void put_opcode(BigEndian& out, const GainMap& map, Size size, Site site)
 {
     out.put(gain_map_id);
     out.put(since_dng_1_3);
@@ -55,8 +56,8 @@ void put_opcode(BigEndian& out, const GainMap& map, Size size, Size repeat, Site
         out.put(std::uint32_t(edge)); // top, left, bottom, right
     out.put(std::uint32_t(0)); // first plane
     out.put(std::uint32_t(1)); // planes
-    out.put(std::uint32_t(repeat.height)); // row and column pitch
-    out.put(std::uint32_t(repeat.width));
+    out.put(std::uint32_t(pitch)); // of rows, of columns
+    out.put(std::uint32_t(pitch));
     out.put(std::uint32_t(map.rows));
     out.put(std::uint32_t(map.cols));
     out.put(1.0 / (map.rows - 1)); // spacing; the map spans the active area, 0 to 1
@@ -70,20 +71,19 @@ void put_opcode(BigEndian& out, const GainMap& map, Size size, Size repeat, Site
 
 } // namespace
 
-/// The same map once per site: one map for all is as legal, but darktable applies gain
-/// maps only if there is one for each of the four Bayer sites.
-Bytes gain_map_opcodes(const GainMap& map, Size size, const CfaPattern& cfa)
+/// The same map for each pixel of 2 x 2, four times: one map for all pixels is as
+/// legal, but darktable applies gain maps only if they are four of pitch 2, and does so
+/// whatever the CFA's repeat.
+Bytes gain_map_opcodes(const GainMap& map, Size size)
 {
     if (map.rows < 2 || map.cols < 2
         || map.gains.size() != std::size_t(map.rows) * std::size_t(map.cols))
         throw Error("DNG: lens shading needs a map of at least 2 x 2 gains, all given");
-    const bool bayer = cfa.width == 2 && cfa.height == 2;
-    const Size repeat = bayer ? Size { 2, 2 } : Size { 1, 1 };
     BigEndian out;
-    out.put(std::uint32_t(repeat.width * repeat.height)); // opcodes
-    for (int row = 0; row < repeat.height; ++row)
-        for (int col = 0; col < repeat.width; ++col)
-            put_opcode(out, map, size, repeat, { row, col });
+    out.put(std::uint32_t(pitch * pitch)); // opcodes
+    for (int row = 0; row < pitch; ++row)
+        for (int col = 0; col < pitch; ++col)
+            put_opcode(out, map, size, { row, col });
     return out.take();
 }
 

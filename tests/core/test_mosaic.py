@@ -2,13 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """mosaic.h and the levels: which value stands where, and as which DN."""
 
+import math
+
 import cg2raw
 import numpy as np
 import pytest
 
 from oracles import cameras
 
-PHASES = ("RGGB", "GRBG", "GBRG", "BGGR")
+CFAS = ("RGGB", "GRBG", "GBRG", "BGGR", cameras.QUAD, cameras.X_TRANS)
 
 
 def sensor_of(**fields):
@@ -18,17 +20,20 @@ def sensor_of(**fields):
 def expected_mosaic(rgb, cfa):
     """One of three values per site, written out."""
     height, width, _ = rgb.shape
+    side = math.isqrt(len(cfa))
     out = np.empty((height, width))
     for row in range(height):
         for col in range(width):
-            out[row, col] = rgb[row, col, "RGB".index(cfa[row % 2 * 2 + col % 2])]
+            out[row, col] = rgb[
+                row, col, "RGB".index(cfa[row % side * side + col % side])
+            ]
     return out
 
 
 @pytest.mark.parametrize(
     "size", [(48, 64), (7, 9), (1, 1), (1, 300), (301, 2), (3, 515)]
 )
-@pytest.mark.parametrize("cfa", PHASES)
+@pytest.mark.parametrize("cfa", CFAS)
 def test_each_site_keeps_its_colour(cfa, size):
     rgb = np.random.default_rng(3).uniform(0, 1, (*size, 3)).astype(np.float32)
     sensor = sensor_of(cfa=cfa)
@@ -37,14 +42,15 @@ def test_each_site_keeps_its_colour(cfa, size):
     assert (seen == expected_mosaic(rgb, cfa)).all()
 
 
-@pytest.mark.parametrize("cfa", PHASES)
+@pytest.mark.parametrize("cfa", CFAS)
 def test_levels_per_site(cfa):
-    black, white = [100.0, 200.25, 300.5, 400.0], 4000
+    black, white = [100.0 + 20.25 * site for site in range(len(cfa))], 4000
+    side = math.isqrt(len(cfa))
     sensor = sensor_of(cfa=cfa, bits=12, black_level=black, white_level=white)
     rgb = np.random.default_rng(4).uniform(0, 1, (33, 45, 3)).astype(np.float32)
     x = expected_mosaic(rgb, cfa)
     rows, cols = np.indices(x.shape)
-    b = np.array(black)[rows % 2 * 2 + cols % 2]
+    b = np.array(black)[rows % side * side + cols % side]
     dn = x * (white - b) + b
     raw = sensor.simulate(rgb, illuminant="A", camera_input=True)
     assert raw.dtype == np.uint16

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """random.h and the noise of a simulation: planted values come back."""
 
+import math
+
 import cg2raw
 import numpy as np
 import pytest
@@ -82,6 +84,47 @@ def test_flats_give_back_beta1_and_beta2_per_site(cfa):
         beta1, beta2 = fitted(mean, variance)
         assert beta1 == pytest.approx(BETA1[site], rel=0.01)
         assert beta2 == pytest.approx(BETA2[site], rel=0.01)
+
+
+@pytest.mark.parametrize("cfa", [cameras.QUAD, cameras.X_TRANS])
+@pytest.mark.parametrize("shape", [(1200, 1200), (1203, 1199)])
+def test_each_site_of_a_larger_cfa_has_its_own_noise(cfa, shape):
+    random = np.random.default_rng(7)
+    beta1, beta2 = (
+        random.uniform(low, 5 * low, len(cfa)).tolist() for low in (1e-4, 1e-5)
+    )
+    noise = [{"iso": 100, "beta1": beta1, "beta2": beta2}]
+    sensor = sensor_of(cfa=cfa, black_level=512, noise=noise)
+    side = math.isqrt(len(cfa))
+    for level in (0.05, 0.6):
+        rgb = np.full((*shape, 3), level, np.float32)
+        seen = sensor.signal(rgb, illuminant="A", iso=100, camera_input=True)
+        for site in range(len(cfa)):
+            x = np.asarray(seen, float)[site // side :: side, site % side :: side]
+            variance = beta1[site] * level + beta2[site]
+            error = 5.0 * np.sqrt(2.0 / x.size)
+            assert x.mean() == pytest.approx(
+                level, abs=5.0 * np.sqrt(variance / x.size)
+            )
+            assert x.var() == pytest.approx(variance, rel=error), site
+
+
+def test_a_larger_repeat_of_bayer_is_bayer():
+    """The same sensor said in 2 x 2 and in 4 x 4 and 6 x 6: the same bytes."""
+    rows = {}
+    for times in (1, 2, 3):
+
+        def tiled(sites, times=times):
+            return np.tile(np.reshape(sites, (2, 2)), (times, times)).ravel().tolist()
+
+        noise = [{"iso": 100, "beta1": tiled(BETA1), "beta2": tiled(BETA2)}]
+        sensor = sensor_of(
+            cfa="".join(tiled(list("GRBG"))),
+            black_level=tiled([512, 520, 530, 540]),
+            noise=noise,
+        )
+        rows[times] = small(sensor, seed=2)
+    assert (rows[1] == rows[2]).all() and (rows[1] == rows[3]).all()
 
 
 def test_noise_of_an_iso_between_the_calibrated_ones():

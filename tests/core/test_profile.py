@@ -51,8 +51,16 @@ WRONG = [
     ("make", "", "text"),
     ("sources", [], "object"),
     ("sources", {"noise": 3}, "text"),
-    ("cfa", "RGBG", "rggb|RGGB"),
-    ("cfa", "XTRANS", "rggb|RGGB"),
+    ("cfa", "RGBG", "RGGB.*16 or 36 letters"),
+    ("cfa", "", "text"),
+    ("cfa", "RRRR", "RGGB, GRBG, GBRG or BGGR"),
+    ("cfa", "X-Trans", "36 letters.*phase differs"),
+    ("cfa", "XTRANS", "36 letters.*phase differs"),
+    ("cfa", cameras.X_TRANS[:35], "36 letters"),
+    ("cfa", cameras.X_TRANS + "G", "36 letters"),
+    ("cfa", cameras.X_TRANS.replace("B", "W"), "36 letters"),
+    ("cfa", cameras.X_TRANS.replace("B", "G"), "each at least once"),
+    ("cfa", "RGGBRGGBR", "16 or 36 letters"),
     ("width", 0, "1|2"),
     ("height", -4, "1|2"),
     ("width", 70000, "65535"),
@@ -61,9 +69,11 @@ WRONG = [
     ("bits", 7, "8 to 16"),
     ("bits", 17, "8 to 16"),
     ("bits", "14", "whole number"),
-    ("black_level", 512, "list"),
-    ("black_level", [512], "4"),
-    ("black_level", [512] * 5, "4"),
+    ("black_level", "512", "number or a list of numbers"),
+    ("black_level", [], "1 number .*3 .*4 .*not 0"),
+    ("black_level", [512] * 2, "1 number .*3 .*4 .*not 2"),
+    ("black_level", [512] * 5, "1 number .*3 .*4 .*not 5"),
+    ("black_level", [512] * 36, "1 number .*3 .*4 .*not 36"),
     ("black_level", [512, 512, 512, -1], "0.*white_level"),
     ("black_level", [512, 512, 512, 16383], "white_level 16383"),
     ("black_level", [512, 512, 512, "512"], "number"),
@@ -93,7 +103,8 @@ WRONG = [
     ("digital_gain", {"mean": 0.8, "sigma": -0.1}, "sigma"),
     ("digital_gain", 0.8, "object"),
     ("noise", {}, "list"),
-    ("noise", [{**NOISE, "beta1": [1e-4]}], "4"),
+    ("noise", [{**NOISE, "beta1": [1e-4] * 2}], "beta1.*1 number .*3 .*4 .*not 2"),
+    ("noise", [{**NOISE, "beta2": [1e-6] * 36}], "beta2.*3 .*4 .*not 36"),
     ("noise", [{**NOISE, "beta1": [1e-4, 1e-4, 1e-4, -1e-4]}], "0"),
     ("noise", [{**NOISE, "iso": 0}], "iso"),
     ("noise", [{**NOISE, "gain": 1}], "unknown.*beta1"),
@@ -112,6 +123,68 @@ def test_a_wrong_field_is_named_with_what_is_allowed(field, value, says):
     assert message.startswith("inline.json: ") and "\n" not in message
     if value is not None:
         assert field.removesuffix("_1").removesuffix("_2") in message
+
+
+@pytest.mark.parametrize("count", [0, 2, 4, 35, 37])
+def test_a_wrong_count_for_x_trans_is_named_with_those_allowed(count):
+    says = rf"^inline.json: black_level .*1 number .*3 .*36 .*not {count}"
+    with pytest.raises(ValueError, match=says):
+        load(cfa=cameras.X_TRANS, black_level=[512] * count)
+
+
+@pytest.mark.parametrize("cfa", ["RGGB", "bggr", cameras.QUAD, cameras.X_TRANS.lower()])
+def test_a_cfa_is_spelt_in_either_case(cfa):
+    sensor = load(cfa=cfa)
+    assert sensor.cfa == cfa.upper()
+    assert json.loads(sensor.to_json())["cfa"] == cfa.upper()
+
+
+SITES = list(range(100, 136))
+BY_COLOR = [{"R": 60, "G": 61.5, "B": 62}[color] for color in cameras.X_TRANS]
+
+
+@pytest.mark.parametrize(
+    ("cfa", "said", "sites", "written"),
+    [
+        ("GRBG", 60, [60] * 4, [60] * 4),
+        ("GRBG", [60], [60] * 4, [60] * 4),
+        ("GRBG", [60, 61, 62], [61, 60, 62, 61], [61, 60, 62, 61]),
+        ("GRBG", [60, 61, 62, 63], [60, 61, 62, 63], [60, 61, 62, 63]),
+        (cameras.QUAD, [60] * 16, [60] * 16, 60),
+        (cameras.X_TRANS, 60, [60] * 36, 60),
+        (cameras.X_TRANS, [60.25], [60.25] * 36, 60.25),
+        (cameras.X_TRANS, [60, 60, 60], [60] * 36, 60),
+        (cameras.X_TRANS, [60, 61.5, 62], BY_COLOR, [60, 61.5, 62]),
+        (cameras.X_TRANS, BY_COLOR, BY_COLOR, [60, 61.5, 62]),
+        (cameras.X_TRANS, SITES, SITES, SITES),
+    ],
+)
+def test_numbers_per_site_are_said_once_per_colour_or_per_site(
+    cfa, said, sites, written
+):
+    beta1, beta2 = (np.multiply(said, scale).tolist() for scale in (1e-5, 1e-8))
+    noise = [{"iso": 100, "beta1": beta1, "beta2": beta2}]
+    sensor = load(cfa=cfa, black_level=said, noise=noise)
+    assert list(sensor.black_level) == sites
+    assert sensor.noise_at(100)["beta1"] == pytest.approx(np.multiply(sites, 1e-5))
+    assert sensor.noise_at(100)["beta2"] == pytest.approx(np.multiply(sites, 1e-8))
+    again = json.loads(sensor.to_json())
+    assert again["black_level"] == written
+    row = again["noise"][0]
+    assert np.shape(row["beta1"]) == np.shape(row["beta2"]) == np.shape(written)
+    assert cg2raw.Sensor.from_json(sensor.to_json()).to_json() == sensor.to_json()
+
+
+@pytest.mark.parametrize("name", ["shot_noise", "read_noise"])
+@pytest.mark.parametrize("cfa", [cameras.QUAD, cameras.X_TRANS])
+def test_an_effect_of_the_four_bayer_sites_is_refused_on_other_cfas(cfa, name):
+    known = next(effect for effect in cg2raw.effects() if effect["name"] == name)
+    parameters = {p["name"]: 1e-4 for p in known["parameters"]}
+    sensor = load(cfa=cfa, effects=[{"name": name, "parameters": parameters}])
+    side = 6 if cfa == cameras.X_TRANS else 4
+    says = rf"test-sensor: effect {name}: .*_00 .*2 x 2.*{side} x {side}.*noise table"
+    with pytest.raises(ValueError, match=says):
+        sensor.simulate(np.zeros((8, 8, 3), np.float32), illuminant="A")
 
 
 @pytest.mark.parametrize(

@@ -18,8 +18,9 @@ std::vector<std::uint16_t> flat(const DngDescription& description, const Vec3& s
     std::vector<std::uint16_t> dn;
     for (int row = 0; row < size.height; ++row)
         for (int col = 0; col < size.width; ++col) {
+            const CfaPattern& cfa = description.cfa;
             const std::size_t site
-                = std::size_t(row % 2 * 2 + col % 2); // Bayer in these tests
+                = std::size_t(row % cfa.height * cfa.width + col % cfa.width);
             const double black = description.black_level[site];
             const int color = description.cfa.color({ row, col });
             dn.push_back(std::uint16_t(std::lround(black
@@ -77,6 +78,21 @@ TEST(Preview, NeutralIsGreyInEveryPhase)
                   (std::array<int, 3> { 118, 118, 118 }));
         EXPECT_EQ(pixel_of(description, { 0, 0, 0 }), (std::array<int, 3> { 0, 0, 0 }));
     }
+}
+
+TEST(Preview, NeutralIsGreyOnXTrans)
+{
+    DngDescription description = description_of({ 101, 67 });
+    description.cfa = cfa_from_name("ggrggbggbggrbrgrbgggbggrggrggbrbgbrg");
+    description.black_level.clear();
+    for (int site = 0; site < 36; ++site)
+        description.black_level.push_back(500 + 10 * site);
+    EXPECT_EQ(pixel_of(description, { 0.09, 0.18, 0.126 }),
+              (std::array<int, 3> { 118, 118, 118 }));
+    EXPECT_EQ(pixel_of(description, { 0, 0, 0 }), (std::array<int, 3> { 0, 0, 0 }));
+    const Size size = Preview(description).size();
+    EXPECT_EQ(size.width, 16);
+    EXPECT_EQ(size.height, 11);
 }
 
 TEST(Preview, WhiteIsTheNeutralOverItsMaximum)

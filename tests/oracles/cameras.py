@@ -12,6 +12,9 @@ import numpy as np
 from . import adobe
 
 DATA = Path(__file__).parents[1] / "data"
+# The Fujifilm X-M1's: rawler, data/cameras/fuji/x-m1.toml.
+X_TRANS = "GGRGGBGGBGGRBRGRBGGGBGGRGGRGGBRBGBRG"
+QUAD = "RRGGRRGGGGBBGGBB"  # Bayer of 2 x 2 equal sites each
 NINE = (
     "Canon1DsMkIII",
     "Canon600D",
@@ -51,8 +54,13 @@ def oracle(camera):
 def profile(**fields):
     """A legal profile as a dict: 14 bits, black 512, RGGB, the D40's matrices.
 
-    A field given as None is left out."""
+    A field given as None is left out; a larger CFA has its numbers once for all."""
     cm_a, cm_d65 = matrices("NikonD40")
+    bayer = len(fields.get("cfa") or "RGGB") == 4
+
+    def per_site(value):
+        return [value] * 4 if bayer else value
+
     legal = {
         "schema": 1,
         "id": "test-sensor",
@@ -64,7 +72,7 @@ def profile(**fields):
         "width": 64,
         "height": 48,
         "bits": 14,
-        "black_level": [512, 512, 512, 512],
+        "black_level": per_site(512),
         "white_level": 16383,
         "calibration_illuminant_1": "A",
         "calibration_illuminant_2": "D65",
@@ -74,8 +82,8 @@ def profile(**fields):
             "neutrals": [[0.9, 0.3], [0.5, 0.6], [0.7, 0.35], [0.45, 0.75], [0.6, 0.5]]
         },
         "noise": [
-            {"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 4},
-            {"iso": 400, "beta1": [4e-4] * 4, "beta2": [9e-6] * 4},
+            {"iso": 100, "beta1": per_site(1e-4), "beta2": per_site(1e-6)},
+            {"iso": 400, "beta1": per_site(4e-4), "beta2": per_site(9e-6)},
         ],
         "effects": [],
     }
