@@ -90,7 +90,8 @@ TiffIfd raw_ifd(const TiffReader& file, const TiffIfd& ifd0, Directories& direct
     if (linear)
         main.fail(tag::photometric,
                   "is LinearRaw (34892), already demosaicked; it must be a mosaic, CFA"
-                  " (32803): use the camera's own DNG, not a converted or lossy one");
+                  " (32803), or nobody knows the sensor's: use a DNG that keeps the"
+                  " mosaic, no ProRAW, no lossy or linear conversion");
     main.fail(
         tag::photometric,
         "is CFA (32803) in no full-resolution image; a mosaic is required: use a DNG"
@@ -118,6 +119,7 @@ DngMetadata read_dng_stream(std::istream& dng, const std::string& name)
     read_dng_levels({ file, { &raw } }, metadata);
     read_dng_color({ file, { &ifd0, &raw } }, metadata);
     read_dng_noise({ file, { &raw, &ifd0 } }, metadata);
+    read_dng_opcodes({ file, { &raw } }, metadata);
     read_dng_names({ file, { &ifd0, &raw } }, { file, { &exif, &ifd0 } }, metadata);
     if (!metadata.noise_profile.empty() && !metadata.shot.iso)
         metadata.notes.push_back("ISOSpeedRatings (34855) is missing: the ISO of"

@@ -183,7 +183,7 @@ void read_calibrations(const TiffTags& camera, DngMetadata& metadata)
     if (!camera.has(tag::color_matrix_2))
         metadata.notes.push_back(
             "ColorMatrix2 (50722) is missing: one matrix serves all"
-            " lights");
+            " lights, and its colours are those of its own");
     else if (second_is_usable(camera))
         metadata.calibrations.push_back(
             read_calibration(camera, second_tags, metadata));
@@ -249,7 +249,14 @@ void read_dng_noise(const TiffTags& raw, DngMetadata& metadata)
 {
     if (!raw.has(tag::noise_profile))
         return;
-    const auto values = raw.numbers(tag::noise_profile, { 2, 6 });
+    const auto values = raw.numbers(tag::noise_profile, { 2, 8 });
+    if (values.size() == 8) {
+        metadata.notes.push_back("NoiseProfile (51041) has 4 planes where the"
+                                 " specification has 1 or, of this sensor, 3: nobody"
+                                 " knows which is which, the noise is taken to be"
+                                 " unknown");
+        return;
+    }
     if (values.size() != 2 && values.size() != 6)
         raw.fail(tag::noise_profile,
                  "has " + std::to_string(values.size())

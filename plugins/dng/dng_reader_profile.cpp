@@ -1,16 +1,78 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file The sensor profile that one reference DNG amounts to.
-#include "cg2raw/dng_reader.h"
+/// @file The sensor profile that DNGs of one camera amount to.
+#include "dng_reader_parts.h"
+#include "tiff_reader_text.h"
 
+#include <algorithm>
+#include <charconv>
 #include <filesystem>
 
 namespace cg2raw {
 namespace {
 
-/// What people call the camera: make and model, the make not said twice.
-std::string full_name(const DngMetadata& metadata)
+/// The files' notes, each once; what only some of them say says so.
+Notes merged_notes(const std::vector<DngMetadata>& files)
+{
+    std::vector<std::pair<std::string, std::size_t>> counted;
+    for (const DngMetadata& file : files)
+        for (const std::string& note : file.notes) {
+            const auto known
+                = std::find_if(counted.begin(), counted.end(),
+                               [&](const auto& entry) { return entry.first == note; });
+            if (known == counted.end())
+                counted.emplace_back(note, 1);
+            else
+                ++known->second;
+        }
+    Notes notes;
+    for (const auto& [note, count] : counted)
+        notes.push_back(count >= files.size() ? note
+                                              : note + " (in " + std::to_string(count)
+                                + " of " + std::to_string(files.size()) + " files)");
+    return notes;
+}
+
+std::vector<std::pair<std::string, std::string>>
+sources_of(const SensorProfile& profile, const std::string& files, const Notes& notes)
+{
+    std::vector<std::pair<std::string, std::string>> sources {
+        { "levels, CFA and size", files + ": raw IFD" },
+        { "color_matrix",
+          files + ": ColorMatrix with AnalogBalance and CameraCalibration folded in" },
+    };
+    if (!profile.illuminants.neutrals.empty())
+        sources.push_back(
+            { "illuminants",
+              files + ": AsShotNeutral, or AsShotWhiteXY through the matrices" });
+    if (!profile.noise.empty())
+        sources.push_back({ "noise", files + ": NoiseProfile at the file's ISO" });
+    if (!profile.effects.empty())
+        sources.push_back({ "effects", files + ": GainMaps of OpcodeList2" });
+    for (std::size_t i = 0; i < notes.size(); ++i)
+        sources.push_back({ "note " + std::to_string(i + 1), notes[i] });
+    return sources;
+}
+
+/// @p given if it is legal, else what the camera's name gives.
+std::string checked_id(const std::string& given, const DngMetadata& metadata)
+{
+    constexpr const char* legal = "abcdefghijklmnopqrstuvwxyz0123456789-.";
+    if (given.find_first_not_of(legal) != std::string::npos)
+        throw Error(metadata.file + ": id \"" + given
+                    + "\" must be of lower-case letters, digits, '-' and '.'");
+    const std::string name = camera_name(metadata);
+    const std::string id = given.empty() ? sensor_id_from_name(name) : given;
+    if (id.empty())
+        throw Error(metadata.file + ": UniqueCameraModel (50708) \"" + name
+                    + "\" must have a letter or digit of ASCII, for the sensor's id");
+    return id;
+}
+
+} // namespace
+
+std::string camera_name(const DngMetadata& metadata)
 {
     if (!metadata.unique_camera_model.empty())
         return metadata.unique_camera_model;
@@ -20,35 +82,25 @@ std::string full_name(const DngMetadata& metadata)
     return said ? metadata.model : make + " " + metadata.model;
 }
 
-NoiseAtIso noise_of(const DngMetadata& metadata)
+std::string names_of_files(const std::vector<DngMetadata>& files)
 {
-    NoiseAtIso noise { double(*metadata.shot.iso), {}, {} };
-    for (int site = 0; site < metadata.cfa.sites(); ++site) {
-        const auto plane = std::size_t(metadata.cfa.colors[std::size_t(site)]);
-        noise.beta1.push_back(metadata.noise_profile[plane].scale);
-        noise.beta2.push_back(metadata.noise_profile[plane].offset);
-    }
-    return noise;
-}
-
-std::vector<std::pair<std::string, std::string>> sources_of(const DngMetadata& metadata)
-{
-    const std::string file = std::filesystem::path(metadata.file).filename().string();
-    std::vector<std::pair<std::string, std::string>> sources {
-        { "levels, CFA and size", file + ": raw IFD" },
-        { "color_matrix",
-          file + ": ColorMatrix with AnalogBalance and CameraCalibration folded in" },
-        { "illuminants",
-          file + ": AsShotNeutral, or AsShotWhiteXY through the matrices" },
+    const auto name = [](const DngMetadata& metadata) {
+        return printable_text(std::filesystem::path(metadata.file).filename().string());
     };
-    if (!metadata.noise_profile.empty() && metadata.shot.iso)
-        sources.push_back({ "noise", file + ": NoiseProfile at the file's ISO" });
-    for (std::size_t i = 0; i < metadata.notes.size(); ++i)
-        sources.push_back({ "note " + std::to_string(i + 1), metadata.notes[i] });
-    return sources;
+    if (files.size() == 1)
+        return name(files.front());
+    return std::to_string(files.size()) + " DNGs, " + name(files.front()) + " to "
+        + name(files.back());
 }
 
-} // namespace
+std::string rounded_text(double value)
+{
+    char text[40];
+    return { text,
+             std::to_chars(text, text + sizeof text, value, std::chars_format::general,
+                           4)
+                 .ptr };
+}
 
 std::string sensor_id_from_name(std::string_view name)
 {
@@ -68,36 +120,44 @@ std::string sensor_id_from_name(std::string_view name)
     return id;
 }
 
+ProfileOfDngs profile_from_dngs(const std::vector<DngMetadata>& files,
+                                const std::string& id)
+{
+    if (files.empty())
+        throw Error(
+            "profile of DNGs: no file is given; give one or more of one camera");
+    check_one_camera(files);
+    const DngMetadata& first = files.front();
+    const std::string name = camera_name(first);
+    Notes notes = merged_notes(files);
+    SensorProfile profile {};
+    profile.id = checked_id(id, first);
+    profile.make = first.make.empty() ? name.substr(0, name.find(' ')) : first.make;
+    profile.model = first.model.empty() ? name : first.model;
+    profile.unique_camera_model = name;
+    profile.cfa = first.cfa;
+    profile.width = first.active_area.width;
+    profile.height = first.active_area.height;
+    profile.bits = first.bits;
+    profile.black_level = merged_black_level(files, notes);
+    profile.white_level = first.white_level;
+    profile.calibrations = first.calibrations;
+    profile.illuminants = merged_neutrals(files, notes);
+    profile.noise = merged_noise(files, notes);
+    if (const auto shading = lens_shading_of(files, notes))
+        profile.effects.push_back(*shading);
+    profile.sources = sources_of(profile, names_of_files(files), notes);
+    check(profile, first.file);
+    return { profile, notes };
+}
+
 SensorProfile profile_from_dng(const DngMetadata& metadata)
 {
-    const std::string name = full_name(metadata);
-    SensorProfile profile {};
-    profile.id = sensor_id_from_name(name);
-    if (profile.id.empty())
-        throw Error(metadata.file + ": UniqueCameraModel (50708) \"" + name
-                    + "\" must have a letter or digit of ASCII, for the sensor's id");
     if (!metadata.as_shot_neutral)
         throw Error(metadata.file
                     + ": AsShotNeutral (50728) is missing; a reference must"
                       " say its neutral: use another DNG of this camera");
-    profile.make
-        = metadata.make.empty() ? name.substr(0, name.find(' ')) : metadata.make;
-    profile.model = metadata.model.empty() ? name : metadata.model;
-    profile.unique_camera_model = name;
-    profile.sources = sources_of(metadata);
-    profile.cfa = metadata.cfa;
-    profile.width = metadata.active_area.width;
-    profile.height = metadata.active_area.height;
-    profile.bits = metadata.bits;
-    profile.black_level = metadata.black_level;
-    profile.white_level = metadata.white_level;
-    profile.calibrations = metadata.calibrations;
-    const Vec3& neutral = *metadata.as_shot_neutral;
-    profile.illuminants = distribution_of({ { neutral[0], neutral[2] } });
-    if (!metadata.noise_profile.empty() && metadata.shot.iso)
-        profile.noise.push_back(noise_of(metadata));
-    check(profile, metadata.file);
-    return profile;
+    return profile_from_dngs({ metadata }).profile;
 }
 
 } // namespace cg2raw

@@ -63,6 +63,9 @@ constexpr TiffTag profile_calibration_signature { 50932,
                                                   "ProfileCalibrationSignature" };
 constexpr TiffTag forward_matrix_1 { 50964, "ForwardMatrix1" };
 constexpr TiffTag forward_matrix_2 { 50965, "ForwardMatrix2" };
+constexpr TiffTag opcode_list_1 { 51008, "OpcodeList1" };
+constexpr TiffTag opcode_list_2 { 51009, "OpcodeList2" };
+constexpr TiffTag opcode_list_3 { 51022, "OpcodeList3" };
 constexpr TiffTag noise_profile { 51041, "NoiseProfile" };
 constexpr TiffTag color_matrix_3 { 52531, "ColorMatrix3" };
 } // namespace tag
@@ -76,6 +79,8 @@ void read_dng_levels(const TiffTags& raw, DngMetadata& metadata);
 void read_dng_color(const TiffTags& camera, DngMetadata& metadata);
 /// noise_profile; @p raw looks into the raw IFD, then IFD0.
 void read_dng_noise(const TiffTags& raw, DngMetadata& metadata);
+/// gain_maps, and notes of all other opcodes; needs active_area and cfa.
+void read_dng_opcodes(const TiffTags& raw, DngMetadata& metadata);
 /// make, model, unique_camera_model and shot; @p exif looks into the Exif IFD, then
 /// IFD0.
 void read_dng_names(const TiffTags& camera, const TiffTags& exif,

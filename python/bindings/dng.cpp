@@ -62,6 +62,41 @@ py::list list_of(const std::vector<Calibration>& calibrations)
     return list;
 }
 
+py::list list_of(const std::vector<GainMapAt>& maps)
+{
+    py::list list;
+    for (const GainMapAt& at : maps) {
+        FloatArray gains({ at.map.rows, at.map.cols });
+        std::copy(at.map.gains.begin(), at.map.gains.end(), gains.mutable_data());
+        list.append(py::dict(
+            "sites"_a = at.sites,
+            "area"_a = py::make_tuple(at.top, at.left, at.bottom, at.right),
+            "pitch"_a = py::make_tuple(at.row_pitch, at.col_pitch),
+            "spacing"_a = py::make_tuple(at.spacing_v, at.spacing_h),
+            "origin"_a = py::make_tuple(at.origin_v, at.origin_h), "gains"_a = gains));
+    }
+    return list;
+}
+
+void bind_profiles(py::module_& m)
+{
+    m.def("profile_from_dng", &profile_from_dng, "metadata"_a,
+          "The sensor profile that one reference DNG amounts to.");
+    m.def(
+        "profile_from_dngs",
+        [](const std::vector<DngMetadata>& files, const std::string& id) {
+            ProfileOfDngs made = profile_from_dngs(files, id);
+            return py::make_tuple(std::move(made.profile), std::move(made.notes));
+        },
+        "metadata"_a, "id"_a = "",
+        "(SensorProfile, notes) that DNGs of one camera amount to: all their neutrals, "
+        "a row\n"
+        "of noise per ISO, the mean of their GainMaps; notes say what they lack, and "
+        "its cost.\n"
+        "id: lower-case letters, digits, '-' and '.'; empty: from the model.\n\n"
+        "Raises ValueError naming the files that are not of one camera.");
+}
+
 void bind_metadata(py::module_& m)
 {
     py::class_<DngMetadata>(m, "DngMetadata",
@@ -91,13 +126,21 @@ void bind_metadata(py::module_& m)
                                        pairs.push_back({ p.scale, p.offset });
                                    return pairs;
                                })
+        .def_property_readonly(
+            "gain_maps", [](const DngMetadata& d) { return list_of(d.gain_maps); },
+            "GainMaps of OpcodeList2: dicts of sites (of the CFA, row major), area\n"
+            "(top, left, bottom, right in pixels of the active area), pitch (rows, "
+            "cols),\n"
+            "spacing and origin of the points (vertical, horizontal, 1 = the active "
+            "area)\n"
+            "and gains ((rows, cols) float32, above 0).")
+        .def_readonly("notes", &DngMetadata::notes,
+                      "What was missing or simplified, one sentence each.")
         .def_property_readonly("shot",
                                [](const DngMetadata& d) { return dict_of(d.shot); });
     m.def("read_dng_metadata",
           py::overload_cast<const std::string&>(&read_dng_metadata), "path"_a,
           "Metadata of a DNG; no pixels are read.");
-    m.def("profile_from_dng", &profile_from_dng, "metadata"_a,
-          "The sensor profile that one reference DNG amounts to.");
 }
 
 } // namespace
@@ -107,6 +150,7 @@ void bind_dng(py::module_& m)
     m.def("write_dng", &write, "path"_a, "raw"_a, "simulation"_a, "compression"_a,
           "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a);
     bind_metadata(m);
+    bind_profiles(m);
 }
 
 } // namespace cg2raw::python

@@ -5,8 +5,9 @@
 ///   clang++ -std=c++17 -O1 -g -fsanitize=fuzzer,address,undefined -Iplugins/include
 ///     -Iplugins/dng -Iplugins/core tests/dng/fuzz_dng_reader.cpp
 ///     plugins/dng/dng_reader*.cpp plugins/dng/tiff_reader*.cpp
-///     and the core's color, illuminant*, noise_table, profile*, sampling, random,
-///     raw_space, temperature, text .cpp -ldl -o fuzz_dng_reader
+///     plugins/effects/*.cpp and the core's color, effect, illuminant*, noise_table,
+///     profile*, sampling, random, raw_space, temperature, text .cpp
+///     -Ibuild/system/plugins (effect_list.h) -ldl -o fuzz_dng_reader
 ///   ./fuzz_dng_reader -max_len=8192 -malloc_limit_mb=4 -timeout=2 CORPUS
 #include "dng_reader_tags.h"
 

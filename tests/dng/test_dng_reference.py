@@ -2,10 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """Sensors of real DNGs: what a reference file makes of `dng:reference`."""
 
+import json
+
 import numpy as np
 import pytest
 
 import cg2raw
+from dng import dng_files
+from oracles import cameras
 
 IDS = {
     "Hero6_GOPR0024.dng": "gopro-hero6-black",
@@ -31,3 +35,27 @@ def test_the_sensor_is_the_files(reference):
     assert sensor.id == sensor_id
     as_shot = sensor.illuminant("as-shot", as_shot=metadata.as_shot_neutral)
     np.testing.assert_allclose(as_shot.neutral, metadata.as_shot_neutral, atol=1e-6)
+
+
+SITES = [500 + 3 * site for site in range(36)]
+SHIFTED = cameras.X_TRANS[13:] + cameras.X_TRANS[:13]  # rows and columns out of phase
+
+
+@pytest.mark.parametrize("cfa", ["GBRG", cameras.QUAD, cameras.X_TRANS, SHIFTED])
+@pytest.mark.parametrize("by_site", [False, True])
+def test_a_written_file_gives_its_sensor_back(cfa, by_site, tmp_path):
+    noise = [{"iso": 100, "beta1": [2e-4, 1e-4, 3e-4], "beta2": [1e-6, 2e-6, 3e-6]}]
+    black = SITES[: len(cfa)] if by_site else 512.25
+    sensor = dng_files.sensor(cfa=cfa, black_level=black, noise=noise)
+    path = tmp_path / "shot.dng"
+    dng_files.write(path, sensor, shape=(61, 47), iso=100)
+    metadata, again = cg2raw.read_dng_metadata(str(path)), cg2raw.Sensor.from_dng(path)
+    assert metadata.cfa == again.cfa == sensor.cfa
+    assert list(metadata.black_level) == list(sensor.black_level)
+    ours, theirs = (json.loads(s.to_json()) for s in (sensor, again))
+    for field in ("cfa", "black_level", "white_level", "color_matrix_1"):
+        assert ours[field] == theirs[field], field
+    for field in ("beta1", "beta2"):
+        np.testing.assert_allclose(
+            theirs["noise"][0][field], ours["noise"][0][field], rtol=1e-12
+        )

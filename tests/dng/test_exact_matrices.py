@@ -8,15 +8,18 @@ import numpy as np
 import pytest
 import rawpy
 import tifffile
-from oracles import de2000, dng_renderer
+from oracles import cameras, de2000, dng_renderer
 
 from dng import dng_files
 
-SIDE = 48  # pixels of a flat patch: RawTherapee refuses files below 100 kB
+# Pixels of a flat patch: RawTherapee refuses files below 100 kB, LibRaw X-Trans below
+# 512 x 512 pixels.
+SIDE = 66
 MARGIN = 16  # of it that demosaicing may touch
 # 14 bits: with the 10 of a phone quantisation alone costs 0.2.
-LEVELS = {"bits": 14, "black_level": [512] * 4, "white_level": 16383}
-# A bundled sensor; and a name that RawTherapee has a profile of its own for.
+LEVELS = {"bits": 14, "black_level": 512, "white_level": 16383}
+MATRIX_A, MATRIX_D65 = cameras.matrices("FujifilmXM1")
+# Bundled sensors; a name that RawTherapee has a profile of its own for; X-Trans.
 SENSORS = {
     "s20fe": {"profile": "samsung-s20fe"},
     "d40": {"profile": "nikon-d40"},
@@ -25,6 +28,16 @@ SENSORS = {
         "make": "NIKON CORPORATION",
         "model": "NIKON D800",
         "unique_camera_model": "Nikon D800",
+    },
+    "xm1": {
+        "profile": "nikon-d40",
+        "make": "FUJIFILM",
+        "model": "X-M1",
+        "unique_camera_model": "Fujifilm X-M1",
+        "cfa": cameras.X_TRANS,
+        "noise": None,
+        "color_matrix_1": MATRIX_A.ravel().tolist(),
+        "color_matrix_2": MATRIX_D65.ravel().tolist(),
     },
 }
 LIGHTS = ("A", "D65", "sample:1")

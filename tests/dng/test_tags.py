@@ -9,6 +9,7 @@ import pytest
 import tifffile
 
 from dng import dng_files
+from oracles import cameras
 
 SUB_IFDS, EXIF_IFD, FORWARD_MATRIX = 330, 34665, (50964, 50965)
 NOISE_PROFILE, OPCODE_LIST_2 = 51041, 51009
@@ -151,6 +152,29 @@ def test_noise_profile(path):
     assert NOISE_PROFILE not in tags(path)
 
 
+SITES = [500 + site for site in range(36)]
+
+
+@pytest.mark.parametrize(
+    ("black", "expected"), [(SITES, SITES), (512, [512] * 36), (512.25, [512.25] * 36)]
+)
+def test_x_trans_has_its_own_repeat(path, black, expected):
+    beta2 = [site * 1e-9 for site in SITES]
+    noise = [{"iso": 100, "beta1": [2e-4, 1e-4, 3e-4], "beta2": beta2}]
+    cfa = cameras.X_TRANS
+    sensor = dng_files.sensor(cfa=cfa, black_level=black, noise=noise)
+    dng_files.write(path, sensor, iso=100)
+    _, mosaic, _ = dng_files.tags_of(path)
+    assert mosaic["CFARepeatPatternDim"] == mosaic["BlackLevelRepeatDim"] == (6, 6)
+    assert mosaic["CFAPattern"] == bytes("RGB".index(color) for color in cfa)
+    denominator = 1 if float(expected[0]).is_integer() else 10000
+    assert mosaic["BlackLevel"] == fractions(expected, denominator)
+    pairs = np.reshape(tags(path)[NOISE_PROFILE], (3, 2))
+    for color, scale, pair in zip("RGB", (2e-4, 1e-4, 3e-4), pairs, strict=True):
+        of_color = [site for site, c in zip(SITES, cfa, strict=True) if c == color]
+        np.testing.assert_allclose(pair, (scale, np.mean(of_color) * 1e-9), rtol=1e-12)
+
+
 def test_linear_tone_curve(path):
     dng_files.write(path, dng_files.sensor(), tone_curve="linear")
     assert tuple(tags(path)[TONE_CURVE]) == (0.0, 0.0, 1.0, 1.0)
@@ -186,17 +210,18 @@ def gain_maps(opcodes):
 SHADING = {"r2": -0.6, "r4": 0.1, "r6": -0.05, "tilt_x": 0.1, "tilt_y": -0.05}
 
 
-def shaded_sensor():
+def shaded_sensor(cfa):
     effect = {"name": "lens_shading", "parameters": SHADING, "evidence": {}}
-    return dng_files.sensor(effects=[effect])
+    return dng_files.sensor(cfa=cfa, black_level=512, noise=None, effects=[effect])
 
 
-def test_gain_map_undoes_lens_shading(path):
+@pytest.mark.parametrize("cfa", ["RGGB", cameras.X_TRANS])
+def test_gain_map_undoes_lens_shading(path, cfa):
     height, width = 301, 403
-    dng_files.write(path, shaded_sensor(), shape=(height, width))
+    dng_files.write(path, shaded_sensor(cfa), shape=(height, width))
     maps = gain_maps(tags(path)[OPCODE_LIST_2])
     areas = [(r, c, height, width) for r in (0, 1) for c in (0, 1)]
-    assert [m[0] for m in maps] == areas  # one for each Bayer site
+    assert [m[0] for m in maps] == areas  # one for each pixel of 2 x 2
     assert {m[1] for m in maps} == {(2, 2)}
     half = np.hypot(height, width) / 2
     for _, _, gains in maps:
@@ -211,14 +236,15 @@ def test_gain_map_undoes_lens_shading(path):
 def test_no_gain_map_without_the_effect(path):
     dng_files.write(path, dng_files.sensor())
     assert OPCODE_LIST_2 not in tags(path)
-    dng_files.write(path, shaded_sensor(), effects=False)
+    dng_files.write(path, shaded_sensor("RGGB"), effects=False)
     assert OPCODE_LIST_2 not in tags(path)
 
 
 @pytest.mark.slow
-def test_darktable_applies_the_gain_maps(path, program, tmp_path):
+@pytest.mark.parametrize("cfa", ["RGGB", cameras.X_TRANS])
+def test_darktable_applies_the_gain_maps(path, cfa, program, tmp_path):
     tool = program("darktable-cli")
-    dng_files.write(path, shaded_sensor(), shape=(600, 800))
+    dng_files.write(path, shaded_sensor(cfa), shape=(600, 800))
     out = tmp_path / "out.tif"
     core = ["--core", "--configdir", tmp_path, "--library", ":memory:"]
     for setting in ("plugins/darkroom/workflow=none", "write_sidecar_files=never"):

@@ -11,6 +11,7 @@ import pytest
 from images import attributes, read_dn, write_image
 
 import cg2raw
+from oracles import cameras
 
 SAME = [
     "Make",
@@ -91,10 +92,30 @@ def test_raw_pixels_of_another_camera_than_the_reference(
     assert not out.exists()
 
 
-def test_reference_of_ours_gives_the_same_file(oiiotool, exr, tmp_path):
+@pytest.fixture
+def x_trans(tmp_path):
+    """Return the path of an X-Trans sensor's profile."""
+    path = tmp_path / "x-trans.json"
+    path.write_text(cameras.profile_text(cfa=cameras.X_TRANS, noise=None))
+    return path
+
+
+def test_x_trans_pixels_are_those_of_the_profile(
+    oiiotool, exr, scene, x_trans, tmp_path
+):
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, *attributes(sensor=x_trans, illuminant="D50"), "-o", out)
+    expected = cg2raw.Sensor(str(x_trans)).simulate(scene, illuminant="D50")
+    np.testing.assert_array_equal(read_dn(out), expected)
+    assert cg2raw.read_dng_metadata(str(out)).cfa == cameras.X_TRANS
+
+
+@pytest.mark.parametrize("cfa", ["Bayer", "X-Trans"])
+def test_reference_of_ours_gives_the_same_file(oiiotool, exr, cfa, x_trans, tmp_path):
     first, second = tmp_path / "first.dng", tmp_path / "second.dng"
     base = attributes(illuminant="D65", compression="none", preview=0)
-    oiiotool(exr, *attributes(sensor="nikon-d40"), *base, "-o", first)
+    sensor = "nikon-d40" if cfa == "Bayer" else x_trans
+    oiiotool(exr, *attributes(sensor=sensor), *base, "-o", first)
     oiiotool(exr, *attributes(reference=first), *base, "-o", second)
     assert first.read_bytes() == second.read_bytes()
 

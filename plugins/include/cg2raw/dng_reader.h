@@ -8,6 +8,17 @@
 
 namespace cg2raw {
 
+/// A GainMap of a real file: what its raw converter multiplies the mosaic by, at some
+/// sites of the CFA, to undo the shading of the lens.
+struct GainMapAt {
+    std::vector<int> sites; ///< of the CFA's repeat, row major, rising
+    int top, left, bottom, right; ///< pixels of the active area, the last two excluded
+    int row_pitch, col_pitch; ///< every so many rows and columns from top, left
+    /// Of the map's points, in heights and widths of the active area.
+    double spacing_v, spacing_h, origin_v, origin_h;
+    GainMap map; ///< each gain above 0
+};
+
 /// What one DNG says of its camera and its shot, resolved from whichever IFD holds it.
 struct DngMetadata {
     std::string file;
@@ -28,6 +39,8 @@ struct DngMetadata {
     std::optional<Vec3> as_shot_neutral; ///< G = 1
     /// Per colour plane R, G, B; empty: none.
     std::vector<NoisePair> noise_profile;
+    /// Those of OpcodeList2, which raw converters apply before they demosaic.
+    std::vector<GainMapAt> gain_maps;
     Shot shot;
     /// What was missing or had to be simplified, and what stands in for it; one
     /// sentence each.
@@ -41,9 +54,27 @@ struct DngMetadata {
 DngMetadata read_dng_metadata(const std::string& path);
 
 /// A profile as one reference DNG defines it: id from the model, one neutral, noise at
-/// the file's ISO where NoiseProfile says it. Throws Error if the file has no neutral,
-/// or if what it says is no profile that check() lets pass.
+/// the file's ISO where NoiseProfile says it, lens_shading where GainMaps do; notes are
+/// among its sources. Throws Error if the file has no neutral, or if what it says is no
+/// profile that check() lets pass.
 SensorProfile profile_from_dng(const DngMetadata& metadata);
+
+/// A profile, and what its files lack or had simplified with what that costs: one
+/// sentence each, none twice. The profile's sources hold the notes too.
+struct ProfileOfDngs {
+    SensorProfile profile;
+    std::vector<std::string> notes;
+};
+
+/// A profile as several DNGs of one camera define it: all their neutrals, a row of
+/// noise per ISO (means where several files have it), the mean shading of their
+/// GainMaps.
+/// @p id: of lower-case letters, digits, '-' and '.'; empty: from the model.
+/// Throws Error for no files, for files of several cameras, sizes, CFAs, white levels
+/// or matrices, naming the files, and for black levels that differ by more than 1 DN
+/// and 0.2 % of the white level.
+ProfileOfDngs profile_from_dngs(const std::vector<DngMetadata>& files,
+                                const std::string& id = "");
 
 /// A camera's name as an id: lower case, words joined by '-'. "GoPro HERO6 Black" ->
 /// "gopro-hero6-black". Empty if the name has no ASCII letter or digit.
