@@ -4,6 +4,7 @@
 /// @file Thousands of damaged DNGs: each is read or refused by an Error that names the
 /// file, in bounded time and memory. The sanitizers' build runs the same.
 #include "dng_reader_tags.h"
+#include "opcode_builder.h"
 #include "reader_tiff_builder.h"
 
 #include <gtest/gtest.h>
@@ -115,6 +116,9 @@ Ifd rich_dng()
     raw.signed_rationals(50715, std::vector<std::int64_t>(8, 1), 3);
     raw.signed_rationals(50716, std::vector<std::int64_t>(6, 1), 3);
     raw.shorts(50713, { 2, 2 }).rationals(50714, { 640, 641, 642, 643 }, 10);
+    OpcodeBuilder shading { 5, 5 };
+    raw.bytes(51009, opcode_list({ shading.gain_map(), { 8, 0, { 1, 2, 3 } } }));
+    raw.bytes(51022, opcode_list({ { 1, 1, { 0, 0 } } }));
     return ifd;
 }
 

@@ -34,6 +34,9 @@ struct Ifd {
     /// Numerators over one denominator.
     Ifd& rationals(int tag, const std::vector<std::int64_t>& numerators,
                    std::int64_t denominator);
+    /// Numerator and denominator, as pairs.
+    Ifd& fractions(int tag,
+                   const std::vector<std::pair<std::uint64_t, std::uint64_t>>& values);
     Ifd& signed_rationals(int tag, const std::vector<std::int64_t>& numerators,
                           std::int64_t denominator);
     Ifd& doubles(int tag, const std::vector<double>& values);

@@ -131,6 +131,16 @@ Ifd& Ifd::rationals(int tag, const std::vector<std::int64_t>& numerators,
     return *this;
 }
 
+Ifd& Ifd::fractions(int tag,
+                    const std::vector<std::pair<std::uint64_t, std::uint64_t>>& values)
+{
+    Field field { 5, std::uint32_t(values.size()), 4, {} };
+    for (const auto& [numerator, denominator] : values)
+        field.words.insert(field.words.end(), { numerator, denominator });
+    fields[tag] = field;
+    return *this;
+}
+
 Ifd& Ifd::signed_rationals(int tag, const std::vector<std::int64_t>& numerators,
                            std::int64_t denominator)
 {

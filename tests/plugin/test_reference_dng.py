@@ -148,3 +148,16 @@ def test_a_render_of_another_size_is_written_at_its_size(oiiotool, reference, tm
     out = tmp_path / "shot.dng"
     oiiotool(exr, *attributes(reference=reference, illuminant="as-shot"), "-o", out)
     assert read_dn(out).shape == (50, 70)
+
+
+def test_the_shading_of_the_reference_is_simulated(
+    oiiotool, program, reference, tmp_path
+):
+    exr = write_image(tmp_path / "in.exr", np.full((60, 80, 3), 0.2, np.float32))
+    out = tmp_path / "shot.dng"
+    given = attributes(reference=reference, illuminant="as-shot", preview=0)
+    oiiotool(exr, *given, "-o", out)
+    dn = read_dn(out)[::2, ::2].astype(float)  # red; black is 0
+    # The reference's own gain in that corner is 1.79, but for 3.6 %.
+    assert dn[0, 0] / dn[15, 20] == pytest.approx(1 / 1.79, abs=0.04)
+    assert "OpcodeList2" in tags(program, out)  # and readers undo it
