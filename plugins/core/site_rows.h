@@ -6,7 +6,6 @@
 
 #include "cg2raw/effect.h"
 
-#include <algorithm>
 #include <cassert>
 
 namespace cg2raw {
@@ -26,26 +25,36 @@ inline std::vector<Parameter> per_site(const std::string& name, const std::strin
 
 /// Calls row(mean, variance, pair, width) for pieces of rows; pair[0] and pair[1] are
 /// the values of a piece's even and odd columns, counted from its first pixel. A piece
-/// is a whole row of a Bayer CFA, else two columns. @p values has one per site.
+/// is a whole row of a Bayer CFA, else two columns, or the last of an odd row. @p
+/// values has one per site.
 template <class Row>
 void each_row_of_sites(Signal& signal, const Values& values, const Row& row)
 {
+    constexpr int most_pairs = 3; // of a 6x6 repeat
     const CfaPattern& cfa = signal.cfa;
-    assert(values.size() >= std::size_t(cfa.sites()) && cfa.width % 2 == 0);
-    const int width = signal.variance.width;
-    const int piece = cfa.width == 2 ? width : 2;
+    assert(values.size() >= std::size_t(cfa.sites()));
+    assert(cfa.width % 2 == 0 && cfa.width <= 2 * most_pairs);
+    const int pairs = cfa.width / 2, width = signal.variance.width;
     for (int r = 0; r < signal.variance.height; ++r) {
         const double* const of_row
             = values.data() + (signal.origin.row + r) % cfa.height * cfa.width;
+        float pair[most_pairs][2];
+        for (int col = 0; col < cfa.width; ++col)
+            pair[col / 2][col % 2]
+                = float(of_row[(signal.origin.col + col) % cfa.width]);
         float* const mean = signal.mean[0].row(r);
         float* const variance = signal.variance.row(r);
-        int phase = signal.origin.col % cfa.width;
-        for (int col = 0; col < width; col += piece) {
-            const int next = (phase + 1) % cfa.width;
-            const float pair[2] = { float(of_row[phase]), float(of_row[next]) };
-            row(mean + col, variance + col, pair, std::min(piece, width - col));
-            phase = (next + 1) % cfa.width;
+        if (pairs == 1) {
+            row(mean, variance, pair[0], width);
+            continue;
         }
+        int next = 0;
+        for (int col = 0; col + 1 < width; col += 2) {
+            row(mean + col, variance + col, pair[next], 2);
+            next = next + 1 < pairs ? next + 1 : 0;
+        }
+        if (width % 2)
+            row(mean + width - 1, variance + width - 1, pair[next], 1);
     }
 }
 

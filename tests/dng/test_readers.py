@@ -147,6 +147,29 @@ def test_exiftool_finds_no_warning_in_a_real_camera_file(camera_data, program):
     assert "Warning" not in json.loads(report.stdout)[0]
 
 
+def test_black_level_of_each_x_trans_site(program, tmp_path):
+    program("dcraw")
+    black = np.random.default_rng(3).integers(400, 900, 36)
+    sensor = dng_files.sensor(
+        cfa=cameras.X_TRANS, noise=None, **{**LEVELS, "black_level": black.tolist()}
+    )
+    shape = (513, 600)  # LibRaw demosaics X-Trans from 512 x 512 pixels on
+    rows, cols = np.indices(shape)
+    path = tmp_path / "flat.dng"
+    mosaic = black[rows % 6 * 6 + cols % 6] + 3000
+    dng_files.write(path, sensor, mosaic.astype(np.uint16), illuminant="A")
+    options = {"gamma": (1, 1), "output_bps": 16, "adjust_maximum_thr": 0}
+    with rawpy.imread(str(path)) as raw:
+        libraw = raw.postprocess(use_camera_wb=True, no_auto_bright=True, **options)
+    dcraw, _ = dng_files.dcraw(
+        path, tmp_path / "out.tif", "-w", "-W", "-6", "-g", "1", "1"
+    )
+    for picture in (libraw, dcraw):
+        inner = picture[20:-20, 20:-20]
+        assert inner.mean() > 3000
+        assert inner.std(axis=(0, 1)).max() < 2  # of 65535
+
+
 SUBSET = [c for c in CASES if c[2] in ("GRBG", cameras.X_TRANS) and c[3] == 2]
 
 

@@ -58,8 +58,12 @@ struct Shot {
 /// All that a file says of its pixels.
 struct DngDescription {
     Size size; ///< of the active area, which is the whole mosaic
+    /// Repeats of 2x2 and 6x6 are demosaicked by LibRaw, dcraw, RawTherapee and
+    /// darktable; of 4x4 by none of them, though LibRaw reads its DN.
     CfaPattern cfa;
-    std::vector<double> black_level; ///< DN per CFA site
+    /// DN per CFA site. Levels that differ on 6x6 are subtracted by LibRaw and dcraw;
+    /// RawTherapee 5.9 and darktable 4.2 know no more than 2x2 of them.
+    std::vector<double> black_level;
     int white_level; ///< DN
     std::vector<Calibration> calibrations;
     Vec3 as_shot_neutral; ///< G = 1
