@@ -206,14 +206,22 @@ NeutralDistribution illuminants(Fields fields)
     return result;
 }
 
+std::optional<NoiseShape> noise_shape(Fields& row)
+{
+    const bool lambda = row.has("tukey_lambda"), sigma = row.has("row_sigma");
+    if (!lambda && !sigma)
+        return std::nullopt;
+    return NoiseShape { row.real("tukey_lambda"), row.real("row_sigma") };
+}
+
 std::vector<NoiseAtIso> noise(Fields& fields, std::size_t sites)
 {
     std::vector<NoiseAtIso> result;
     if (!fields.has("noise"))
         return result;
     for (Fields& row : fields.objects("noise")) {
-        result.push_back(
-            { row.real("iso"), row.reals("beta1", sites), row.reals("beta2", sites) });
+        result.push_back({ row.real("iso"), row.reals("beta1", sites),
+                           row.reals("beta2", sites), noise_shape(row) });
         row.done();
     }
     return result;
@@ -302,6 +310,16 @@ Json json_of(const NeutralDistribution& distribution)
              { "hull", distribution.hull } };
 }
 
+Json json_of(const NoiseAtIso& row)
+{
+    Json json { { "iso", row.iso }, { "beta1", row.beta1 }, { "beta2", row.beta2 } };
+    if (row.shape) {
+        json["tukey_lambda"] = row.shape->tukey_lambda;
+        json["row_sigma"] = row.shape->row_sigma;
+    }
+    return json;
+}
+
 Json json_of(const EffectSetting& setting)
 {
     Json json { { "name", setting.name }, { "parameters", setting.parameters } };
@@ -366,8 +384,7 @@ std::string to_json(const SensorProfile& profile)
         json["digital_gain"] = { { "mean", profile.digital_gain->mean },
                                  { "sigma", profile.digital_gain->sigma } };
     for (const NoiseAtIso& row : profile.noise)
-        json["noise"].push_back(
-            { { "iso", row.iso }, { "beta1", row.beta1 }, { "beta2", row.beta2 } });
+        json["noise"].push_back(json_of(row));
     for (const EffectSetting& setting : profile.effects)
         json["effects"].push_back(json_of(setting));
     return json.dump(2) + "\n";
