@@ -154,6 +154,32 @@ def test_drawn_mean_and_variance_are_the_predicted_ones(name):
     assert abs(slope) < 5.0 * np.sqrt(variance.mean() / mean.var() / mean.size)
 
 
+def test_drawn_effects_and_gaussian_ones_add_up():
+    """No variance is drawn twice, and the order within a stage does not matter."""
+    rows = 40000
+    names = ("photon_statistics", "heavy_tailed_noise", "row_noise", "shot_noise")
+    values = {"beta1": 0.01, "beta2": 4e-4, "tukey_lambda": 0.0, "sigma": 0.02}
+    effects = [
+        {
+            "name": name,
+            "parameters": {
+                p["name"]: values[p["name"].partition("_0")[0].partition("_1")[0]]
+                for p in EFFECTS[name]["parameters"]
+            },
+        }
+        for name in names
+    ]
+    sensor = cg2raw.Sensor.from_json(cameras.profile_text(effects=effects))
+    rgb, run = scene(rows, 16), {"illuminant": "D50", "seed": 6}
+    mean, variance = (np.asarray(x, float) for x in sensor.expectation(rgb, **run))
+    assert variance == pytest.approx(8e-4 + 0.02 * mean, rel=1e-5)
+    z = (np.asarray(sensor.signal(rgb, **run), float) - mean) / np.sqrt(variance)
+    assert z.mean() == pytest.approx(0.0, abs=4.0 / np.sqrt(rows))
+    assert z.var() == pytest.approx(1.0, abs=0.01)
+    slope = np.polyfit(mean.ravel(), (z**2).ravel(), 1)[0]
+    assert abs(slope) < 5.0 * np.sqrt(2.0 / z.size) / mean.std()
+
+
 @pytest.mark.parametrize("name", EFFECTS)
 def test_what_was_clipped_stays_white(name):
     if name == "lens_shading":

@@ -112,7 +112,7 @@ WRONG = [
     ("noise", [{**SHAPED, "tukey_lambda": 0.6}], "tukey_lambda 0.6.*-0.4 to 0.5"),
     ("noise", [{**SHAPED, "tukey_lambda": "x"}], "tukey_lambda.*number"),
     ("noise", [{**SHAPED, "row_sigma": 0.0011}], "row_sigma 0.0011.*0 to 0.001,"),
-    ("noise", [{**SHAPED, "row_sigma": -1e-4}], "row_sigma -0.0001.*0 to 0.001,"),
+    ("noise", [{**SHAPED, "row_sigma": -1e-4}], "row_sigma -1e-04.*0 to 0.001,"),
     ("noise", [SHAPED, {**NOISE, "iso": 200}], "iso 200.*tukey_lambda.*missing"),
     ("noise", [NOISE, {**SHAPED, "iso": 200}], "iso 200.*tukey_lambda.*given.*none"),
     ("effects", {}, "list"),
