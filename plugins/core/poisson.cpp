@@ -29,17 +29,35 @@ constexpr std::array<double, most_summed + 1> reciprocals()
 }
 constexpr auto reciprocal = reciprocals();
 
-/// Least k with P(count <= k) >= uniform.
-double summed_quantile(double mean, double uniform)
+bool is_summed(double mean) { return mean > 0.0 && mean < least_expanded; }
+
+/// counts[i] = least k with P(count <= k) >= uniform[i], where the mean is_summed; all
+/// sites together take one step of k after the other, so that the compiler vectorises.
+CG2RAW_MULTIVERSION void summed_quantiles(const double* mean, const double* uniform,
+                                          int count, double* counts)
 {
-    double probability = exponential(-mean), sum = probability;
-    int k = 0;
-    while (sum < uniform && k < most_summed) {
-        ++k;
-        probability *= mean * reciprocal[std::size_t(k)];
-        sum += probability;
+    double m[poisson_piece], probability[poisson_piece], sum[poisson_piece],
+        least[poisson_piece];
+    for (int i = 0; i < count; ++i)
+        m[i] = is_summed(mean[i]) ? mean[i] : 0.0;
+    for (int i = 0; i < count; ++i) {
+        sum[i] = probability[i] = exponential(-m[i]);
+        least[i] = 0.0;
     }
-    return k;
+    std::int64_t waiting = 1;
+    for (int k = 1; k <= most_summed && waiting; ++k) {
+        const double of_k = reciprocal[std::size_t(k)];
+        waiting = 0;
+        for (int i = 0; i < count; ++i) {
+            const bool beyond = sum[i] < uniform[i];
+            least[i] += beyond ? 1.0 : 0.0;
+            waiting += beyond ? 1 : 0;
+            probability[i] *= m[i] * of_k;
+            sum[i] += probability[i];
+        }
+    }
+    for (int i = 0; i < count; ++i)
+        counts[i] = is_summed(mean[i]) ? least[i] : counts[i];
 }
 
 /// Terms of the expansion in powers of 1 / sqrt(mean), as polynomials of the normal w.
@@ -73,22 +91,20 @@ void poisson_counts(const Rng& rng, Site at, const double* mean, int count,
                     double* counts)
 {
     assert(count <= poisson_piece);
-    const auto is_small = [](double m) { return m > 0.0 && m < least_expanded; };
+    std::fill_n(counts, count, 0.0);
     if (std::any_of(mean, mean + count, [](double m) { return m >= least_expanded; })) {
         float normal[poisson_piece];
         rng.normals(at, count, normal);
         expanded_quantiles(mean, normal, count, counts);
     }
-    if (std::any_of(mean, mean + count, is_small)) {
+    if (std::any_of(mean, mean + count, is_summed)) {
         double uniform[poisson_piece];
         rng.uniforms(at, count, uniform);
-        for (int i = 0; i < count; ++i)
-            if (is_small(mean[i]))
-                counts[i] = summed_quantile(mean[i], uniform[i]);
+        summed_quantiles(mean, uniform, count, counts);
     }
     for (int i = 0; i < count; ++i) {
         if (!(mean[i] > 0.0))
-            counts[i] = 0.0;
+            counts[i] = 0.0; // the expansion gave it a number
         if (mean[i] >= most_counted)
             counts[i] = mean[i];
     }
