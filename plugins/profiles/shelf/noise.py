@@ -76,12 +76,14 @@ def eld_noise(tables, name, black, white):
     rows = []
     for stop in range(ELD_STOPS + 1):
         best = min(profiles, key=lambda key: eld_disagreement(camera, key, stop))
-        gain, _, read, row, _ = eld_at(camera, best, stop)
+        gain, _, read, row, shape = eld_at(camera, best, stop)
         rows.append(
             {
                 "iso": ELD_FIRST_ISO * 2**stop,
                 "beta1": [significant(gain / span)] * 4,
                 "beta2": [significant((read**2 + row**2) / span**2)] * 4,
+                "tukey_lambda": significant(shape),
+                "row_sigma": significant(row / span),
             }
         )
     return rows
