@@ -15,12 +15,17 @@ namespace {
 constexpr int piece = 256;
 
 CG2RAW_MULTIVERSION void add_scaled(const float* variance, const float* normal,
-                                    int count, float ceiling, float* mean)
+                                    int count, float* noise)
 {
-    for (int i = 0; i < count; ++i) {
-        const float noise = std::sqrt(std::max(variance[i], 0.0f)) * normal[i];
-        mean[i] += mean[i] < ceiling ? noise : 0.0f;
-    }
+    for (int i = 0; i < count; ++i)
+        noise[i] += std::sqrt(std::max(variance[i], 0.0f)) * normal[i];
+}
+
+CG2RAW_MULTIVERSION void add_below(const float* noise, int count, float ceiling,
+                                   float* mean)
+{
+    for (int i = 0; i < count; ++i)
+        mean[i] += mean[i] < ceiling ? noise[i] : 0.0f;
 }
 
 /// Rounds half up.
@@ -51,16 +56,21 @@ Levels levels_of(const SensorProfile& profile)
 }
 
 void add_gaussian(const Rng& rng, Site origin, const Plane<float>& variance,
-                  float ceiling, const Plane<float>& mean)
+                  const Plane<float>& noise)
 {
     float normal[piece];
-    for (int row = 0; row < mean.height; ++row)
-        for (int col = 0; col < mean.width; col += piece) {
-            const int count = std::min(piece, mean.width - col);
+    for (int row = 0; row < noise.height; ++row)
+        for (int col = 0; col < noise.width; col += piece) {
+            const int count = std::min(piece, noise.width - col);
             rng.normals({ origin.row + row, origin.col + col }, count, normal);
-            add_scaled(variance.row(row) + col, normal, count, ceiling,
-                       mean.row(row) + col);
+            add_scaled(variance.row(row) + col, normal, count, noise.row(row) + col);
         }
+}
+
+void add_noise(const Plane<float>& noise, float ceiling, const Plane<float>& mean)
+{
+    for (int row = 0; row < mean.height; ++row)
+        add_below(noise.row(row), mean.width, ceiling, mean.row(row));
 }
 
 void digitise(const float* signal, const Levels& levels, Site at, int width,

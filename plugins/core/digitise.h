@@ -16,16 +16,15 @@ struct Levels {
 };
 Levels levels_of(const SensorProfile& profile);
 
-/// Signals that count as saturated: they were clipped, and some chains round white
-/// down.
-constexpr float saturated = 0.99999f;
-
-/// mean += sqrt(variance) times a standard normal of each site; sites of @p ceiling and
-/// above stay as they are.
+/// noise += sqrt(variance) times a standard normal of each site.
 void add_gaussian(const Rng& rng, Site origin, const Plane<float>& variance,
-                  float ceiling, const Plane<float>& mean);
+                  const Plane<float>& noise);
 
-/// DN = round(signal (white - black) + black), clamped to 0 ... white; a row.
+/// mean += noise; sites of @p ceiling and above stay as they are.
+void add_noise(const Plane<float>& noise, float ceiling, const Plane<float>& mean);
+
+/// DN = round(signal (white - black) + black), clamped to 0 ... white; a row. The
+/// rounding is a quantisation noise of variance 1/12 DN^2.
 void digitise(const float* signal, const Levels& levels, Site at, int width,
               std::uint16_t* dn);
 

@@ -14,7 +14,7 @@ namespace cg2raw {
 const char* name_of(Stage stage)
 {
     constexpr const char* names[]
-        = { "optics", "pixel", "response", "noise", "readout", "output" };
+        = { "optics", "pixel", "response", "noise", "readout", "conversion", "output" };
     return names[std::size_t(stage)];
 }
 

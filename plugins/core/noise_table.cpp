@@ -22,6 +22,27 @@ double log_log(double a, double b, double weight)
     return std::max(0.0, a + weight * (b - a)); // a measured 0 has no logarithm
 }
 
+/// Beyond the rows, and where a 0 was measured, the two curves may cross: noise of rows
+/// is a part of all the noise.
+NoiseShape shape_between(const NoiseAtIso& a, const NoiseAtIso& b, double weight,
+                         const std::vector<double>& beta2)
+{
+    const double least = *std::min_element(beta2.begin(), beta2.end());
+    const double row_sigma = log_log(a.shape->row_sigma, b.shape->row_sigma, weight);
+    const double of_b = std::clamp(weight, 0.0, 1.0);
+    return { a.shape->tukey_lambda
+                 + of_b * (b.shape->tukey_lambda - a.shape->tukey_lambda),
+             std::min(row_sigma, std::sqrt(least)) };
+}
+
+std::string isos_of(const std::vector<NoiseAtIso>& table)
+{
+    std::vector<std::string> isos;
+    for (const NoiseAtIso& row : table)
+        isos.push_back(number(row.iso));
+    return joined(isos);
+}
+
 } // namespace
 
 NoiseAtIso noise_at(const SensorProfile& profile, double iso)
@@ -36,7 +57,7 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
     if (!(iso >= lowest && iso <= highest))
         throw Error("iso " + number(iso) + " is outside " + number(lowest) + " to "
                     + number(highest) + ", one stop around the ISOs that sensor "
-                    + profile.id + " was calibrated at");
+                    + profile.id + " was calibrated at: " + isos_of(table));
     if (table.size() == 1 && iso != table.front().iso)
         throw Error("iso " + number(iso) + ": sensor " + profile.id
                     + " was calibrated at ISO " + number(table.front().iso) + " only");
@@ -54,6 +75,8 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
         result.beta1.push_back(log_log(a.beta1[site], b.beta1[site], weight));
         result.beta2.push_back(log_log(a.beta2[site], b.beta2[site], weight));
     }
+    if (a.shape && b.shape)
+        result.shape = shape_between(a, b, weight, result.beta2);
     return result;
 }
 

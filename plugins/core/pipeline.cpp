@@ -3,12 +3,12 @@
 
 #include "cg2raw/pipeline.h"
 
+#include "active_effects.h"
 #include "digitise.h"
 #include "text.h"
 
 #include <algorithm>
 #include <limits>
-#include <tuple>
 
 namespace cg2raw {
 namespace {
@@ -17,21 +17,6 @@ namespace {
 constexpr int band_rows = 2;
 /// Above any signal.
 constexpr float largest_signal = std::numeric_limits<float>::max();
-
-/// An effect, its values and its random numbers.
-struct Active {
-    const Effect* effect;
-    Values values;
-    Rng rng;
-};
-
-/// A fixed pattern belongs to the sensor, whatever the run's seed.
-Rng rng_of(const Effect& effect, const SensorProfile& profile, const Run& run)
-{
-    const std::string key = effect.name + "/" + profile.id;
-    return effect.pattern == Pattern::temporal ? Rng(run.seed, key, run.frame)
-                                               : Rng(0, key);
-}
 
 double drawn_gain(const SensorProfile& profile, const Run& run)
 {
@@ -48,54 +33,14 @@ double drawn_gain(const SensorProfile& profile, const Run& run)
     return mean + sigma * rng.normal(draw);
 }
 
-const Effect& effect_of(const EffectSetting& setting, const SensorProfile& profile)
-{
-    try {
-        return effect(setting.name);
-    } catch (const Error& error) {
-        throw Error("sensor " + profile.id + ": " + error.what());
-    }
-}
-
-std::vector<Active> active_effects(const SensorProfile& profile, const Run& run,
-                                   const std::optional<NoiseAtIso>& noise)
-{
-    std::vector<Active> active;
-    if (!run.effects)
-        return active;
-    const auto add = [&](const Effect& effect, Values values) {
-        for (const Active& other : active)
-            if (other.effect == &effect)
-                throw Error(
-                    "sensor " + profile.id + ": effect " + effect.name
-                    + " would act twice: leave it out of the profile's effects, or "
-                      "the ISO out of the run");
-        active.push_back({ &effect, std::move(values), rng_of(effect, profile, run) });
-    };
-    for (const EffectSetting& setting : profile.effects) {
-        const Effect& known = effect_of(setting, profile);
-        check_sites(known, profile.cfa, "sensor " + profile.id);
-        add(known, values_of(known, setting.parameters, "sensor " + profile.id));
-    }
-    if (noise) {
-        add(effect("shot_noise"), noise->beta1);
-        add(effect("read_noise"), noise->beta2);
-    }
-    std::sort(active.begin(), active.end(), [](const Active& a, const Active& b) {
-        return std::tie(a.effect->stage, a.effect->name)
-            < std::tie(b.effect->stage, b.effect->name);
-    });
-    return active;
-}
-
 /// Room for one band on its way; one per thread.
 struct Band {
     std::vector<float> pixels;
     std::array<Plane<float>, 3> camera;
-    Plane<float> mosaic, variance;
+    Plane<float> mosaic, variance, noise;
 
     explicit Band(int width)
-        : pixels(std::size_t(5 * band_rows) * std::size_t(width))
+        : pixels(std::size_t(6 * band_rows) * std::size_t(width))
     {
         resize(width, band_rows);
     }
@@ -104,22 +49,45 @@ struct Band {
     {
         float* next = pixels.data();
         for (Plane<float>* plane :
-             { &camera[0], &camera[1], &camera[2], &mosaic, &variance }) {
+             { &camera[0], &camera[1], &camera[2], &mosaic, &variance, &noise }) {
             *plane = { next, width, rows, width };
             next += std::ptrdiff_t(band_rows) * width;
         }
     }
 };
 
-void apply(const std::vector<Active>& active, Stage first, Stage last, Signal& signal)
+/// Whether effects draw what they can, or only state mean and variance.
+enum class Purpose { drawing, prediction };
+
+void apply(const std::vector<ActiveEffect>& active, Purpose purpose, Stage first,
+           Stage last, Signal& signal)
 {
-    for (const Active& one : active) {
-        if (one.effect->stage < first || one.effect->stage > last)
+    for (const auto& [effect, values, rng] : active) {
+        if (effect->stage < first || effect->stage > last)
             continue;
-        one.effect->expect(signal, one.values);
-        if (one.effect->draw)
-            one.effect->draw(signal, one.values, one.rng);
+        if (purpose == Purpose::drawing && effect->draw)
+            effect->draw(signal, values, rng);
+        else
+            effect->expect(signal, values);
     }
+}
+
+/// Some effect has a variance whose Gaussian is to be drawn.
+bool needs_gaussian(const std::vector<ActiveEffect>& active)
+{
+    return std::any_of(active.begin(), active.end(), [](const ActiveEffect& a) {
+        return a.effect->stage == Stage::noise && !a.effect->draw;
+    });
+}
+
+/// A clipped site has no variance.
+void clear_clipped(const Plane<float>& mean, float ceiling,
+                   const Plane<float>& variance)
+{
+    for (int row = 0; row < mean.height; ++row)
+        for (int col = 0; col < mean.width; ++col)
+            if (!(mean.row(row)[col] < ceiling))
+                variance.row(row)[col] = 0.0f;
 }
 
 } // namespace
@@ -132,8 +100,8 @@ struct Simulation::State {
     double gain;
     CameraTransform transform;
     std::optional<NoiseAtIso> noise;
-    std::vector<Active> active;
-    bool noisy; ///< some active effect has a variance to draw from
+    std::vector<ActiveEffect> active;
+    bool gaussian; ///< some active effect has a variance to draw from
     Rng rng; ///< of the Gaussian that the effects' variances add up to
     /// A sensor clips after its noise, and what was clipped lay far above white: it
     /// reads white, or raw converters see coloured speckles in highlights. The paper's
@@ -149,12 +117,9 @@ struct Simulation::State {
         , gain(drawn_gain(profile, run))
         , transform(camera_from_scene(profile, light, run.convention, gain,
                                       run.keep_highlights))
-        , noise(run.effects && run.iso ? std::optional(noise_at(profile, *run.iso))
-                                       : std::nullopt)
+        , noise(noise_of(profile, run))
         , active(active_effects(profile, run, noise))
-        , noisy(std::any_of(
-              active.begin(), active.end(),
-              [](const Active& a) { return a.effect->stage == Stage::noise; }))
+        , gaussian(needs_gaussian(active))
         , rng(run.seed, "noise/" + profile.id, run.frame)
         , noise_ceiling(run.convention == Convention::dng ? saturated : largest_signal)
         , levels(levels_of(profile))
@@ -167,11 +132,12 @@ struct Simulation::State {
     }
 
     /// All stages in order, for one band; the signal ends in band.mosaic.
-    void expose(const RgbView& scene, Site origin, Band& band, Illegal& illegal) const
+    void expose(const RgbView& scene, Site origin, Purpose purpose, Band& band,
+                Illegal& illegal) const
     {
         to_camera_band(scene, band, illegal);
-        Signal signal { 3, band.camera, {}, origin, frame, profile.cfa };
-        apply(active, Stage::optics, Stage::optics, signal);
+        Signal signal { 3, band.camera, {}, {}, origin, frame, profile.cfa };
+        apply(active, purpose, Stage::optics, Stage::optics, signal);
         for (int row = 0; row < scene.height; ++row) {
             const float* const camera[3]
                 = { band.camera[0].row(row), band.camera[1].row(row),
@@ -179,16 +145,23 @@ struct Simulation::State {
             mosaic(camera, profile.cfa, { origin.row + row, origin.col }, scene.width,
                    band.mosaic.row(row));
         }
-        if (active.empty())
-            return;
         signal.planes = 1;
         signal.mean = { band.mosaic };
         signal.variance = band.variance;
+        signal.noise = band.noise;
         std::fill_n(band.variance.data, scene.width * scene.height, 0.0f);
-        apply(active, Stage::pixel, Stage::noise, signal);
-        if (noisy)
-            add_gaussian(rng, origin, band.variance, noise_ceiling, band.mosaic);
-        apply(active, Stage::readout, Stage::output, signal);
+        if (active.empty())
+            return;
+        std::fill_n(band.noise.data, scene.width * scene.height, 0.0f);
+        apply(active, purpose, Stage::pixel, Stage::readout, signal);
+        if (purpose == Purpose::prediction) {
+            clear_clipped(band.mosaic, noise_ceiling, band.variance);
+        } else {
+            if (gaussian)
+                add_gaussian(rng, origin, band.variance, band.noise);
+            add_noise(band.noise, noise_ceiling, band.mosaic);
+        }
+        apply(active, purpose, Stage::conversion, Stage::output, signal);
     }
 
     void to_camera_band(const RgbView& scene, Band& band, Illegal& illegal) const
@@ -205,9 +178,9 @@ struct Simulation::State {
         }
     }
 
-    /// Calls done(row of the block, its signal) for every row.
+    /// Calls done(row of the block, its signal, its variance) for every row.
     template <class Done>
-    void each_row(const RgbView& scene, Site origin, Illegal& illegal,
+    void each_row(const RgbView& scene, Site origin, Purpose purpose, Illegal& illegal,
                   const Done& done) const
     {
         Band band(scene.width);
@@ -216,9 +189,9 @@ struct Simulation::State {
             band.resize(scene.width, rows);
             const RgbView part { scene.row(start), scene.width, rows,
                                  scene.pixel_stride, scene.row_stride };
-            expose(part, { origin.row + start, origin.col }, band, illegal);
+            expose(part, { origin.row + start, origin.col }, purpose, band, illegal);
             for (int row = 0; row < rows; ++row)
-                done(start + row, band.mosaic.row(row));
+                done(start + row, band.mosaic.row(row), band.variance.row(row));
         }
     }
 };
@@ -234,18 +207,32 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 void Simulation::block(const RgbView& scene, Site origin,
                        const Plane<std::uint16_t>& raw, Illegal& illegal) const
 {
-    m_state->each_row(scene, origin, illegal, [&](int row, const float* signal) {
-        digitise(signal, m_state->levels, { origin.row + row, origin.col }, scene.width,
-                 raw.row(row));
-    });
+    m_state->each_row(scene, origin, Purpose::drawing, illegal,
+                      [&](int row, const float* signal, const float*) {
+                          digitise(signal, m_state->levels,
+                                   { origin.row + row, origin.col }, scene.width,
+                                   raw.row(row));
+                      });
 }
 
 void Simulation::block(const RgbView& scene, Site origin, const Plane<float>& signal,
                        Illegal& illegal) const
 {
-    m_state->each_row(scene, origin, illegal, [&](int row, const float* values) {
-        std::copy(values, values + scene.width, signal.row(row));
-    });
+    m_state->each_row(scene, origin, Purpose::drawing, illegal,
+                      [&](int row, const float* values, const float*) {
+                          std::copy(values, values + scene.width, signal.row(row));
+                      });
+}
+
+void Simulation::expect(const RgbView& scene, Site origin, const Plane<float>& mean,
+                        const Plane<float>& variance, Illegal& illegal) const
+{
+    m_state->each_row(scene, origin, Purpose::prediction, illegal,
+                      [&](int row, const float* means, const float* variances) {
+                          std::copy(means, means + scene.width, mean.row(row));
+                          std::copy(variances, variances + scene.width,
+                                    variance.row(row));
+                      });
 }
 
 const SensorProfile& Simulation::profile() const { return m_state->profile; }
@@ -257,7 +244,7 @@ const std::optional<NoiseAtIso>& Simulation::noise() const { return m_state->noi
 
 std::optional<Values> Simulation::active(std::string_view effect_name) const
 {
-    for (const Active& one : m_state->active)
+    for (const ActiveEffect& one : m_state->active)
         if (one.effect->name == effect_name)
             return one.values;
     return std::nullopt;

@@ -150,6 +150,30 @@ void check_calibrations(const SensorProfile& profile, const std::string& file)
         fail(file, "calibration_illuminant_1 and _2 must differ in temperature");
 }
 
+void check_noise_shape(const NoiseAtIso& row, bool expected, const std::string& file,
+                       const std::string& at)
+{
+    if (row.shape.has_value() != expected)
+        fail(file,
+             at + ": tukey_lambda and row_sigma "
+                 + (expected ? "are missing: " : "are given: ")
+                 + "all rows of noise need them, or none");
+    if (!row.shape)
+        return;
+    const auto& [lambda, sigma] = *row.shape;
+    if (!(lambda >= least_tukey_lambda && lambda <= most_tukey_lambda))
+        fail(file,
+             at + ": tukey_lambda " + number(lambda) + " must be within "
+                 + number(least_tukey_lambda) + " to " + number(most_tukey_lambda));
+    const double least = *std::min_element(row.beta2.begin(), row.beta2.end());
+    if (!(sigma >= 0.0 && sigma * sigma <= least))
+        fail(file,
+             at + ": row_sigma " + number(sigma) + " must be within 0 to "
+                 + number(std::sqrt(least))
+                 + ", the root of the least beta2: beta2 is all the noise without "
+                   "light, that of rows included");
+}
+
 void check_noise(const SensorProfile& profile, const std::string& file)
 {
     double last_iso = 0.0;
@@ -171,6 +195,7 @@ void check_noise(const SensorProfile& profile, const std::string& file)
                 if (!(value >= 0.0 && value <= 1.0))
                     fail(file, at + ": " + number(value) + " must be within 0 to 1");
         }
+        check_noise_shape(row, profile.noise.front().shape.has_value(), file, at);
     }
 }
 

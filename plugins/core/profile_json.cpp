@@ -223,6 +223,14 @@ NeutralDistribution illuminants(Fields fields)
     return result;
 }
 
+std::optional<NoiseShape> noise_shape(Fields& row)
+{
+    const bool lambda = row.has("tukey_lambda"), sigma = row.has("row_sigma");
+    if (!lambda && !sigma)
+        return std::nullopt;
+    return NoiseShape { row.real("tukey_lambda"), row.real("row_sigma") };
+}
+
 std::vector<NoiseAtIso> noise(Fields& fields, const CfaPattern& cfa)
 {
     std::vector<NoiseAtIso> result;
@@ -230,7 +238,7 @@ std::vector<NoiseAtIso> noise(Fields& fields, const CfaPattern& cfa)
         return result;
     for (Fields& row : fields.objects("noise")) {
         result.push_back({ row.real("iso"), row.per_site("beta1", cfa),
-                           row.per_site("beta2", cfa) });
+                           row.per_site("beta2", cfa), noise_shape(row) });
         row.done();
     }
     return result;
@@ -327,6 +335,18 @@ Json json_of(const NeutralDistribution& distribution)
              { "hull", distribution.hull } };
 }
 
+Json json_of(const NoiseAtIso& row, const CfaPattern& cfa)
+{
+    Json json { { "iso", row.iso },
+                { "beta1", json_of(row.beta1, cfa) },
+                { "beta2", json_of(row.beta2, cfa) } };
+    if (row.shape) {
+        json["tukey_lambda"] = row.shape->tukey_lambda;
+        json["row_sigma"] = row.shape->row_sigma;
+    }
+    return json;
+}
+
 Json json_of(const EffectSetting& setting)
 {
     Json json { { "name", setting.name }, { "parameters", setting.parameters } };
@@ -391,9 +411,7 @@ std::string to_json(const SensorProfile& profile)
         json["digital_gain"] = { { "mean", profile.digital_gain->mean },
                                  { "sigma", profile.digital_gain->sigma } };
     for (const NoiseAtIso& row : profile.noise)
-        json["noise"].push_back({ { "iso", row.iso },
-                                  { "beta1", json_of(row.beta1, profile.cfa) },
-                                  { "beta2", json_of(row.beta2, profile.cfa) } });
+        json["noise"].push_back(json_of(row, profile.cfa));
     for (const EffectSetting& setting : profile.effects)
         json["effects"].push_back(json_of(setting));
     return json.dump(2) + "\n";

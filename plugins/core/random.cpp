@@ -93,12 +93,10 @@ inline void normal_pair_of(std::uint32_t a, std::uint32_t b, float& first,
     second = radius * (quadrant >= 2 ? -sine_part : sine_part);
 }
 
-/// Normals of the counters first_group ... first_group + lanes - 1 of a row.
-CG2RAW_MULTIVERSION void draw_groups(std::uint32_t first_group, std::uint32_t row,
-                                     std::uint64_t frame, std::uint64_t key,
-                                     float* normals)
+/// Words of the counters first_group ... first_group + lanes - 1 of a row.
+inline void draw_words(std::uint32_t first_group, std::uint32_t row,
+                       std::uint64_t frame, std::uint64_t key, Words& w)
 {
-    Words w;
     for (int i = 0; i < lanes; ++i) {
         w.word[0][i] = first_group + std::uint32_t(i);
         w.word[1][i] = row;
@@ -106,6 +104,15 @@ CG2RAW_MULTIVERSION void draw_groups(std::uint32_t first_group, std::uint32_t ro
         w.word[3][i] = std::uint32_t(frame >> 32);
     }
     philox(w, std::uint32_t(key), std::uint32_t(key >> 32));
+}
+
+/// Normals of a group of counters.
+CG2RAW_MULTIVERSION void draw_normals(std::uint32_t first_group, std::uint32_t row,
+                                      std::uint64_t frame, std::uint64_t key,
+                                      float* normals)
+{
+    Words w;
+    draw_words(first_group, row, frame, key, w);
     float value[per_counter][lanes];
     for (int i = 0; i < lanes; ++i)
         normal_pair_of(w.word[0][i], w.word[1][i], value[0][i], value[1][i]);
@@ -114,6 +121,44 @@ CG2RAW_MULTIVERSION void draw_groups(std::uint32_t first_group, std::uint32_t ro
     for (int i = 0; i < lanes; ++i)
         for (int k = 0; k < per_counter; ++k)
             normals[per_counter * i + k] = value[k][i];
+}
+
+/// (n + 1/2) / 2^52 with the 52 upper bits n of two words; exact.
+inline double uniform_of(std::uint32_t high, std::uint32_t low)
+{
+    // As the mantissa of a number in 1 ... 2.
+    const std::uint64_t bits
+        = 0x3FF0000000000000u | (std::uint64_t(high) << 20 | low >> 12);
+    double value;
+    std::memcpy(&value, &bits, sizeof value);
+    return (value - 1.0) + 0x1p-53;
+}
+
+/// Uniforms of a group of counters.
+CG2RAW_MULTIVERSION void draw_uniforms(std::uint32_t first_group, std::uint32_t row,
+                                       std::uint64_t frame, std::uint64_t key,
+                                       double* uniforms)
+{
+    Words w;
+    draw_words(first_group, row, frame, key, w);
+    for (int i = 0; i < lanes; ++i) {
+        uniforms[2 * i] = uniform_of(w.word[0][i], w.word[1][i]);
+        uniforms[2 * i + 1] = uniform_of(w.word[2][i], w.word[3][i]);
+    }
+}
+
+/// Draws of the sites at ... at + count - 1, from whole groups of counters.
+template <int each, class Value, class Draw>
+void copy_groups(Site at, int count, const Draw& draw, Value* out)
+{
+    constexpr int per_draw = lanes * each;
+    Value drawn[per_draw];
+    const int end = at.col + count;
+    for (int first = at.col / each * each; first < end; first += per_draw) {
+        draw(std::uint32_t(first / each), std::uint32_t(at.row), drawn);
+        const int from = std::max(at.col, first), to = std::min(end, first + per_draw);
+        std::copy(drawn + (from - first), drawn + (to - first), out + (from - at.col));
+    }
 }
 
 /// FNV-1a of 64 bits, then SplitMix64's finaliser: names and numbers to keys.
@@ -149,16 +194,23 @@ Rng::Rng(std::uint64_t seed, std::string_view purpose, std::uint64_t frame)
 
 void Rng::normals(Site at, int count, float* out) const
 {
-    constexpr int per_draw = lanes * per_counter;
-    float drawn[per_draw];
-    const int end = at.col + count;
-    for (int first = at.col / per_counter * per_counter; first < end;
-         first += per_draw) {
-        draw_groups(std::uint32_t(first / per_counter), std::uint32_t(at.row), m_frame,
-                    m_key, drawn);
-        const int from = std::max(at.col, first), to = std::min(end, first + per_draw);
-        std::copy(drawn + (from - first), drawn + (to - first), out + (from - at.col));
-    }
+    copy_groups<per_counter>(
+        at, count,
+        [this](std::uint32_t group, std::uint32_t row, float* drawn) {
+            draw_normals(group, row, m_frame, m_key, drawn);
+        },
+        out);
+}
+
+void Rng::uniforms(Site at, int count, double* out) const
+{
+    constexpr std::uint64_t other_stream = 0x9E3779B97F4A7C15u; // golden ratio
+    copy_groups<2>(
+        at, count,
+        [this](std::uint32_t group, std::uint32_t row, double* drawn) {
+            draw_uniforms(group, row, m_frame, m_key ^ other_stream, drawn);
+        },
+        out);
 }
 
 double Rng::uniform(std::uint32_t n) const

@@ -100,6 +100,8 @@ constexpr Known known[] = {
       [](Attributes& a, const Given& g) {
           a.iso = g.real(1.0, 1e7, "an ISO from 1 to 10000000");
       } },
+    { "dng:noise",
+      [](Attributes& a, const Given& g) { a.noise = g.named(noise_model_from_name); } },
     { "dng:seed", [](Attributes& a, const Given& g) { a.seed = g.whole(); } },
     { "dng:frame", [](Attributes& a, const Given& g) { a.frame = g.whole(); } },
     { "dng:gain", set_gain },

@@ -16,6 +16,7 @@ struct Attributes {
     std::optional<double> iso, gain;
     std::optional<bool> highlights;
     std::optional<Convention> convention;
+    std::optional<NoiseModel> noise;
     bool sample_gain = false;
     std::uint64_t seed = 0, frame = 0;
     bool effects = true;

@@ -221,9 +221,13 @@ void check_bits(const ImageSpec& spec, const SensorProfile& profile)
 
 Run run_of(const Attributes& attributes)
 {
+    if (attributes.noise && !attributes.iso)
+        throw Error("dng:noise is given without dng:iso: add --attrib dng:iso NUMBER, "
+                    "or leave dng:noise out");
     Run run;
     run.illuminant = attributes.illuminant;
     run.iso = attributes.iso;
+    run.noise_model = attributes.noise.value_or(NoiseModel::gaussian);
     run.seed = attributes.seed;
     run.frame = attributes.frame;
     run.digital_gain = attributes.gain.value_or(1.0);

@@ -10,8 +10,13 @@ namespace {
 
 py::dict dict_of(const NoiseAtIso& noise)
 {
-    return py::dict("iso"_a = noise.iso, "beta1"_a = noise.beta1,
-                    "beta2"_a = noise.beta2);
+    py::dict dict("iso"_a = noise.iso, "beta1"_a = noise.beta1,
+                  "beta2"_a = noise.beta2);
+    if (noise.shape) {
+        dict["tukey_lambda"] = noise.shape->tukey_lambda;
+        dict["row_sigma"] = noise.shape->row_sigma;
+    }
+    return dict;
 }
 
 py::dict dict_of(const Calibration& calibration)
@@ -178,7 +183,8 @@ void bind_numbers(py::class_<SensorProfile>& c)
                 return dict_of(noise_at(p, iso));
             },
             "iso"_a,
-            "{\"iso\", \"beta1\", \"beta2\"} per CFA site, x in 0..1 above black.");
+            "{\"iso\", \"beta1\", \"beta2\"} per CFA site, x in 0..1 above black, and "
+            "where the\nprofile has them \"tukey_lambda\" and \"row_sigma\".");
 }
 
 void bind_fields(py::class_<SensorProfile>& c)

@@ -6,14 +6,15 @@
 namespace cg2raw::python {
 namespace {
 
-Run run_of(const std::string& illuminant, std::optional<double> iso, std::uint64_t seed,
-           std::uint64_t frame, double digital_gain, const std::string& convention,
-           bool highlights, bool effects, bool camera_input,
-           const std::optional<Vec3>& as_shot)
+Run run_of(const std::string& illuminant, std::optional<double> iso,
+           const std::string& noise, std::uint64_t seed, std::uint64_t frame,
+           double digital_gain, const std::string& convention, bool highlights,
+           bool effects, bool camera_input, const std::optional<Vec3>& as_shot)
 {
     Run run;
     run.illuminant = illuminant;
     run.iso = iso;
+    run.noise_model = noise_model_from_name(noise);
     run.seed = seed;
     run.frame = frame;
     run.digital_gain = digital_gain;
@@ -49,6 +50,24 @@ FloatArray signal_of(const Simulation& simulation, const FloatArray& rgb)
     Illegal illegal;
     simulation.block(scene, { 0, 0 }, plane, illegal);
     return signal;
+}
+
+/// Mean and variance, (height, width) each.
+std::pair<FloatArray, FloatArray> expectation_of(const Simulation& simulation,
+                                                 const FloatArray& rgb)
+{
+    const RgbView scene = rgb_view(rgb);
+    FloatArray mean({ scene.height, scene.width });
+    FloatArray variance({ scene.height, scene.width });
+    const auto plane = [&](FloatArray& array) {
+        return Plane<float> { array.mutable_data(), scene.width, scene.height,
+                              scene.width };
+    };
+    const Plane<float> means = plane(mean), variances = plane(variance);
+    const py::gil_scoped_release release;
+    Illegal illegal;
+    simulation.expect(scene, { 0, 0 }, means, variances, illegal);
+    return { mean, variance };
 }
 
 /// (height, width, 3) camera RGB before the mosaic.
@@ -88,9 +107,11 @@ void bind_simulation(py::module_& m)
              "(height, width) uint16 DN of a (height, width, 3 or 4) float32 image.")
         .def("signal", &signal_of, "rgb"_a,
              "(height, width) float32 before quantisation, 0..1 above black, not "
-             "clamped.");
+             "clamped.")
+        .def("expectation", &expectation_of, "rgb"_a,
+             "(mean, variance) of that signal, (height, width) float32 each.");
     py::class_<Run>(m, "Run", "What one exposure is asked to be.")
-        .def(py::init(&run_of), "illuminant"_a, "iso"_a, "seed"_a, "frame"_a,
+        .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
              "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
              "camera_input"_a, "as_shot"_a);
     m.def("to_camera", &camera_of, "profile"_a, "rgb"_a, "illuminant"_a, "convention"_a,

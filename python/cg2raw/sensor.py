@@ -83,12 +83,21 @@ class Sensor:
         rgb = _float_image(rgb)
         return self.simulation(rgb.shape[:2], **run).signal(rgb)
 
+    def expectation(self, rgb, **run):
+        """Return (mean, variance) of `signal` over frames, (H, W) float32 each.
+
+        variance : in the square of 0..1 above black; the rounding to DN, which `signal`
+        has not, adds 1/12 DN^2. 0 where the signal clips before its noise."""
+        rgb = _float_image(rgb)
+        return self.simulation(rgb.shape[:2], **run).expectation(rgb)
+
     def simulation(
         self,
         shape,
         *,
         illuminant,
         iso=None,
+        noise="gaussian",
         seed=0,
         frame=0,
         digital_gain=1.0,
@@ -103,6 +112,9 @@ class Sensor:
         shape : (H, W) of the image.
         illuminant : word of the illuminant grammar, or an Illuminant.
         iso : None for no noise; else within one stop of the calibrated ISOs.
+        noise : how it is drawn, with the same variance: "gaussian", or "physical"
+            (Poisson photons, Tukey lambda read noise, row noise), which needs an iso
+            and a profile whose noise has tukey_lambda and row_sigma.
         seed, frame : key of everything random; noise differs from frame to frame.
         digital_gain : multiplies the white balance gains (0 to 1000).
         convention : "dng" (inverse of a DNG renderer) or "paper".
@@ -115,6 +127,7 @@ class Sensor:
             run = _core.Run(
                 illuminant=word,
                 iso=iso,
+                noise=noise,
                 seed=seed,
                 frame=frame,
                 digital_gain=digital_gain,
@@ -128,9 +141,9 @@ class Sensor:
             raise ValueError(
                 f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers, seed "
                 f"{seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
-                f"convention {convention!r} a text, highlights {highlights!r}, effects "
-                f"{effects!r} and camera_input {camera_input!r} True or False, and "
-                f"as_shot {as_shot!r} three numbers"
+                f"noise {noise!r} and convention {convention!r} texts, highlights "
+                f"{highlights!r}, effects {effects!r} and camera_input "
+                f"{camera_input!r} True or False, and as_shot {as_shot!r} three numbers"
             ) from None
         return _core.Simulation(self._profile, tuple(shape), run)
 

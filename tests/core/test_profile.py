@@ -3,18 +3,12 @@
 """profile.h: the schema and its errors, the bundled sensors, noise between ISOs."""
 
 import json
-import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import cg2raw
 import numpy as np
 import pytest
 
 from oracles import cameras
-
-PROFILES = Path(__file__).parents[2] / "plugins" / "profiles"
 
 
 def load(**fields):
@@ -47,6 +41,7 @@ def test_no_field_has_a_silent_default(field):
 
 M = [0.7, -0.2, -0.1, -0.8, 1.5, 0.3, -0.1, 0.1, 0.8]
 NOISE = {"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 4}
+SHAPED = {**NOISE, "tukey_lambda": -0.1, "row_sigma": 5e-4}
 # Field, what is wrong with it, what the message must say beside file and field.
 WRONG = [
     ("schema", 2, "1"),
@@ -116,6 +111,15 @@ WRONG = [
     ("noise", [{**NOISE, "gain": 1}], "unknown.*beta1"),
     ("noise", [{"iso": 100, "beta1": [1e-4] * 4}], "beta2"),
     ("noise", [NOISE, NOISE], "rise"),
+    ("noise", [{**NOISE, "row_sigma": 1e-4}], "tukey_lambda.*missing"),
+    ("noise", [{**NOISE, "tukey_lambda": 0.1}], "row_sigma.*missing"),
+    ("noise", [{**SHAPED, "tukey_lambda": -0.5}], "tukey_lambda -0.5.*-0.4 to 0.5"),
+    ("noise", [{**SHAPED, "tukey_lambda": 0.6}], "tukey_lambda 0.6.*-0.4 to 0.5"),
+    ("noise", [{**SHAPED, "tukey_lambda": "x"}], "tukey_lambda.*number"),
+    ("noise", [{**SHAPED, "row_sigma": 0.0011}], "row_sigma 0.0011.*0 to 0.001,"),
+    ("noise", [{**SHAPED, "row_sigma": -1e-4}], "row_sigma -1e-04.*0 to 0.001,"),
+    ("noise", [SHAPED, {**NOISE, "iso": 200}], "iso 200.*tukey_lambda.*missing"),
+    ("noise", [NOISE, {**SHAPED, "iso": 200}], "iso 200.*tukey_lambda.*given.*none"),
     ("effects", {}, "list"),
     ("effects", [{}], "name"),
 ]
@@ -260,6 +264,12 @@ def test_a_profile_survives_a_round_trip_field_for_field():
     assert cg2raw.Sensor.from_json(once).to_json() == once
 
 
+def test_the_shape_of_noise_survives_a_round_trip():
+    noise = [SHAPED, {**SHAPED, "iso": 200, "tukey_lambda": 0.25}]
+    once = load(noise=noise).to_json()
+    assert json.loads(once)["noise"] == noise
+
+
 def test_a_distribution_survives_a_round_trip():
     stated = {
         "mean": [0.6, 0.5],
@@ -298,16 +308,6 @@ def test_a_missing_file_is_an_error_that_names_it(name):
         cg2raw.Sensor(name)
 
 
-def test_bundled_profiles_are_what_their_script_makes(camera_data, tmp_path):
-    script = shutil.copy(PROFILES / "make_profiles.py", tmp_path)
-    command = [sys.executable, script, "--data", camera_data, "--out", tmp_path]
-    subprocess.run(list(map(str, command)), check=True)
-    made = sorted(tmp_path.glob("*.json"))
-    assert [path.name for path in made] == ["nikon-d40.json", "samsung-s20fe.json"]
-    for path in made:
-        assert path.read_bytes() == (PROFILES / path.name).read_bytes()
-
-
 def test_the_samsung_is_the_one_that_was_measured():
     sensor = cg2raw.Sensor("samsung-s20fe")
     assert (sensor.cfa, sensor.width, sensor.height) == ("GRBG", 4032, 3024)
@@ -319,13 +319,6 @@ def test_the_samsung_is_the_one_that_was_measured():
         x = (dn - 64.0) / 959.0
         variance = (noise["beta1"][0] * x + noise["beta2"][0]) * 959.0**2
         assert variance == pytest.approx(2.24355796 * dn - 134.138137, rel=1e-5)
-
-
-def test_every_number_of_a_bundled_profile_has_a_source():
-    for name in ("nikon-d40", "samsung-s20fe"):
-        profile = json.loads((PROFILES / f"{name}.json").read_text())
-        facts = set(profile) - {"schema", "id", "sources", "effects"}
-        assert facts == set(profile["sources"])
 
 
 def table(isos, beta1, beta2):
@@ -351,10 +344,43 @@ def test_noise_is_interpolated_on_log_log_axes():
         assert noise["beta2"] == pytest.approx([beta2] * 4, rel=1e-12)
 
 
+def shaped(isos, lambdas, sigmas, beta2):
+    rows = table(isos, [1e-4] * len(isos), beta2)
+    for row, tukey_lambda, sigma in zip(rows, lambdas, sigmas, strict=True):
+        row.update(tukey_lambda=tukey_lambda, row_sigma=sigma)
+    return rows
+
+
+def test_the_shape_of_noise_between_isos():
+    """row_sigma as beta2 on log-log axes, lambda linear in log ISO, held outside."""
+    noise = shaped([100, 400], [-0.2, 0.1], [1e-4, 4e-4], [1e-6, 4e-6])
+    sensor = load(noise=noise)
+    for iso, tukey_lambda, sigma in [
+        (50, -0.2, 5e-5),
+        (100, -0.2, 1e-4),
+        (200, -0.05, 2e-4),
+        (400, 0.1, 4e-4),
+        (800, 0.1, 8e-4),
+    ]:
+        seen = sensor.noise_at(iso)
+        assert seen["tukey_lambda"] == pytest.approx(tukey_lambda, rel=1e-12)
+        assert seen["row_sigma"] == pytest.approx(sigma, rel=1e-12)
+    assert "row_sigma" not in load(noise=[NOISE]).noise_at(100)
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "beta2", "iso"),
+    [([1e-4, 1e-3], [1e-6, 1e-6], 800), ([0.0, 1e-3], [1e-9, 1e-6], 200)],
+)
+def test_noise_of_rows_is_never_more_than_all_the_noise(sigmas, beta2, iso):
+    noise = load(noise=shaped([100, 400], [0.1, 0.1], sigmas, beta2)).noise_at(iso)
+    assert noise["row_sigma"] == pytest.approx(noise["beta2"][0] ** 0.5, rel=1e-12)
+
+
 @pytest.mark.parametrize("iso", [49.9, 3201, 0, -100, np.nan, np.inf])
 def test_more_than_one_stop_beyond_the_table_is_an_error(iso):
     sensor = load(noise=table([100, 1600], [1e-4, 1.6e-3], [1e-6, 9e-6]))
-    with pytest.raises(ValueError, match="50.*3200"):
+    with pytest.raises(ValueError, match="50 to 3200.*at: 100, 1600$"):
         sensor.noise_at(iso)
 
 

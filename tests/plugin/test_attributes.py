@@ -3,8 +3,11 @@
 
 """Every attribute: what it takes, and what it says of other values."""
 
+import json
+
+import cg2raw
 import pytest
-from images import attributes
+from images import attributes, read_dn
 
 BASE = {"sensor": "samsung-s20fe", "illuminant": "D65"}
 BAD = [
@@ -20,6 +23,8 @@ BAD = [
     ("seed", "1.5", "dng:seed"),
     ("seed", "5000000000", "type=string"),
     ("frame", "x", "dng:frame"),
+    ("noise", "loud", "gaussian or physical"),
+    ("noise", "gaussian", "without dng:iso"),
     ("gain", "0", "dng:gain"),
     ("gain", "nan", "dng:gain"),
     ("convention", "adobe", "paper"),
@@ -54,6 +59,33 @@ def test_iso_of_a_sensor_without_measured_noise(oiiotool, exr, tmp_path):
     assert "no measured noise" in done.stdout + done.stderr
     oiiotool(exr, *arguments, *attributes(effects="none"), "-o", out)
     assert out.exists()
+
+
+def test_noise_of_an_iso_may_be_physical(oiiotool, exr, tmp_path):
+    """The model changes the draw, not the variance that the DNG states."""
+    profile = json.loads(cg2raw.Sensor("samsung-s20fe").to_json())
+    for row in profile["noise"]:
+        row.update(tukey_lambda=-0.05, row_sigma=0.3 * min(row["beta2"]) ** 0.5)
+    path = tmp_path / "shaped.json"
+    path.write_text(json.dumps(profile))
+    dn, stated = {}, {}
+    for noise in ("", "gaussian", "Physical"):
+        out = tmp_path / f"{noise}.dng"
+        given = attributes(**BASE, iso=800) + (attributes(noise=noise) if noise else [])
+        oiiotool(exr, *given, *attributes(sensor=path), "-o", out)
+        dn[noise] = read_dn(out)
+        stated[noise] = cg2raw.read_dng_metadata(str(out)).noise_profile
+    assert (dn[""] == dn["gaussian"]).all()
+    assert (dn[""] != dn["Physical"]).mean() > 0.5
+    assert stated[""] == stated["gaussian"] == stated["Physical"]
+
+
+def test_physical_noise_says_what_a_profile_lacks(oiiotool, exr, tmp_path):
+    given = attributes(**BASE, iso=800, noise="physical")
+    done = oiiotool(exr, *given, "-o", tmp_path / "shot.dng", check=False)
+    assert done.returncode != 0
+    assert "tukey_lambda and row_sigma" in done.stdout + done.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["scene.exr"]
 
 
 @pytest.mark.parametrize("missing", ["sensor", "illuminant"])

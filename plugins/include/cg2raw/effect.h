@@ -17,6 +17,7 @@ enum class Stage {
     response,
     noise,
     readout,
+    conversion, ///< the ADC
     output,
 };
 const char* name_of(Stage stage);
@@ -39,12 +40,16 @@ struct Parameter {
     CfaRepeat repeat = CfaRepeat::any;
 };
 
+/// Signals of this and above count as clipped: some chains round white down.
+constexpr float saturated = 0.99999f;
+
 /// A block of rows on its way through the sensor, with what it knows of its place.
 /// Signal is in units of 0..1 above black; variance in the square of that.
 struct Signal {
     int planes; ///< 3: camera RGB, 1: mosaic
     std::array<Plane<float>, 3> mean;
     Plane<float> variance; ///< mosaic only; its data is null before the mosaic
+    Plane<float> noise; ///< likewise; what was drawn, until it is added after readout
     Site origin; ///< of the block's first pixel in the active area
     Size frame; ///< active area
     CfaPattern cfa;
@@ -56,6 +61,13 @@ using Values = std::vector<double>;
 /// One departure from the ideal sensor. It states how it moves the expected signal and
 /// its variance (expect) and, if its draw is not the Gaussian of that variance, how to
 /// draw.
+///
+/// A prediction calls every effect's expect. A simulation calls draw where there is one
+/// and expect where there is none, and draws the Gaussian of the variances that the
+/// latter add up to: nothing is drawn twice. In the stages noise and readout a draw
+/// adds to Signal::noise and leaves the mean alone, so that the order of effects does
+/// not matter there; the sum falls on the sites that were not clipped before. In other
+/// stages a draw moves the mean.
 struct Effect {
     std::string name;
     Stage stage;

@@ -11,10 +11,19 @@
 
 namespace cg2raw {
 
+/// How the noise of an ISO is drawn; its variance is the same in both.
+enum class NoiseModel {
+    gaussian, ///< shot_noise and read_noise
+    physical, ///< photon_statistics, heavy_tailed_noise and row_noise
+};
+/// "gaussian" or "physical". Throws Error on other words.
+NoiseModel noise_model_from_name(std::string_view name);
+
 /// What one exposure is asked to be.
 struct Run {
     std::string illuminant; ///< grammar of illuminant.h
     std::optional<double> iso; ///< none: no noise
+    NoiseModel noise_model = NoiseModel::gaussian; ///< physical: needs an ISO
     std::uint64_t seed = 0; ///< of everything random
     std::uint64_t frame = 0; ///< temporal noise differs between frames
     double digital_gain = 1.0;
@@ -47,6 +56,13 @@ public:
     /// tests.
     void block(const RgbView& scene, Site origin, const Plane<float>& signal,
                Illegal& illegal) const;
+
+    /// What is predicted of the same block: the mean of the signal before quantisation,
+    /// and the variance over frames of each pixel, in the square of 0..1 above black;
+    /// none where the signal is clipped before its noise. The rounding to DN adds
+    /// 1/12 DN^2.
+    void expect(const RgbView& scene, Site origin, const Plane<float>& mean,
+                const Plane<float>& variance, Illegal& illegal) const;
 
     const SensorProfile& profile() const;
     const Run& run() const;

@@ -64,11 +64,26 @@ struct NeutralDistribution {
 /// Mean, covariance and convex hull of @p neutrals.
 NeutralDistribution distribution_of(std::vector<std::array<double, 2>> neutrals);
 
+/// Bounds of a Tukey lambda: with much heavier tails than at -0.4 there is no variance,
+/// and at 0.5 no tail.
+constexpr double least_tukey_lambda = -0.4, most_tukey_lambda = 0.5;
+
+/// How the noise at one ISO is distributed, beyond its variance. Source: K. Wei et al.,
+/// Physics-based Noise Modeling for Extreme Low-light Photography, IEEE Trans. PAMI
+/// 44(11), 2022.
+struct NoiseShape {
+    double tukey_lambda; ///< of the read-out noise without that of rows
+    double row_sigma; ///< standard deviation of a row's offset, in 0..1 above black
+};
+
 /// Heteroscedastic noise at one ISO, one value per CFA site:
-/// variance(x) = beta1 x + beta2 with x in 0..1 above black.
+/// variance(x) = beta1 x + beta2 with x in 0..1 above black. beta1 is the signal of one
+/// electron. beta2 is all that does not depend on the signal: with a shape,
+/// beta2 - row_sigma^2 is the read-out noise of the pixels themselves.
 struct NoiseAtIso {
     double iso;
     std::vector<double> beta1, beta2;
+    std::optional<NoiseShape> shape {}; ///< all rows of a profile have one, or none
 };
 
 /// An effect as a profile lists it.
@@ -119,7 +134,8 @@ std::vector<std::string> profile_folders();
 std::vector<std::string> installed_profiles();
 
 /// Noise at any ISO: log-log interpolation between calibrated ISOs, and up to one stop
-/// beyond them. Throws Error farther out, or if the profile has no noise.
+/// beyond them; tukey_lambda is linear in log ISO and constant beyond the ends, and
+/// row_sigma^2 at most beta2. Throws Error farther out, or if the profile has no noise.
 NoiseAtIso noise_at(const SensorProfile& profile, double iso);
 
 } // namespace cg2raw

@@ -25,6 +25,8 @@ public:
     /// Standard normals, float32, of the sites (row, col) ... (row, col + count - 1);
     /// the same for a site whichever row piece it is asked in, on every machine.
     void normals(Site at, int count, float* out) const;
+    /// Uniforms in (0, 1), 52 bits, of the same sites; independent of their normals.
+    void uniforms(Site at, int count, double* out) const;
     /// The n-th uniform in (0, 1), float64; for parameters, not for pixels.
     double uniform(std::uint32_t n) const;
     /// The n-th standard normal, float64; uses uniforms 2n and 2n + 1.

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The effects of one run: those that the profile lists, and those that make the
+/// noise of its ISO.
+#pragma once
+
+#include "cg2raw/pipeline.h"
+
+namespace cg2raw {
+
+/// An effect, its values and its random numbers.
+struct ActiveEffect {
+    const Effect* effect;
+    Values values;
+    Rng rng;
+};
+
+/// In the order of application. Throws Error for unknown effects, bad parameters and
+/// effects that would act twice, and if the noise model needs what @p noise lacks.
+std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run& run,
+                                         const std::optional<NoiseAtIso>& noise);
+
+/// Noise of the run's ISO; none when the run is clean. Throws Error.
+std::optional<NoiseAtIso> noise_of(const SensorProfile& profile, const Run& run);
+
+} // namespace cg2raw

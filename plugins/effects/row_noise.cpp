@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Banding: all pixels of a row share one Gaussian offset, drawn anew in every
+/// frame. Its variance is each pixel's; within a row it is fully correlated.
+#include "cg2raw/effect.h"
+
+namespace cg2raw::effects {
+namespace {
+
+void expect(Signal& signal, const Values& values)
+{
+    const float variance = float(values[0] * values[0]);
+    for (int row = 0; row < signal.variance.height; ++row)
+        for (int col = 0; col < signal.variance.width; ++col)
+            signal.variance.row(row)[col] += variance;
+}
+
+void draw(Signal& signal, const Values& values, const Rng& rng)
+{
+    for (int row = 0; row < signal.noise.height; ++row) {
+        float normal;
+        rng.normals({ signal.origin.row + row, 0 }, 1, &normal);
+        const float offset = float(values[0]) * normal;
+        for (int col = 0; col < signal.noise.width; ++col)
+            signal.noise.row(row)[col] += offset;
+    }
+}
+
+} // namespace
+
+Effect row_noise()
+{
+    return { "row_noise",
+             Stage::readout,
+             Pattern::temporal,
+             { { "sigma", "1", 0.0, 1.0, 0.0,
+                 "standard deviation of a row's offset" } },
+             "banding: one offset per row and frame",
+             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022, eq. 7",
+             expect,
+             draw };
+}
+
+} // namespace cg2raw::effects
