@@ -70,7 +70,7 @@ def test_noise_of_an_iso_may_be_physical(oiiotool, exr, tmp_path):
     path.write_text(json.dumps(profile))
     dn, stated = {}, {}
     for noise in ("", "gaussian", "Physical"):
-        out = tmp_path / f"{noise}.dng"
+        out = tmp_path / f"noise-{noise}.dng"
         given = attributes(**BASE, iso=800) + (attributes(noise=noise) if noise else [])
         oiiotool(exr, *given, *attributes(sensor=path), "-o", out)
         dn[noise] = read_dn(out)
