@@ -52,7 +52,7 @@ Effect heavy_tailed_noise()
              Pattern::temporal,
              parameters,
              "read-out noise with the tails of Tukey's lambda distribution",
-             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022, eq. 6",
+             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
              expect,
              draw };
 }

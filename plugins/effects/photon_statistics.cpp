@@ -48,7 +48,7 @@ Effect photon_statistics()
              Pattern::temporal,
              per_site("beta1", "1", 0.0, 1.0, "signal of one electron at a CFA site"),
              "photon noise: whole electrons, Poisson distributed",
-             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022, eq. 3-4",
+             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
              expect,
              draw };
 }

@@ -45,7 +45,7 @@ Effect quantisation()
              Pattern::none,
              { { "step", "1", 0.0, 0.1, 0.0, "of the ADC, above black" } },
              "an ADC that is coarser than the DN of the file",
-             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022, section 3",
+             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
              expect,
              draw };
 }

@@ -37,7 +37,7 @@ Effect row_noise()
              { { "sigma", "1", 0.0, 1.0, 0.0,
                  "standard deviation of a row's offset" } },
              "banding: one offset per row and frame",
-             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022, eq. 7",
+             "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
              expect,
              draw };
 }
