@@ -42,6 +42,10 @@ constexpr LightSource light_sources[] = {
     { 15, "white fluorescent", 3525 },
 };
 
+/// A draw is compared with each side. Neutrals by the million have a hull of some
+/// hundred.
+constexpr std::size_t most_hull_points = 1000;
+
 double cross(const std::array<double, 2>& o, const std::array<double, 2>& a,
              const std::array<double, 2>& b)
 {
@@ -199,15 +203,57 @@ void check_noise(const SensorProfile& profile, const std::string& file)
     }
 }
 
+/// What a distribution without its neutrals says must be of one set of neutrals: their
+/// mean is in their hull, and no variance is above its range squared. Else no draw of
+/// the one would fall into the other.
+void check_distribution(const NeutralDistribution& lights, const std::string& file)
+{
+    if (!lights.neutrals.empty() || lights.hull.empty())
+        return;
+    for (std::size_t i = 0; i < lights.hull.size(); ++i)
+        if (cross(lights.hull[i], lights.hull[(i + 1) % lights.hull.size()],
+                  lights.mean)
+            < 0.0)
+            fail(file,
+                 "illuminants: mean " + number(lights.mean[0]) + ", "
+                     + number(lights.mean[1])
+                     + " must lie in the hull, as that of neutrals does");
+    for (std::size_t i : { 0, 1 }) {
+        const auto [low, high] = std::minmax_element(
+            lights.hull.begin(), lights.hull.end(),
+            [&](const auto& a, const auto& b) { return a[i] < b[i]; });
+        const double range = (*high)[i] - (*low)[i],
+                     variance = lights.covariance[2 * i];
+        if (!(variance <= range * range))
+            fail(file,
+                 "illuminants: variance " + number(variance) + " must be at most "
+                     + number(range * range) + ", the square of the hull's range");
+    }
+}
+
 void check_neutrals(const SensorProfile& profile, const std::string& file)
 {
-    for (const auto& neutral : profile.illuminants.neutrals)
-        for (double ratio : neutral)
+    const NeutralDistribution& lights = profile.illuminants;
+    const auto check_pair = [&](const char* what, const std::array<double, 2>& pair) {
+        for (double ratio : pair)
             if (!(ratio >= 0.01 && ratio <= 100.0))
                 fail(file,
-                     "illuminants: neutral " + number(ratio)
+                     "illuminants: " + std::string(what) + " " + number(ratio)
                          + " must be within 0.01 to 100 (R/G and B/G)");
-    const auto& [rr, rb, bb] = profile.illuminants.covariance;
+    };
+    for (const auto& neutral : lights.neutrals)
+        check_pair("neutral", neutral);
+    for (const auto& corner : lights.hull)
+        check_pair("hull", corner);
+    if (!lights.hull.empty())
+        check_pair("mean", lights.mean);
+    check_distribution(lights, file);
+    if (lights.hull.size() > most_hull_points)
+        fail(file,
+             "illuminants: hull has " + std::to_string(lights.hull.size())
+                 + " corners; at most " + std::to_string(most_hull_points)
+                 + ": give a coarser one");
+    const auto& [rr, rb, bb] = lights.covariance;
     if (!(rr >= 0.0 && bb >= 0.0 && rb * rb <= rr * bb * (1 + 1e-9) + 1e-30))
         fail(file, "illuminants: covariance must be positive semi-definite");
 }

@@ -5,6 +5,7 @@
 #include "cg2raw/profile.h"
 
 #include "cfa.h"
+#include "profile_syntax.h"
 #include "text.h"
 
 #include <nlohmann/json.hpp>
@@ -368,26 +369,7 @@ void put_calibrations(const SensorProfile& profile, Json& json)
     }
 }
 
-} // namespace
-
-SensorProfile parse_profile(std::string_view text, const std::string& file)
-{
-    Json json;
-    try {
-        json = Json::parse(text);
-    } catch (const nlohmann::json::exception& error) {
-        throw Error(file + ": is no JSON: " + error.what());
-    }
-    try {
-        const SensorProfile profile = profile_from({ json, file, "" });
-        check(profile, file);
-        return profile;
-    } catch (const nlohmann::json::exception& error) {
-        throw Error(file + ": " + error.what());
-    }
-}
-
-std::string to_json(const SensorProfile& profile)
+Json json_of(const SensorProfile& profile)
 {
     Json json { { "schema", schema_version },
                 { "id", profile.id },
@@ -414,7 +396,33 @@ std::string to_json(const SensorProfile& profile)
         json["noise"].push_back(json_of(row, profile.cfa));
     for (const EffectSetting& setting : profile.effects)
         json["effects"].push_back(json_of(setting));
-    return json.dump(2) + "\n";
+    return json;
+}
+
+} // namespace
+
+SensorProfile parse_profile(std::string_view text, const std::string& file)
+{
+    check_profile_syntax(text, file);
+    const Json json = Json::parse(text);
+    try {
+        const SensorProfile profile = profile_from({ json, file, "" });
+        check(profile, file);
+        return profile;
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(file + ": " + error.what());
+    }
+}
+
+std::string to_json(const SensorProfile& profile)
+{
+    try {
+        return json_of(profile).dump(2) + "\n";
+    } catch (const nlohmann::json::exception& error) {
+        throw Error("sensor " + profile.id
+                    + " cannot be written as JSON: " + error.what()
+                    + "; its texts must be UTF-8, and evidence the text of an object");
+    }
 }
 
 } // namespace cg2raw

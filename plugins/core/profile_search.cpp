@@ -4,6 +4,7 @@
 /// @file Where profiles lie.
 #include "cg2raw/profile.h"
 
+#include "profile_syntax.h"
 #include "text.h"
 
 #include <dlfcn.h>
@@ -18,9 +19,6 @@ namespace cg2raw {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A profile has some thousand numbers; what is larger is no profile.
-constexpr std::uintmax_t largest_profile = 16u << 20;
 
 /// The folder of the library or program that this code is part of.
 fs::path own_folder()
@@ -40,9 +38,7 @@ std::string read_file(const fs::path& path)
     const auto size = fs::file_size(path, error);
     if (error)
         throw Error(path.string() + ": " + error.message());
-    if (size > largest_profile)
-        throw Error(path.string() + ": " + std::to_string(size)
-                    + " bytes are too many for a sensor profile (16 MiB at most)");
+    check_profile_size(size, path.string());
     std::ifstream file(path, std::ios::binary);
     std::ostringstream text;
     text << file.rdbuf();

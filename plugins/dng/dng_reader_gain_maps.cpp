@@ -42,15 +42,22 @@ bool covers(const GainMapAt& map, Place at, Size size)
         && col >= map.left - map.col_pitch && col <= map.right + map.col_pitch;
 }
 
-/// The product of all gains that a site of the CFA gets at a place.
-double site_gain(const DngMetadata& file, int site, Place at)
+using SiteGains = std::array<double, 36>;
+
+/// The product of all gains that each site of the CFA gets at a place; each map is
+/// looked up once, as a file may have many sites and maps.
+SiteGains site_gains(const DngMetadata& file, Place at)
 {
-    double gain = 1.0;
-    for (const GainMapAt& map : file.gain_maps)
-        if (covers(map, at, file.active_area)
-            && std::binary_search(map.sites.begin(), map.sites.end(), site))
-            gain *= gain_at(map, at);
-    return gain;
+    SiteGains gains;
+    gains.fill(1.0);
+    for (const GainMapAt& map : file.gain_maps) {
+        if (!covers(map, at, file.active_area))
+            continue;
+        const double gain = gain_at(map, at);
+        for (int site : map.sites)
+            gains[std::size_t(site)] *= gain;
+    }
+    return gains;
 }
 
 /// Calls @p visit with each point of @p map that lies in the frame.
@@ -72,10 +79,11 @@ template <class Visit> void each_point(const GainMapAt& map, const Visit& visit)
 double mean_shading(const DngMetadata& file, Place at, double& squares)
 {
     const int sites = file.cfa.sites();
-    std::array<double, 36> shading {};
+    const SiteGains gains = site_gains(file, at);
+    SiteGains shading {};
     double mean = 0.0;
     for (int site = 0; site < sites; ++site) {
-        const double gain = site_gain(file, site, at);
+        const double gain = gains[std::size_t(site)];
         if (gain >= hopeless_gain)
             return 0.0;
         shading[std::size_t(site)] = 1.0 / gain;

@@ -157,7 +157,8 @@ SensorProfile profile_from_dng(const DngMetadata& metadata)
         throw Error(metadata.file
                     + ": AsShotNeutral (50728) is missing; a reference must"
                       " say its neutral: use another DNG of this camera");
-    return profile_from_dngs({ metadata }).profile;
+    // Not from a list of one, which would copy the maps twice.
+    return profile_from_dngs(std::vector<DngMetadata>(1, metadata)).profile;
 }
 
 } // namespace cg2raw

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file What is fuzzed: bytes of strangers through one reader each, and through all
+/// that is done with what it accepts.
+#pragma once
+
+#include "cg2raw/profile.h"
+
+#include <functional>
+#include <stdexcept>
+#include <string_view>
+
+namespace cg2raw::test {
+
+/// What no input may bring about.
+struct Finding : std::logic_error {
+    using std::logic_error::logic_error;
+};
+
+/// Memory that a reader may hold: so much whatever the file, and so many times its
+/// size.
+struct MemoryBound {
+    std::size_t fixed, times_the_file;
+};
+constexpr MemoryBound dng_memory { 64 * 1024, 8 };
+constexpr MemoryBound profile_memory { 64 * 1024, 128 };
+
+/// @p bytes as a DNG, to its profile. Throws Finding for an Error that does not name
+/// the file, for memory beyond dng_memory, and as use() does. Returns false if the
+/// reader refused it.
+bool fuzz_dng_reader(std::string_view bytes);
+/// @p bytes as a profile's JSON, likewise within profile_memory.
+bool fuzz_profile(std::string_view bytes);
+
+/// Runs @p read, whose input has @p size bytes. Throws Finding if it held more memory
+/// than @p bound allows, or threw an Error that does not start with @p name and a
+/// colon. Returns false if it threw an Error.
+bool bounded(const std::function<void()>& read, std::size_t size, MemoryBound bound,
+             const std::string& name);
+
+/// All that is computed of a profile before the first pixel: it is finite, or refused
+/// by an Error. Throws Finding unless to_json() reads back the same.
+void use(const SensorProfile& profile);
+
+/// The largest share of its bound that any call of bounded() took, 0 to 1.
+double most_of_bound();
+
+} // namespace cg2raw::test
