@@ -7,7 +7,7 @@ The chains compute what `CameraTransform` of the core says:
 
     balanced = clip(second clip(first scene)), camera = highlights(balanced, gains)
 
-They drop alpha (it comes out 1), because they keep a colour channel there on the way."""
+They drop alpha (it comes out 1): on the way they keep a colour channel there."""
 
 import numpy as np
 import PyOpenColorIO as ocio
@@ -58,9 +58,14 @@ def matrix(rows, offset=(0.0, 0.0, 0.0, 0.0)):
     rows = np.asarray(rows, float)
     full[: len(rows), : len(rows)] = rows
     transform = ocio.MatrixTransform()
-    transform.setMatrix(full.ravel().tolist())
-    transform.setOffset([float(value) for value in offset])
+    transform.setMatrix([_rounded(value) for value in full.ravel()])
+    transform.setOffset([_rounded(value) for value in offset])
     return transform
+
+
+def _rounded(value):
+    """To 12 digits: every NumPy and every OpenColorIO computes and writes these alike."""
+    return float(f"{value:.12g}")
 
 
 def clip(low=0.0, high=1.0, shift=0.0):
@@ -88,8 +93,8 @@ def legal():
 
 
 def unbalanced(gains):
-    """Balanced camera RGB, clipped to 0..1, times max(m + (1 - m) g, g), where the mask m is
-    max(mean(R, G, B) - 0.9, 0)^2 / 0.1^2: white balance undone, white kept white.
+    """Balanced camera RGB, clipped to 0..1, times max(m + (1 - m) g, g) with the mask
+    m = max(mean(R, G, B) - 0.9, 0)^2 / 0.1^2: white balance undone, white kept white.
 
     A product of two channels is two inverse XYZ_TO_xyY: (x, y, Y) becomes
     (x Y / y, Y, Y / y - x Y / y - Y), and with (X, X + Y + Z, Y) as the next (x, y, Y)
