@@ -64,7 +64,7 @@ def matrix(rows, offset=(0.0, 0.0, 0.0, 0.0)):
 
 
 def _rounded(value):
-    """To 12 digits: every NumPy and every OpenColorIO computes and writes these alike."""
+    """To 12 digits, which every NumPy and OpenColorIO computes and writes alike."""
     return float(f"{value:.12g}")
 
 
