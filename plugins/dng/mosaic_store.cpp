@@ -95,11 +95,21 @@ public:
         // multiple of 16.
         if (m_across == 1 && m_size.width % tile_step != 0)
             m_across = 2;
-        m_tile.width = rounded_up((m_size.width + m_across - 1) / m_across, tile_step);
+        m_tile.width = width_of(m_across);
+        // LibRaw takes two tiles that are just as wide as the image for one of another
+        // layout and scrambles them (seen in 0.22).
+        if (2 * m_tile.width == m_size.width)
+            m_tile.width = width_of(3);
         m_across = (m_size.width + m_tile.width - 1) / m_tile.width;
         m_jpegs.resize(std::size_t(m_across));
         while ((description.white_level >> m_bits) != 0)
             ++m_bits;
+    }
+
+    /// Of one of @p across tiles side by side.
+    int width_of(int across) const
+    {
+        return rounded_up((m_size.width + across - 1) / across, tile_step);
     }
 
     Storage storage() const override

@@ -86,6 +86,18 @@ def test_libraw(case):
     np.testing.assert_allclose(matrix, np.reshape(DAYLIGHT, (3, 3)), atol=1e-6)
 
 
+@pytest.mark.parametrize("cfa", ("RGGB", cameras.X_TRANS), ids=("bayer", "x-trans"))
+def test_libraw_reads_lossless_jpeg_of_any_width(cfa, tmp_path):
+    """Some pairs of tile and image width are cases of their own in LibRaw."""
+    sensor = dng_files.sensor(cfa=cfa, noise=None, **LEVELS)
+    path = tmp_path / "wide.dng"
+    for width in (*range(32, 1312, 16), *range(1536, 4200, 128), 601, 799, 1025):
+        mosaic = dng_files.random_mosaic(sensor, (24, width), width)
+        dng_files.write(path, sensor, mosaic, compression="ljpeg", preview=False)
+        with rawpy.imread(str(path)) as raw:
+            np.testing.assert_array_equal(raw.raw_image, mosaic, err_msg=f"{width}")
+
+
 def test_dcraw(case, program, tmp_path):
     program("dcraw")
     words, path, mosaic = case

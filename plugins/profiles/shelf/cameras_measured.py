@@ -137,6 +137,8 @@ CAMERAS = {
             "camera (gopro/gpr, GOPR0024), as cg2raw reads it",
             "noise": "NoiseProfile of that DNG, at its ISO 100; read noise included, "
             "and one stop to either side is extrapolated",
+            "effects": "the polynomial of lens_shading that fits the GainMaps of that "
+            "DNG; what it leaves is among its evidence",
         },
     },
     "blackmagic-pocket": {

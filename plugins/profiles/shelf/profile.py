@@ -151,26 +151,35 @@ def from_tables(name, entry, folder):
     }
 
 
+def rounded(value):
+    """Return JSON data at 6 digits: the last bits of a fit are one machine's."""
+    if isinstance(value, dict):
+        return {key: rounded(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [rounded(part) for part in value]
+    if not isinstance(value, float):
+        return value
+    return int(value) if value.is_integer() else noise.significant(value)
+
+
 def from_dng(name, entry, folder):
     """Return the profile of an entry that a real DNG describes, read by cg2raw."""
     import cg2raw  # only here: tables alone need no build of the library
 
-    read = json.loads(
-        cg2raw.Sensor.from_dng(folder.parent / "real" / entry["dng"]).to_json()
-    )
+    sensor = cg2raw.Sensor.from_dng(folder.parent / "real" / entry["dng"])
+    read = {"noise": [], "effects": [], **rounded(json.loads(sensor.to_json()))}
     read.pop("illuminants", None)
     sources = {
         "illuminants": NO_NEUTRALS + "; the file's own neutral is one exposure's"
     }
-    if not read.get("noise"):
+    if not read["noise"]:
         sources["noise"] = NO_NOISE
+    last = {key: read.pop(key) for key in ("noise", "effects")}
     return {
         **read,
         "id": name,
-        "black_level": [int(level) for level in read["black_level"]],
         "sources": per_field(entry["sources"]) | sources,
-        "noise": read.get("noise", []),
-        "effects": read.get("effects", []),
+        **last,
     }
 
 

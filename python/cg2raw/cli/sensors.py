@@ -38,7 +38,8 @@ def run(arguments):
     if arguments.json:
         print(json.dumps({"sensors": found, "errors": errors}, indent=2))
     elif found:
-        print("\n".join(sensor_text.table(found, columns_of(sys.stdout))))
+        columns = columns_of(sys.stdout) if sys.stdout.isatty() else None
+        print("\n".join(sensor_text.table(found, columns)))
     if not found and not errors:
         folders = ":".join(_core.profile_folders()) or "no folder"
         print(f"cg2raw sensors: none in {folders}", file=sys.stderr)

@@ -15,14 +15,15 @@ GAP = "  "
 FIELD = 26  # columns of a field's name
 
 
-def table(found, columns):
-    """Return the lines of a table of summaries; none is longer than @columns if the
-    ids and numbers alone are not."""
+def table(found, columns=None):
+    """Return the lines of a table of summaries. At @columns the sources are cut, then
+    the cameras' names; None: nothing is."""
     rows = [HEAD, *map(row_of, found)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    fixed = sum(widths) - widths[1] - widths[-1] + len(GAP) * (len(HEAD) - 1)
-    widths[1] = min(widths[1], max(12, columns - fixed - 16))
-    widths[-1] = max(0, columns - fixed - widths[1])
+    if columns is not None:
+        room = columns - sum(widths[:-1]) - len(GAP) * (len(HEAD) - 1)
+        widths[1] = max(12, min(widths[1], widths[1] + room))
+        widths[-1] = max(0, room)
     return [
         GAP.join(
             shortened(cell, width).ljust(width)
@@ -40,11 +41,20 @@ def row_of(sensor):
         f"{sensor['width']}x{sensor['height']}",
         cfa_word(sensor["cfa"]),
         str(sensor["bits"]),
-        kelvin_words(sensor["illuminants"]["cct"]),
+        light_words(sensor),
         iso_words(sensor["noise"]),
         ", ".join(c["light_source"] for c in sensor["calibrations"]),
         short_sources(sensor["sources"]),
     )
+
+
+def light_words(sensor):
+    """Return the range of the illuminants that sample:n draws; "locus" where these are
+    black bodies between the calibration illuminants."""
+    cct = sensor["illuminants"]["cct"]
+    if not cct and len(sensor["calibrations"]) == 2:
+        return "locus"
+    return kelvin_words(cct)
 
 
 def shortened(text, width):
@@ -55,10 +65,10 @@ def shortened(text, width):
 
 
 def short_sources(sources):
-    """Return in a few words where colour, illuminants and noise, then the rest, are
-    from: what leads each source."""
-    first = ("color_matrix_1", "color_matrix", "illuminants", "noise")
-    texts = [sources[key] for key in first if key in sources] + list(sources.values())
+    """Return in a few words where colour, illuminants and noise are from: what leads
+    each source."""
+    keys = ("color_matrix_1", "color_matrix", "illuminants", "noise")
+    texts = [sources[key] for key in keys if key in sources]
     heads = [re.split(r"[:;,(]", text)[0].strip() for text in texts]
     return "; ".join(dict.fromkeys(filter(None, heads)))
 
