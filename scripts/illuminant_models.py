@@ -29,9 +29,10 @@ class SensorGaussian:
         profile["illuminants"] = {"neutrals": neutrals.tolist()}
         self.sensor = cg2raw.Sensor.from_json(json.dumps(profile), camera)
         lights = self.sensor.illuminants
-        self.hull = np.array(lights.hull)
-        self.gaussian = stats.multivariate_normal(lights.mean, lights.covariance)
-        self.mass = mass_inside(lights.mean, lights.covariance, self.hull)
+        mean, covariance = lights["mean"], lights["covariance"]
+        self.hull = np.array(lights["hull"])
+        self.gaussian = stats.multivariate_normal(mean, covariance)
+        self.mass = mass_inside(mean, covariance, self.hull)
 
     def draws(self, count, split):
         """(count, 2) neutrals: other indices of sample:n in each split."""

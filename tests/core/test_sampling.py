@@ -139,6 +139,8 @@ def planckian_sensor(camera):
     return cg2raw.Sensor.from_json(cameras.profile_of(camera, illuminants=None))
 
 
+# Of the light sources that raw converters know. Source: DNG specification, chapter 6.
+KELVIN = {"A": 2850.0, "tungsten": 2850.0, "D50": 5000.0, "D65": 6500.0}
 PLANCKIAN = [cg2raw.Sensor(name) for name in LOCUS] + [
     planckian_sensor(camera) for camera in ("NikonD40", "SonyA57", "Canon600D")
 ]
@@ -149,7 +151,7 @@ def test_without_neutrals_samples_are_black_bodies_uniform_in_mired(sensor):
     colour = pytest.importorskip("colour", reason="colour-science is not installed")
     calibrations = json.loads(sensor.to_json())
     words = [calibrations[f"calibration_illuminant_{i}"] for i in (1, 2)]
-    ends = sorted({"A": 2850.0, "D50": 5000.0, "D65": 6500.0}[word] for word in words)
+    ends = sorted(KELVIN[word] for word in words)
     lights = [sensor.illuminant(f"sample:{i}") for i in range(2000)]
     kelvin = np.linspace(0.99 * ends[0], 1.01 * ends[1], 4000)
     locus = colour.temperature.CCT_to_uv_Planck1900(kelvin)
