@@ -73,27 +73,30 @@ def _scene_spaces():
     linear = ocio.ColorSpace(
         **scene,
         name=names.SCENE_LINEAR,
-        aliases=["lin_rec709_srgb", "lin_rec709", "lin_srgb", "lin_rec709_scene"],
+        aliases=[
+            "lin_rec709_srgb",
+            "lin_rec709",
+            "lin_srgb",
+            "lin_rec709_scene",
+            "Linear Rec.709",  # of Blender 4 and 5
+        ],
         family="Scene",
         description="Scene-linear, primaries of Rec.709 and sRGB, D65 white: what a "
         "render is expected to be, and the reference of this config.",
         encoding="scene-linear",
         categories=["file-io", "working-space"],
     )
-    aces = ocio.ColorSpace(
-        **scene,
-        name="ACES2065-1",
-        aliases=["aces2065_1", "lin_ap0"],
-        family="Scene",
-        description="ACES interchange space: linear, AP0 primaries.",
-        encoding="scene-linear",
-        categories=["file-io"],
-        toReference=group(
-            [
-                ocio.BuiltinTransform("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"),
-                chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
-            ]
-        ),
+    aces = _aces_space(
+        "ACES2065-1",
+        ["aces2065_1", "lin_ap0", "lin_ap0_scene"],
+        "ACES interchange space: linear, AP0 primaries.",
+        "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD",
+    )
+    acescg = _aces_space(
+        "ACEScg",
+        ["lin_ap1", "lin_ap1_scene"],
+        "Linear, AP1 primaries: renders and textures of ACES productions.",
+        "UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD",
     )
     texture = ocio.ColorSpace(
         **scene,
@@ -108,13 +111,32 @@ def _scene_spaces():
     data = ocio.ColorSpace(
         **scene,
         name=DATA_VIEW,
+        aliases=["Non-Color"],  # of Blender: normal and roughness maps
         family="Utility",
         description="Data that no conversion touches.",
         encoding="data",
         isData=True,
         categories=["file-io"],
     )
-    return linear, aces, texture, data
+    return linear, aces, acescg, texture, data
+
+
+def _aces_space(name, aliases, description, xyz_d65_from_it):
+    return ocio.ColorSpace(
+        referenceSpace=ocio.REFERENCE_SPACE_SCENE,
+        name=name,
+        aliases=aliases,
+        family="Scene",
+        description=description,
+        encoding="scene-linear",
+        categories=["file-io"],
+        toReference=group(
+            [
+                ocio.BuiltinTransform(xyz_d65_from_it),
+                chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
+            ]
+        ),
+    )
 
 
 def _display_spaces():
