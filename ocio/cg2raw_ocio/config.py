@@ -11,6 +11,8 @@ from . import chain, names
 from .spaces import Exposure, group, raw_spaces
 
 DISPLAY, DEVELOPED_VIEW, DATA_VIEW = "sRGB - Display", "White balanced", "Raw"
+# As Blender has it. Not "Raw": the first file rule would find that in strawberry.png.
+DATA = "Non-Color"
 VERSIONS = ("2.0", "2.1")
 
 
@@ -110,8 +112,7 @@ def _scene_spaces():
     )
     data = ocio.ColorSpace(
         **scene,
-        name=DATA_VIEW,
-        aliases=["Non-Color"],  # of Blender: normal and roughness maps
+        name=DATA,
         family="Utility",
         description="Data that no conversion touches.",
         encoding="data",
@@ -188,7 +189,7 @@ def _set_display(config):
         viewTransform="Colorimetric",
         displayColorSpaceName=DISPLAY,
     )
-    config.addDisplayView(DISPLAY, DATA_VIEW, DATA_VIEW)
+    config.addDisplayView(DISPLAY, DATA_VIEW, DATA)
     config.setActiveDisplays(DISPLAY)
     config.setActiveViews(f"{DEVELOPED_VIEW}, {DATA_VIEW}")
 
@@ -205,7 +206,7 @@ def _set_roles(config):
         "color_picking": DISPLAY,
         "texture_paint": "sRGB Encoded Rec.709 (sRGB)",
         "matte_paint": "sRGB Encoded Rec.709 (sRGB)",
-        "data": DATA_VIEW,
+        "data": DATA,
     }.items():
         config.setRole(role, space)
 
