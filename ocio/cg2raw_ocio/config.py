@@ -36,6 +36,15 @@ def make_config(profiles, illuminants, exposure=None, version="2.1"):
     return config
 
 
+def config_text(config):
+    """Return the text of a config's file, which loads faster than what serialize()
+    writes: the list of inactive spaces comes last, because OpenColorIO goes through all
+    of it at each space that follows."""
+    lines = config.serialize().splitlines(keepends=True)
+    inactive = [line for line in lines if line.startswith("inactive_colorspaces:")]
+    return "".join([line for line in lines if line not in inactive] + inactive)
+
+
 def base_config(version="2.1"):
     """Return a config of everything but RAW spaces: linear Rec.709 as scene reference,
     ACES2065-1 and CIE XYZ for interchange, an sRGB display."""
@@ -51,7 +60,7 @@ def base_config(version="2.1"):
     config.setFamilySeparator("/")
     config.setStrictParsingEnabled(True)
     config.setDefaultLumaCoefs([0.2126, 0.7152, 0.0722])
-    for space in (*_scene_spaces(), *_display_spaces()):
+    for space in (*_scene_spaces(), *_picture_spaces(), *_display_spaces()):
         _add(config, space)
     config.addViewTransform(_display_from_scene())
     config.setDefaultViewTransformName("Colorimetric")
@@ -88,13 +97,26 @@ def _scene_spaces():
         description="ACES interchange space: linear, AP0 primaries.",
         encoding="scene-linear",
         categories=["file-io"],
+        toReference=group(_scene_from_aces()),
+    )
+    log = ocio.ColorSpace(
+        **scene,
+        name="ACEScct",
+        aliases=["acescct_ap1"],
+        family="Scene",
+        description="ACEScct: logarithmic with a toe, AP1 primaries, for grading.",
+        encoding="log",
+        categories=["file-io", "working-space"],
         toReference=group(
-            [
-                ocio.BuiltinTransform("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"),
-                chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
-            ]
+            [ocio.BuiltinTransform("ACEScct_to_ACES2065-1"), *_scene_from_aces()]
         ),
     )
+    return linear, aces, log
+
+
+def _picture_spaces():
+    """Pictures of 8 bits, and data."""
+    scene = dict(referenceSpace=ocio.REFERENCE_SPACE_SCENE)
     texture = ocio.ColorSpace(
         **scene,
         name="sRGB Encoded Rec.709 (sRGB)",
@@ -114,7 +136,14 @@ def _scene_spaces():
         isData=True,
         categories=["file-io"],
     )
-    return linear, aces, texture, data
+    return texture, data
+
+
+def _scene_from_aces():
+    return [
+        ocio.BuiltinTransform("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"),
+        chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
+    ]
 
 
 def _display_spaces():
@@ -125,6 +154,7 @@ def _display_spaces():
         aliases=["cie_xyz_d65_display"],
         description="CIE XYZ, D65 white, of what a display shows.",
         encoding="display-linear",
+        categories=["file-io"],
     )
     srgb = ocio.ColorSpace(
         **display,
@@ -178,6 +208,8 @@ def _set_roles(config):
         "reference": names.SCENE_LINEAR,
         "rendering": names.SCENE_LINEAR,
         "compositing_linear": names.SCENE_LINEAR,
+        "compositing_log": "ACEScct",
+        "color_timing": "ACEScct",
         "aces_interchange": "ACES2065-1",
         "cie_xyz_d65_interchange": "CIE XYZ-D65 - Display-referred",
         "color_picking": DISPLAY,
