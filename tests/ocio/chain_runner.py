@@ -3,13 +3,14 @@
 """Chains applied to pixels, in this process or by another version of OpenColorIO.
 
 As a program: chain_runner.py INPUT.npz OUTPUT.npz. It needs neither the core nor the
-packages of the test environment, but PyOpenColorIO, NumPy and cg2raw_ocio."""
+packages of the test environment, but PyOpenColorIO, NumPy and cg2raw_ocio.chain."""
 
 import json
 import sys
 import types
 
 import numpy as np
+import PyOpenColorIO as ocio
 
 FIELDS = ("first", "two_steps", "second", "gains", "keep_highlights", "clip_result")
 
@@ -22,32 +23,24 @@ def plain(transform):
 
 def applied(direction, transform, pixels):
     """Return (N, 3) float32 of a chain of cg2raw_ocio.chain on (N, 3) pixels."""
-    from cg2raw_ocio import chain, spaces
+    from cg2raw_ocio import chain
 
+    group = ocio.GroupTransform(getattr(chain, direction)(transform))
+    processor = ocio.Config.CreateRaw().getProcessor(group).getDefaultCPUProcessor()
     out = np.array(pixels, np.float32, order="C")
-    cpu = processor(spaces.group(getattr(chain, direction)(transform)))
-    cpu.getDefaultCPUProcessor().applyRGB(out)
+    processor.applyRGB(out)
     return out
-
-
-def processor(transform):
-    """Return an OCIO processor of one transform."""
-    import PyOpenColorIO as ocio
-
-    return ocio.Config.CreateRaw().getProcessor(transform)
 
 
 def main():
     """Apply each (direction, fields) of the JSON text in INPUT to its pixels."""
-    import PyOpenColorIO as ocio
-
     given = np.load(sys.argv[1])
-    results = {
-        str(number): applied(
-            direction, types.SimpleNamespace(**fields), given["pixels"]
-        )
-        for number, (direction, fields) in enumerate(json.loads(str(given["chains"])))
-    }
+    results = {}
+    for number, (direction, fields) in enumerate(json.loads(str(given["chains"]))):
+        for name in ("first", "second"):
+            fields[name] = np.array(fields[name])
+        transform = types.SimpleNamespace(**fields)
+        results[str(number)] = applied(direction, transform, given["pixels"])
     np.savez(sys.argv[2], version=ocio.__version__, **results)
 
 
