@@ -15,11 +15,14 @@ import PyOpenColorIO as ocio
 # Radiance beyond this is infinite, as in the core.
 LARGEST_RADIANCE = 1e6
 # What infinities and NaN become first, so that no product of them with 0 is NaN again.
-FAR_OUT = 1e30
+# Below 1e16: OpenColorIO writes a whole number beyond that into a shader as "1e+16.",
+# which no GLSL compiler reads.
+FAR_OUT = 2.0**50
 # Where highlights begin to lose their colour. Source: Brooks et al., CVPR 2019.
 HIGHLIGHT_START = 0.9
-# Of each channel in the others, so that FAR_OUT reaches all; too little to see.
-LEAK = 2.0**-60
+# Of each channel in the others, so that FAR_OUT outweighs LARGEST_RADIANCE in all; too
+# little for the rounding of float32.
+LEAK = 2.0**-29
 
 
 def camera_from_scene(transform):

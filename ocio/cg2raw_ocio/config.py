@@ -38,7 +38,7 @@ def make_config(profiles, illuminants, exposure=None, version="2.1"):
     return config
 
 
-def serialized(config):
+def config_text(config):
     """Return a config as the text of an .ocio file that loads fast.
 
     OpenColorIO writes the list of inactive spaces before the spaces, and then goes
@@ -65,7 +65,7 @@ def base_config(version="2.1"):
     config.setFamilySeparator("/")
     config.setStrictParsingEnabled(True)
     config.setDefaultLumaCoefs([0.2126, 0.7152, 0.0722])
-    for space in (*_scene_spaces(), *_display_spaces()):
+    for space in (*_scene_spaces(), *_picture_spaces(), *_display_spaces()):
         _add(config, space)
     config.addViewTransform(_display_from_scene())
     config.setDefaultViewTransformName("Colorimetric")
@@ -104,14 +104,27 @@ def _scene_spaces():
         "ACES2065-1",
         ["aces2065_1", "lin_ap0", "lin_ap0_scene"],
         "ACES interchange space: linear, AP0 primaries.",
-        "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD",
+        ["UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"],
     )
     acescg = _aces_space(
         "ACEScg",
         ["lin_ap1", "lin_ap1_scene"],
         "Linear, AP1 primaries: renders and textures of ACES productions.",
-        "UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD",
+        ["UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD"],
     )
+    acescct = _aces_space(
+        "ACEScct",
+        ["acescct_ap1"],
+        "ACEScct: logarithmic with a toe, AP1 primaries, for grading.",
+        ["ACEScct_to_ACES2065-1", "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"],
+        encoding="log",
+    )
+    return linear, aces, acescg, acescct
+
+
+def _picture_spaces():
+    """Pictures of 8 bits, and data."""
+    scene = dict(referenceSpace=ocio.REFERENCE_SPACE_SCENE)
     texture = ocio.ColorSpace(
         **scene,
         name="sRGB Encoded Rec.709 (sRGB)",
@@ -131,21 +144,21 @@ def _scene_spaces():
         isData=True,
         categories=["file-io"],
     )
-    return linear, aces, acescg, texture, data
+    return texture, data
 
 
-def _aces_space(name, aliases, description, xyz_d65_from_it):
+def _aces_space(name, aliases, description, xyz_d65_from_it, encoding="scene-linear"):
     return ocio.ColorSpace(
         referenceSpace=ocio.REFERENCE_SPACE_SCENE,
         name=name,
         aliases=aliases,
         family="Scene",
         description=description,
-        encoding="scene-linear",
+        encoding=encoding,
         categories=["file-io"],
         toReference=group(
             [
-                ocio.BuiltinTransform(xyz_d65_from_it),
+                *map(ocio.BuiltinTransform, xyz_d65_from_it),
                 chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
             ]
         ),
@@ -160,6 +173,7 @@ def _display_spaces():
         aliases=["cie_xyz_d65_display"],
         description="CIE XYZ, D65 white, of what a display shows.",
         encoding="display-linear",
+        categories=["file-io"],
     )
     srgb = ocio.ColorSpace(
         **display,
@@ -213,6 +227,8 @@ def _set_roles(config):
         "reference": names.SCENE_LINEAR,
         "rendering": names.SCENE_LINEAR,
         "compositing_linear": names.SCENE_LINEAR,
+        "compositing_log": "ACEScct",
+        "color_timing": "ACEScct",
         "aces_interchange": "ACES2065-1",
         "cie_xyz_d65_interchange": "CIE XYZ-D65 - Display-referred",
         "color_picking": DISPLAY,

@@ -76,7 +76,7 @@ def config(repository, tmp_path_factory):
     ]
     made = generator.make_config(profiles, [LIGHT, "2856K"])
     path = tmp_path_factory.mktemp("config") / "sensors.ocio"
-    path.write_text(generator.serialized(made))
+    path.write_text(generator.config_text(made))
     return path, made
 
 

@@ -29,25 +29,25 @@ def load(text):
 
 
 def test_it_is_the_same_config(many):
-    config, _ = load(generator.serialized(many))
+    config, _ = load(generator.config_text(many))
     assert config.serialize() == many.serialize()
     assert "twin 7" not in list(config.getColorSpaceNames())
     assert config.getColorSpace("twin 7") is not None
 
 
 def test_the_list_of_inactive_spaces_comes_last(many):
-    text = generator.serialized(many)
+    text = generator.config_text(many)
     assert text.count("inactive_colorspaces:") == 1
     assert text.splitlines()[-1].startswith("inactive_colorspaces: [twin 0, ")
 
 
 def test_it_loads_fast(many):
     slow = min(load(many.serialize())[1] for _ in range(2))
-    fast = min(load(generator.serialized(many))[1] for _ in range(2))
+    fast = min(load(generator.config_text(many))[1] for _ in range(2))
     assert fast < 0.5 * slow
 
 
 def test_a_config_without_inactive_spaces():
     plain = generator.base_config()
     plain.setInactiveColorSpaces("")
-    assert load(generator.serialized(plain))[0].serialize() == plain.serialize()
+    assert load(generator.config_text(plain))[0].serialize() == plain.serialize()
