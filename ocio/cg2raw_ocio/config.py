@@ -29,7 +29,7 @@ def make_config(profiles, illuminants, exposure=None, version="2.1"):
         for illuminant in illuminants:
             bounded, unbounded = raw_spaces(profile, illuminant, exposure or Exposure())
             for space in (bounded, unbounded):
-                _add(config, space)
+                add_space(config, space)
             inactive.append(list(unbounded.getAliases())[0])
     config.setInactiveColorSpaces(", ".join(inactive))
     config.validate()
@@ -52,7 +52,7 @@ def base_config(version="2.1"):
     config.setStrictParsingEnabled(True)
     config.setDefaultLumaCoefs([0.2126, 0.7152, 0.0722])
     for space in (*_scene_spaces(), *_display_spaces()):
-        _add(config, space)
+        add_space(config, space)
     config.addViewTransform(_display_from_scene())
     config.setDefaultViewTransformName("Colorimetric")
     _set_display(config)
@@ -61,7 +61,8 @@ def base_config(version="2.1"):
     return config
 
 
-def _add(config, space):
+def add_space(config, space):
+    """Add a colour space; ValueError if there is one of that name."""
     # addColorSpace would replace it silently.
     if config.getColorSpace(space.getName()) is not None:
         raise ValueError(f"colour space {space.getName()!r} is asked for twice")
@@ -79,21 +80,6 @@ def _scene_spaces():
         "render is expected to be, and the reference of this config.",
         encoding="scene-linear",
         categories=["file-io", "working-space"],
-    )
-    aces = ocio.ColorSpace(
-        **scene,
-        name="ACES2065-1",
-        aliases=["aces2065_1", "lin_ap0"],
-        family="Scene",
-        description="ACES interchange space: linear, AP0 primaries.",
-        encoding="scene-linear",
-        categories=["file-io"],
-        toReference=group(
-            [
-                ocio.BuiltinTransform("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"),
-                chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
-            ]
-        ),
     )
     texture = ocio.ColorSpace(
         **scene,
@@ -114,7 +100,26 @@ def _scene_spaces():
         isData=True,
         categories=["file-io"],
     )
-    return linear, aces, texture, data
+    return linear, interchange_space(), texture, data
+
+
+def interchange_space(name="ACES2065-1", aliases=("aces2065_1", "lin_ap0")):
+    """Return ACES2065-1, through which configs of other references are reached."""
+    return ocio.ColorSpace(
+        referenceSpace=ocio.REFERENCE_SPACE_SCENE,
+        name=name,
+        aliases=list(aliases),
+        family="Scene",
+        description="ACES interchange space: linear, AP0 primaries.",
+        encoding="scene-linear",
+        categories=["file-io"],
+        toReference=group(
+            [
+                ocio.BuiltinTransform("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"),
+                chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
+            ]
+        ),
+    )
 
 
 def _display_spaces():
