@@ -69,13 +69,13 @@ def run(arguments):
     """Write what is asked for; return 0."""
     check(arguments)
     try:
-        import PyOpenColorIO
+        import PyOpenColorIO as found
     except ImportError:
         raise ValueError(MISSING) from None
     try:
         make(arguments)
-    except PyOpenColorIO.Exception as error:
-        raise ValueError(f"OpenColorIO {PyOpenColorIO.__version__}: {error}") from None
+    except (found.Exception, found.ExceptionMissingFile) as error:
+        raise ValueError(f"OpenColorIO {found.__version__}: {error}") from None
     return 0
 
 
@@ -181,6 +181,7 @@ def merged(arguments, profiles, illuminants, exposure):
 
     merge.check_can_merge()
     studio = merge.studio_config(arguments.merge)
+    config = merge.merged_config(studio, profiles, illuminants, exposure)
     folders = merge.relative_folders(studio)
     here = os.path.dirname(os.path.realpath(arguments.merge))
     there = os.path.dirname(os.path.realpath(arguments.output or ""))
@@ -190,7 +191,7 @@ def merged(arguments, profiles, illuminants, exposure):
             f"{arguments.merge} looks for files in {', '.join(folders)} beside itself; "
             "put the new config into its folder",
         )
-    return merge.merged_config(studio, profiles, illuminants, exposure)
+    return config
 
 
 def make_context(arguments, profiles, illuminants, exposure):
