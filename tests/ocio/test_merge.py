@@ -113,10 +113,15 @@ def without_raw(config, inactive):
 def test_of_a_built_in_config_nothing_is_lost(tmp_path, name):
     base = ocio.Config.CreateFromBuiltinConfig(name)
     merged = merge(f"ocio://{name}", tmp_path / "merged.ocio")
+    listed = merged.getInactiveColorSpaces()
+    assert listed.startswith(f"{base.getInactiveColorSpaces()}, raw_unbounded_")
     assert without_raw(merged, base.getInactiveColorSpaces()) == base.serialize()
 
 
-def test_of_a_studios_config_nothing_is_lost(tmp_path, studio):
+def test_of_a_studios_config_nothing_is_lost(tmp_path, studio, monkeypatch):
+    # What the environment says today is no part of the config.
+    monkeypatch.setenv("SHOT", "099")
+    monkeypatch.setenv("OCIO_INACTIVE_COLORSPACES", "ap0")
     base = ocio.Config.CreateFromFile(str(studio))
     merged = merge(studio, tmp_path / "merged.ocio")
     assert merged.getInactiveColorSpaces() == (
@@ -124,6 +129,7 @@ def test_of_a_studios_config_nothing_is_lost(tmp_path, studio):
         "raw_unbounded_nikon_d40_a, raw_unbounded_nikon_d40_sample_0"
     )
     assert without_raw(merged, "old") == base.serialize()
+    assert "SHOT: 010\n" in (tmp_path / "merged.ocio").read_text()
 
 
 def reach(config, rgb, space):
