@@ -2,17 +2,16 @@
 # Copyright Contributors to the cg2raw Project.
 """A whole config: scene reference, displays, roles, file rules, RAW spaces."""
 
-import numpy as np
 import PyOpenColorIO as ocio
 
 from cg2raw import _core
 
 from . import chain, names
-from .spaces import Exposure, group, raw_spaces
+from .fixed_spaces import DATA, DISPLAY, TEXTURE
+from .fixed_spaces import display_spaces, picture_spaces, scene_spaces
+from .spaces import Exposure, raw_spaces
 
-DISPLAY, DEVELOPED_VIEW, DATA_VIEW = "sRGB - Display", "White balanced", "Raw"
-# As Blender has it. Not "Raw": the first file rule would find that in strawberry.png.
-DATA = "Non-Color"
+DEVELOPED_VIEW, DATA_VIEW = "White balanced", "Raw"
 VERSIONS = ("2.0", "2.1")
 
 
@@ -31,7 +30,7 @@ def make_config(profiles, illuminants, exposure=None, version="2.1"):
         for illuminant in illuminants:
             bounded, unbounded = raw_spaces(profile, illuminant, exposure or Exposure())
             for space in (bounded, unbounded):
-                _add(config, space)
+                add_space(config, space)
             inactive.append(list(unbounded.getAliases())[0])
     config.setInactiveColorSpaces(", ".join(inactive))
     config.validate()
@@ -65,8 +64,8 @@ def base_config(version="2.1"):
     config.setFamilySeparator("/")
     config.setStrictParsingEnabled(True)
     config.setDefaultLumaCoefs([0.2126, 0.7152, 0.0722])
-    for space in (*_scene_spaces(), *_picture_spaces(), *_display_spaces()):
-        _add(config, space)
+    for space in (*scene_spaces(), *picture_spaces(), *display_spaces()):
+        add_space(config, space)
     config.addViewTransform(_display_from_scene())
     config.setDefaultViewTransformName("Colorimetric")
     _set_display(config)
@@ -75,127 +74,12 @@ def base_config(version="2.1"):
     return config
 
 
-def _add(config, space):
+def add_space(config, space):
+    """Add a colour space; ValueError if there is one of that name."""
     # addColorSpace would replace it silently.
     if config.getColorSpace(space.getName()) is not None:
         raise ValueError(f"colour space {space.getName()!r} is asked for twice")
     config.addColorSpace(space)
-
-
-def _scene_spaces():
-    scene = dict(referenceSpace=ocio.REFERENCE_SPACE_SCENE)
-    linear = ocio.ColorSpace(
-        **scene,
-        name=names.SCENE_LINEAR,
-        aliases=[
-            "lin_rec709_srgb",
-            "lin_rec709",
-            "lin_srgb",
-            "lin_rec709_scene",
-            "Linear Rec.709",  # of Blender 4 and 5
-        ],
-        family="Scene",
-        description="Scene-linear, primaries of Rec.709 and sRGB, D65 white: what a "
-        "render is expected to be, and the reference of this config.",
-        encoding="scene-linear",
-        categories=["file-io", "working-space"],
-    )
-    aces = _aces_space(
-        "ACES2065-1",
-        ["aces2065_1", "lin_ap0", "lin_ap0_scene"],
-        "ACES interchange space: linear, AP0 primaries.",
-        ["UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"],
-    )
-    acescg = _aces_space(
-        "ACEScg",
-        ["lin_ap1", "lin_ap1_scene"],
-        "Linear, AP1 primaries: renders and textures of ACES productions.",
-        ["UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD"],
-    )
-    acescct = _aces_space(
-        "ACEScct",
-        ["acescct_ap1"],
-        "ACEScct: logarithmic with a toe, AP1 primaries, for grading.",
-        ["ACEScct_to_ACES2065-1", "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"],
-        encoding="log",
-    )
-    return linear, aces, acescg, acescct
-
-
-def _picture_spaces():
-    """Pictures of 8 bits, and data."""
-    scene = dict(referenceSpace=ocio.REFERENCE_SPACE_SCENE)
-    texture = ocio.ColorSpace(
-        **scene,
-        name="sRGB Encoded Rec.709 (sRGB)",
-        aliases=["srgb_rec709", "srgb_texture", "sRGB", "srgb_tx"],
-        family="Scene",
-        description="Textures and pictures of 8 bits in sRGB.",
-        encoding="sdr-video",
-        categories=["file-io"],
-        fromReference=_srgb_curve(),
-    )
-    data = ocio.ColorSpace(
-        **scene,
-        name=DATA,
-        family="Utility",
-        description="Data that no conversion touches.",
-        encoding="data",
-        isData=True,
-        categories=["file-io"],
-    )
-    return texture, data
-
-
-def _aces_space(name, aliases, description, xyz_d65_from_it, encoding="scene-linear"):
-    return ocio.ColorSpace(
-        referenceSpace=ocio.REFERENCE_SPACE_SCENE,
-        name=name,
-        aliases=aliases,
-        family="Scene",
-        description=description,
-        encoding=encoding,
-        categories=["file-io"],
-        toReference=group(
-            [
-                *map(ocio.BuiltinTransform, xyz_d65_from_it),
-                chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())),
-            ]
-        ),
-    )
-
-
-def _display_spaces():
-    display = dict(referenceSpace=ocio.REFERENCE_SPACE_DISPLAY, family="Display")
-    xyz = ocio.ColorSpace(
-        **display,
-        name="CIE XYZ-D65 - Display-referred",
-        aliases=["cie_xyz_d65_display"],
-        description="CIE XYZ, D65 white, of what a display shows.",
-        encoding="display-linear",
-        categories=["file-io"],
-    )
-    srgb = ocio.ColorSpace(
-        **display,
-        name=DISPLAY,
-        aliases=["srgb_display"],
-        description="sRGB monitor: piecewise curve, D65 white.",
-        encoding="sdr-video",
-        categories=["file-io"],
-        fromReference=group(
-            [chain.matrix(np.linalg.inv(_core.xyz_d65_from_srgb())), _srgb_curve()]
-        ),
-    )
-    return xyz, srgb
-
-
-def _srgb_curve():
-    """Linear -> sRGB encoded. Source: IEC 61966-2-1."""
-    curve = ocio.ExponentWithLinearTransform()
-    curve.setGamma([2.4, 2.4, 2.4, 1.0])
-    curve.setOffset([0.055, 0.055, 0.055, 0.0])
-    curve.setDirection(ocio.TRANSFORM_DIR_INVERSE)
-    return curve
 
 
 def _display_from_scene():
@@ -232,8 +116,8 @@ def _set_roles(config):
         "aces_interchange": "ACES2065-1",
         "cie_xyz_d65_interchange": "CIE XYZ-D65 - Display-referred",
         "color_picking": DISPLAY,
-        "texture_paint": "sRGB Encoded Rec.709 (sRGB)",
-        "matte_paint": "sRGB Encoded Rec.709 (sRGB)",
+        "texture_paint": TEXTURE,
+        "matte_paint": TEXTURE,
         "data": DATA,
     }.items():
         config.setRole(role, space)
@@ -245,6 +129,6 @@ def _set_file_rules(config):
     rules = ocio.FileRules()
     rules.insertPathSearchRule(0)
     for extension in ("png", "jpg", "jpeg"):
-        rules.insertRule(1, extension, "sRGB Encoded Rec.709 (sRGB)", "*", extension)
+        rules.insertRule(1, extension, TEXTURE, "*", extension)
     rules.setDefaultRuleColorSpace(names.SCENE_LINEAR)
     config.setFileRules(rules)

@@ -6,6 +6,10 @@ from cg2raw import _core
 
 SCENE_LINEAR = "Linear Rec.709 (sRGB)"
 RAW_FAMILY = "RAW"
+# The space of a sensor and a light that the environment chooses.
+CONTEXT = ("RAW - context", "raw_context")
+CONTEXT_UNBOUNDED = ("RAW unbounded - context", "raw_unbounded_context")
+SENSOR_VARIABLE, ILLUMINANT_VARIABLE = "CG2RAW_SENSOR", "CG2RAW_ILLUMINANT"
 
 
 def raw_space(sensor, illuminant):

@@ -27,12 +27,9 @@ class Exposure:
 def raw_spaces(profile, illuminant, exposure):
     """Return the RAW space of a sensor (a core profile) under an illuminant (a word of
     the grammar) and its unbounded twin. Raises ValueError."""
-    light = profile.illuminant(illuminant)
-    transform = _core.camera_from_scene(
-        profile, light, exposure.convention, exposure.digital_gain, exposure.highlights
-    )
-    seen = _seen(profile, light, exposure)
-    bounded = _space(
+    transform = camera_transform(profile, illuminant, exposure)
+    seen = seen_by(profile, illuminant, exposure)
+    bounded = raw_space(
         *names.raw_space(profile.id, illuminant),
         names.family(profile),
         f"RAW of the {seen} Clipped at white as the sensor clips, highlights kept "
@@ -40,7 +37,7 @@ def raw_spaces(profile, illuminant, exposure):
         chain.camera_from_scene(transform),
         chain.scene_from_camera(transform),
     )
-    unbounded = _space(
+    unbounded = raw_space(
         *names.unbounded_space(profile.id, illuminant),
         names.family(profile),
         f"One matrix, never clipped, for work on HDR: camera RGB of the {seen}",
@@ -49,7 +46,20 @@ def raw_spaces(profile, illuminant, exposure):
     return [bounded, unbounded]
 
 
-def _seen(profile, light, exposure):
+def camera_transform(profile, illuminant, exposure):
+    """Return the core's CameraTransform of a sensor under an illuminant (a word)."""
+    return _core.camera_from_scene(
+        profile,
+        profile.illuminant(illuminant),
+        exposure.convention,
+        exposure.digital_gain,
+        exposure.highlights,
+    )
+
+
+def seen_by(profile, illuminant, exposure):
+    """Return in words what a RAW space holds: camera, light, exposure."""
+    light = profile.illuminant(illuminant)
     red, _, blue = light.neutral
     text = (
         f"{profile.make} {profile.model} under {light.spec} ({light.cct:.0f} K, Duv "
@@ -63,7 +73,8 @@ def _seen(profile, light, exposure):
     return text + "."
 
 
-def _space(name, alias, family, description, from_scene, to_scene=None):
+def raw_space(name, alias, family, description, from_scene, to_scene=None):
+    """Return a colour space of camera RGB; the chains are lists of transforms."""
     space = ocio.ColorSpace(
         referenceSpace=ocio.REFERENCE_SPACE_SCENE,
         name=name,

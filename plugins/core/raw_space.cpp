@@ -97,8 +97,10 @@ std::optional<RawSpace> named_space(const std::string& name,
                                     const std::vector<std::string>& sensors)
 {
     const std::string lower = lower_case(name);
-    if (lower == "raw - context" || lower == "raw_context")
-        return from_environment(name);
+    for (const char* context : { "raw - context", "raw_context",
+                                 "raw unbounded - context", "raw_unbounded_context" })
+        if (lower == context)
+            return from_environment(name);
     for (const char* prefix : { "raw - ", "raw unbounded - " })
         if (const auto words = after(name, prefix))
             return from_words(*words, name);

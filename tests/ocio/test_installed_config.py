@@ -9,13 +9,14 @@ import PyOpenColorIO as ocio
 import pytest
 
 from cg2raw import _core
-from cg2raw_ocio.config import make_config
+from cg2raw_ocio.config import config_text, make_config
 
 PAPER = (
     "canon-1ds-mark-iii canon-600d fujifilm-x-m1 nikon-d40 nikon-d5200 olympus-e-pl6 "
     "panasonic-gx1 samsung-nx2000 samsung-s20fe sony-a57"
 ).split()
 ILLUMINANTS = "A,D50,D65,sample:0-3"
+OPTIONS = ("--sensors", ",".join(PAPER), "--illuminants", ILLUMINANTS)
 
 
 @pytest.fixture(scope="module")
@@ -25,10 +26,9 @@ def text(repository):
 
 def test_it_is_what_the_generator_makes(text):
     profiles = [_core.load_profile(name) for name in PAPER]
-    made = make_config(profiles, _core.illuminant_list(ILLUMINANTS)).serialize()
-    assert made == text, (
-        "run: cg2raw ocio -o ocio/sensors.ocio --sensors "
-        f"{','.join(PAPER)} --illuminants {ILLUMINANTS}"
+    config = make_config(profiles, _core.illuminant_list(ILLUMINANTS))
+    assert config_text(config) == text, (
+        f"run: cg2raw ocio {' '.join(OPTIONS)} -o ocio/sensors.ocio"
     )
 
 
@@ -39,13 +39,8 @@ def test_debian_generates_the_same_bytes(text, build_folder):
     )
     if probe.returncode != 0:
         pytest.skip("python3-pyopencolorio and python3-numpy are not installed")
-    program = (
-        "from cg2raw import _core; from cg2raw_ocio.config import make_config; "
-        f"print(make_config([_core.load_profile(i) for i in {PAPER}], "
-        f"_core.illuminant_list({ILLUMINANTS!r})).serialize(), end='')"
-    )
     done = subprocess.run(
-        ["/usr/bin/python3", "-c", program],
+        ["/usr/bin/python3", "-m", "cg2raw", "ocio", *OPTIONS],
         env={**os.environ, "PYTHONPATH": str(build_folder / "lib" / "python")},
         capture_output=True,
         text=True,
