@@ -51,7 +51,8 @@ def camera_data():
 def oiiotool_runner(name):
     """Return run(*arguments, check=True, **keywords) of one of OIIOTOOLS.
 
-    The environment has that tool's plugin folder, no other, and the tree's profiles.
+    The environment has that tool's plugin folder, no other, the tree's profiles, and no
+    OCIO config.
     """
     tool, plugins = OIIOTOOLS[name]
     if not tool.exists() or not (plugins / "dng.imageio.so").exists():
@@ -59,7 +60,7 @@ def oiiotool_runner(name):
 
     def run(*arguments, check=True, env=None, **keywords):
         environment = {
-            **os.environ,
+            **{name: value for name, value in os.environ.items() if name != "OCIO"},
             "OIIO_LIBRARY_PATH": str(plugins),
             "OPENIMAGEIO_PLUGIN_PATH": str(plugins),
             "CG2RAW_PROFILE_PATH": str(ROOT / "plugins" / "profiles"),

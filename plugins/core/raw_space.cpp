@@ -8,6 +8,7 @@
 #include "text.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace cg2raw {
 namespace {
@@ -46,12 +47,13 @@ std::string trimmed(std::string_view text)
     return first == text.npos ? "" : std::string(text.substr(first, last - first + 1));
 }
 
+/// The words "<sensor>_<illuminant>" of an alias.
 std::optional<RawSpace> from_alias(const std::string& name,
                                    const std::vector<std::string>& sensors)
 {
     std::optional<RawSpace> best; // the longest id wins: sony-a7 and sony-a7-ii
     for (const std::string& sensor : sensors) {
-        const std::string prefix = "raw_" + aliased(sensor) + "_";
+        const std::string prefix = aliased(sensor) + "_";
         if (name.compare(0, prefix.size(), prefix) == 0
             && (!best || sensor.size() > best->sensor.size()))
             best = RawSpace { sensor,
@@ -60,27 +62,65 @@ std::optional<RawSpace> from_alias(const std::string& name,
     return best;
 }
 
+/// What a name says after @p prefix; nothing if it starts otherwise.
+std::optional<std::string> after(const std::string& name, std::string_view prefix)
+{
+    if (lower_case(name.substr(0, prefix.size())) != prefix)
+        return std::nullopt;
+    return name.substr(prefix.size());
+}
+
+/// The words "<sensor> - <illuminant>".
+RawSpace from_words(const std::string& words, const std::string& name)
+{
+    const auto gap = words.find(" - ");
+    if (gap == words.npos)
+        throw Error("colour space \"" + name
+                    + "\" must be named RAW - <sensor> - <illuminant>");
+    return { lower_case(trimmed(words.substr(0, gap))),
+             trimmed(words.substr(gap + 3)) };
+}
+
+/// The space that the environment chooses, in a config of context variables.
+RawSpace from_environment(const std::string& name)
+{
+    const char* const sensor = std::getenv("CG2RAW_SENSOR");
+    const char* const illuminant = std::getenv("CG2RAW_ILLUMINANT");
+    if (!sensor || !*sensor || !illuminant || !*illuminant)
+        throw Error("colour space \"" + name
+                    + "\" is that of the environment: set CG2RAW_SENSOR and"
+                      " CG2RAW_ILLUMINANT to a sensor's id and an illuminant");
+    return { sensor, illuminant };
+}
+
+std::optional<RawSpace> named_space(const std::string& name,
+                                    const std::vector<std::string>& sensors)
+{
+    const std::string lower = lower_case(name);
+    for (const char* context : { "raw - context", "raw_context",
+                                 "raw unbounded - context", "raw_unbounded_context" })
+        if (lower == context)
+            return from_environment(name);
+    for (const char* prefix : { "raw - ", "raw unbounded - " })
+        if (const auto words = after(name, prefix))
+            return from_words(*words, name);
+    // The longer prefix first: raw_ is the start of both.
+    for (const char* prefix : { "raw_unbounded_", "raw_" })
+        if (const auto words = after(lower, prefix)) {
+            if (const auto space = from_alias(*words, sensors))
+                return space;
+            throw Error("colour space \"" + name
+                        + "\" names none of the installed sensors: " + joined(sensors));
+        }
+    return std::nullopt;
+}
+
 } // namespace
 
 std::optional<RawSpace> raw_space_from_name(std::string_view name,
                                             const std::vector<std::string>& sensors)
 {
-    const std::string text = trimmed(name);
-    const std::string lower = lower_case(text);
-    std::optional<RawSpace> space;
-    if (lower.compare(0, 6, "raw - ") == 0) {
-        const auto second = text.find(" - ", 6);
-        if (second == text.npos)
-            throw Error("colour space \"" + text
-                        + "\" must be named RAW - <sensor> - <illuminant>");
-        space = RawSpace { lower_case(trimmed(text.substr(6, second - 6))),
-                           trimmed(text.substr(second + 3)) };
-    } else if (lower.compare(0, 4, "raw_") == 0) {
-        space = from_alias(lower, sensors);
-        if (!space)
-            throw Error("colour space \"" + text
-                        + "\" names none of the installed sensors: " + joined(sensors));
-    }
+    const auto space = named_space(trimmed(name), sensors);
     if (space)
         parse_illuminant(space->illuminant);
     return space;

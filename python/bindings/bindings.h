@@ -38,6 +38,7 @@ inline RgbView rgb_view(const FloatArray& rgb)
 
 void bind_color(py::module_& m);
 void bind_profile(py::module_& m);
+void bind_transform(py::module_& m);
 void bind_simulation(py::module_& m);
 void bind_dng(py::module_& m);
 

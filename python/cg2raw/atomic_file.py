@@ -3,6 +3,7 @@
 """Files that appear whole or not at all."""
 
 import os
+import shutil
 import tempfile
 
 
@@ -29,6 +30,39 @@ def write_atomically(path, data):
     except BaseException:
         os.unlink(part)
         raise
+
+
+def write_folder(path, files, is_ours):
+    """Write a folder of files, {name: bytes}; one that is there is replaced as a whole.
+
+    is_ours : name -> whether a file that is there may go. Raises ValueError if one may
+    not, OSError naming @path; an existing folder is then as it was."""
+    target = os.path.realpath(path)
+    if os.path.lexists(target) and not os.path.isdir(target):
+        raise ValueError(f"{path}: is there already and no folder; remove it")
+    foreign = os.path.isdir(target) and sorted(
+        name for name in os.listdir(target) if not is_ours(name)
+    )
+    if foreign:
+        raise ValueError(f"{path}: holds {foreign[0]}, which is not ours; remove it")
+    try:
+        part = tempfile.mkdtemp(prefix=".cg2raw.", dir=os.path.dirname(target))
+    except OSError as error:
+        raise OSError(f"{path}: cannot be written: {error.strerror}") from None
+    try:
+        fresh, old = os.path.join(part, "new"), os.path.join(part, "old")
+        os.mkdir(fresh)  # with the permissions of any new folder
+        for name, data in files.items():
+            write_all(os.path.join(fresh, name), path, data)
+        if os.path.isdir(target):
+            os.rename(target, old)
+        os.rename(fresh, target)
+    except BaseException:
+        if os.path.isdir(old) and not os.path.exists(target):
+            os.rename(old, target)
+        raise
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
 
 
 def write_all(file, path, data):

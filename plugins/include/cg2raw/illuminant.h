@@ -14,7 +14,7 @@ extern const char* const illuminant_grammar;
 
 /// A light as one sensor sees it.
 struct Illuminant {
-    std::string spec;   ///< the word that named it
+    std::string spec; ///< the word that named it
     std::string sensor; ///< id of the profile that sees it so
     Vec3 neutral; ///< camera RGB of a neutral patch, G = 1 (AsShotNeutral), at 1e-6
     Chromaticity xy; ///< as a raw converter derives it from the neutral
@@ -50,7 +50,9 @@ Mat3 camera_from_xyz(const SensorProfile& profile, Chromaticity xy);
 /// ForwardMatrix at the temperature of @p xy; nothing if a calibration has none.
 std::optional<Mat3> xyz_d50_from_camera(const SensorProfile& profile, Chromaticity xy);
 
-/// "RAW - <sensor> - <illuminant>" or its alias raw_<sensor>_<illuminant>.
+/// "RAW - <sensor> - <illuminant>" or its alias raw_<sensor>_<illuminant>; so is "RAW
+/// unbounded - ..." (raw_unbounded_...), and "RAW - context" (raw_context) is what
+/// $CG2RAW_SENSOR and $CG2RAW_ILLUMINANT say.
 struct RawSpace {
     std::string sensor, illuminant;
 };

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""One sensor under one illuminant as a file of its own, and how exact that file is.
+
+A CTF holds the chain itself. A CLF has no operator that could multiply two channels, so
+it holds matrices and clips without protected highlights. A .cube is a preview."""
+
+import os
+import tempfile
+import uuid
+
+import numpy as np
+import PyOpenColorIO as ocio
+
+from . import chain, cube, measure, names
+from .spaces import camera_transform, group, seen_by
+
+FORMATS = {
+    ".ctf": "Color Transform Format",
+    ".clf": "Academy/ASC Common LUT Format",
+}
+ENDS = ("InputDescriptor", "OutputDescriptor")
+# What a chain that was written and read may differ from itself, DN of 16 bits.
+SAME_DN = 0.02
+
+
+def ctf(profile, illuminant, exposure):
+    """Return (text, findings) of a CTF: scene-linear Rec.709 -> camera RGB, exact."""
+    ops = chain.camera_from_scene(camera_transform(profile, illuminant, exposure))
+    space = (profile.id, illuminant)
+    text = chain_text(ops, ".ctf", space, seen_by(profile, illuminant, exposure))
+    pixels = measure.random_pixels()
+    error = measure.error(
+        read_back(text, ".ctf", ops, pixels),
+        measure.exact_camera(profile, illuminant, exposure, pixels),
+    )
+    return text, [f"error     {error} (of 65535)"]
+
+
+def clf(profile, illuminant, exposure):
+    """Return (text, findings) of a CLF: the same without protected highlights."""
+    transform = camera_transform(profile, illuminant, exposure)
+    ops = plain_chain(transform)
+    seen = seen_by(profile, illuminant, exposure)
+    if transform.keep_highlights:
+        seen += " Highlights are not protected: they take the colour of the light."
+    text = chain_text(ops, ".clf", (profile.id, illuminant), seen)
+    pixels = measure.random_pixels()
+    found = read_back(text, ".clf", ops, pixels)
+    exact = measure.exact_camera(profile, illuminant, exposure, pixels)
+    below = measure.below_highlights(transform, pixels)
+    findings = [f"error     {measure.error(found, exact)} (of 65535)"]
+    if transform.keep_highlights:
+        inner = measure.error(found[below], exact[below])
+        findings += [
+            f"          {inner} where highlights do not begin: "
+            f"{below.mean():.1%} of [0, 1]^3",
+            "          a CLF cannot protect highlights; a CTF (--ctf) does",
+        ]
+    return text, findings
+
+
+def preview(profile, illuminant, exposure, size, encoding):
+    """Return (text, findings) of a .cube of size^3 whose input is linear or srgb."""
+    name, _ = names.raw_space(profile.id, illuminant)
+    title = f"{encoding} Rec.709 to {name}"
+    text = cube.cube_text(profile, illuminant, exposure, size, encoding, title)
+    findings = []
+    for what, pixels in (
+        ("random pixels", measure.random_pixels()),
+        ("a neutral ramp", measure.neutral_ramp()),
+    ):
+        encoded = cube.encoded_from(pixels, encoding)
+        found = with_file(
+            text, ".cube", lambda file, x=encoded: measure.applied(file, x)
+        )
+        exact = measure.exact_camera(profile, illuminant, exposure, pixels)
+        error = measure.error(found, exact)
+        findings.append(f"error     {error} (of 65535) of {what}")
+    return text, findings
+
+
+def plain_chain(transform):
+    """Return matrices and clips alone: a chain without protected highlights."""
+    ops = chain.legal() + chain.clipped_product(transform.first)
+    if transform.two_steps:
+        ops += chain.clipped_product(transform.second)
+    ops.append(chain.matrix(np.diag(transform.gains)))
+    return ops + ([chain.clip()] if transform.clip_result else [])
+
+
+def chain_text(transforms, ending, space, description, to_scene=False):
+    """Return the text of a .ctf or .clf file of a list of transforms.
+
+    space : (sensor, illuminant), what the RAW is of.
+    Its id follows from the contents, so that a chain is the same CTF with every
+    OpenColorIO; the schema that heads a CLF is that of the version."""
+    whole = group(transforms)
+    about = whole.getFormatMetadata()
+    name, _ = names.raw_space(*space)
+    ends = (names.SCENE_LINEAR, name)
+    about.setName(name)
+    about.addChildElement("Description", description)
+    for end, text in zip(ENDS, reversed(ends) if to_scene else ends, strict=True):
+        about.addChildElement(end, text)
+    config = ocio.Config.CreateRaw()
+    about.setID("urn:uuid:")
+    text = whole.write(FORMATS[ending], config)
+    about.setID(uuid.uuid5(uuid.NAMESPACE_OID, text).urn)
+    return whole.write(FORMATS[ending], config)
+
+
+def read_back(text, ending, transforms, pixels):
+    """Return (n, 3) pixels through the file's text. Raises ValueError if it is not the
+    chain that was written."""
+    found = with_file(text, ending, lambda file: measure.applied(file, pixels))
+    error = measure.error(found, measure.applied(group(transforms), pixels))
+    if not error.max_dn <= SAME_DN:
+        raise ValueError(
+            f"OpenColorIO {ocio.__version__} reads the {ending} that it wrote with an "
+            f"error of {error}; it must be below {SAME_DN} DN"
+        )
+    return found
+
+
+def with_file(text, ending, use):
+    """Return use(FileTransform) of a temporary file that holds @text."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "chain" + ending)
+        with open(path, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        return use(ocio.FileTransform(path, interpolation=ocio.INTERP_LINEAR))

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The colour spaces of one sensor under one illuminant."""
+
+import dataclasses
+
+import PyOpenColorIO as ocio
+
+from cg2raw import _core
+
+from . import chain, names
+
+
+@dataclasses.dataclass(frozen=True)
+class Exposure:
+    """How sensors are exposed: the same for all spaces of a config.
+
+    convention : "dng" (the exact inverse of a DNG renderer) or "paper".
+    digital_gain : multiplies the white balance before highlights are protected.
+    highlights : keep white white."""
+
+    convention: str = "dng"
+    digital_gain: float = 1.0
+    highlights: bool = True
+
+
+def raw_spaces(profile, illuminant, exposure):
+    """Return the RAW space of a sensor (a core profile) under an illuminant (a word of
+    the grammar) and its unbounded twin. Raises ValueError."""
+    transform = camera_transform(profile, illuminant, exposure)
+    seen = seen_by(profile, illuminant, exposure)
+    bounded = raw_space(
+        *names.raw_space(profile.id, illuminant),
+        names.family(profile),
+        f"RAW of the {seen} Clipped at white as the sensor clips, highlights kept "
+        "white. To the scene: white balance, clip, colour matrix, as in a camera.",
+        chain.camera_from_scene(transform),
+        chain.scene_from_camera(transform),
+    )
+    unbounded = raw_space(
+        *names.unbounded_space(profile.id, illuminant),
+        names.family(profile),
+        f"One matrix, never clipped, for work on HDR: camera RGB of the {seen}",
+        chain.camera_from_scene_unbounded(transform),
+    )
+    return [bounded, unbounded]
+
+
+def camera_transform(profile, illuminant, exposure):
+    """Return the core's CameraTransform of a sensor under an illuminant (a word)."""
+    return _core.camera_from_scene(
+        profile,
+        profile.illuminant(illuminant),
+        exposure.convention,
+        exposure.digital_gain,
+        exposure.highlights,
+    )
+
+
+def seen_by(profile, illuminant, exposure):
+    """Return in words what a RAW space holds: camera, light, exposure."""
+    light = profile.illuminant(illuminant)
+    red, _, blue = light.neutral
+    text = (
+        f"{profile.make} {profile.model} under {light.spec} ({light.cct:.0f} K, Duv "
+        f"{light.duv:+.4f}; neutral R/G {red:.4f}, B/G {blue:.4f}), convention "
+        f"{exposure.convention}"
+    )
+    if exposure.digital_gain != 1.0:
+        text += f", digital gain {exposure.digital_gain:g}"
+    if not exposure.highlights:
+        text += ", highlights not protected"
+    return text + "."
+
+
+def raw_space(name, alias, family, description, from_scene, to_scene=None):
+    """Return a colour space of camera RGB; the chains are lists of transforms."""
+    space = ocio.ColorSpace(
+        referenceSpace=ocio.REFERENCE_SPACE_SCENE,
+        name=name,
+        aliases=[alias],
+        family=family,
+        description=description,
+        encoding="scene-linear",
+        bitDepth=ocio.BIT_DEPTH_F32,
+    )
+    space.addCategory("file-io")
+    space.setTransform(group(from_scene), ocio.COLORSPACE_DIR_FROM_REFERENCE)
+    if to_scene:
+        space.setTransform(group(to_scene), ocio.COLORSPACE_DIR_TO_REFERENCE)
+    return space
+
+
+def group(transforms):
+    """Return one transform of a list of them."""
+    result = ocio.GroupTransform()
+    for transform in transforms:
+        result.appendTransform(transform)
+    return result

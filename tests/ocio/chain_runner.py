@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Chains applied to pixels, in this process or by another version of OpenColorIO.
+
+As a program: chain_runner.py INPUT.npz OUTPUT.npz. It needs neither the core nor the
+packages of the test environment, but PyOpenColorIO, NumPy and cg2raw_ocio.chain."""
+
+import json
+import sys
+import types
+
+import numpy as np
+import PyOpenColorIO as ocio
+
+FIELDS = ("first", "two_steps", "second", "gains", "keep_highlights", "clip_result")
+
+
+def plain(transform):
+    """Return the fields of a CameraTransform as JSON can hold them."""
+    values = {name: getattr(transform, name) for name in FIELDS}
+    return {name: np.asarray(value).tolist() for name, value in values.items()}
+
+
+def applied(direction, transform, pixels):
+    """Return (N, 3) float32 of a chain of cg2raw_ocio.chain on (N, 3) pixels."""
+    from cg2raw_ocio import chain
+
+    group = ocio.GroupTransform(getattr(chain, direction)(transform))
+    processor = ocio.Config.CreateRaw().getProcessor(group).getDefaultCPUProcessor()
+    out = np.array(pixels, np.float32, order="C")
+    processor.applyRGB(out)
+    return out
+
+
+def main():
+    """Apply each (direction, fields) of the JSON text in INPUT to its pixels."""
+    given = np.load(sys.argv[1])
+    results = {}
+    for number, (direction, fields) in enumerate(json.loads(str(given["chains"]))):
+        for name in ("first", "second"):
+            fields[name] = np.array(fields[name])
+        transform = types.SimpleNamespace(**fields)
+        results[str(number)] = applied(direction, transform, given["pixels"])
+    np.savez(sys.argv[2], version=ocio.__version__, **results)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The generated config that is installed: it is up to date, and everybody reads it."""
+
+import os
+import subprocess
+
+import PyOpenColorIO as ocio
+import pytest
+
+from cg2raw import _core
+from cg2raw_ocio.config import config_text, make_config
+
+PAPER = (
+    "canon-1ds-mark-iii canon-600d fujifilm-x-m1 nikon-d40 nikon-d5200 olympus-e-pl6 "
+    "panasonic-gx1 samsung-nx2000 samsung-s20fe sony-a57"
+).split()
+ILLUMINANTS = "A,D50,D65,sample:0-3"
+OPTIONS = ("--sensors", ",".join(PAPER), "--illuminants", ILLUMINANTS)
+
+
+@pytest.fixture(scope="module")
+def text(repository):
+    return (repository / "ocio" / "sensors.ocio").read_text()
+
+
+def test_it_is_what_the_generator_makes(text):
+    profiles = [_core.load_profile(name) for name in PAPER]
+    config = make_config(profiles, _core.illuminant_list(ILLUMINANTS))
+    assert config_text(config) == text, (
+        f"run: cg2raw ocio {' '.join(OPTIONS)} -o ocio/sensors.ocio"
+    )
+
+
+def test_debian_generates_the_same_bytes(text, build_folder):
+    """PyOpenColorIO 2.1 and 2.6 write the same."""
+    probe = subprocess.run(
+        ["/usr/bin/python3", "-c", "import PyOpenColorIO, numpy"], capture_output=True
+    )
+    if probe.returncode != 0:
+        pytest.skip("python3-pyopencolorio and python3-numpy are not installed")
+    done = subprocess.run(
+        ["/usr/bin/python3", "-m", "cg2raw", "ocio", *OPTIONS],
+        env={**os.environ, "PYTHONPATH": str(build_folder / "lib" / "python")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == text
+
+
+def test_the_plugin_knows_every_name_and_alias(text):
+    config = ocio.Config.CreateFromStream(text)
+    spaces = config.getColorSpaces(
+        ocio.SEARCH_REFERENCE_SPACE_SCENE, ocio.COLORSPACE_ALL
+    )
+    raw = [space for space in spaces if space.getFamily().startswith("RAW/")]
+    assert len(raw) == 2 * 7 * len(PAPER)
+    for space in raw:
+        sensor, illuminant = space.getName().split(" - ")[1:]
+        assert sensor in PAPER
+        for name in (space.getName(), *space.getAliases()):
+            found = _core.raw_space_from_name(name)
+            assert (found[0], found[1].lower()) == (sensor, illuminant.lower())
+
+
+def test_env_exports_it(repository):
+    installed = repository / "build/system/share/cg2raw/ocio/sensors.ocio"
+    show = 'source scripts/env && printf %s "$OCIO"'
+    environment = {name: v for name, v in os.environ.items() if name != "OCIO"}
+    done = subprocess.run(
+        ["bash", "-c", show],
+        cwd=repository,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == str(installed) and done.stderr == ""
+    environment["OCIO"] = "/studio/config.ocio"
+    done = subprocess.run(
+        ["bash", "-c", show],
+        cwd=repository,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == "/studio/config.ocio" and str(installed) in done.stderr
