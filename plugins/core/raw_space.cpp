@@ -22,6 +22,18 @@ std::string aliased(std::string_view text)
     return alias;
 }
 
+/// "neutral:1:0.5" as "neutral:1.0:0.5": then each number has two parts in an alias.
+std::string with_fractions(const std::string& illuminant)
+{
+    const auto parts = split(illuminant, ':');
+    if (parts.size() != 3) // only xy: and neutral: have two numbers
+        return illuminant;
+    std::string word = parts[0];
+    for (std::size_t i = 1; i < parts.size(); ++i)
+        word += ":" + parts[i] + (parts[i].find('.') == std::string::npos ? ".0" : "");
+    return word;
+}
+
 /// The word whose alias is @p alias: "sample_7" -> "sample:7", "xy_0_3_0_4" ->
 /// "xy:0.3:0.4".
 std::string illuminant_from_alias(const std::string& alias)
@@ -133,7 +145,8 @@ std::string raw_space_name(const RawSpace& space)
 
 std::string raw_space_alias(const RawSpace& space)
 {
-    return "raw_" + aliased(space.sensor) + "_" + aliased(space.illuminant);
+    return "raw_" + aliased(space.sensor) + "_"
+        + aliased(with_fractions(space.illuminant));
 }
 
 } // namespace cg2raw
