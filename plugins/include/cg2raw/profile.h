@@ -58,7 +58,7 @@ struct NeutralDistribution {
     std::array<double, 2> mean {};
     std::array<double, 3> covariance {}; ///< rr, rb, bb; divisor N - 1
     std::vector<std::array<double, 2>>
-        hull; ///< convex, counter-clockwise; empty: none known
+        hull; ///< convex, counter-clockwise, up to 1000 corners; empty: none known
 };
 
 /// Mean, covariance and convex hull of @p neutrals.
@@ -115,9 +115,11 @@ struct SensorProfile {
 
 /// Read a profile (JSON, schema 1). @p file names the source in messages.
 /// Throws Error naming file, field, value and what is allowed; unknown fields are
-/// errors.
+/// errors, as are fields given twice and texts larger than a profile can be: 16 MiB,
+/// 250000 values, 1000 fields of one object, 32 objects and lists in each other.
 SensorProfile parse_profile(std::string_view json, const std::string& file);
-/// The profile as JSON that parse_profile reads back, field for field.
+/// The profile as JSON that parse_profile reads back, field for field, unless it is
+/// larger than that reads. Throws Error for text that is not UTF-8.
 std::string to_json(const SensorProfile& profile);
 
 /// A profile by id (folders of profile_folders()) or by path (has a slash or ends in
