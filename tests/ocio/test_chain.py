@@ -67,7 +67,7 @@ def test_chain_is_the_transform(chains_of, profiles, convention):
 @pytest.mark.slow
 @pytest.mark.parametrize("convention", ["dng", "paper"])
 def test_chain_is_the_transform_in_depth(chains_of, profiles, convention):
-    check(chains_of, transforms_of(profiles, convention, True), 20000)
+    check(chains_of, transforms_of(profiles, convention, True), 4000)
 
 
 def test_any_gains(chains_of, profiles):

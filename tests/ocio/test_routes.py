@@ -51,8 +51,7 @@ def test_both_routes_in_depth(oiiotool, repository, tmp_path, sensor, light, pic
     check(oiiotool, repository, tmp_path, sensor, light, picture)
 
 
-@pytest.mark.parametrize("convention", ["dng", "paper"])
-def test_the_sensors_have_the_bits_of_the_table(convention, repository):
+def test_the_sensors_have_the_bits_of_the_table(repository):
     for sensor, bits in SENSORS.items():
         path = repository / "plugins" / "profiles" / f"{sensor}.json"
         assert _core.load_profile(str(path)).bits == bits
