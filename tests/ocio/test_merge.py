@@ -276,6 +276,13 @@ def test_a_source_that_is_not_there(source, words):
     assert words in fails("ocio", *ASKED, "--merge", source)
 
 
+def test_an_archive_is_to_be_taken_apart(tmp_path):
+    path = tmp_path / "show.ocioz"
+    path.write_bytes(b"PK")
+    line = fails("ocio", *ASKED, "--merge", path)
+    assert "ocioarchive --extract" in line
+
+
 def test_the_studios_file_is_not_overwritten(studio):
     text = studio.read_text()
     assert "is the file to be read" in fails(

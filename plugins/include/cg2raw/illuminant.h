@@ -51,8 +51,8 @@ Mat3 camera_from_xyz(const SensorProfile& profile, Chromaticity xy);
 std::optional<Mat3> xyz_d50_from_camera(const SensorProfile& profile, Chromaticity xy);
 
 /// "RAW - <sensor> - <illuminant>" or its alias raw_<sensor>_<illuminant>; so is "RAW
-/// unbounded - ..." (raw_unbounded_...), and "RAW - context" (raw_context) is what
-/// $CG2RAW_SENSOR and $CG2RAW_ILLUMINANT say.
+/// unbounded - ..." (raw_unbounded_...). "RAW - context" (raw_context), or unbounded,
+/// is what $CG2RAW_SENSOR and $CG2RAW_ILLUMINANT say.
 struct RawSpace {
     std::string sensor, illuminant;
 };
