@@ -130,6 +130,10 @@ FloatArray scene_of(const CameraTransform& transform, const py::array& camera,
 
 void bind_simulation(py::module_& m)
 {
+    py::class_<Run>(m, "Run", "What one exposure is asked to be.")
+        .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
+             "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
+             "camera_input"_a, "as_shot"_a);
     py::class_<Simulation>(
         m, "Simulation", "A sensor, a light and an exposure, decided before any pixel.")
         .def(py::init([](const SensorProfile& profile, std::array<int, 2> shape,
@@ -137,8 +141,10 @@ void bind_simulation(py::module_& m)
                  return Simulation(profile, run, { shape[1], shape[0] });
              }),
              "profile"_a, "shape"_a, "run"_a)
-        .def_property_readonly("illuminant", &Simulation::illuminant)
-        .def_property_readonly("digital_gain", &Simulation::digital_gain)
+        .def_property_readonly("illuminant", &Simulation::illuminant,
+                               "The light, as the sensor sees it.")
+        .def_property_readonly("digital_gain", &Simulation::digital_gain,
+                               "What multiplies the white balance gains.")
         .def(
             "raw", &raw_of, "rgb"_a, "threads"_a = 0,
             "(height, width) uint16 DN of a (height, width, 3 or 4) float32 or float16 "
@@ -148,10 +154,6 @@ void bind_simulation(py::module_& m)
              "clamped.")
         .def("expectation", &expectation_of, "rgb"_a, "threads"_a = 0,
              "(mean, variance) of that signal, (height, width) float32 each.");
-    py::class_<Run>(m, "Run", "What one exposure is asked to be.")
-        .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
-             "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
-             "camera_input"_a, "as_shot"_a);
     m.def("to_camera", &camera_of, "transform"_a, "rgb"_a, "threads"_a = 0,
           "(height, width, 3) float32 camera RGB of a scene-linear image.");
     m.def("to_scene", &scene_of, "transform"_a, "camera"_a, "threads"_a = 0,

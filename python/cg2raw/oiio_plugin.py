@@ -3,10 +3,10 @@
 
 """The DNG plugin, made known to the OpenImageIO of this Python.
 
-OpenImageIO looks for plugins when it first meets an unknown format, in the
-folders of its attribute plugin_searchpath. OpenImageIO is not imported for that: what is
-not there yet is told as soon as it is. Environment variables stay as they are, since
-child processes may run another OpenImageIO."""
+OpenImageIO looks for plugins when it first meets an unknown format, in the folders of
+its attribute plugin_searchpath. It is not imported for that: if it is not there yet, it
+is told once it is. Environment variables stay as they are, since child processes may
+run another OpenImageIO."""
 
 import importlib.abc
 import importlib.machinery
