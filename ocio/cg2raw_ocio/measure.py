@@ -9,7 +9,7 @@ import PyOpenColorIO as ocio
 
 from cg2raw import _core
 
-from . import chain
+from . import chain, spaces
 
 WHITE_DN = 65535
 PIXELS = 200_000
@@ -45,16 +45,9 @@ def neutral_ramp():
 
 def exact_camera(profile, illuminant, exposure, pixels):
     """Return (n, 3) float32 camera RGB of (n, 3) linear Rec.709, by the core."""
-    light = profile.illuminant(illuminant)
-    planes = _core.to_camera(
-        profile,
-        np.ascontiguousarray(pixels, np.float32)[None],
-        light,
-        exposure.convention,
-        exposure.digital_gain,
-        exposure.highlights,
-    )
-    return planes.reshape(3, -1).T
+    transform = spaces.camera_transform(profile, illuminant, exposure)
+    row = np.ascontiguousarray(pixels, np.float32)[None]
+    return _core.to_camera(transform, row)[0]
 
 
 def below_highlights(transform, pixels):

@@ -12,7 +12,7 @@ CONTEXT_UNBOUNDED = ("RAW unbounded - context", "raw_unbounded_context")
 SENSOR_VARIABLE, ILLUMINANT_VARIABLE = "CG2RAW_SENSOR", "CG2RAW_ILLUMINANT"
 
 
-def raw_space(sensor, illuminant):
+def raw_space(sensor, illuminant) -> tuple[str, str]:
     """Return (name, alias) of a sensor's RAW under an illuminant, as the plugin reads
     them."""
     return (
@@ -21,7 +21,7 @@ def raw_space(sensor, illuminant):
     )
 
 
-def unbounded_space(sensor, illuminant):
+def unbounded_space(sensor, illuminant) -> tuple[str, str]:
     """Return (name, alias) of its twin that never clips."""
     name, alias = raw_space(sensor, illuminant)
     return (

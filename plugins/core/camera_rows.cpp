@@ -50,11 +50,15 @@ inline float legal(float x, int& nan, int& inf)
 
 inline float clipped(float x) { return std::min(std::max(x, 0.0f), 1.0f); }
 
+inline float dot(const float m[3], float r, float g, float b)
+{
+    return m[0] * r + m[1] * g + m[2] * b;
+}
+
 inline void multiply(const float m[9], float& r, float& g, float& b)
 {
-    const float x = clipped(m[0] * r + m[1] * g + m[2] * b);
-    const float y = clipped(m[3] * r + m[4] * g + m[5] * b);
-    b = clipped(m[6] * r + m[7] * g + m[8] * b);
+    const float x = clipped(dot(m, r, g, b)), y = clipped(dot(m + 3, r, g, b));
+    b = clipped(dot(m + 6, r, g, b));
     r = x;
     g = y;
 }
@@ -106,6 +110,28 @@ CG2RAW_MULTIVERSION void product_piece(const float m[9], int count, float* r, fl
         multiply(m, r[i], g[i], b[i]);
 }
 
+CG2RAW_MULTIVERSION void balance_piece(const float gain[3], int count, float* r,
+                                       float* g, float* b)
+{
+    for (int i = 0; i < count; ++i) {
+        r[i] = clipped(r[i] / gain[0]);
+        g[i] = clipped(g[i] / gain[1]);
+        b[i] = clipped(b[i] / gain[2]);
+    }
+}
+
+/// A product that is not clipped.
+CG2RAW_MULTIVERSION void scene_piece(const float m[9], int count, float* r, float* g,
+                                     float* b)
+{
+    for (int i = 0; i < count; ++i) {
+        const float x = dot(m, r[i], g[i], b[i]), y = dot(m + 3, r[i], g[i], b[i]);
+        b[i] = dot(m + 6, r[i], g[i], b[i]);
+        r[i] = x;
+        g[i] = y;
+    }
+}
+
 void make_legal(const float* scene, std::ptrdiff_t stride, int count, float* r,
                 float* g, float* b, Illegal& illegal)
 {
@@ -135,6 +161,26 @@ void to_camera(const CameraTransform& transform, const float* scene,
         if (c.two_steps)
             product_piece(c.second, count, r, g, b);
         camera_piece(c, count, r, g, b);
+    }
+}
+
+void to_scene(const SceneTransform& transform, const float* camera,
+              std::ptrdiff_t pixel_stride, int width, float* const scene[3],
+              Illegal& illegal)
+{
+    float first[9], second[9], gain[3];
+    std::copy(transform.first.m.begin(), transform.first.m.end(), first);
+    std::copy(transform.second.m.begin(), transform.second.m.end(), second);
+    std::copy(transform.gains.begin(), transform.gains.end(), gain);
+    for (int start = 0; start < width; start += piece) {
+        const int count = std::min(piece, width - start);
+        float *r = scene[0] + start, *g = scene[1] + start, *b = scene[2] + start;
+        make_legal(camera + start * pixel_stride, pixel_stride, count, r, g, b,
+                   illegal);
+        balance_piece(gain, count, r, g, b);
+        if (transform.two_steps)
+            product_piece(first, count, r, g, b);
+        scene_piece(second, count, r, g, b);
     }
 }
 

@@ -45,6 +45,13 @@ CG2RAW_MULTIVERSION void digitise_bayer(const float* signal, float black_even,
         dn[col] = dn_of(signal[col], black[col & 1], white);
 }
 
+float black_at(const Levels& levels, Site at)
+{
+    const int site
+        = at.row % levels.cfa.height * levels.cfa.width + at.col % levels.cfa.width;
+    return levels.black[std::size_t(site)];
+}
+
 } // namespace
 
 Levels levels_of(const SensorProfile& profile)
@@ -76,20 +83,27 @@ void add_noise(const Plane<float>& noise, float ceiling, const Plane<float>& mea
 void digitise(const float* signal, const Levels& levels, Site at, int width,
               std::uint16_t* dn)
 {
-    const auto black_at = [&](int col) {
-        const int site
-            = at.row % levels.cfa.height * levels.cfa.width + col % levels.cfa.width;
-        return levels.black[std::size_t(site)];
-    };
     if (levels.cfa.width == 2) {
-        digitise_bayer(signal, black_at(at.col), black_at(at.col + 1), levels.white,
-                       width, dn);
+        digitise_bayer(signal, black_at(levels, at),
+                       black_at(levels, { at.row, at.col + 1 }), levels.white, width,
+                       dn);
         return;
     }
     for (int phase = 0; phase < levels.cfa.width; ++phase) {
-        const float black = black_at(at.col + phase);
+        const float black = black_at(levels, { at.row, at.col + phase });
         for (int col = phase; col < width; col += levels.cfa.width)
             dn[col] = dn_of(signal[col], black, levels.white);
+    }
+}
+
+void undo_digitise(const std::uint16_t* dn, const Levels& levels, Site at, int width,
+                   float* signal)
+{
+    for (int phase = 0; phase < levels.cfa.width; ++phase) {
+        const float black = black_at(levels, { at.row, at.col + phase });
+        const float range = levels.white - black;
+        for (int col = phase; col < width; col += levels.cfa.width)
+            signal[col] = (float(dn[col]) - black) / range;
     }
 }
 

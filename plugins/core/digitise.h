@@ -28,4 +28,8 @@ void add_noise(const Plane<float>& noise, float ceiling, const Plane<float>& mea
 void digitise(const float* signal, const Levels& levels, Site at, int width,
               std::uint16_t* dn);
 
+/// signal = (DN - black) / (white - black), a row.
+void undo_digitise(const std::uint16_t* dn, const Levels& levels, Site at, int width,
+                   float* signal);
+
 } // namespace cg2raw

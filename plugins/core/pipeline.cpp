@@ -3,20 +3,15 @@
 
 #include "cg2raw/pipeline.h"
 
-#include "active_effects.h"
 #include "digitise.h"
+#include "stages.h"
 #include "text.h"
 
 #include <algorithm>
-#include <limits>
+#include <mutex>
 
 namespace cg2raw {
 namespace {
-
-/// Rows that pass through all stages together; few, so that they stay in the cache.
-constexpr int band_rows = 2;
-/// Above any signal.
-constexpr float largest_signal = std::numeric_limits<float>::max();
 
 double drawn_gain(const SensorProfile& profile, const Run& run)
 {
@@ -33,63 +28,6 @@ double drawn_gain(const SensorProfile& profile, const Run& run)
     return mean + sigma * rng.normal(draw);
 }
 
-/// Room for one band on its way; one per thread.
-struct Band {
-    std::vector<float> pixels;
-    std::array<Plane<float>, 3> camera;
-    Plane<float> mosaic, variance, noise;
-
-    explicit Band(int width)
-        : pixels(std::size_t(6 * band_rows) * std::size_t(width))
-    {
-        resize(width, band_rows);
-    }
-
-    void resize(int width, int rows)
-    {
-        float* next = pixels.data();
-        for (Plane<float>* plane :
-             { &camera[0], &camera[1], &camera[2], &mosaic, &variance, &noise }) {
-            *plane = { next, width, rows, width };
-            next += std::ptrdiff_t(band_rows) * width;
-        }
-    }
-};
-
-/// Whether effects draw what they can, or only state mean and variance.
-enum class Purpose { drawing, prediction };
-
-void apply(const std::vector<ActiveEffect>& active, Purpose purpose, Stage first,
-           Stage last, Signal& signal)
-{
-    for (const auto& [effect, values, rng] : active) {
-        if (effect->stage < first || effect->stage > last)
-            continue;
-        if (purpose == Purpose::drawing && effect->draw)
-            effect->draw(signal, values, rng);
-        else
-            effect->expect(signal, values);
-    }
-}
-
-/// Some effect has a variance whose Gaussian is to be drawn.
-bool needs_gaussian(const std::vector<ActiveEffect>& active)
-{
-    return std::any_of(active.begin(), active.end(), [](const ActiveEffect& a) {
-        return a.effect->stage == Stage::noise && !a.effect->draw;
-    });
-}
-
-/// A clipped site has no variance.
-void clear_clipped(const Plane<float>& mean, float ceiling,
-                   const Plane<float>& variance)
-{
-    for (int row = 0; row < mean.height; ++row)
-        for (int col = 0; col < mean.width; ++col)
-            if (!(mean.row(row)[col] < ceiling))
-                variance.row(row)[col] = 0.0f;
-}
-
 } // namespace
 
 struct Simulation::State {
@@ -100,13 +38,7 @@ struct Simulation::State {
     double gain;
     CameraTransform transform;
     std::optional<NoiseAtIso> noise;
-    std::vector<ActiveEffect> active;
-    bool gaussian; ///< some active effect has a variance to draw from
-    Rng rng; ///< of the Gaussian that the effects' variances add up to
-    /// A sensor clips after its noise, and what was clipped lay far above white: it
-    /// reads white, or raw converters see coloured speckles in highlights. The paper's
-    /// noise falls on clipped white too.
-    float noise_ceiling;
+    Stages stages;
     Levels levels;
 
     State(const SensorProfile& sensor, const Run& asked, Size size)
@@ -118,10 +50,7 @@ struct Simulation::State {
         , transform(camera_from_scene(profile, light, run.convention, gain,
                                       run.keep_highlights))
         , noise(noise_of(profile, run))
-        , active(active_effects(profile, run, noise))
-        , gaussian(needs_gaussian(active))
-        , rng(run.seed, "noise/" + profile.id, run.frame)
-        , noise_ceiling(run.convention == Convention::dng ? saturated : largest_signal)
+        , stages(profile, run, active_effects(profile, run, noise))
         , levels(levels_of(profile))
     {
         if (frame.width < 1 || frame.height < 1)
@@ -136,8 +65,7 @@ struct Simulation::State {
                 Illegal& illegal) const
     {
         to_camera_band(scene, band, illegal);
-        Signal signal { 3, band.camera, {}, {}, origin, frame, profile.cfa };
-        apply(active, purpose, Stage::optics, Stage::optics, signal);
+        stages.on_camera(band.camera, origin, frame, purpose);
         for (int row = 0; row < scene.height; ++row) {
             const float* const camera[3]
                 = { band.camera[0].row(row), band.camera[1].row(row),
@@ -145,23 +73,8 @@ struct Simulation::State {
             mosaic(camera, profile.cfa, { origin.row + row, origin.col }, scene.width,
                    band.mosaic.row(row));
         }
-        signal.planes = 1;
-        signal.mean = { band.mosaic };
-        signal.variance = band.variance;
-        signal.noise = band.noise;
-        std::fill_n(band.variance.data, scene.width * scene.height, 0.0f);
-        if (active.empty())
-            return;
-        std::fill_n(band.noise.data, scene.width * scene.height, 0.0f);
-        apply(active, purpose, Stage::pixel, Stage::readout, signal);
-        if (purpose == Purpose::prediction) {
-            clear_clipped(band.mosaic, noise_ceiling, band.variance);
-        } else {
-            if (gaussian)
-                add_gaussian(rng, origin, band.variance, band.noise);
-            add_noise(band.noise, noise_ceiling, band.mosaic);
-        }
-        apply(active, purpose, Stage::conversion, Stage::output, signal);
+        stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, frame,
+                         purpose);
     }
 
     void to_camera_band(const RgbView& scene, Band& band, Illegal& illegal) const
@@ -244,33 +157,60 @@ const std::optional<NoiseAtIso>& Simulation::noise() const { return m_state->noi
 
 std::optional<Values> Simulation::active(std::string_view effect_name) const
 {
-    for (const ActiveEffect& one : m_state->active)
+    for (const ActiveEffect& one : m_state->stages.active)
         if (one.effect->name == effect_name)
             return one.values;
     return std::nullopt;
 }
 
+void each_strip(int height, const ParallelFor& parallel,
+                const std::function<void(int first, int count)>& work)
+{
+    constexpr int strip_rows = 64;
+    parallel((height + strip_rows - 1) / strip_rows, [&](int strip) {
+        const int first = strip * strip_rows;
+        work(first, std::min(strip_rows, height - first));
+    });
+}
+
+Illegal each_strip(const SceneRows& rows, Size size, const ParallelFor& parallel,
+                   const std::function<void(const RgbView&, int first, Illegal&)>& work)
+{
+    Illegal total;
+    std::mutex guard;
+    each_strip(size.height, parallel, [&](int first, int count) {
+        std::vector<float> room;
+        Illegal illegal;
+        work(rows(first, count, room), first, illegal);
+        const std::lock_guard lock(guard);
+        total += illegal;
+    });
+    return total;
+}
+
+RawFrame simulate(const SceneRows& rows, const Simulation& simulation,
+                  const ParallelFor& parallel)
+{
+    const auto [width, height] = simulation.frame();
+    RawFrame frame { width, height, {}, {} };
+    frame.dn.resize(std::size_t(width) * std::size_t(height));
+    const Plane<std::uint16_t> raw { frame.dn.data(), width, height, width };
+    frame.illegal = each_strip(
+        rows, simulation.frame(), parallel,
+        [&](const RgbView& part, int first, Illegal& illegal) {
+            simulation.block(part, { first, 0 }, raw.rows(first, part.height), illegal);
+        });
+    return frame;
+}
+
 RawFrame simulate(const RgbView& scene, const Simulation& simulation,
                   const ParallelFor& parallel)
 {
-    constexpr int task_rows = 64;
-    RawFrame frame { scene.width, scene.height, {}, {} };
-    frame.dn.resize(std::size_t(scene.width) * std::size_t(scene.height));
-    const int tasks = (scene.height + task_rows - 1) / task_rows;
-    std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
-    parallel(tasks, [&](int task) {
-        const int first = task * task_rows,
-                  rows = std::min(task_rows, scene.height - first);
-        const RgbView part { scene.row(first), scene.width, rows, scene.pixel_stride,
-                             scene.row_stride };
-        const Plane<std::uint16_t> raw { frame.dn.data()
-                                             + std::ptrdiff_t(first) * scene.width,
-                                         scene.width, rows, scene.width };
-        simulation.block(part, { first, 0 }, raw, illegal[std::size_t(task)]);
-    });
-    for (const Illegal& part : illegal)
-        frame.illegal += part;
-    return frame;
+    const auto rows = [&](int first, int count, std::vector<float>&) {
+        return RgbView { scene.row(first), scene.width, count, scene.pixel_stride,
+                         scene.row_stride };
+    };
+    return simulate(rows, simulation, parallel);
 }
 
 } // namespace cg2raw

@@ -135,6 +135,14 @@ CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant
     return transform;
 }
 
+SceneTransform scene_from_camera(const CameraTransform& camera_from_scene)
+{
+    const auto& [first, two_steps, second, gains, keep, clip] = camera_from_scene;
+    if (two_steps)
+        return { gains, inverse(second), true, inverse(first) };
+    return { gains, diagonal({ 1, 1, 1 }), false, inverse(second * first) };
+}
+
 Mat3 srgb_from_balanced(const SensorProfile& profile, const Illuminant& light)
 {
     return inverse(balanced_from_srgb(profile, light));

@@ -24,22 +24,53 @@ inline py::array_t<double> array_of(const Mat3& matrix)
     return py::array_t<double>({ 3, 3 }, matrix.m.data());
 }
 
-/// View of a (height, width, 3 or 4) array. Throws Error on another shape.
-inline RgbView rgb_view(const FloatArray& rgb)
+/// A (height, width, 3 or 4) image argument. float32 whose channels lie together is
+/// seen in place, with any strides of its rows and columns; float16 is converted strip
+/// by strip; other float32 layouts are copied. Throws Error on other shapes and types.
+class Scene {
+public:
+    explicit Scene(const py::array& rgb);
+
+    Size size() const { return { m_view.width, m_view.height }; }
+    /// Valid while this object is; needs no GIL.
+    SceneRows rows() const;
+
+private:
+    py::array m_owner;
+    RgbView m_view; ///< its data is null if the pixels are half floats
+    const std::uint16_t* m_half = nullptr;
+};
+
+/// View of a (height, width) array of float. Throws Error on another shape.
+inline Plane<float> plane_of(FloatArray& array)
 {
-    if (rgb.ndim() != 3 || rgb.shape(2) < 3 || rgb.shape(2) > 4)
-        throw Error(
-            "image must be an array of shape (height, width, 3) or (height, width, "
-            "4), RGB(A)");
-    const int width = int(rgb.shape(1)), height = int(rgb.shape(0));
-    const auto channels = std::ptrdiff_t(rgb.shape(2));
-    return { rgb.data(), width, height, channels, channels * width };
+    return { array.mutable_data(), int(array.shape(1)), int(array.shape(0)),
+             array.shape(1) };
+}
+
+/// Plane of a (height, width) argument; @p what names it. Throws Error.
+template <class T, int flags>
+Plane<const T> const_plane_of(const py::array_t<T, flags>& array, const char* what)
+{
+    if (array.ndim() != 2 || array.size() == 0)
+        throw Error(std::string(what)
+                    + " must be an array of shape (height, width), not empty");
+    return { array.data(), int(array.shape(1)), int(array.shape(0)), array.shape(1) };
+}
+
+/// Three planes of a row -> interleaved pixels.
+inline void interleave(const float* const planes[3], int width, float* rgb)
+{
+    for (int col = 0; col < width; ++col)
+        for (int color = 0; color < 3; ++color)
+            rgb[3 * col + color] = planes[color][col];
 }
 
 void bind_color(py::module_& m);
 void bind_profile(py::module_& m);
 void bind_transform(py::module_& m);
 void bind_simulation(py::module_& m);
+void bind_signal(py::module_& m);
 void bind_dng(py::module_& m);
 
 } // namespace cg2raw::python

@@ -101,31 +101,41 @@ void bind_metadata(py::module_& m)
 {
     py::class_<DngMetadata>(m, "DngMetadata",
                             "What one DNG says of its camera and shot.")
-        .def_readonly("file", &DngMetadata::file)
-        .def_readonly("make", &DngMetadata::make)
-        .def_readonly("model", &DngMetadata::model)
-        .def_readonly("unique_camera_model", &DngMetadata::unique_camera_model)
+        .def_readonly("file", &DngMetadata::file, "Path it was read from.")
+        .def_readonly("make", &DngMetadata::make, "Maker; may be empty.")
+        .def_readonly("model", &DngMetadata::model, "Model; may be empty.")
+        .def_readonly("unique_camera_model", &DngMetadata::unique_camera_model,
+                      "DNG UniqueCameraModel; may be empty.")
         .def_property_readonly(
             "active_area",
             [](const DngMetadata& d) {
                 return std::array<int, 2> { d.active_area.width, d.active_area.height };
-            })
-        .def_property_readonly("cfa",
-                               [](const DngMetadata& d) { return name_of(d.cfa); })
-        .def_readonly("bits", &DngMetadata::bits)
-        .def_readonly("black_level", &DngMetadata::black_level)
-        .def_readonly("white_level", &DngMetadata::white_level)
+            },
+            "(width, height), pixels.")
+        .def_property_readonly(
+            "cfa", [](const DngMetadata& d) { return name_of(d.cfa); },
+            "Filters of the repeat from the top-left active pixel on: RGGB.")
+        .def_readonly("bits", &DngMetadata::bits, "That white_level needs, 8 to 16.")
+        .def_readonly("black_level", &DngMetadata::black_level, "DN, per CFA site.")
+        .def_readonly("white_level", &DngMetadata::white_level, "DN at saturation.")
         .def_property_readonly(
             "calibrations",
-            [](const DngMetadata& d) { return list_of(d.calibrations); })
-        .def_readonly("as_shot_neutral", &DngMetadata::as_shot_neutral)
-        .def_property_readonly("noise_profile",
-                               [](const DngMetadata& d) {
-                                   std::vector<std::array<double, 2>> pairs;
-                                   for (const NoisePair& p : d.noise_profile)
-                                       pairs.push_back({ p.scale, p.offset });
-                                   return pairs;
-                               })
+            [](const DngMetadata& d) { return list_of(d.calibrations); },
+            "One or two {\"light_source\" (EXIF code), \"camera_from_xyz\", "
+            "\"xyz_d50_from_camera\"}:\n(3, 3) ColorMatrix and (3, 3) ForwardMatrix or "
+            "None.")
+        .def_readonly("as_shot_neutral", &DngMetadata::as_shot_neutral,
+                      "Camera RGB of a neutral patch, G = 1; None: not said.")
+        .def_property_readonly(
+            "noise_profile",
+            [](const DngMetadata& d) {
+                std::vector<std::array<double, 2>> pairs;
+                for (const NoisePair& p : d.noise_profile)
+                    pairs.push_back({ p.scale, p.offset });
+                return pairs;
+            },
+            "(scale, offset) of sd = sqrt(scale x + offset), x in 0..1, of R, G, B; "
+            "empty: none.")
         .def_property_readonly(
             "gain_maps", [](const DngMetadata& d) { return list_of(d.gain_maps); },
             "GainMaps of OpcodeList2: dicts of sites (of the CFA, row major), area\n"
@@ -136,11 +146,16 @@ void bind_metadata(py::module_& m)
             "and gains ((rows, cols) float32, above 0).")
         .def_readonly("notes", &DngMetadata::notes,
                       "What was missing or simplified, one sentence each.")
-        .def_property_readonly("shot",
-                               [](const DngMetadata& d) { return dict_of(d.shot); });
+        .def_property_readonly(
+            "shot", [](const DngMetadata& d) { return dict_of(d.shot); },
+            "{\"exposure_time\" (s), \"f_number\", \"focal_length\" (mm), \"iso\", "
+            "\"date_time_original\",\n\"orientation\"} of Exif; None or empty: not "
+            "said.");
     m.def("read_dng_metadata",
           py::overload_cast<const std::string&>(&read_dng_metadata), "path"_a,
-          "Metadata of a DNG; no pixels are read.");
+          "Metadata of a DNG; no pixels are read.\n\n"
+          "Raises ValueError naming file, tag, value and bound. Source: DNG "
+          "specification 1.7.1.");
 }
 
 } // namespace
@@ -148,7 +163,8 @@ void bind_metadata(py::module_& m)
 void bind_dng(py::module_& m)
 {
     m.def("write_dng", &write, "path"_a, "raw"_a, "simulation"_a, "compression"_a,
-          "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a);
+          "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a,
+          "Write a DNG; see cg2raw.write_dng.");
     bind_metadata(m);
     bind_profiles(m);
 }

@@ -13,5 +13,6 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_profile(m);
     cg2raw::python::bind_transform(m);
     cg2raw::python::bind_simulation(m);
+    cg2raw::python::bind_signal(m);
     cg2raw::python::bind_dng(m);
 }

@@ -147,7 +147,11 @@ void bind_numbers(py::class_<SensorProfile>& c)
     c.def("to_json", &to_json, "The profile as JSON text that reads back the same.")
         .def(
             "illuminant", &illuminant, "spec"_a, "as_shot"_a = py::none(),
-            "The Illuminant that a word names; as_shot is what \"as-shot\" stands for.")
+            "The Illuminant that a word names; as_shot is what \"as-shot\" stands "
+            "for.\n\n"
+            "spec : A D50 D55 D65 D75, 3200K, xy:0.3457:0.3585, neutral:0.55:0.45 (R/G "
+            "and B/G),\n    sample:7 (drawn from the sensor's neutrals) or as-shot.\n"
+            "Raises ValueError that lists the grammar.")
         .def(
             "xy_from_neutral",
             [](const SensorProfile& p, const Vec3& neutral) {
@@ -183,8 +187,11 @@ void bind_numbers(py::class_<SensorProfile>& c)
                 return dict_of(noise_at(p, iso));
             },
             "iso"_a,
-            "{\"iso\", \"beta1\", \"beta2\"} per CFA site, x in 0..1 above black, and "
-            "where the\nprofile has them \"tukey_lambda\" and \"row_sigma\".");
+            "{\"iso\", \"beta1\", \"beta2\"} per CFA site: variance(x) = beta1 x + "
+            "beta2, x "
+            "in 0..1\nabove black; and where the profile has them \"tukey_lambda\" and "
+            "\"row_sigma\".\n\nInterpolated in log ISO, up to one stop beyond the "
+            "calibrated ISOs; raises\nValueError farther out.");
 }
 
 void bind_fields(py::class_<SensorProfile>& c)
@@ -217,25 +224,29 @@ void bind_fields(py::class_<SensorProfile>& c)
 void bind_profile(py::module_& m)
 {
     bind_illuminant(m);
-    bind_search(m);
     py::class_<SensorProfile> c(m, "SensorProfile", "All that is known of one sensor.");
-    c.def_readonly("id", &SensorProfile::id)
-        .def_readonly("make", &SensorProfile::make)
-        .def_readonly("model", &SensorProfile::model)
-        .def_readonly("unique_camera_model", &SensorProfile::unique_camera_model)
-        .def_readonly("sources", &SensorProfile::sources)
-        .def_property_readonly("cfa",
-                               [](const SensorProfile& p) { return name_of(p.cfa); })
-        .def_readonly("width", &SensorProfile::width)
-        .def_readonly("height", &SensorProfile::height)
-        .def_readonly("bits", &SensorProfile::bits)
-        .def_readonly("black_level", &SensorProfile::black_level)
-        .def_readonly("white_level", &SensorProfile::white_level)
+    c.def_readonly("id", &SensorProfile::id, "Name among profiles: nikon-d40.")
+        .def_readonly("make", &SensorProfile::make, "Maker, as in Exif.")
+        .def_readonly("model", &SensorProfile::model, "Model, as in Exif.")
+        .def_readonly("unique_camera_model", &SensorProfile::unique_camera_model,
+                      "Model that raw converters look up, DNG UniqueCameraModel.")
+        .def_readonly("sources", &SensorProfile::sources,
+                      "(field, where its numbers are from) each.")
+        .def_property_readonly(
+            "cfa", [](const SensorProfile& p) { return name_of(p.cfa); },
+            "Filters of the repeat from the top-left active pixel on: RGGB.")
+        .def_readonly("width", &SensorProfile::width, "Of the active area, pixels.")
+        .def_readonly("height", &SensorProfile::height, "Of the active area, pixels.")
+        .def_readonly("bits", &SensorProfile::bits, "Of a DN, 8 to 16.")
+        .def_readonly("black_level", &SensorProfile::black_level,
+                      "Mean DN without light, per CFA site.")
+        .def_readonly("white_level", &SensorProfile::white_level, "DN at saturation.")
         .def_property_readonly(
             "neutrals", [](const SensorProfile& p) { return p.illuminants.neutrals; },
             "Measured neutrals, (R/G, B/G) each.");
     bind_fields(c);
     bind_numbers(c);
+    bind_search(m);
 }
 
 } // namespace cg2raw::python

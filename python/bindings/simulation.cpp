@@ -6,6 +6,17 @@
 namespace cg2raw::python {
 namespace {
 
+/// Where a pixel stands decides its filter and its noise.
+void check_size(const Simulation& simulation, const Scene& scene)
+{
+    const Size have = scene.size(), want = simulation.frame();
+    if (have.width != want.width || have.height != want.height)
+        throw Error("image of " + std::to_string(have.height) + " x "
+                    + std::to_string(have.width)
+                    + " pixels must be as large as its simulation, "
+                    + std::to_string(want.height) + " x " + std::to_string(want.width));
+}
+
 Run run_of(const std::string& illuminant, std::optional<double> iso,
            const std::string& noise, std::uint64_t seed, std::uint64_t frame,
            double digital_gain, const std::string& convention, bool highlights,
@@ -26,13 +37,14 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
     return run;
 }
 
-RawArray raw_of(const Simulation& simulation, const FloatArray& rgb, int threads)
+RawArray raw_of(const Simulation& simulation, const py::array& rgb, int threads)
 {
-    const RgbView scene = rgb_view(rgb);
+    const Scene scene(rgb);
+    check_size(simulation, scene);
     RawFrame frame;
     {
         const py::gil_scoped_release release;
-        frame = simulate(scene, simulation, parallel_threads(threads));
+        frame = simulate(scene.rows(), simulation, parallel_threads(threads));
     }
     auto* const dn = new std::vector<std::uint16_t>(std::move(frame.dn));
     const py::capsule owner(
@@ -40,60 +52,88 @@ RawArray raw_of(const Simulation& simulation, const FloatArray& rgb, int threads
     return RawArray({ frame.height, frame.width }, dn->data(), owner);
 }
 
-FloatArray signal_of(const Simulation& simulation, const FloatArray& rgb)
+FloatArray signal_of(const Simulation& simulation, const py::array& rgb, int threads)
 {
-    const RgbView scene = rgb_view(rgb);
-    FloatArray signal({ scene.height, scene.width });
-    const Plane<float> plane { signal.mutable_data(), scene.width, scene.height,
-                               scene.width };
+    const Scene scene(rgb);
+    check_size(simulation, scene);
+    FloatArray signal({ scene.size().height, scene.size().width });
+    const Plane<float> plane = plane_of(signal);
     const py::gil_scoped_release release;
-    Illegal illegal;
-    simulation.block(scene, { 0, 0 }, plane, illegal);
+    each_strip(scene.rows(), scene.size(), parallel_threads(threads),
+               [&](const RgbView& part, int first, Illegal& illegal) {
+                   simulation.block(part, { first, 0 }, plane.rows(first, part.height),
+                                    illegal);
+               });
     return signal;
 }
 
 /// Mean and variance, (height, width) each.
 std::pair<FloatArray, FloatArray> expectation_of(const Simulation& simulation,
-                                                 const FloatArray& rgb)
+                                                 const py::array& rgb, int threads)
 {
-    const RgbView scene = rgb_view(rgb);
-    FloatArray mean({ scene.height, scene.width });
-    FloatArray variance({ scene.height, scene.width });
-    const auto plane = [&](FloatArray& array) {
-        return Plane<float> { array.mutable_data(), scene.width, scene.height,
-                              scene.width };
-    };
-    const Plane<float> means = plane(mean), variances = plane(variance);
-    const py::gil_scoped_release release;
-    Illegal illegal;
-    simulation.expect(scene, { 0, 0 }, means, variances, illegal);
+    const Scene scene(rgb);
+    check_size(simulation, scene);
+    FloatArray mean({ scene.size().height, scene.size().width });
+    FloatArray variance({ scene.size().height, scene.size().width });
+    const Plane<float> means = plane_of(mean), variances = plane_of(variance);
+    {
+        const py::gil_scoped_release release;
+        each_strip(scene.rows(), scene.size(), parallel_threads(threads),
+                   [&](const RgbView& part, int first, Illegal& illegal) {
+                       simulation.expect(part, { first, 0 },
+                                         means.rows(first, part.height),
+                                         variances.rows(first, part.height), illegal);
+                   });
+    }
     return { mean, variance };
 }
 
-/// (height, width, 3) camera RGB before the mosaic.
-FloatArray camera_of(const SensorProfile& profile, const FloatArray& rgb,
-                     const Illuminant& light, const std::string& convention,
-                     double gain, bool highlights)
+/// (height, width, 3) of a function from a row of pixels to three planes of a row.
+template <class Convert>
+FloatArray converted(const py::array& rgb, int threads, const Convert& convert)
 {
-    const CameraTransform transform = camera_from_scene(
-        profile, light, convention_from_name(convention), gain, highlights);
-    const RgbView scene = rgb_view(rgb);
-    FloatArray planes({ 3, scene.height, scene.width });
-    Illegal illegal;
-    for (int row = 0; row < scene.height; ++row) {
-        float* const camera[3]
-            = { planes.mutable_data(0, row, 0), planes.mutable_data(1, row, 0),
-                planes.mutable_data(2, row, 0) };
-        to_camera(transform, scene.row(row), scene.pixel_stride, scene.width, camera,
-                  illegal);
-    }
-    return planes;
+    const Scene scene(rgb);
+    const auto [width, height] = scene.size();
+    FloatArray out({ height, width, 3 });
+    float* const pixels = out.mutable_data();
+    const py::gil_scoped_release release;
+    each_strip(
+        scene.rows(), scene.size(), parallel_threads(threads),
+        [&](const RgbView& part, int first, Illegal& illegal) {
+            std::vector<float> room(std::size_t(3) * std::size_t(part.width));
+            float* const planes[3] = { room.data(), room.data() + part.width,
+                                       room.data() + 2 * std::ptrdiff_t(part.width) };
+            for (int row = 0; row < part.height; ++row) {
+                convert(part.row(row), part.pixel_stride, part.width, planes, illegal);
+                interleave(planes, part.width,
+                           pixels + std::ptrdiff_t(first + row) * part.width * 3);
+            }
+        });
+    return out;
+}
+
+FloatArray camera_of(const CameraTransform& transform, const py::array& rgb,
+                     int threads)
+{
+    return converted(rgb, threads,
+                     [&](auto&&... row) { to_camera(transform, row...); });
+}
+
+FloatArray scene_of(const CameraTransform& transform, const py::array& camera,
+                    int threads)
+{
+    const SceneTransform back = scene_from_camera(transform);
+    return converted(camera, threads, [&](auto&&... row) { to_scene(back, row...); });
 }
 
 } // namespace
 
 void bind_simulation(py::module_& m)
 {
+    py::class_<Run>(m, "Run", "What one exposure is asked to be.")
+        .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
+             "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
+             "camera_input"_a, "as_shot"_a);
     py::class_<Simulation>(
         m, "Simulation", "A sensor, a light and an exposure, decided before any pixel.")
         .def(py::init([](const SensorProfile& profile, std::array<int, 2> shape,
@@ -101,22 +141,24 @@ void bind_simulation(py::module_& m)
                  return Simulation(profile, run, { shape[1], shape[0] });
              }),
              "profile"_a, "shape"_a, "run"_a)
-        .def_property_readonly("illuminant", &Simulation::illuminant)
-        .def_property_readonly("digital_gain", &Simulation::digital_gain)
-        .def("raw", &raw_of, "rgb"_a, "threads"_a = 0,
-             "(height, width) uint16 DN of a (height, width, 3 or 4) float32 image.")
-        .def("signal", &signal_of, "rgb"_a,
+        .def_property_readonly("illuminant", &Simulation::illuminant,
+                               "The light, as the sensor sees it.")
+        .def_property_readonly("digital_gain", &Simulation::digital_gain,
+                               "What multiplies the white balance gains.")
+        .def(
+            "raw", &raw_of, "rgb"_a, "threads"_a = 0,
+            "(height, width) uint16 DN of a (height, width, 3 or 4) float32 or float16 "
+            "image.")
+        .def("signal", &signal_of, "rgb"_a, "threads"_a = 0,
              "(height, width) float32 before quantisation, 0..1 above black, not "
              "clamped.")
-        .def("expectation", &expectation_of, "rgb"_a,
+        .def("expectation", &expectation_of, "rgb"_a, "threads"_a = 0,
              "(mean, variance) of that signal, (height, width) float32 each.");
-    py::class_<Run>(m, "Run", "What one exposure is asked to be.")
-        .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
-             "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
-             "camera_input"_a, "as_shot"_a);
-    m.def("to_camera", &camera_of, "profile"_a, "rgb"_a, "illuminant"_a, "convention"_a,
-          "digital_gain"_a, "highlights"_a,
-          "(3, height, width) float32 camera RGB before the mosaic.");
+    m.def("to_camera", &camera_of, "transform"_a, "rgb"_a, "threads"_a = 0,
+          "(height, width, 3) float32 camera RGB of a scene-linear image.");
+    m.def("to_scene", &scene_of, "transform"_a, "camera"_a, "threads"_a = 0,
+          "(height, width, 3) float32 scene-linear Rec.709 of camera RGB: the way back "
+          "of the\ntransform, as the processor of a camera takes it.");
 }
 
 } // namespace cg2raw::python

@@ -3,9 +3,12 @@
 
 """cg2raw: the camera RAW file that a chosen sensor would have written of a CG image."""
 
+from cg2raw import oiio_plugin
 from cg2raw._core import (
     DngMetadata,
     Illuminant,
+    SensorProfile,
+    Simulation,
     __version__,
     effects,
     illuminant_grammar,
@@ -20,18 +23,25 @@ from cg2raw._core import (
     read_dng_metadata,
     temperature_from_xy,
 )
-from cg2raw.sensor import RawFrame, Sensor, write_dng
+from cg2raw.cfa import demosaic, mosaic
+from cg2raw.dng import write_dng
+from cg2raw.raw_frame import RawFrame
+from cg2raw.sensor import Sensor
 
 __all__ = [
     "DngMetadata",
     "Illuminant",
     "RawFrame",
     "Sensor",
+    "SensorProfile",
+    "Simulation",
     "__version__",
+    "demosaic",
     "effects",
     "illuminant_grammar",
     "illuminant_list",
     "installed_profiles",
+    "mosaic",
     "philox_words",
     "planckian_xy",
     "profile_folders",
@@ -42,3 +52,5 @@ __all__ = [
     "temperature_from_xy",
     "write_dng",
 ]
+
+oiio_plugin.register()

@@ -4,109 +4,143 @@
 """Sensor: a profile and what can be simulated with it."""
 
 import os
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cg2raw import _core
-
-
-class RawFrame(np.ndarray):
-    """(height, width) uint16 DN that remembers the simulation it came from.
-
-    DN may be altered before they are written: what keeps the shape keeps `simulation`.
-    A piece of another shape has none. write_dng refuses that, and flipped or transposed
-    views, whose CFA would be another."""
-
-    simulation = None
-
-    def __array_finalize__(self, source):
-        same = source is not None and source.shape == self.shape
-        self.simulation = getattr(source, "simulation", None) if same else None
+from cg2raw.arrays import FloatImage, RawImage, raw_plane, rgb_image, signal_plane
+from cg2raw.cfa import demosaic, mosaic
+from cg2raw.exposure import Light, illuminant_word, run_of
+from cg2raw.raw_frame import RawFrame
 
 
 class Sensor:
     """One camera sensor. It is not altered: a changed profile is another sensor.
 
     id_or_path : id of an installed profile, or the path of one (.json).
+
+    Its attributes are those of its SensorProfile, such as id, cfa, black_level and
+    white_level, and so are its methods illuminant, noise_at and to_json.
     Raises ValueError for an unknown id, listing those installed, or a bad profile.
     """
 
     __slots__ = ("_profile",)
+    _profile: _core.SensorProfile
 
-    def __init__(self, id_or_path):
+    # What __getattr__ finds in the profile, for type checkers.
+    id: str
+    make: str
+    model: str
+    unique_camera_model: str
+    cfa: str
+    width: int
+    height: int
+    bits: int
+    black_level: list[float]
+    white_level: int
+    neutrals: list[list[float]]
+    sources: list[tuple[str, str]]
+    calibrations: list[dict[str, Any]]
+    illuminants: dict[str, Any]
+    noise: list[dict[str, Any]]
+    effects: list[dict[str, Any]]
+    digital_gain: dict[str, float] | None
+
+    def __init__(self, id_or_path: str | os.PathLike[str]) -> None:
         self._profile = _core.load_profile(os.fspath(id_or_path))
 
     @classmethod
-    def from_json(cls, text, name="profile"):
-        """Return the sensor of a profile's JSON text; name stands in messages."""
-        sensor = cls.__new__(cls)
-        sensor._profile = _core.parse_profile(text, name)
-        return sensor
+    def from_json(cls, text: str, name: str = "profile") -> "Sensor":
+        """Return the sensor of a profile's JSON text; name stands in messages.
+
+        Raises ValueError naming field, value and bound."""
+        return cls._of(_core.parse_profile(text, name))
 
     @classmethod
-    def from_dng(cls, path):
-        """Return the sensor that one real DNG describes, by its metadata alone."""
-        sensor = cls.__new__(cls)
+    def from_dng(cls, path: str | os.PathLike[str]) -> "Sensor":
+        """Return the sensor that one real DNG describes, by its metadata alone.
+
+        Raises ValueError naming file, tag, value and bound."""
         metadata = _core.read_dng_metadata(os.fspath(path))
-        sensor._profile = _core.profile_from_dng(metadata)
+        return cls._of(_core.profile_from_dng(metadata))
+
+    @classmethod
+    def _of(cls, profile: _core.SensorProfile) -> "Sensor":
+        sensor = cls.__new__(cls)
+        sensor._profile = profile
         return sensor
 
-    def __reduce__(self):
+    def __reduce__(self) -> Any:
         return (Sensor.from_json, (self.to_json(), self.id))
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         if name == "_profile":
             raise AttributeError(name)
         return getattr(self._profile, name)
 
-    def __dir__(self):
+    def __dir__(self) -> list[str]:
         return [*super().__dir__(), *dir(self._profile)]
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Sensor({self.id!r})"
 
-    def simulate(self, rgb, *, threads=0, **run):
+    def simulate(self, rgb: ArrayLike, *, threads: int = 0, **run: Any) -> RawFrame:
         """Return the RAW frame that this sensor would have written of an image.
 
         rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709; alpha is ignored.
+            float32 is read in place where its channels lie together; float16 is
+            converted a few rows at a time; other floats are copied to float32.
         threads : 0 for one per core; the result does not depend on it.
         run : see `simulation`.
-        Returns (H, W) uint16 DN. Raises ValueError."""
-        rgb = _float_image(rgb)
-        simulation = self.simulation(rgb.shape[:2], **run)
-        frame = simulation.raw(rgb, threads=threads).view(RawFrame)
+
+        Returns (H, W) uint16 DN. Other Python threads run meanwhile.
+        Raises ValueError for other arrays and bad runs."""
+        image = rgb_image(rgb)
+        simulation = self.simulation(image.shape[:2], **run)
+        frame = simulation.raw(image, threads=threads).view(RawFrame)
         frame.simulation = simulation
         return frame
 
-    def signal(self, rgb, **run):
-        """Return (H, W) float32 before quantisation: 0..1 above black, not clamped."""
-        rgb = _float_image(rgb)
-        return self.simulation(rgb.shape[:2], **run).signal(rgb)
+    def signal(self, rgb: ArrayLike, *, threads: int = 0, **run: Any) -> FloatImage:
+        """Return (H, W) float32 before quantisation: 0..1 above black, not clamped.
 
-    def expectation(self, rgb, **run):
+        rgb, threads, run : see `simulate`. Raises ValueError."""
+        image = rgb_image(rgb)
+        return self.simulation(image.shape[:2], **run).signal(image, threads=threads)
+
+    def expectation(
+        self, rgb: ArrayLike, *, threads: int = 0, **run: Any
+    ) -> tuple[FloatImage, FloatImage]:
         """Return (mean, variance) of `signal` over frames, (H, W) float32 each.
 
+        rgb, threads, run : see `simulate`.
         variance : in the square of 0..1 above black; the rounding to DN, which `signal`
-        has not, adds 1/12 DN^2. 0 where the signal clips before its noise."""
-        rgb = _float_image(rgb)
-        return self.simulation(rgb.shape[:2], **run).expectation(rgb)
+        has not, adds 1/12 DN^2. 0 where the signal clips before its noise.
+
+        Raises ValueError."""
+        image = rgb_image(rgb)
+        simulation = self.simulation(image.shape[:2], **run)
+        return simulation.expectation(image, threads=threads)
 
     def simulation(
         self,
-        shape,
+        shape: Sequence[int],
         *,
-        illuminant,
-        iso=None,
-        noise="gaussian",
-        seed=0,
-        frame=0,
-        digital_gain=1.0,
-        convention="dng",
-        highlights=True,
-        effects=True,
-        camera_input=False,
-        as_shot=None,
-    ):
+        illuminant: Light,
+        iso: float | None = None,
+        noise: str = "gaussian",
+        seed: int = 0,
+        frame: int = 0,
+        digital_gain: float = 1.0,
+        convention: str = "dng",
+        highlights: bool = True,
+        effects: bool = True,
+        camera_input: bool = False,
+        as_shot: Sequence[float] | None = None,
+    ) -> _core.Simulation:
         """Return what decides every pixel of an exposure.
 
         shape : (H, W) of the image.
@@ -121,116 +155,170 @@ class Sensor:
         highlights : keep white white while white balance is undone.
         effects : False for neither the profile's effects nor noise.
         camera_input : the image already is camera RGB under this illuminant.
-        as_shot : (3,) neutral that the word as-shot stands for."""
-        word = _word(illuminant, self.id)
-        try:
-            run = _core.Run(
-                illuminant=word,
-                iso=iso,
-                noise=noise,
-                seed=seed,
-                frame=frame,
-                digital_gain=digital_gain,
-                convention=convention,
-                highlights=highlights,
-                effects=effects,
-                camera_input=camera_input,
-                as_shot=as_shot,
-            )
-        except TypeError:
-            raise ValueError(
-                f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers, seed "
-                f"{seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
-                f"noise {noise!r} and convention {convention!r} texts, highlights "
-                f"{highlights!r}, effects {effects!r} and camera_input "
-                f"{camera_input!r} True or False, and as_shot {as_shot!r} three numbers"
-            ) from None
-        return _core.Simulation(self._profile, tuple(shape), run)
+        as_shot : (3,) neutral that the word as-shot stands for.
+
+        Raises ValueError naming what is wrong and what is allowed."""
+        run = run_of(
+            illuminant=illuminant_word(illuminant, self.id),
+            iso=iso,
+            noise=noise,
+            seed=seed,
+            frame=frame,
+            digital_gain=digital_gain,
+            convention=convention,
+            highlights=highlights,
+            effects=effects,
+            camera_input=camera_input,
+            as_shot=as_shot,
+        )
+        height, width = shape
+        return _core.Simulation(self._profile, (height, width), run)
 
     def to_camera(
-        self, rgb, *, illuminant, convention="dng", digital_gain=1.0, highlights=True
-    ):
-        """Return (H, W, 3) float32 camera RGB before the mosaic; arguments as above."""
-        light = self.illuminant(_word(illuminant, self.id))
-        rgb = _float_image(rgb)
-        planes = _core.to_camera(
-            self._profile, rgb, light, convention, digital_gain, highlights
+        self,
+        rgb: ArrayLike,
+        *,
+        illuminant: Light,
+        convention: str = "dng",
+        digital_gain: float = 1.0,
+        highlights: bool = True,
+        threads: int = 0,
+    ) -> FloatImage:
+        """Return (H, W, 3) float32 camera RGB before the mosaic, white at 1.
+
+        rgb : (H, W, 3 or 4) float, scene-linear Rec.709; other arguments as of
+        `simulation`. Raises ValueError."""
+        transform = self._transform(illuminant, convention, digital_gain, highlights)
+        return _core.to_camera(transform, rgb_image(rgb), threads=threads)
+
+    def to_scene(
+        self,
+        camera: ArrayLike,
+        *,
+        illuminant: Light,
+        convention: str = "dng",
+        digital_gain: float = 1.0,
+        threads: int = 0,
+    ) -> FloatImage:
+        """Return (H, W, 3) float32 scene-linear Rec.709 of camera RGB.
+
+        camera : (H, W, 3 or 4) float camera RGB, white at 1, such as to_camera and
+            demosaic return; other arguments as of `simulation`.
+
+        As the processor of a camera does it: white balance, clip at white, colour
+        matrix. Undoes to_camera, but for what clipped and for highlights that were kept
+        white: those come out as white. Colours outside Rec.709 have negative values.
+        Raises ValueError. Source: DNG specification 1.7.1, chapter 6."""
+        transform = self._transform(illuminant, convention, digital_gain, False)
+        image = rgb_image(camera, "camera RGB, white at 1")
+        return _core.to_scene(transform, image, threads=threads)
+
+    def _transform(
+        self, light: Light, convention: str, digital_gain: float, highlights: bool
+    ) -> _core.CameraTransform:
+        seen = self._profile.illuminant(illuminant_word(light, self.id))
+        return _core.camera_from_scene(
+            self._profile, seen, convention, digital_gain, highlights
         )
-        return np.moveaxis(planes, 0, -1)
 
+    def mosaic(self, camera: ArrayLike, *, threads: int = 0) -> FloatImage:
+        """Return the (H, W) float32 mosaic of (H, W, 3 or 4) camera RGB by this CFA."""
+        return mosaic(camera, self.cfa, threads=threads)
 
-def _word(illuminant, sensor):
-    """Return the word of the grammar that names an illuminant, exactly."""
-    if isinstance(illuminant, str):
-        return illuminant
-    if not isinstance(illuminant, _core.Illuminant):
-        raise ValueError(
-            f"illuminant {illuminant!r} must be one word or an Illuminant; the words: "
-            f"{_core.illuminant_grammar}"
+    def demosaic(self, signal: ArrayLike, *, threads: int = 0) -> FloatImage:
+        """Return (H, W, 3) float32 camera RGB of an (H, W) mosaic; see cg2raw.demosaic.
+
+        signal : float, 0..1 above black; signal_from_raw makes it of DN."""
+        return demosaic(signal, self.cfa, threads=threads)
+
+    def signal_from_raw(self, raw: ArrayLike) -> FloatImage:
+        """Return (H, W) float32 (DN - black) / (white - black), per CFA site.
+
+        raw : (H, W) uint16 DN. Negative below black. Raises ValueError."""
+        return _core.signal_from_raw(self._profile, raw_plane(raw))
+
+    def raw_from_signal(self, signal: ArrayLike) -> RawImage:
+        """Return (H, W) uint16 DN of a signal, 0..1 above black, clamped to 0 .. white.
+
+        signal : (H, W) float. Rounds half up. Raises ValueError."""
+        return _core.raw_from_signal(self._profile, signal_plane(signal))
+
+    def add_noise(
+        self,
+        signal: ArrayLike,
+        *,
+        iso: float,
+        noise: str = "gaussian",
+        seed: int = 0,
+        frame: int = 0,
+        threads: int = 0,
+    ) -> FloatImage:
+        """Return a clean (H, W) mosaic with the sensor's noise, float32, not clamped.
+
+        signal : (H, W) float, 0..1 above black, finite; a site of 0.99999 and above is
+            clipped and stays as it is.
+        iso, noise, seed, frame : as of `simulation`; it is the noise that the same run
+            of `signal` has. None of the profile's effects are applied.
+
+        Raises ValueError, also if the profile has no noise at that ISO."""
+        run = run_of(illuminant="D65", iso=iso, noise=noise, seed=seed, frame=frame)
+        plane = signal_plane(signal)
+        return _core.add_noise(self._profile, plane, run, threads=threads)
+
+    def apply_effect(
+        self,
+        image: ArrayLike,
+        name: str,
+        parameters: Mapping[str, float],
+        *,
+        seed: int = 0,
+        frame: int = 0,
+        threads: int = 0,
+    ) -> FloatImage:
+        """Return an image with one effect of optics, sensor or read-out, float32.
+
+        image : (H, W, 3 or 4) float camera RGB for an effect of stage optics; for all
+            others an (H, W) mosaic, 0..1 above black. The whole active area, finite.
+        name, parameters : of cg2raw.effects(); every parameter is given.
+        seed, frame : of what is temporal; a fixed pattern belongs to the sensor.
+
+        Raises ValueError naming effect, parameter, value and bounds."""
+        run = run_of(illuminant="D65", seed=seed, frame=frame)
+        result = _core.apply_effect(
+            self._profile, _planes(image), name, dict(parameters), run, threads=threads
         )
-    if illuminant.sensor != sensor:
-        raise ValueError(
-            f"{illuminant!r} is as {illuminant.sensor} sees it, not {sensor}: give the "
-            f"word {illuminant.spec!r}, or the illuminant of {sensor}"
+        return _pixels(result)
+
+    def expect_effect(
+        self,
+        image: ArrayLike,
+        name: str,
+        parameters: Mapping[str, float],
+        *,
+        threads: int = 0,
+    ) -> tuple[FloatImage, FloatImage]:
+        """Return (mean, variance) of apply_effect over frames, float32.
+
+        mean : of the image's shape; variance : (H, W), in the square of 0..1 above
+        black, and 0 for an effect of stage optics, which has none.
+        Arguments and errors as of apply_effect."""
+        run = run_of(illuminant="D65")
+        mean, variance = _core.expect_effect(
+            self._profile, _planes(image), name, dict(parameters), run, threads=threads
         )
-    red, _, blue = illuminant.neutral
-    return f"neutral:{red!r}:{blue!r}"
+        return _pixels(mean), variance
 
 
-def _float_image(rgb):
-    """Return an (H, W, 3 or 4) image as float32; integers are no scene-linear light."""
-    try:
-        rgb = np.asarray(rgb)
-    except ValueError as error:
-        raise ValueError(f"rgb is no image: {error}") from None
-    if rgb.ndim != 3 or rgb.shape[2] not in (3, 4):
-        raise ValueError(
-            f"rgb must have the shape (H, W, 3) or (H, W, 4), not {rgb.shape}"
-        )
-    if not np.issubdtype(rgb.dtype, np.floating):
-        raise ValueError(
-            f"rgb must be floating point, scene-linear Rec.709, not {rgb.dtype}: scale "
-            "integers to 0..1 and linearise them first"
-        )
-    return rgb.astype(np.float32, copy=False)
+def _planes(image: ArrayLike) -> FloatImage:
+    """Return a mosaic as it is, camera RGB as (3, H, W)."""
+    if np.ndim(image) != 3:
+        return signal_plane(image, "image")
+    rgb = rgb_image(image, "camera RGB")[..., :3]
+    return np.ascontiguousarray(np.moveaxis(rgb, -1, 0), np.float32)
 
 
-def write_dng(
-    path,
-    raw,
-    *,
-    compression="ljpeg",
-    preview=True,
-    matrices="camera",
-    tone_curve="camera",
-    threads=0,
-):
-    """Write a simulated frame as a DNG, complete or not at all.
-
-    raw : RawFrame, as Sensor.simulate returns it.
-    compression : "ljpeg" (lossless JPEG) or "none".
-    preview : whether IFD0 holds a rendered picture.
-    matrices : "camera" (the sensor's) or "exact" (every reader gives the render back).
-    tone_curve : "camera" (the reader's own) or "linear".
-    Raises ValueError naming path and reason."""
-    simulation = getattr(raw, "simulation", None)
-    if simulation is None:
-        raise ValueError("raw must be a frame as Sensor.simulate returns it")
-    if not raw.flags.c_contiguous:
-        raise ValueError(
-            "raw is a flipped or transposed view: its CFA would be another"
-        )
-    if raw.dtype != np.uint16:
-        raise ValueError(f"raw must stay uint16 DN, not {raw.dtype}")
-    if "\0" in os.fspath(path):
-        raise ValueError(f"path {path!r} holds a NUL character")
-    _core.write_dng(
-        os.fspath(path),
-        raw,
-        simulation,
-        compression,
-        preview,
-        matrices,
-        tone_curve,
-        threads,
+def _pixels(planes: FloatImage) -> FloatImage:
+    """Undo _planes."""
+    return (
+        np.ascontiguousarray(np.moveaxis(planes, 0, -1)) if planes.ndim == 3 else planes
     )

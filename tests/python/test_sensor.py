@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+import rawpy
 
 import cg2raw
 
@@ -102,3 +103,57 @@ def test_a_frame_remembers_its_simulation_while_its_cfa_holds(sensor, tmp_path):
     with pytest.raises(ValueError, match="NUL"):
         cg2raw.write_dng(str(tmp_path / "a\0b.dng"), raw)
     assert [path.name for path in tmp_path.iterdir()] == ["shot.dng"]
+
+
+def plain_frame(sensor, shape=(48, 64), **run):
+    """DN that remember nothing."""
+    image = np.random.default_rng(3).uniform(0, 1, (*shape, 3))
+    return np.array(sensor.simulate(image, illuminant="3200K", **run))
+
+
+def test_a_plain_array_is_written_as_a_frame_would_be(sensor, tmp_path):
+    image = np.random.default_rng(3).uniform(0, 1, (48, 64, 3))
+    frame = sensor.simulate(image, illuminant="3200K", iso=800)
+    cg2raw.write_dng(tmp_path / "frame.dng", frame)
+    light = sensor.illuminant("3200K")
+    for illuminant in ("3200K", light):
+        plain = {"sensor": sensor, "illuminant": illuminant, "iso": 800}
+        cg2raw.write_dng(tmp_path / "plain.dng", np.array(frame), **plain)
+        told = [
+            cg2raw.read_dng_metadata(str(tmp_path / n))
+            for n in ("frame.dng", "plain.dng")
+        ]
+        for field in ("as_shot_neutral", "noise_profile", "cfa", "black_level", "shot"):
+            assert getattr(told[0], field) == getattr(told[1], field), field
+    assert told[1].shot["iso"] == 800 and told[1].noise_profile
+    with rawpy.imread(str(tmp_path / "plain.dng")) as read:
+        np.testing.assert_array_equal(read.raw_image_visible, frame)
+
+
+def test_effects_of_a_plain_array_are_said_or_not(tmp_path):
+    gopro = cg2raw.Sensor("gopro-hero6-black")
+    raw, path = plain_frame(gopro), tmp_path / "shot.dng"
+    for effects in (True, False):
+        how = {"sensor": gopro, "illuminant": "D50", "effects": effects}
+        cg2raw.write_dng(path, raw, **how)
+        assert bool(cg2raw.read_dng_metadata(str(path)).gain_maps) == effects
+
+
+def test_a_plain_array_needs_sensor_and_light_and_dn(sensor, tmp_path):
+    raw, path = plain_frame(sensor), tmp_path / "no.dng"
+    both = {"sensor": sensor, "illuminant": "A"}
+    for bad, how, reason in (
+        (raw, {}, "sensor and illuminant"),
+        (raw, {"sensor": sensor}, "needs an illuminant"),
+        (raw, {"illuminant": "A"}, "its sensor"),
+        (raw, {"iso": 100}, "its sensor"),
+        (raw.astype(np.int32), both, "uint16"),
+        (raw[0], both, "uint16"),
+        (raw + np.uint16(60000), both, "white level"),
+        (raw, {**both, "illuminant": "E"}, "illuminant"),
+        (raw, {**both, "iso": 1e6}, "iso|ISO"),
+        (raw[:1], both, "height"),
+    ):
+        with pytest.raises(ValueError, match=reason):
+            cg2raw.write_dng(path, bad, **how)
+        assert list(tmp_path.iterdir()) == []

@@ -83,6 +83,18 @@ private:
     std::unique_ptr<const State> m_state;
 };
 
+/// Rows first ... first + count - 1 of a scene as float, wherever they lie: seen in
+/// place, or converted in @p room.
+using SceneRows
+    = std::function<RgbView(int first, int count, std::vector<float>& room)>;
+/// Calls work for strips of rows that together are all of them.
+void each_strip(int height, const ParallelFor& parallel,
+                const std::function<void(int first, int count)>& work);
+/// The same for the pixels of a scene; the sum of what was not finite.
+Illegal
+each_strip(const SceneRows& rows, Size size, const ParallelFor& parallel,
+           const std::function<void(const RgbView&, int first, Illegal&)>& work);
+
 /// A mosaic of DN and its size.
 struct RawFrame {
     int width, height;
@@ -93,5 +105,32 @@ struct RawFrame {
 /// The whole frame. Same bytes for any ParallelFor.
 RawFrame simulate(const RgbView& scene, const Simulation& simulation,
                   const ParallelFor& parallel);
+RawFrame simulate(const SceneRows& rows, const Simulation& simulation,
+                  const ParallelFor& parallel);
+
+/// Adds the noise of the run's ISO, and nothing else, to a clean mosaic in place, drawn
+/// as in a simulation of the same run. @p signal is the whole active area, 0..1 above
+/// black. Throws Error without an ISO, and for pixels that are not finite.
+void add_noise(const SensorProfile& profile, const Run& run, const Plane<float>& signal,
+               const ParallelFor& parallel);
+
+/// One effect, and nothing else, in place on the whole active area: @p planes are the
+/// three of camera RGB for an effect of the optics, else the one mosaic, 0..1 above
+/// black. What is random has the key of the run and the profile. Throws Error.
+void apply_effect(const SensorProfile& profile, const EffectSetting& setting,
+                  const Run& run, const std::vector<Plane<float>>& planes,
+                  const ParallelFor& parallel);
+/// What it is predicted to do: the planes become the mean; @p variance, over frames and
+/// of the mosaic, is 0 for an effect of the optics.
+void expect_effect(const SensorProfile& profile, const EffectSetting& setting,
+                   const Run& run, const std::vector<Plane<float>>& planes,
+                   const Plane<float>& variance, const ParallelFor& parallel);
+
+/// DN = round(signal (white - black) + black), clamped to 0 ... white, per CFA site.
+void raw_from_signal(const SensorProfile& profile, const Plane<const float>& signal,
+                     const Plane<std::uint16_t>& raw);
+/// (DN - black) / (white - black), per CFA site; below black it is negative.
+void signal_from_raw(const SensorProfile& profile,
+                     const Plane<const std::uint16_t>& raw, const Plane<float>& signal);
 
 } // namespace cg2raw

@@ -32,6 +32,19 @@ CameraTransform camera_from_scene(const SensorProfile& profile,
                                   double digital_gain = 1.0,
                                   bool keep_highlights = true);
 
+/// Camera RGB -> scene-linear Rec.709, as the processor of a camera does it: white
+/// balance, clip at white, colour matrix. scene = second clip(first clip(camera /
+/// gains)), not clipped. The inverse of the transform it is made of, but for what
+/// clipped and for highlights that were kept white: those come out no brighter than 1.
+struct SceneTransform {
+    std::array<double, 3> gains;
+    Mat3 first; ///< dng: identity; paper: XYZ from balanced camera
+    bool two_steps; ///< paper: clip to 0..1 between the two products
+    Mat3 second; ///< dng: sRGB from balanced camera; paper: sRGB from XYZ
+};
+/// Throws Error for a transform that has no inverse.
+SceneTransform scene_from_camera(const CameraTransform& camera_from_scene);
+
 /// Linear sRGB from balanced camera RGB (white = 1, 1, 1), for pictures of a RAW.
 Mat3 srgb_from_balanced(const SensorProfile& profile, const Illuminant& illuminant);
 
@@ -55,7 +68,11 @@ struct Illegal {
 void to_camera(const CameraTransform& transform, const float* scene,
                std::ptrdiff_t pixel_stride, int width, float* const camera[3],
                Illegal& illegal);
-/// The same for pixels that already are camera RGB: they are only made legal.
+/// The way back: one row of camera RGB -> three planes of scene-linear Rec.709.
+void to_scene(const SceneTransform& transform, const float* camera,
+              std::ptrdiff_t pixel_stride, int width, float* const scene[3],
+              Illegal& illegal);
+/// to_camera() for pixels that already are camera RGB: they are only made legal.
 void copy_camera(const float* scene, std::ptrdiff_t pixel_stride, int width,
                  float* const camera[3], Illegal& illegal);
 

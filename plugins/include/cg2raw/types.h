@@ -6,6 +6,7 @@
 
 #include <cassert>
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 
 namespace cg2raw {
@@ -36,6 +37,12 @@ template <class T> struct Plane {
         assert(r >= 0 && r < height);
         return data + r * pitch;
     }
+    /// View of rows first ... first + count - 1.
+    Plane rows(int first, int count) const
+    {
+        assert(first >= 0 && count >= 0 && first + count <= height);
+        return { data + first * pitch, width, count, pitch };
+    }
     T& operator()(Site at) const
     {
         assert(at.col >= 0 && at.col < width);
@@ -52,5 +59,8 @@ struct RgbView {
 
     const float* row(int r) const { return data + r * row_stride; }
 };
+
+/// Floats of @p count half-precision numbers (IEEE 754 binary16, as their bits); exact.
+void float_from_half(const std::uint16_t* half, int count, float* out);
 
 } // namespace cg2raw

@@ -31,7 +31,7 @@ def asked_illuminants(words):
 
 def refuse_twice(option, words):
     """Raise ValueError for a word that is there twice, but for upper and lower case."""
-    seen = {}
+    seen: dict[str, str] = {}
     for word in words:
         if word.lower() in seen:
             raise ValueError(

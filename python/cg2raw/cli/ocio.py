@@ -228,7 +228,7 @@ def make_exports(arguments, profile, illuminant, exposure):
     from cg2raw_ocio import export
 
     pair = (profile, illuminant, exposure)
-    made = []
+    made: list[tuple] = []
     if arguments.ctf:
         made.append((arguments.ctf, export.ctf(*pair), None))
     if arguments.clf:

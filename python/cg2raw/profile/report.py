@@ -58,8 +58,8 @@ def missing(facts):
 def as_text(found):
     """Return the report for people."""
     lights = found["illuminants"]
-    black = sorted(set(found["black_level"]))
-    black = f"{black[0]:g}" + (f" to {black[-1]:g}" if len(black) > 1 else "")
+    levels = sorted(set(found["black_level"]))
+    black = f"{levels[0]:g}" + (f" to {levels[-1]:g}" if len(levels) > 1 else "")
     lines = [
         ("camera", f"{found['camera']}, id {found['id']}"),
         ("files", files_words(found)),

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Single stages of the pipeline on a signal that is already there.
+#include "cg2raw/pipeline.h"
+
+#include "digitise.h"
+#include "stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+void check_finite(const Plane<float>& plane)
+{
+    for (int row = 0; row < plane.height; ++row) {
+        const float* const first = plane.row(row);
+        const float* const last = first + plane.width;
+        const float* const bad
+            = std::find_if(first, last, [](float x) { return !std::isfinite(x); });
+        if (bad != last)
+            throw Error("signal at row " + std::to_string(row) + ", col "
+                        + std::to_string(bad - first)
+                        + " is not finite: replace NaN and infinities first");
+    }
+}
+
+/// All stages of the mosaic, in place; the variance is kept where @p variance is given.
+void pass(const Stages& stages, Purpose purpose, const Plane<float>& signal,
+          const Plane<float>* variance, const ParallelFor& parallel)
+{
+    const Size frame { signal.width, signal.height };
+    each_strip(signal.height, parallel, [&](int first, int count) {
+        Band band(signal.width);
+        for (int row = first; row < first + count; row += band_rows) {
+            const int rows = std::min(band_rows, first + count - row);
+            band.resize(signal.width, rows);
+            stages.on_mosaic(signal.rows(row, rows),
+                             variance ? variance->rows(row, rows) : band.variance,
+                             band.noise, { row, 0 }, frame, purpose);
+        }
+    });
+}
+
+Stages stages_of(const SensorProfile& profile, const EffectSetting& setting, Run run)
+{
+    SensorProfile only = profile;
+    only.effects = { setting };
+    run.iso.reset();
+    run.effects = true;
+    return { only, run, active_effects(only, run, std::nullopt) };
+}
+
+void work_on(const Stages& stages, Purpose purpose,
+             const std::vector<Plane<float>>& planes, const Plane<float>* variance,
+             const ParallelFor& parallel)
+{
+    const Effect& effect = *stages.active.front().effect;
+    const std::size_t wanted = effect.stage == Stage::optics ? 3 : 1;
+    if (planes.size() != wanted)
+        throw Error(
+            "effect " + effect.name + " is of stage " + name_of(effect.stage)
+            + " and works on "
+            + (wanted == 3 ? "camera RGB, three planes" : "the mosaic, one plane"));
+    for (const Plane<float>& plane : planes)
+        check_finite(plane);
+    if (wanted == 1)
+        pass(stages, purpose, planes[0], variance, parallel);
+    else
+        stages.on_camera({ planes[0], planes[1], planes[2] }, { 0, 0 },
+                         { planes[0].width, planes[0].height }, purpose);
+}
+
+} // namespace
+
+void add_noise(const SensorProfile& profile, const Run& run, const Plane<float>& signal,
+               const ParallelFor& parallel)
+{
+    if (!run.iso)
+        throw Error("noise needs an iso: give one of sensor " + profile.id);
+    SensorProfile noisy = profile;
+    noisy.effects.clear();
+    Run with_effects = run;
+    with_effects.effects = true;
+    const Stages stages { noisy, with_effects,
+                          active_effects(noisy, with_effects,
+                                         noise_of(noisy, with_effects)) };
+    check_finite(signal);
+    pass(stages, Purpose::drawing, signal, nullptr, parallel);
+}
+
+void apply_effect(const SensorProfile& profile, const EffectSetting& setting,
+                  const Run& run, const std::vector<Plane<float>>& planes,
+                  const ParallelFor& parallel)
+{
+    work_on(stages_of(profile, setting, run), Purpose::drawing, planes, nullptr,
+            parallel);
+}
+
+void expect_effect(const SensorProfile& profile, const EffectSetting& setting,
+                   const Run& run, const std::vector<Plane<float>>& planes,
+                   const Plane<float>& variance, const ParallelFor& parallel)
+{
+    for (int row = 0; row < variance.height; ++row)
+        std::fill_n(variance.row(row), variance.width, 0.0f);
+    work_on(stages_of(profile, setting, run), Purpose::prediction, planes, &variance,
+            parallel);
+}
+
+void raw_from_signal(const SensorProfile& profile, const Plane<const float>& signal,
+                     const Plane<std::uint16_t>& raw)
+{
+    const Levels levels = levels_of(profile);
+    for (int row = 0; row < signal.height; ++row)
+        digitise(signal.row(row), levels, { row, 0 }, signal.width, raw.row(row));
+}
+
+void signal_from_raw(const SensorProfile& profile,
+                     const Plane<const std::uint16_t>& raw, const Plane<float>& signal)
+{
+    const Levels levels = levels_of(profile);
+    for (int row = 0; row < raw.height; ++row)
+        undo_digitise(raw.row(row), levels, { row, 0 }, raw.width, signal.row(row));
+}
+
+} // namespace cg2raw

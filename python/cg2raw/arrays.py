@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""What arrays the API takes: shapes, types, and what is converted on the way in."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatImage = NDArray[np.float32]
+RawImage = NDArray[np.uint16]
+
+
+def rgb_image(rgb: ArrayLike, what: str = "scene-linear Rec.709") -> NDArray[Any]:
+    """Return an (H, W, 3 or 4) image as float32 or float16, the two that need no copy.
+
+    Other floats become float32. Raises ValueError for other shapes and for integers,
+    which are no linear light."""
+    image = _floating(rgb, "rgb", what)
+    if image.ndim != 3 or image.shape[2] not in (3, 4):
+        raise ValueError(
+            f"rgb must have the shape (H, W, 3) or (H, W, 4), not {image.shape}"
+        )
+    keep = image.dtype in (np.float32, np.float16) and image.dtype.isnative
+    return image if keep else image.astype(np.float32)
+
+
+def signal_plane(signal: ArrayLike, name: str = "signal") -> FloatImage:
+    """Return an (H, W) mosaic, 0..1 above black, as float32. Raises ValueError."""
+    plane = _floating(signal, name, "0..1 above black")
+    if plane.ndim != 2:
+        raise ValueError(f"{name} must have the shape (H, W), not {plane.shape}")
+    return plane.astype(np.float32, copy=False)
+
+
+def raw_plane(raw: ArrayLike) -> RawImage:
+    """Return an (H, W) array of uint16 DN. Raises ValueError for all else."""
+    plane = np.asarray(raw)
+    if plane.ndim != 2 or plane.dtype != np.uint16:
+        raise ValueError(
+            f"raw must be (H, W) uint16 DN, not {plane.shape} {plane.dtype}"
+        )
+    return np.ascontiguousarray(plane)
+
+
+def _floating(image: ArrayLike, name: str, what: str) -> NDArray[Any]:
+    try:
+        array = np.asarray(image)
+    except ValueError as error:
+        raise ValueError(f"{name} is no image: {error}") from None
+    if not np.issubdtype(array.dtype, np.floating):
+        raise ValueError(
+            f"{name} must be floating point, {what}, not {array.dtype}: scale integers "
+            "to 0..1 and linearise them first"
+        )
+    return array

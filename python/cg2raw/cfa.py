@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Camera RGB to a mosaic of any colour filter array, and back."""
+
+from numpy.typing import ArrayLike
+
+from cg2raw import _core
+from cg2raw.arrays import FloatImage, rgb_image, signal_plane
+
+
+def mosaic(camera: ArrayLike, cfa: str, *, threads: int = 0) -> FloatImage:
+    """Return the (H, W) float32 mosaic of camera RGB: one of three values per site.
+
+    camera : (H, W, 3) or (H, W, 4) float; NaN becomes 0.
+    cfa : "RGGB", "GRBG", "GBRG", "BGGR", or the 16 or 36 letters of a larger repeat;
+        its first letter is the filter of row 0, column 0.
+
+    Raises ValueError."""
+    return _core.mosaic(rgb_image(camera, "camera RGB"), cfa, threads=threads)
+
+
+def demosaic(signal: ArrayLike, cfa: str, *, threads: int = 0) -> FloatImage:
+    """Return (H, W, 3) float32 camera RGB of a mosaic: what sites lack, interpolated.
+
+    signal : (H, W) float, at least one repeat of the CFA.
+    cfa : as of `mosaic`; any pattern, X-Trans too.
+
+    Normalised convolution with a tent, which is bilinear interpolation for Bayer
+    patterns; a constant mosaic stays constant to its edges. What was measured stays.
+    Raises ValueError. Source: Knutsson and Westin, CVPR 1993."""
+    return _core.demosaic(signal_plane(signal), cfa, threads=threads)

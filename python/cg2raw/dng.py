@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""A mosaic of DN becomes a DNG."""
+
+import os
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw import _core
+from cg2raw.arrays import raw_plane
+from cg2raw.sensor import Sensor
+
+
+def write_dng(
+    path: str | os.PathLike[str],
+    raw: NDArray[np.uint16],
+    *,
+    sensor: Sensor | None = None,
+    illuminant: str | _core.Illuminant | None = None,
+    iso: float | None = None,
+    effects: bool = True,
+    compression: str = "ljpeg",
+    preview: bool = True,
+    matrices: str = "camera",
+    tone_curve: str = "camera",
+    threads: int = 0,
+) -> None:
+    """Write a mosaic as a DNG, complete or not at all.
+
+    path : of the file; one that is there is replaced.
+    raw : RawFrame, as Sensor.simulate returns it; or any (H, W) uint16 DN together with
+        a sensor and an illuminant. Row 0, column 0 is the first site of the CFA.
+    sensor, illuminant : what a plain array was taken by and under; an illuminant as for
+        Sensor.simulate.
+    iso : Exif's ISO of a plain array, with the sensor's NoiseProfile at it; None for
+        neither.
+    effects : False if a plain array has none of the effects of the sensor's profile: no
+        GainMap to undo a lens shading that is not there, and no NoiseProfile.
+    compression : "ljpeg" (lossless JPEG) or "none".
+    preview : whether IFD0 holds a rendered picture.
+    matrices : "camera" (the sensor's) or "exact" (every reader gives the render back).
+    tone_curve : "camera" (the reader's own) or "linear".
+    threads : 0 for one per core; the bytes do not depend on it.
+
+    Raises ValueError naming path and reason; DN above the sensor's white level are one.
+    Source: DNG specification 1.7.1."""
+    simulation = _simulation_of(raw, sensor, illuminant, iso, effects)
+    name = os.fspath(path)
+    if "\0" in name:
+        raise ValueError(f"path {name!r} holds a NUL character")
+    _core.write_dng(
+        name, raw_plane(raw), simulation, compression, preview, matrices, tone_curve,
+        threads,
+    )  # fmt: skip
+
+
+def _simulation_of(
+    raw: NDArray[Any],
+    sensor: Sensor | None,
+    illuminant: str | _core.Illuminant | None,
+    iso: float | None,
+    effects: bool,
+) -> _core.Simulation:
+    """Return what the file says of its pixels."""
+    if sensor is not None:
+        if illuminant is None:
+            raise ValueError("a sensor needs an illuminant: give the light, or neither")
+        return sensor.simulation(
+            raw_plane(raw).shape, illuminant=illuminant, iso=iso, effects=effects
+        )
+    if illuminant is not None or iso is not None or not effects:
+        raise ValueError(
+            "illuminant, iso and effects are for a plain array and its sensor"
+        )
+    simulation = getattr(raw, "simulation", None)
+    if simulation is None:
+        raise ValueError(
+            "raw must be a frame as Sensor.simulate returns it; for any other array "
+            "give sensor and illuminant too"
+        )
+    if not raw.flags.c_contiguous:
+        raise ValueError(
+            "raw is a flipped or transposed view: its CFA would be another"
+        )
+    if raw.dtype != np.uint16:
+        raise ValueError(f"raw must stay uint16 DN, not {raw.dtype}")
+    return simulation

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""pipeline.h: noise, one effect, and DN, on a signal that is already there."""
+
+import cg2raw
+import numpy as np
+import pytest
+
+from oracles import cameras
+
+EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
+SENSOR = "canon-5d-mark-iv"
+
+
+@pytest.fixture(scope="module")
+def sensor():
+    return cg2raw.Sensor(SENSOR)
+
+
+@pytest.fixture(scope="module")
+def camera():
+    """Camera RGB with some clipped sites."""
+    return np.random.default_rng(7).uniform(0, 1.1, (150, 131, 3)).astype(np.float32)
+
+
+@pytest.mark.parametrize("noise", ["gaussian", "physical"])
+def test_noise_is_that_of_the_simulation(sensor, camera, noise):
+    """None of its own: the profile here has no other effects."""
+    assert sensor.effects == []
+    key = {"iso": 1600, "noise": noise, "seed": 3, "frame": 4}
+    expected = sensor.signal(camera, illuminant="A", camera_input=True, **key)
+    clean = sensor.mosaic(camera)
+    before = clean.copy()
+    np.testing.assert_array_equal(sensor.add_noise(clean, **key), expected)
+    np.testing.assert_array_equal(clean, before)
+    assert (expected != clean).mean() > 0.8
+    one, many = (sensor.add_noise(clean, threads=n, **key) for n in (1, 4))
+    np.testing.assert_array_equal(one, many)
+
+
+def test_noise_has_the_variance_of_the_profile(sensor):
+    level, at = 0.3, sensor.noise_at(800)
+    clean = np.full((1000, 1000), level, np.float32)
+    drawn = sensor.add_noise(clean, iso=800)
+    for site in range(4):
+        pixels = drawn[site // 2 :: 2, site % 2 :: 2].astype(float)
+        variance = at["beta1"][site] * level + at["beta2"][site]
+        sigma = np.sqrt(2 / pixels.size)
+        assert pixels.var() / variance == pytest.approx(1, abs=5 * sigma)
+        assert pixels.mean() == pytest.approx(level, abs=5 * np.sqrt(variance) / 500)
+
+
+def test_noise_alone_leaves_the_profiles_effects_out():
+    shading = {"r2": -0.5, "r4": 0.0, "r6": 0.0, "tilt_x": 0.0, "tilt_y": 0.0}
+    noise = [{"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 4}]
+    plain = cameras.profile_text(noise=noise)
+    effects = [{"name": "lens_shading", "parameters": shading}]
+    shaded = cameras.profile_text(noise=noise, effects=effects)
+    clean = np.full((64, 64), 0.5, np.float32)
+    drawn = [
+        cg2raw.Sensor.from_json(t).add_noise(clean, iso=100) for t in (plain, shaded)
+    ]
+    np.testing.assert_array_equal(*drawn)
+
+
+def strong(name):
+    """Every parameter a tenth of the way from null to a bound."""
+
+    def tenth(p):
+        bound = p["max"] if p["max"] != p["null"] else p["min"]
+        return p["null"] + 0.1 * (bound - p["null"])
+
+    return {p["name"]: tenth(p) for p in EFFECTS[name]["parameters"]}
+
+
+def given_to(name, camera):
+    """What an effect works on: camera RGB or a mosaic."""
+    optics = EFFECTS[name]["stage"] == "optics"
+    return camera if optics else cg2raw.mosaic(camera, "RGGB")
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_effect_is_that_of_a_profile_that_lists_it(name, camera):
+    parameters = strong(name)
+    effects = [{"name": name, "parameters": parameters}]
+    listing = cg2raw.Sensor.from_json(cameras.profile_text(effects=effects))
+    without = cg2raw.Sensor.from_json(cameras.profile_text())
+    how = {"illuminant": "A", "camera_input": True}
+    image = given_to(name, camera)
+    seen = without.apply_effect(image, name, parameters, seed=5, frame=6)
+    mean, variance = without.expect_effect(image, name, parameters)
+    if image.ndim == 3:
+        seen, mean = without.mosaic(seen), without.mosaic(mean)
+    expected = listing.signal(camera, seed=5, frame=6, **how)
+    np.testing.assert_array_equal(seen, expected)
+    means, variances = listing.expectation(camera, **how)
+    np.testing.assert_array_equal(mean, means)
+    np.testing.assert_array_equal(variance, variances)
+    assert seen.dtype == mean.dtype == variance.dtype == np.float32
+    assert (seen != without.mosaic(camera)).any()
+
+
+def test_an_effect_says_what_it_works_on(sensor, camera):
+    flat = np.full((8, 8), 0.5, np.float32)
+    with pytest.raises(ValueError, match="lens_shading is of stage optics"):
+        sensor.apply_effect(flat, "lens_shading", strong("lens_shading"))
+    with pytest.raises(ValueError, match="row_noise is of stage readout"):
+        sensor.expect_effect(camera, "row_noise", {"sigma": 0.1})
+    with pytest.raises(ValueError, match="sigma 2 is outside 0 to 1"):
+        sensor.apply_effect(flat, "row_noise", {"sigma": 2.0})
+    with pytest.raises(ValueError, match="unknown; known: "):
+        sensor.apply_effect(flat, "dust", {})
+
+
+def test_a_signal_that_is_not_finite_is_told_where(sensor):
+    bad = np.full((8, 8), 0.5, np.float32)
+    bad[3, 5] = np.nan
+    with pytest.raises(ValueError, match="row 3, col 5 is not finite"):
+        sensor.add_noise(bad, iso=800)
+    with pytest.raises(ValueError, match="row 3, col 5 is not finite"):
+        sensor.apply_effect(bad, "row_noise", {"sigma": 0.1})
+
+
+def test_noise_needs_a_profile_that_knows_it():
+    clean = np.full((8, 8), 0.5, np.float32)
+    with pytest.raises(ValueError, match="noise"):
+        cg2raw.Sensor("nikon-d40").add_noise(clean, iso=800)
+    with pytest.raises(ValueError, match="None must be|iso"):
+        cg2raw.Sensor(SENSOR).add_noise(clean, iso=None)
+
+
+@pytest.mark.parametrize("cfa", ["GRBG", cameras.QUAD, cameras.X_TRANS])
+def test_dn_and_signal_are_inverse(cfa):
+    """Every DN comes back, and lies where black and white say."""
+    black = [100.0 + 20.25 * site for site in range(len(cfa))]
+    sensor = cg2raw.Sensor.from_json(
+        cameras.profile_text(cfa=cfa, bits=12, black_level=black, white_level=4000)
+    )
+    raw = np.arange(4001, dtype=np.uint16)[: 60 * 66].reshape(60, 66)
+    raw = np.vstack([raw, raw[::-1] + 40])
+    signal = sensor.signal_from_raw(raw)
+    side = {4: 2, 16: 4, 36: 6}[len(cfa)]
+    rows, cols = np.indices(raw.shape)
+    b = np.array(black)[rows % side * side + cols % side]
+    assert np.abs(signal - (raw - b) / (4000 - b)).max() < 1e-6
+    np.testing.assert_array_equal(sensor.raw_from_signal(signal), raw)
+    assert sensor.raw_from_signal(np.full((2, 2), 9.0)).max() == 4000
+    assert sensor.raw_from_signal(np.full((2, 2), -9.0)).max() == 0
+
+
+def test_raw_is_uint16_and_nothing_else(sensor):
+    for bad in (np.ones((4, 4)), np.ones((4, 4), np.int32), np.ones(4, np.uint16)):
+        with pytest.raises(ValueError, match="uint16"):
+            sensor.signal_from_raw(bad)
