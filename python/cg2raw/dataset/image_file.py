@@ -85,8 +85,8 @@ def rgb_channels(spec):
         if names[first : first + 3] == ["R", "G", "B"]:
             return first
     raise ValueError(
-        f"has {spec.nchannels} channels ({', '.join(spec.channelnames)}): needs "
-        "R, G and B"
+        f"has the channels {', '.join(spec.channelnames)} ({spec.nchannels}): needs "
+        "R, G and B in a row"
     )
 
 

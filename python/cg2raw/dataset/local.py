@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import asdict
+from itertools import islice
 
 from cg2raw.dataset.job import give_up
 
@@ -20,12 +21,13 @@ COMMAND = "from cg2raw.dataset.worker import main; main()"
 class Worker:
     """A process, its pipes, and the job that it has."""
 
-    def __init__(self):
+    def __init__(self, log):
         path = os.pathsep.join(entry for entry in sys.path if entry)
         self.process = subprocess.Popen(
             [sys.executable, "-c", COMMAND, str(os.getpid())],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            stderr=log,
             env={**os.environ, "PYTHONPATH": path},
             start_new_session=True,  # Ctrl-C is ours to answer
         )
@@ -54,67 +56,68 @@ class Worker:
             self.process.stdin.close()
 
 
-def results(jobs, count):
+def results(jobs, count, log):
     """Yield the result of each of @jobs, in the order in which they are finished.
 
-    count : workers. A worker that dies is replaced and its image tried again, then
-    given up. Raises OSError with the message of a worker that cannot write."""
-    jobs = iter(jobs)
-    workers = set()
-    with selectors.DefaultSelector() as selector:
+    count : workers. log : the path of a file for what they print. A worker that dies is
+    replaced and its image tried again, then given up. Raises OSError with the message
+    of a worker that cannot write."""
+    with open(log, "wb") as stream, selectors.DefaultSelector() as selector:
+        pool = Pool(iter(jobs), selector, stream)
         try:
-            for job in first(jobs, count):
-                hire(workers, selector).give(job, 1)
-            while workers:
+            for job in islice(pool.jobs, count):
+                pool.hire().give(job, 1)
+            while pool.workers:
                 for key, _ in selector.select():
-                    yield from served(key.data, jobs, workers, selector)
+                    yield from pool.serve(key.data)
         finally:
-            for worker in workers:
+            for worker in pool.workers:
                 worker.stop()
 
 
-def first(items, count):
-    """Yield the first @count of an iterator, or fewer."""
-    for _, item in zip(range(count), items, strict=False):
-        yield item
+class Pool:
+    """The workers that are busy, and the jobs that are left."""
 
+    def __init__(self, jobs, selector, log):
+        self.jobs, self.selector, self.log = jobs, selector, log
+        self.workers = set()
 
-def hire(workers, selector):
-    """Start a Worker."""
-    worker = Worker()
-    workers.add(worker)
-    selector.register(worker.process.stdout, selectors.EVENT_READ, worker)
-    return worker
+    def hire(self):
+        """Start a Worker."""
+        worker = Worker(self.log)
+        self.workers.add(worker)
+        self.selector.register(worker.process.stdout, selectors.EVENT_READ, worker)
+        return worker
 
-
-def served(worker, jobs, workers, selector):
-    """Take a worker's answer, give it the next job; yield the result."""
-    answer = worker.answer()
-    job, tries = worker.job, worker.tries
-    if answer is None:
-        worker.process.wait()
-        selector.unregister(worker.process.stdout)
-        workers.discard(worker)
-        reason = died(worker.process.returncode)
+    def dismiss(self, worker):
+        """End a Worker; return the exit code of one that had ended by itself."""
+        self.selector.unregister(worker.process.stdout)
+        self.workers.discard(worker)
         worker.stop()
-        worker = hire(workers, selector)
-        if tries < TRIES:
-            worker.give(job, tries + 1)
-            return
-        answer = give_up(job, reason)
-    if "failure" in answer:
-        raise OSError(answer["failure"])
-    job = next(jobs, None)
-    if job is None:
-        selector.unregister(worker.process.stdout)
-        workers.discard(worker)
-        worker.stop()
-    else:
-        worker.give(job, 1)
-    yield answer
+        return worker.process.returncode
 
+    def serve(self, worker):
+        """Take a worker's answer, give it the next job; yield the result."""
+        answer = worker.answer()
+        if answer is None:
+            job, tries = worker.job, worker.tries
+            worker.process.wait()
+            code = self.dismiss(worker)
+            worker = self.hire()
+            if tries < TRIES:
+                worker.give(job, tries + 1)
+                return
+            answer = give_up(job, self.ended(code))
+        if "failure" in answer:
+            raise OSError(answer["failure"])
+        job = next(self.jobs, None)
+        if job is None:
+            self.dismiss(worker)
+        else:
+            worker.give(job, 1)
+        yield answer
 
-def died(code):
-    """Return how a process ended."""
-    how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-    return f"the process that worked on it ended twice ({how})"
+    def ended(self, code):
+        """Return the reason for which an image is given up."""
+        how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        return f"the process that worked on it ended twice ({how}); see {self.log.name}"

@@ -30,17 +30,28 @@ def make_plan(sensors, leave_out, **fields):
         raise ValueError("--type uint16: not in EXR; --type float32, or --format npy")
     kept = [sensor for sensor in sensors if fits(sensor, fields["format"], leave_out)]
     plan = plan_of(kept, fields)
-    for id, camera in plan.cameras.items():
-        for iso in plan.isos:
-            why = plan.why_not(camera, iso)
-            if why is not None:
-                leave_out(f"--iso {short(iso)}: not with {id}: {why}")
+    for isos, reasons in unknown_noise(plan).items():
+        why = "their noise there is not known"
+        if len(reasons) == 1:
+            (why,) = reasons.values()
+        leave_out(f"--iso {isos}: not with {', '.join(reasons)}: {why}")
     plan = plan_of([camera for camera in kept if plan.exposures[camera.id]], fields)
     if not plan.sensors:
         raise ValueError("--sensors: none is left that can do what was asked")
     for camera in plan.cameras.values():
         check_runs(plan, camera)
     return plan
+
+
+def unknown_noise(plan):
+    """Return {"100,3200": {sensor: why its noise there is not known}}."""
+    found = {}
+    for id, camera in plan.cameras.items():
+        whys = {iso: plan.why_not(camera, iso) for iso in plan.isos}
+        bad = [iso for iso, why in whys.items() if why is not None]
+        if bad:
+            found.setdefault(",".join(map(short, bad)), {})[id] = whys[bad[0]]
+    return found
 
 
 def plan_of(sensors, fields):

@@ -41,7 +41,7 @@ def make_dataset(paths, out, plan, workers=1, scheduler=None, watch=None):
         total = sum(1 for _ in images)
         if not total:
             raise ValueError(f"{paths[0]}: holds no EXR, PNG, TIFF or HDR image")
-        found = worked(jobs_of(images, out, plan), workers, scheduler)
+        found = worked(out, jobs_of(images, out, plan), workers, scheduler)
         summary = Summary()
         for result in watch(found, total) if watch else found:
             count(summary, result)
@@ -109,7 +109,7 @@ def jobs_of(images, out, plan):
         yield Job(out, plan_sha256, image, os.path.abspath(path))
 
 
-def worked(jobs, workers, scheduler):
+def worked(out, jobs, workers, scheduler):
     """Return the results of jobs by local processes, or by a cluster."""
     if scheduler is not None:
         from cg2raw.dataset import cluster
@@ -117,7 +117,8 @@ def worked(jobs, workers, scheduler):
         return cluster.results(jobs, scheduler)
     from cg2raw.dataset import local
 
-    return local.results(jobs, workers)
+    log = os.path.join(out, journal.FOLDER, "workers.log")
+    return local.results(jobs, workers, log)
 
 
 def count(summary, result):
