@@ -114,7 +114,13 @@ def main():
     parser = argparse.ArgumentParser(prog="bench", description=__doc__)
     parser.add_argument("--rounds", type=int, default=7, help="rounds (default 7)")
     parser.add_argument("--core", action="store_true", help="the core only")
+    parser.add_argument("--dataset", action="store_true", help="cg2raw dataset only")
     options = parser.parse_args()
+    if options.dataset:
+        from bench_dataset import bench
+
+        image = input_image(ROOT / ".venv/bin/oiiotool")
+        return bench(image, FOLDER / "dataset", options.rounds)
     bench_core(options.rounds)
     if not options.core:
         for oiiotool in (Path("/usr/bin/oiiotool"), ROOT / ".venv/bin/oiiotool"):

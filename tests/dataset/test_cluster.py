@@ -95,6 +95,7 @@ def test_a_killed_worker_loses_nothing(tmp_path, cluster):
     process = start(tmp_path / "in", out, *options, "--scheduler", address)
     end = time.monotonic() + 120
     while len(files_in(out)) < 20 and time.monotonic() < end:
+        assert process.poll() is None, process.stderr.read()
         time.sleep(0.01)
     workers[0].kill()
     assert len(files_in(out)) < 24 * 24  # it was killed in the midst of it

@@ -18,7 +18,7 @@ def results(jobs, address):
         client = distributed.Client(address, timeout=SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ValueError(f"--scheduler {address}: cannot be reached: {error}") from None
-    with client:
+    with client, client.as_current():
         yield from streamed(client, distributed, iter(jobs))
 
 
