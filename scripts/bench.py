@@ -12,6 +12,7 @@ import subprocess
 import time
 from pathlib import Path
 
+import bench_dataset
 import bench_ocio
 import numpy as np
 
@@ -127,7 +128,11 @@ def main():
     parser.add_argument("--rounds", type=int, default=7, help="rounds (default 7)")
     parser.add_argument("--core", action="store_true", help="the core only")
     parser.add_argument("--ocio", action="store_true", help="OCIO in Python only")
+    parser.add_argument("--dataset", action="store_true", help="cg2raw dataset only")
     options = parser.parse_args()
+    if options.dataset:
+        image = input_image(ROOT / ".venv/bin/oiiotool")
+        return bench_dataset.bench(image, FOLDER / "dataset", options.rounds)
     if not options.ocio:
         bench_core(options.rounds)
     if not options.core:

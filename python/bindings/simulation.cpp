@@ -20,7 +20,8 @@ void check_size(const Simulation& simulation, const Scene& scene)
 Run run_of(const std::string& illuminant, std::optional<double> iso,
            const std::string& noise, std::uint64_t seed, std::uint64_t frame,
            double digital_gain, const std::string& convention, bool highlights,
-           bool effects, bool camera_input, const std::optional<Vec3>& as_shot)
+           bool effects, bool camera_input, const std::optional<Vec3>& as_shot,
+           bool sample_digital_gain)
 {
     Run run;
     run.illuminant = illuminant;
@@ -34,6 +35,7 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
     run.effects = effects;
     run.camera_input = camera_input;
     run.as_shot = as_shot;
+    run.sample_digital_gain = sample_digital_gain;
     return run;
 }
 
@@ -133,7 +135,7 @@ void bind_simulation(py::module_& m)
     py::class_<Run>(m, "Run", "What one exposure is asked to be.")
         .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
              "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
-             "camera_input"_a, "as_shot"_a);
+             "camera_input"_a, "as_shot"_a, "sample_digital_gain"_a = false);
     py::class_<Simulation>(
         m, "Simulation", "A sensor, a light and an exposure, decided before any pixel.")
         .def(py::init([](const SensorProfile& profile, std::array<int, 2> shape,

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Training data: each image by many sensors, lights, digital gains and ISOs.
+
+    cg2raw dataset renders/ out/ --sensors nikon-d40,samsung-s20fe --illuminants 4
+    cg2raw dataset renders/ out/ --sensors samsung-s20fe --illuminants A,D65 \\
+                   --gains 1.0,0.8 --iso clean,100,3200
+    cg2raw dataset renders/ out/ --sensors all --illuminants 1 --format npy \\
+                   --patches 8 --patch-size 256 --workers 4
+
+IN is a folder, searched through, or files: EXR and HDR (scene-linear Rec.709), PNG and
+TIFF (integers are linearised by their curve, sRGB unless they say another; the manifest
+says which). OUT/manifest.parquet and .jsonl list every file with the light that it was
+made under, the clean file beside a noisy one, and all that is needed to make it again.
+
+Stopped, even killed, the same command goes on where it was. A file's bytes depend on
+the options, its image and its name, not on order, workers or interruptions. An image
+that cannot be used is listed at the end, and the exit code is then 1.
+"""
+
+import os
+import sys
+
+from cg2raw.dataset.methods import METHODS
+
+
+def add_arguments(parser):
+    """Declare the options of cg2raw dataset."""
+    add = parser.add_argument
+    add("inputs", nargs="+", metavar="IN", help="a folder, or images")
+    add("out", metavar="OUT", help="folder of the data set; is made")
+    add_content(parser.add_argument_group("what is made"))
+    add_files(parser.add_argument_group("files"))
+    group = parser.add_argument_group("work")
+    group.add_argument(
+        "--workers",
+        type=positive,
+        metavar="N",
+        help="processes (default: one per core)",
+    )
+    group.add_argument(
+        "--scheduler", metavar="tcp://HOST:8786", help="a Dask cluster in their place"
+    )
+    group.add_argument("--quiet", action="store_true", help="errors alone")
+
+
+def add_content(group):
+    """Declare the options on simulation."""
+    add = group.add_argument
+    add("--sensors", default="all", help='ids or .json files, or "all" (default)')
+    add(
+        "--illuminants",
+        required=True,
+        metavar="N|WORDS",
+        help="how many are drawn for each image, or a list as A,D65,sample:0-3",
+    )
+    add("--gains", default="1", help='digital gains as 1,0.8, or "sample" (default 1)')
+    add("--iso", default="clean", help="as clean,100,3200 (default clean)")
+    add("--noise", default="gaussian", choices=["gaussian", "physical"])
+    add("--convention", default="dng", choices=["dng", "paper"])
+    add("--method", default="graphics2raw", choices=sorted(METHODS))
+    add("--seed", type=int, default=0, help="of all that is drawn (default 0)")
+
+
+def add_files(group):
+    """Declare the options on what is written."""
+    add = group.add_argument
+    add("--format", default="dng", choices=["dng", "npy", "exr"])
+    add(
+        "--type",
+        choices=["float32", "uint16"],
+        help="of npy and exr: four half-size planes R, G1, G2, B, 0..1 above black "
+        "(default float32)",
+    )
+    add("--compression", choices=["ljpeg", "none"], help="of DNGs (default ljpeg)")
+    add("--crop", metavar="WxH", help="random crops of this size")
+    add("--patch-size", type=positive, metavar="S", help="the same as --crop SxS")
+    add("--patches", type=positive, metavar="N", help="crops per image (default 1)")
+
+
+def positive(text):
+    """Return a whole number above 0."""
+    if not text.isdecimal() or int(text) < 1:
+        raise ValueError
+    return int(text)
+
+
+def run(arguments):
+    """Make the data set; return 1 if an image could not be used."""
+    plan = plan_of(arguments)
+    workers = arguments.workers or len(os.sched_getaffinity(0))
+    if arguments.workers and arguments.scheduler:
+        raise ValueError("--workers and --scheduler: the cluster has its own workers")
+    from cg2raw.dataset.run import make_dataset
+
+    try:
+        summary = make_dataset(
+            arguments.inputs,
+            arguments.out,
+            plan,
+            workers=workers,
+            scheduler=arguments.scheduler,
+            watch=None if arguments.quiet else progress,
+        )
+    except KeyboardInterrupt:
+        print("cg2raw dataset: stopped; the same command goes on", file=sys.stderr)
+        return 130
+    if not arguments.quiet:
+        report(arguments.out, summary)
+    return list_bad(arguments, summary)
+
+
+def plan_of(arguments):
+    """Return the Plan that the options ask for. Raises ValueError."""
+    from cg2raw.dataset import options
+
+    def leave_out(sentence):
+        if arguments.sensors != "all":
+            raise ValueError(sentence)
+        if not arguments.quiet:
+            print(f"cg2raw dataset: left out: {sentence}", file=sys.stderr)
+
+    isos = options.numbers("--iso", arguments.iso, "clean")
+    return options.make_plan(
+        options.loaded_sensors(arguments.sensors),
+        leave_out,
+        illuminants=options.illuminants(arguments.illuminants),
+        digital_gains=tuple(options.numbers("--gains", arguments.gains, "sample")),
+        isos=tuple(None if iso == "clean" else iso for iso in isos),
+        noise=arguments.noise,
+        convention=arguments.convention,
+        method=arguments.method,
+        crop=crop_of(arguments),
+        patches=arguments.patches or 1,
+        seed=arguments.seed,
+        **files_of(arguments),
+    )
+
+
+def files_of(arguments):
+    """Return the plan's fields on files. Raises ValueError for what has no effect."""
+    if arguments.format == "dng" and arguments.type:
+        raise ValueError(f"--type {arguments.type}: a DNG is uint16; see --format")
+    if arguments.format != "dng" and arguments.compression:
+        raise ValueError(f"--compression: of DNGs, not of {arguments.format}")
+    return {
+        "format": arguments.format,
+        "element_type": arguments.type or "float32",
+        "compression": arguments.compression or "ljpeg",
+    }
+
+
+def crop_of(arguments):
+    """Return (width, height) of the crops, None for whole images. Raises ValueError."""
+    if arguments.crop and arguments.patch_size:
+        raise ValueError("--crop and --patch-size: give one of them")
+    if arguments.patch_size:
+        size = f"{arguments.patch_size}x{arguments.patch_size}"
+    elif arguments.crop:
+        size = arguments.crop.lower()
+    elif arguments.patches:
+        raise ValueError("--patches: of which size? Add --patch-size or --crop")
+    else:
+        return None
+    sides = size.split("x")
+    if len(sides) != 2 or not all(side.isdecimal() and int(side) > 1 for side in sides):
+        raise ValueError(f"--crop {size}: must be WxH in pixels, at least 2x2")
+    return int(sides[0]), int(sides[1])
+
+
+def progress(results, total):
+    """Return @results, with a progress bar if stderr is a terminal."""
+    if not sys.stderr.isatty():
+        return results
+    from rich.console import Console
+    from rich.progress import track
+
+    console = Console(stderr=True)
+    return track(results, "images", total, console=console, transient=True)
+
+
+def report(out, summary):
+    """Print what was done."""
+    kept = f", {summary.kept} of them kept" if summary.kept else ""
+    files = summary.made + summary.kept
+    images = summary.images - summary.bad
+    manifest = os.path.join(out, "manifest.parquet")
+    print(f"wrote     {manifest}: {files} files of {images} images{kept}")
+
+
+def list_bad(arguments, summary):
+    """List the images that could not be used; return the exit code."""
+    if not summary.bad:
+        return 0
+    from cg2raw.dataset import manifest
+    from cg2raw.dataset.images import Images
+
+    images = Images(arguments.inputs, arguments.out)
+    for image, reason in manifest.bad_images(os.path.realpath(arguments.out), images):
+        print(f"cg2raw dataset: {image}: {reason}", file=sys.stderr)
+    print(
+        f"cg2raw dataset: {summary.bad} of {summary.images} images could not be used",
+        file=sys.stderr,
+    )
+    return 1

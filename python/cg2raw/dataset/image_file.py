@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""An image file as scene-linear Rec.709, and which curve that took."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import OpenImageIO as oiio
+
+from cg2raw.dataset import transfer
+
+ENDINGS = (".exr", ".png", ".tif", ".tiff", ".hdr")
+# Names of scene-linear Rec.709 and of sRGB in OpenImageIO and common configs.
+LINEAR_NAMES = {
+    "linear",
+    "scene_linear",
+    "lin_rec709",
+    "lin_rec709_scene",
+    "lin_srgb",
+    "lin_srgb_scene",
+    "lin_rec709_srgb",
+    "srgb_linear",
+    "linear srgb",
+    "linear rec.709 (srgb)",
+    "linear rec.709",
+    "utility - linear - srgb",
+    "utility - linear - rec.709",
+}
+SRGB_NAMES = {
+    "srgb",
+    "srgb_rec709_scene",
+    "srgb_rec709_display",
+    "srgb_texture",
+    "srgb_tx",
+    "srgb - texture",
+    "utility - srgb - texture",
+}
+# x and y of R, G, B and white. Source: IEC 61966-2-1.
+REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+SIDES = (2, 65535)  # of a RAW file, pixels
+ROWS = 64  # that are linearised at a time
+
+
+@dataclass
+class Image:
+    """(H, W, 3) float32, scene-linear Rec.709, and the curve that made it so."""
+
+    rgb: np.ndarray
+    transfer: str
+
+
+def read_image(path):
+    """Return the Image of a file. Raises ValueError with the reason in one line."""
+    config = oiio.ImageSpec()
+    # Alpha is ignored, so colour must not be multiplied by it: PNG would be.
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    file = oiio.ImageInput.open(path, config)
+    if file is None:
+        raise ValueError(one_line(oiio.geterror()) or "cannot be read")
+    try:
+        spec = file.spec()
+        first = rgb_channels(spec)
+        check_size(spec)
+        curve = curve_of(spec)
+        kind = oiio.FLOAT if curve is None else spec.format
+        pixels = file.read_image(0, 0, first, first + 3, kind)
+        if pixels is None:
+            raise ValueError(one_line(file.geterror()) or "cannot be read")
+    finally:
+        file.close()
+    if curve is None:
+        return Image(pixels, "linear")
+    return Image(linearised(pixels, curve), curve if curve == "srgb" else f"g{curve}")
+
+
+def one_line(text):
+    """Return a library's message in one line, which it may repeat."""
+    return " ".join(dict.fromkeys(" ".join(line.split()) for line in text.splitlines()))
+
+
+def rgb_channels(spec):
+    """Return the index of R, which G and B follow. Raises ValueError."""
+    names = [name.upper() for name in spec.channelnames]
+    for first in range(len(names) - 2):
+        if names[first : first + 3] == ["R", "G", "B"]:
+            return first
+    raise ValueError(
+        f"has the channels {', '.join(spec.channelnames)} ({spec.nchannels}): needs "
+        "R, G and B in a row"
+    )
+
+
+def check_size(spec):
+    """Raise ValueError for a size that no RAW file has."""
+    least, most = SIDES
+    if not all(least <= side <= most for side in (spec.width, spec.height)):
+        raise ValueError(
+            f"is {spec.width}x{spec.height} pixels: a RAW file has {least} to {most} "
+            "on each side"
+        )
+    if spec.depth > 1:
+        raise ValueError(f"is a volume of {spec.depth} slices, no image")
+
+
+def curve_of(spec):
+    """Return "srgb", an exponent, or None if the pixels are linear. Raises ValueError.
+
+    Integers without a word on their space are sRGB, floats linear."""
+    check_primaries(spec)
+    space = spec.get_string_attribute("oiio:ColorSpace").lower()
+    integer = str(spec.format) in ("uint8", "uint16")
+    if not integer and str(spec.format) not in ("half", "float", "double"):
+        raise ValueError(f"has {spec.format} samples: needs 8 or 16 bits, or floats")
+    if space in LINEAR_NAMES or (not space and not integer):
+        return None
+    if integer and (not space or space in SRGB_NAMES):
+        return "srgb"
+    exponent = spec.get_float_attribute("oiio:Gamma")
+    if integer and exponent > 0 and "rec709" in space:
+        return round(exponent, 4)
+    raise ValueError(
+        f'has the colour space "{space}": convert it to scene-linear Rec.709, as by '
+        'oiiotool --tocolorspace "lin_rec709"'
+    )
+
+
+def check_primaries(spec):
+    """Raise ValueError for other primaries than those of Rec.709."""
+    said = spec.getattribute("chromaticities")
+    if said is not None and not np.allclose(said, REC709, rtol=0, atol=0.002):
+        raise ValueError(
+            "its chromaticities are not those of Rec.709: convert it to scene-linear "
+            "Rec.709, and then --eraseattrib chromaticities"
+        )
+    profile = spec.get_string_attribute("ICCProfile:profile_description")
+    if profile and "srgb" not in profile.lower():
+        raise ValueError(
+            f'has the ICC profile "{profile}": convert it to sRGB, or to scene-linear '
+            "Rec.709"
+        )
+
+
+def linearised(codes, curve):
+    """Return float32 light of (H, W, 3) code values."""
+    light = transfer.table(curve, 2 ** (8 * codes.itemsize))
+    rgb = np.empty(codes.shape, np.float32)
+    for row in range(0, len(codes), ROWS):
+        np.take(light, codes[row : row + ROWS], out=rgb[row : row + ROWS], mode="clip")
+    return rgb

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The images of a data set, in the order of the manifest."""
+
+import os
+
+
+class Images:
+    """The images of one folder, or of files: iterated as (name, path), always anew.
+
+    paths : one folder, searched through, or files. skip : a folder that is left out, as
+    the data set's own may lie inside. Nothing is kept in memory but a folder's names.
+    Raises ValueError for paths that are not there or have the same name."""
+
+    def __init__(self, paths, skip):
+        self.skip = os.path.realpath(skip)
+        self.folder = paths[0] if len(paths) == 1 and os.path.isdir(paths[0]) else None
+        self.files = {}
+        if self.folder is None:
+            for path in paths:
+                self.add(path)
+
+    def add(self, path):
+        """Take one file in."""
+        if os.path.isdir(path):
+            raise ValueError(f"{path}: is a folder; give one folder alone, or files")
+        if not os.path.exists(path):
+            raise ValueError(f"{path}: there is no such file or folder")
+        name = os.path.basename(path)
+        if name in self.files:
+            raise ValueError(
+                f"{path}: has the name of {self.files[name]}; the data set tells them "
+                "by it: rename one, or give their common folder"
+            )
+        self.files[name] = path
+
+    def __iter__(self):
+        if self.folder is not None:
+            yield from self.walk(self.folder, "")
+        else:
+            yield from sorted(self.files.items())
+
+    def walk(self, folder, prefix):
+        """Yield the images of a folder and those below it."""
+        from cg2raw.dataset.image_file import ENDINGS
+
+        for name in sorted(os.listdir(folder)):
+            path = os.path.join(folder, name)
+            if name.startswith(".") or os.path.realpath(path) == self.skip:
+                continue
+            if os.path.isdir(path) and not os.path.islink(path):
+                yield from self.walk(path, f"{prefix}{name}/")
+            elif name.lower().endswith(ENDINGS) and not os.path.isdir(path):
+                yield f"{prefix}{name}", path
+
+    def has(self, name):
+        """Return whether an image of this name is there."""
+        if self.folder is not None:
+            return os.path.exists(os.path.join(self.folder, name))
+        return name in self.files

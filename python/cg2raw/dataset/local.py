@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Workers of this machine: processes that make one image at a time."""
+
+import contextlib
+import json
+import os
+import selectors
+import signal
+import subprocess
+import sys
+from dataclasses import asdict
+from itertools import islice
+
+from cg2raw.dataset.job import give_up
+
+TRIES = 2  # of an image whose worker dies
+COMMAND = "from cg2raw.dataset.worker import main; main()"
+
+
+class Worker:
+    """A process, its pipes, and the job that it has."""
+
+    def __init__(self, log):
+        path = os.pathsep.join(entry for entry in sys.path if entry)
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", COMMAND, str(os.getpid())],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=log,
+            env={**os.environ, "PYTHONPATH": path},
+            start_new_session=True,  # Ctrl-C is ours to answer
+        )
+        self.job, self.tries = None, 0
+
+    def give(self, job, tries):
+        """Hand over a job."""
+        self.job, self.tries = job, tries
+        try:
+            self.process.stdin.write(json.dumps(asdict(job)).encode() + b"\n")
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            pass  # it died; its end of the other pipe tells
+
+    def answer(self):
+        """Return the answer to the job, None if the process died over it."""
+        line = self.process.stdout.readline()
+        return json.loads(line) if line.endswith(b"\n") else None
+
+    def stop(self):
+        """End the process at once, which is safe at any time."""
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        with contextlib.suppress(BrokenPipeError):
+            self.process.stdin.close()
+
+
+def results(jobs, count, log):
+    """Yield the result of each of @jobs, in the order in which they are finished.
+
+    count : workers. log : the path of a file for what they print. A worker that dies is
+    replaced and its image tried again, then given up. Raises OSError with the message
+    of a worker that cannot write."""
+    with open(log, "wb") as stream, selectors.DefaultSelector() as selector:
+        pool = Pool(iter(jobs), selector, stream)
+        try:
+            for job in islice(pool.jobs, count):
+                pool.hire().give(job, 1)
+            while pool.workers:
+                for key, _ in selector.select():
+                    yield from pool.serve(key.data)
+        finally:
+            for worker in pool.workers:
+                worker.stop()
+
+
+class Pool:
+    """The workers that are busy, and the jobs that are left."""
+
+    def __init__(self, jobs, selector, log):
+        self.jobs, self.selector, self.log = jobs, selector, log
+        self.workers = set()
+
+    def hire(self):
+        """Start a Worker."""
+        worker = Worker(self.log)
+        self.workers.add(worker)
+        self.selector.register(worker.process.stdout, selectors.EVENT_READ, worker)
+        return worker
+
+    def dismiss(self, worker):
+        """End a Worker; return the exit code of one that had ended by itself."""
+        self.selector.unregister(worker.process.stdout)
+        self.workers.discard(worker)
+        worker.stop()
+        return worker.process.returncode
+
+    def serve(self, worker):
+        """Take a worker's answer, give it the next job; yield the result."""
+        answer = worker.answer()
+        if answer is None:
+            job, tries = worker.job, worker.tries
+            worker.process.wait()
+            code = self.dismiss(worker)
+            worker = self.hire()
+            if tries < TRIES:
+                worker.give(job, tries + 1)
+                return
+            answer = give_up(job, self.ended(code))
+        if "failure" in answer:
+            raise OSError(answer["failure"])
+        job = next(self.jobs, None)
+        if job is None:
+            self.dismiss(worker)
+        else:
+            worker.give(job, 1)
+        yield answer
+
+    def ended(self, code):
+        """Return the reason for which an image is given up."""
+        how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        return f"the process that worked on it ended twice ({how}); see {self.log.name}"

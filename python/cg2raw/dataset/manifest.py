@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The manifest: a row per file, as JSON lines and Parquet, in the order of images."""
+
+import json
+import os
+
+from cg2raw.dataset import journal
+
+NAME = "manifest"
+ROWS = 2048  # of a Parquet row group; so many are in memory at a time
+COLUMNS = (
+    ("path", "string"),
+    ("clean_path", "string"),
+    ("sha256", "string"),
+    ("bytes", "int64"),
+    ("width", "int32"),
+    ("height", "int32"),
+    ("input", "string"),
+    ("input_sha256", "string"),
+    ("transfer", "string"),
+    ("sensor", "string"),
+    ("profile_sha256", "string"),
+    ("cfa", "string"),
+    ("black_level", "list"),
+    ("white_level", "double"),
+    ("illuminant", "string"),
+    ("illuminant_index", "int32"),
+    ("neutral", "list"),
+    ("xy", "list"),
+    ("cct", "double"),
+    ("duv", "double"),
+    ("camera_from_xyz", "list"),
+    ("transform_first", "list"),
+    ("transform_second", "list"),
+    ("transform_gains", "list"),
+    ("digital_gain", "double"),
+    ("digital_gain_drawn", "bool"),
+    ("iso", "double"),
+    ("noise", "string"),
+    ("seed", "uint64"),
+    ("frame", "uint64"),
+    ("patch", "int32"),
+    ("crop", "integers"),
+    ("method", "string"),
+    ("convention", "string"),
+    ("format", "string"),
+    ("element_type", "string"),
+    ("compression", "string"),
+    ("cg2raw", "string"),
+)
+
+
+def remove(out):
+    """Remove the manifest: there is one only of a data set that is complete."""
+    for ending in (".parquet", ".jsonl"):
+        path = os.path.join(out, NAME + ending)
+        if os.path.exists(path):
+            os.unlink(path)
+
+
+def write(out, images):
+    """Write both manifests of @images, (name, path) each; return how many files.
+
+    Rows stream from the journals; each manifest appears whole."""
+    import pyarrow.parquet
+
+    schema = arrow_schema()
+    text = os.path.join(out, journal.FOLDER, "manifest.jsonl")
+    table = os.path.join(out, journal.FOLDER, "manifest.parquet")
+    count, batch = 0, []
+    with (
+        open(text, "w", encoding="ascii") as lines,
+        pyarrow.parquet.ParquetWriter(table, schema) as writer,
+    ):
+        for row in rows(out, images):
+            lines.write(json.dumps(row) + "\n")
+            batch.append(row)
+            count += 1
+            if len(batch) == ROWS:
+                writer.write_batch(pyarrow.RecordBatch.from_pylist(batch, schema))
+                batch.clear()
+        if batch:
+            writer.write_batch(pyarrow.RecordBatch.from_pylist(batch, schema))
+    os.replace(text, os.path.join(out, f"{NAME}.jsonl"))
+    os.replace(table, os.path.join(out, f"{NAME}.parquet"))
+    return count
+
+
+def rows(out, images):
+    """Yield the rows of the manifest."""
+    names = [name for name, _ in COLUMNS]
+    for image, _ in images:
+        _, found = journal.read(journal.path_of(out, image))
+        for row in sorted(found.values(), key=lambda row: row["order"]):
+            yield {name: row[name] for name in names}
+
+
+def bad_images(out, images):
+    """Yield (image, reason) of those that could not be used."""
+    for image, _ in images:
+        header, _ = journal.read(journal.path_of(out, image))
+        if header and "reason" in header:
+            yield image, header["reason"]
+
+
+def arrow_schema():
+    """Return the schema of the Parquet file."""
+    import pyarrow
+
+    types = {
+        "string": pyarrow.string(),
+        "double": pyarrow.float64(),
+        "int32": pyarrow.int32(),
+        "int64": pyarrow.int64(),
+        "uint64": pyarrow.uint64(),
+        "bool": pyarrow.bool_(),
+        "list": pyarrow.list_(pyarrow.float64()),
+        "integers": pyarrow.list_(pyarrow.int32()),
+    }
+    return pyarrow.schema([(name, types[kind]) for name, kind in COLUMNS])

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Which options of the command make which Plan."""
+
+import json
+
+from cg2raw import Sensor, __version__
+from cg2raw.dataset.methods import METHODS
+from cg2raw.dataset.plan import Plan, short
+
+# The option that decides a field of the plan, for messages.
+OPTIONS = {
+    "digital_gains": "--gains",
+    "isos": "--iso",
+    "element_type": "--type",
+    "profiles": "--sensors (the profiles)",
+}
+
+
+def make_plan(sensors, leave_out, **fields):
+    """Return the Plan of Sensors.
+
+    sensors : (Sensor, ...). leave_out : called with a sentence on each sensor or ISO
+    that cannot be and is left out, or raises. fields : those of Plan but sensors and
+    profiles.
+    Raises ValueError naming option, value and remedy."""
+    if fields["method"] not in METHODS:
+        raise ValueError(f"--method {fields['method']}: one of {', '.join(METHODS)}")
+    if fields["format"] == "exr" and fields["element_type"] == "uint16":
+        raise ValueError("--type uint16: not in EXR; --type float32, or --format npy")
+    kept = [sensor for sensor in sensors if fits(sensor, fields["format"], leave_out)]
+    plan = plan_of(kept, fields)
+    for isos, reasons in unknown_noise(plan).items():
+        why = "their noise there is not known"
+        if len(reasons) == 1:
+            (why,) = reasons.values()
+        leave_out(f"--iso {isos}: not with {', '.join(reasons)}: {why}")
+    plan = plan_of([camera for camera in kept if plan.exposures[camera.id]], fields)
+    if not plan.sensors:
+        raise ValueError("--sensors: none is left that can do what was asked")
+    for camera in plan.cameras.values():
+        check_runs(plan, camera)
+    return plan
+
+
+def unknown_noise(plan):
+    """Return {"100,3200": {sensor: why its noise there is not known}}."""
+    found = {}
+    for id, camera in plan.cameras.items():
+        whys = {iso: plan.why_not(camera, iso) for iso in plan.isos}
+        bad = [iso for iso, why in whys.items() if why is not None]
+        if bad:
+            found.setdefault(",".join(map(short, bad)), {})[id] = whys[bad[0]]
+    return found
+
+
+def plan_of(sensors, fields):
+    """Return the Plan of Sensors."""
+    profiles = {sensor.id: sensor.to_json() for sensor in sensors}
+    return Plan(sensors=tuple(profiles), profiles=profiles, **fields)
+
+
+def fail(sentence):
+    """Raise ValueError."""
+    raise ValueError(sentence)
+
+
+def fits(sensor, format, leave_out):
+    """Return whether a format can hold the sensor's mosaic."""
+    if format == "dng" or len(sensor.cfa) == 4:
+        return True
+    leave_out(
+        f"--format {format}: packs 2x2 Bayer sites, and {sensor.id} has another CFA; "
+        "leave it out of --sensors, or --format dng"
+    )
+    return False
+
+
+def check_runs(plan, sensor):
+    """Raise ValueError for a combination that cannot be simulated."""
+    words = plan.illuminants
+    if isinstance(words, int):
+        words = ("sample:0",)
+    gains = [1.0 if gain == "sample" else gain for gain in plan.digital_gains]
+    if "sample" in plan.digital_gains and sensor.digital_gain is None:
+        raise ValueError(
+            f"--gains sample: {sensor.id} has no digital_gain to sample from; give "
+            "numbers, or leave it out of --sensors"
+        )
+    isos = plan.exposures[sensor.id]
+    # An option at a time: what they do is independent.
+    tries = [(word, gains[0], isos[0]) for word in words]
+    tries += [(words[0], gain, isos[0]) for gain in gains]
+    tries += [(words[0], gains[0], iso) for iso in isos]
+    for word, gain, iso in tries:
+        METHODS[plan.method](
+            sensor,
+            (2, 2),
+            illuminant=word,
+            digital_gain=gain,
+            iso=iso,
+            noise=plan.noise if iso is not None else "gaussian",
+            seed=plan.seed,
+            convention=plan.convention,
+        )
+
+
+def difference(old_text, plan):
+    """Return how dataset.json differs from @plan in one sentence, None if it does not.
+
+    Raises ValueError if it is no dataset.json."""
+    try:
+        old = json.loads(old_text)
+        version = old["cg2raw"]
+        if version != __version__:
+            return f"was made by cg2raw {version}, this is {__version__}"
+    except (ValueError, KeyError, TypeError):
+        raise ValueError("dataset.json is damaged") from None
+    new = json.loads(plan.to_json())
+    for name in new:
+        if old.get(name) == new[name]:
+            continue
+        option = OPTIONS.get(name, f"--{name}")
+        if name == "profiles":
+            return f"{option} have changed since it was begun"
+        return f"was begun with {option} {said(old.get(name))}, not {said(new[name])}"
+    return None
+
+
+def said(value):
+    """Return a plan's value as it is on a command line."""
+    if isinstance(value, list):
+        return ",".join("clean" if one is None else str(one) for one in value)
+    return str(value)
+
+
+def loaded_sensors(words):
+    """Return the Sensors of "all" or of "id,id,path.json". Raises ValueError."""
+    from cg2raw.cli._pairs import asked_sensors
+
+    return [Sensor.from_json(p.to_json(), p.id) for p in asked_sensors(words)]
+
+
+def numbers(option, words, word):
+    """Return the floats of a list, and @word as it is. Raises ValueError."""
+    found = []
+    for text in words.split(","):
+        try:
+            number = text.strip() if text.strip() == word else float(text)
+        except ValueError:
+            raise ValueError(
+                f"{option} {text}: must be a number or {word}, as in {word},100"
+            ) from None
+        if number in found:
+            raise ValueError(f"{option} {text}: is there twice; name it once")
+        found.append(number)
+    return found
+
+
+def illuminants(words):
+    """Return a number of drawn illuminants, or the words of a list."""
+    if words.isdecimal():
+        if not 1 <= int(words) <= 100000:
+            raise ValueError(f"--illuminants {words}: must be 1 to 100000")
+        return int(words)
+    from cg2raw.cli._pairs import asked_illuminants
+
+    return tuple(asked_illuminants(words))

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A Bayer mosaic as four planes of half its size, for training."""
+
+import numpy as np
+
+
+def packed(raw, cfa, black_level, white_level, element_type):
+    """Return (4, H // 2, W // 2): planes R, G1, G2, B, 0..1 above black.
+
+    raw : (H, W) DN; an odd last row or column is dropped. cfa : "RGGB" or another
+    phase; G1 is the green beside red, G2 that beside blue. black_level : (4,) DN per
+    site, row by row.
+    element_type : "float32", below 0 where noise is, or "uint16", 65535 at white."""
+    height, width = raw.shape[0] // 2 * 2, raw.shape[1] // 2 * 2
+    planes = np.empty((4, height // 2, width // 2), np.float32)
+    for plane, site in enumerate(sites(cfa)):
+        row, col = divmod(site, 2)
+        black = black_level[site]
+        dn = raw[row:height:2, col:width:2].astype(np.float32)
+        planes[plane] = (dn - np.float32(black)) / np.float32(white_level - black)
+    if element_type == "float32":
+        return planes
+    return np.rint(np.clip(planes, 0, 1) * np.float32(65535)).astype(np.uint16)
+
+
+def sites(cfa):
+    """Return the sites, row by row, of R, G1, G2 and B in a 2x2 CFA."""
+    red, blue = cfa.index("R"), cfa.index("B")
+    beside_red, beside_blue = red ^ 1, blue ^ 1  # the other column of the same row
+    return red, beside_red, beside_blue, blue
+
+
+def write_npy(path, planes):
+    """Write planes as .npy. Raises OSError."""
+    with open(path, "wb") as stream:
+        np.save(stream, planes, allow_pickle=False)
+
+
+def write_exr(path, planes):
+    """Write (4, h, w) float32 planes as the channels R, G1, G2, B. Raises OSError."""
+    import OpenImageIO as oiio
+
+    _, height, width = planes.shape
+    spec = oiio.ImageSpec(width, height, 4, "float")
+    spec.channelnames = ("R", "G1", "G2", "B")
+    spec.attribute("compression", "zip")
+    spec.attribute("DateTime", "1970:01:01 00:00:00")  # else now: other bytes each time
+    file = oiio.ImageOutput.create(path)
+    pixels = np.ascontiguousarray(np.moveaxis(planes, 0, -1))
+    if not (file.open(path, spec) and file.write_image(pixels) and file.close()):
+        raise OSError(f"{path}: {file.geterror()}")

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What a data set is to hold: each file's name, key, and all that was drawn for it."""
+
+import hashlib
+import json
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import product
+
+from cg2raw import Sensor, __version__, _core
+
+ENDINGS = {"dng": ".dng", "npy": ".npy", "exr": ".exr"}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that decides the bytes of a data set, but for its images.
+
+    sensors : ids, in order.
+    illuminants : words, or the number of lights that are drawn for each image.
+    digital_gains : numbers, or ("sample",), drawn from the sensor's profile.
+    isos : numbers; None is clean.
+    crop : (width, height) of the random crops, or None; patches : how many per image.
+    element_type : "float32" or "uint16", of packed files.
+    profiles : {id: JSON text}, as Sensor.to_json gives it."""
+
+    sensors: tuple
+    illuminants: tuple | int
+    digital_gains: tuple
+    isos: tuple
+    noise: str
+    convention: str
+    method: str
+    format: str
+    element_type: str
+    compression: str
+    crop: tuple | None
+    patches: int
+    seed: int
+    profiles: dict
+
+    def words(self, image):
+        """Return the words of the illuminants of one image."""
+        if isinstance(self.illuminants, int):
+            return [
+                # 31 bits: the largest sample of the illuminant grammar
+                f"sample:{hashed('illuminant', self.seed, image, index) >> 22}"
+                for index in range(self.illuminants)
+            ]
+        return list(self.illuminants)
+
+    def variants(self, image):
+        """Yield the Variants of one image, in the order of the manifest."""
+        words = self.words(image)
+        scenes = product(range(self.patches), self.sensors, range(len(words)))
+        for patch, sensor, index in scenes:
+            for gain, iso in product(self.digital_gains, self.exposures[sensor]):
+                yield Variant(
+                    self, image, patch, sensor, index, words[index], gain, iso
+                )
+
+    @cached_property
+    def cameras(self):
+        """Return {id: Sensor}."""
+        return {id: Sensor.from_json(self.profiles[id], id) for id in self.sensors}
+
+    @cached_property
+    def exposures(self):
+        """Return {id: those of the ISOs at which the sensor's noise is known}."""
+        return {
+            id: [iso for iso in self.isos if self.why_not(camera, iso) is None]
+            for id, camera in self.cameras.items()
+        }
+
+    @cached_property
+    def profile_sha256(self):
+        """Return {id: SHA-256 of the profile's JSON text}."""
+        return {
+            id: hashlib.sha256(text.encode()).hexdigest()
+            for id, text in self.profiles.items()
+        }
+
+    def why_not(self, camera, iso):
+        """Return why a Sensor has no noise at an ISO, None if it has."""
+        if iso is None:
+            return None
+        try:
+            known = camera.noise_at(iso)
+        except ValueError as error:
+            return str(error)
+        if self.noise == "physical" and "tukey_lambda" not in known:
+            return f"{camera.id} has no tukey_lambda and row_sigma: --noise gaussian"
+        return None
+
+    def crop_at(self, image, patch, width, height):
+        """Return (x, y, width, height) of a crop. Raises ValueError if it is larger."""
+        if self.crop is None:
+            return (0, 0, width, height)
+        if width < self.crop[0] or height < self.crop[1]:
+            raise ValueError(
+                f"is {width}x{height}, smaller than the crop "
+                f"{self.crop[0]}x{self.crop[1]}"
+            )
+        key = ("crop", self.seed, image, patch)
+        x = hashed(*key, "x") % (width - self.crop[0] + 1)
+        y = hashed(*key, "y") % (height - self.crop[1] + 1)
+        return (x, y, *self.crop)
+
+    def to_json(self):
+        """Return the text of dataset.json."""
+        found = {field.name: getattr(self, field.name) for field in fields(self)}
+        found["profiles"] = {id: json.loads(text) for id, text in self.profiles.items()}
+        return json.dumps({"cg2raw": __version__, **found}, indent=1) + "\n"
+
+    @classmethod
+    def from_json(cls, text):
+        """Return the plan of dataset.json. Raises ValueError, KeyError, TypeError."""
+        found = json.loads(text)
+        del found["cg2raw"]
+        found["profiles"] = {
+            id: Sensor.from_json(json.dumps(profile), id).to_json()
+            for id, profile in found["profiles"].items()
+        }
+        for name, value in found.items():
+            if isinstance(value, list):
+                found[name] = tuple(value)
+        return cls(**found)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One file of a data set."""
+
+    plan: Plan
+    image: str
+    patch: int
+    sensor: str
+    illuminant_index: int
+    illuminant: str
+    asked_gain: float | str
+    iso: float | None
+
+    @property
+    def key(self):
+        """Return what tells this file from all others of the data set."""
+        return (
+            self.image,
+            self.sensor,
+            self.illuminant_index,
+            self.asked_gain,
+            self.iso,
+            self.patch,
+        )
+
+    @property
+    def path(self):
+        """Return the file's path in the data set's folder."""
+        return self.path_at(self.iso)
+
+    @property
+    def clean_path(self):
+        """Return the path of the clean file of the same scene, None if not made."""
+        if self.iso is None or None not in self.plan.isos:
+            return None
+        return self.path_at(None)
+
+    def path_at(self, iso):
+        """Return the path that the file has at another ISO."""
+        exposure = "clean" if iso is None else f"iso{short(iso)}"
+        patch = "" if self.plan.crop is None else f"_p{self.patch}"
+        return (
+            f"{self.image}/{self.sensor}_l{self.illuminant_index}_"
+            f"g{short(self.asked_gain)}_{exposure}{patch}{ENDINGS[self.plan.format]}"
+        )
+
+    @property
+    def frame(self):
+        """Return the frame number that keys the file's noise."""
+        return hashed("frame", *self.key)
+
+    def digital_gain(self, profile):
+        """Return the digital gain; clean and noisy files of a scene share a drawn one.
+
+        profile : the core's SensorProfile. Raises ValueError if it has none."""
+        if self.asked_gain != "sample":
+            return self.asked_gain
+        scene = (self.image, self.sensor, self.illuminant_index, self.patch)
+        return drawn_gain(profile, self.plan.seed, hashed("digital_gain", *scene))
+
+
+def drawn_gain(profile, seed, frame):
+    """Return a digital gain drawn from the profile, keyed by seed and frame."""
+    run = _core.Run(
+        illuminant="D65",
+        iso=None,
+        noise="gaussian",
+        seed=seed,
+        frame=frame,
+        digital_gain=1.0,
+        convention="dng",
+        highlights=True,
+        effects=False,
+        camera_input=False,
+        as_shot=None,
+        sample_digital_gain=True,
+    )
+    return _core.Simulation(profile, (2, 2), run).digital_gain
+
+
+def hashed(*key):
+    """Return 53 bits that a key decides, exact in any reader of JSON."""
+    digest = hashlib.blake2b(json.dumps(key).encode(), digest_size=8).digest()
+    return int.from_bytes(digest, "big") >> 11
+
+
+def short(number):
+    """Return a number as briefly as it reads back; a word as it is."""
+    if isinstance(number, float) and number.is_integer():
+        return str(int(number))
+    return str(number)

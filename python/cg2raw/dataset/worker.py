@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A worker process of this machine: jobs come in by stdin, results leave by stdout."""
+
+import ctypes
+import json
+import os
+import signal
+import sys
+
+PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
+
+
+def main():
+    """Make jobs until there are no more."""
+    end_with_parent(int(sys.argv[1]))
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what a library prints must not mix with answers
+    from cg2raw.dataset.job import Job, make
+
+    use_one_thread()
+    for line in sys.stdin:
+        job = Job(**json.loads(line))
+        try:
+            answer = make(job)
+        except (OSError, ValueError) as error:
+            answer = {"failure": " ".join(f"{error}".split())}
+        answers.write(json.dumps(answer) + "\n")
+        answers.flush()
+
+
+def end_with_parent(parent):
+    """Let the system kill this process when its parent is killed."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        sys.exit(1)
+
+
+def use_one_thread():
+    """Keep OpenImageIO from taking every core in every worker."""
+    import OpenImageIO as oiio
+
+    oiio.attribute("threads", 1)
+    oiio.attribute("exr_threads", -1)  # -1: none of its own

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Images that cannot be used are listed with a reason; the rest is done."""
+
+import os
+import signal
+import struct
+import time
+import zlib
+
+import pytest
+
+from dataset.data_sets import (
+    OPTIONS,
+    check_agreement,
+    contents,
+    files_in,
+    folder_of_images,
+    scene,
+    start,
+    write_image,
+)
+from python.commands import run
+
+
+def png_of_no_size():
+    """Return a PNG of 0x0 pixels."""
+    chunks = [(b"IHDR", struct.pack(">IIBBBBB", 0, 0, 8, 2, 0, 0, 0)), (b"IEND", b"")]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data))
+        + name
+        + data
+        + struct.pack(">I", zlib.crc32(name + data))
+        for name, data in chunks
+    )
+
+
+@pytest.fixture
+def mixed(tmp_path, repository):
+    """Return a folder of five good and nine bad images."""
+    folder = folder_of_images(tmp_path / "in")
+    whole = (repository / "tests/data/interior.exr").read_bytes()
+    (folder / "cut.exr").write_bytes(whole[: len(whole) // 2])
+    (folder / "cut_header.exr").write_bytes(whole[:200])
+    (folder / "text.exr").write_text("this is no image")
+    (folder / "nothing.png").write_bytes(b"")
+    (folder / "zero.png").write_bytes(png_of_no_size())
+    (folder / "gone.exr").symlink_to(folder / "nowhere.exr")
+    write_image(folder / "one.exr", scene()[..., :1].copy())
+    write_image(folder / "row.exr", scene((1, 30000)))
+    write_image(folder / "col.exr", scene((30000, 1)))
+    return folder
+
+
+REASONS = {
+    "col.exr": "is 1x30000 pixels",
+    "cut.exr": "missing or corrupted",
+    "cut_header.exr": "header",
+    "gone.exr": "No such file",
+    "nothing.png": "Not a PNG",
+    "one.exr": "needs R, G and B",
+    "row.exr": "is 30000x1 pixels",
+    "text.exr": "magic",
+    "zero.png": "IHDR",
+}
+
+
+def test_bad_images_are_listed_and_the_rest_is_done(mixed, images, tmp_path):
+    done = run("dataset", mixed, tmp_path / "out", *OPTIONS)
+    assert done.code == 1 and done.out.startswith("wrote")
+    *lines, last = done.err.splitlines()
+    assert last == "cg2raw dataset: 9 of 14 images could not be used"
+    assert len(lines) == len(REASONS)
+    for line, (name, reason) in zip(lines, REASONS.items(), strict=True):
+        assert line.startswith(f"cg2raw dataset: {name}: ") and reason in line
+    check_agreement(tmp_path / "out")
+    run("dataset", images, tmp_path / "good", *OPTIONS)
+    assert contents(tmp_path / "out") == contents(tmp_path / "good")  # with manifests
+
+
+def test_bad_images_are_listed_again_until_mended_or_gone(mixed, tmp_path):
+    run("dataset", mixed, tmp_path / "out", *OPTIONS)
+    assert run("dataset", mixed, tmp_path / "out", *OPTIONS).err.count("\n") == 10
+    write_image(mixed / "text.exr", scene())
+    for name in REASONS.keys() - {"text.exr"}:
+        (mixed / name).unlink()
+    done = run("dataset", mixed, tmp_path / "out", *OPTIONS)
+    assert (done.code, done.err) == (0, "")
+
+
+def test_crops_larger_than_the_image_are_a_reason(images, tmp_path):
+    write_image(tmp_path / "in/big.exr", scene((64, 64)))
+    write_image(tmp_path / "in/small.exr", scene((8, 64)))
+    words = "--sensors nikon-d40 --illuminants 1 --crop 32x32".split()
+    done = run("dataset", tmp_path / "in", tmp_path / "out", *words)
+    assert done.code == 1
+    assert "small.exr: is 64x8, smaller than the crop 32x32" in done.err
+
+
+def workers_of(process):
+    """Return the process ids of a command's workers."""
+    with open(f"/proc/{process.pid}/task/{process.pid}/children") as stream:
+        return [int(word) for word in stream.read().split()]
+
+
+def wait_for(condition, seconds=60):
+    """Return what @condition returns once it is true."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if found := condition():
+            return found
+        time.sleep(0.002)
+    raise AssertionError("nothing happened")
+
+
+def test_a_worker_that_dies_costs_nothing(images, tmp_path):
+    out = tmp_path / "out"
+    process = start(images, out, *OPTIONS, "--workers", "1")
+    wait_for(lambda: files_in(out))
+    os.kill(workers_of(process)[0], signal.SIGKILL)
+    assert process.wait(60) == 0, process.stderr.read()
+    run("dataset", images, tmp_path / "whole", *OPTIONS)
+    assert contents(out) == contents(tmp_path / "whole")
+
+
+def test_an_image_that_kills_its_workers_is_given_up(images, tmp_path):
+    # A pipe in the place of an image: who opens it waits until it is killed.
+    write_image(tmp_path / "in/good.exr", scene())
+    os.mkfifo(tmp_path / "in/pipe.exr")
+    out = tmp_path / "out"
+    process = start(tmp_path / "in", out, *OPTIONS, "--workers", "1")
+    wait_for(lambda: len(files_in(out)) == 8)
+    for _ in range(2):
+        (worker,) = wait_for(lambda: workers_of(process))
+        time.sleep(0.5)
+        os.kill(worker, signal.SIGKILL)
+        wait_for(lambda worker=worker: worker not in workers_of(process))
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "pipe.exr: the process that worked on it ended twice (SIGKILL)" in errors
+    check_agreement(out)

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What image files are taken for."""
+
+import struct
+import zlib
+
+import numpy as np
+import pytest
+import tifffile
+from cg2raw.dataset.image_file import read_image
+from cg2raw.dataset.transfer import table
+from PIL import ImageCms
+
+from dataset.data_sets import scene, write_image
+
+CODES = np.arange(0, 252, dtype=np.uint8).reshape(7, 12, 3)
+ACESCG = (
+    0.713,
+    0.293,
+    0.165,
+    0.830,
+    0.128,
+    0.044,
+    0.32168,
+    0.33767,
+)  # ACES TB-2014-004
+
+
+def srgb_of_specification(code):
+    """Return light of sRGB values 0..1. Source: IEC 61966-2-1."""
+    code = np.float64(code)
+    return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+
+
+@pytest.mark.parametrize("levels", [256, 65536])
+@pytest.mark.parametrize("curve", ["srgb", 1.8, 2.2])
+def test_tables_are_the_curves_in_float32(curve, levels):
+    code = np.arange(levels) / (levels - 1)
+    light = srgb_of_specification(code) if curve == "srgb" else code**curve
+    found = table(curve, levels)
+    assert found.dtype == np.float32 and found[0] == 0 and found[-1] == 1
+    # half a unit in the last place of float32, and float64's own error
+    assert np.max(np.abs(found / np.maximum(light, 1e-30) - 1)[1:]) <= 2**-24 + 1e-15
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.tif", "a.hdr"])
+def test_floats_are_linear(tmp_path, name):
+    pixels = np.abs(scene())
+    image = read_image(str(write_image(tmp_path / name, pixels, "float")))
+    assert image.transfer == "linear" and image.rgb.dtype == np.float32
+    if name == "a.hdr":  # 8 bits beside a shared exponent
+        assert np.abs(image.rgb - pixels).max() <= pixels.max() / 128
+    else:
+        assert np.array_equal(image.rgb, pixels)
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif"])
+@pytest.mark.parametrize("kind", ["uint8", "uint16"])
+def test_integers_are_srgb(tmp_path, name, kind):
+    codes = CODES if kind == "uint8" else CODES.astype(np.uint16) * 257
+    image = read_image(str(write_image(tmp_path / name, codes, kind)))
+    assert image.transfer == "srgb"
+    light = srgb_of_specification(CODES / 255.0)
+    assert np.array_equal(image.rgb, light.astype(np.float32))
+
+
+def with_gamma(path, gamma):
+    """Make a PNG say by gAMA, and by it alone, what its code values are."""
+    data, at = path.read_bytes(), 8
+    chunk = b"gAMA" + struct.pack(">I", gamma)
+    made = data[:at]
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        name, whole = data[at + 4 : at + 8], data[at : at + 12 + length]
+        at += 12 + length
+        if name == b"IDAT":
+            made += struct.pack(">I", 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
+        if name in (b"IHDR", b"IDAT", b"IEND"):
+            made += whole
+    path.write_bytes(made)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("gamma", "transfer"), [(100000, "linear"), (55556, "g1.8"), (45455, "g2.2")]
+)
+def test_the_file_says_the_curve(tmp_path, gamma, transfer):
+    path = with_gamma(write_image(tmp_path / "a.png", CODES, "uint8"), gamma)
+    image = read_image(str(path))
+    assert image.transfer == transfer
+    exponent = 1 if transfer == "linear" else float(transfer[1:])
+    light = (CODES / 255.0) ** exponent
+    assert np.allclose(image.rgb, light, rtol=1e-6, atol=0)
+
+
+@pytest.mark.parametrize("kind", ["uint8", "uint16"])
+def test_alpha_is_ignored(tmp_path, kind):
+    pixels = np.dstack([CODES, np.full(CODES.shape[:2], 9, np.uint8)])
+    if kind == "uint16":
+        pixels = pixels.astype(np.uint16) * 257
+    opaque = write_image(tmp_path / "b.png", pixels[..., :3].copy(), kind)
+    path = write_image(tmp_path / "a.png", pixels, kind, oiio__UnassociatedAlpha=1)
+    assert np.array_equal(read_image(str(path)).rgb, read_image(str(opaque)).rgb)
+
+
+BAD = {
+    "other.exr": (scene(), "half", {"oiio__ColorSpace": "ACEScg"}, "colour space"),
+    "p3.png": (CODES, "uint8", {"oiio__ColorSpace": "srgb_p3d65_scene"}, "p3d65"),
+    "one.exr": (scene()[..., :1].copy(), "half", {}, "needs R, G and B"),
+    "two.png": (CODES[..., :2].copy(), "uint8", {}, "needs R, G and B"),
+    "row.exr": (scene((1, 30000)), "half", {}, "30000x1"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_cannot_be_used_says_why(tmp_path, name):
+    pixels, kind, attributes, reason = BAD[name]
+    path = write_image(tmp_path / name, pixels, kind, **attributes)
+    with pytest.raises(ValueError, match=rf"\A[^\n]*{reason}[^\n]*\Z"):
+        read_image(str(path))
+
+
+def test_integers_of_32_bits_are_an_error(tmp_path):
+    path = str(tmp_path / "a.tif")
+    tifffile.imwrite(path, CODES.astype(np.uint32), photometric="rgb")
+    with pytest.raises(ValueError, match="needs 8 or 16 bits"):
+        read_image(path)
+
+
+def test_icc_profiles_of_other_spaces_are_an_error(tmp_path):
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("LAB")).tobytes()
+    path = str(tmp_path / "a.tif")
+    tifffile.imwrite(path, CODES, photometric="rgb", iccprofile=profile)
+    with pytest.raises(ValueError, match="ICC profile"):
+        read_image(path)
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    tifffile.imwrite(path, CODES, photometric="rgb", iccprofile=profile)
+    assert read_image(path).transfer == "srgb"
+
+
+def test_other_primaries_are_an_error(tmp_path):
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageSpec(8, 8, 3, "half")
+    eight = oiio.TypeDesc("float[8]")
+    spec.attribute("chromaticities", eight, ACESCG)
+    path = str(tmp_path / "a.exr")
+    file = oiio.ImageOutput.create(path)
+    assert file.open(path, spec) and file.write_image(scene((8, 8))) and file.close()
+    with pytest.raises(ValueError, match="chromaticities"):
+        read_image(path)

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The manifest tells the truth, and enough of it to make each file again."""
+
+import hashlib
+import json
+
+import cg2raw
+import numpy as np
+import pyarrow.parquet
+import pytest
+from cg2raw import read_dng_metadata
+from cg2raw.dataset.image_file import read_image
+
+from dataset.data_sets import check_agreement, rows
+from python.commands import run
+
+OPTIONS = (
+    "--sensors samsung-s20fe,canon-70d --illuminants A,sample:5 --gains 1,0.7 "
+    "--iso clean,400 --crop 16x12 --patches 2 --seed 9"
+).split()
+
+
+@pytest.fixture(scope="module")
+def out(images, tmp_path_factory, repository):
+    """Return a data set of crops, clean and noisy."""
+    folder = tmp_path_factory.mktemp("data") / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        profiles = str(repository / "plugins" / "profiles")
+        patch.setenv("CG2RAW_PROFILE_PATH", profiles)
+        done = run("dataset", images, folder, *OPTIONS)
+    assert done.code == 0, done
+    return folder
+
+
+def again(row, images):
+    """Return the frame that a row describes, by the public interface."""
+    rgb = read_image(str(images / row["input"])).rgb
+    x, y, width, height = row["crop"]
+    return cg2raw.Sensor(row["sensor"]).simulate(
+        np.ascontiguousarray(rgb[y : y + height, x : x + width]),
+        illuminant=row["illuminant"],
+        iso=row["iso"],
+        noise=row["noise"] or "gaussian",
+        seed=row["seed"],
+        frame=row["frame"],
+        digital_gain=row["digital_gain"],
+        convention=row["convention"],
+    )
+
+
+def test_every_row_makes_its_file_again(out, images, tmp_path):
+    found = rows(out)
+    assert len(found) == 5 * 2 * 2 * 2 * 2 * 2
+    for row in found[::7]:
+        path = tmp_path / "again.dng"
+        frame = again(row, images)
+        cg2raw.write_dng(path, frame, compression=row["compression"], preview=False)
+        assert path.read_bytes() == (out / row["path"]).read_bytes()
+
+
+def test_manifest_and_folder_agree(out):
+    check_agreement(out)
+
+
+def test_both_manifests_are_the_same(out):
+    assert pyarrow.parquet.read_table(out / "manifest.parquet").to_pylist() == rows(out)
+
+
+def test_hashes_are_those_of_images_and_profiles(out, images):
+    for row in rows(out)[::9]:
+        data = (images / row["input"]).read_bytes()
+        assert row["input_sha256"] == hashlib.sha256(data).hexdigest()
+        text = cg2raw.Sensor(row["sensor"]).to_json()
+        assert row["profile_sha256"] == hashlib.sha256(text.encode()).hexdigest()
+    plan = json.loads((out / "dataset.json").read_text())
+    assert list(plan["profiles"]) == ["samsung-s20fe", "canon-70d"]
+
+
+def test_neutral_is_that_of_the_file(out):
+    for row in rows(out)[::5]:
+        metadata = read_dng_metadata(str(out / row["path"]))
+        neutral = np.array(metadata.as_shot_neutral)
+        # the writer keeps millionths, of the largest
+        assert neutral / neutral[1] == pytest.approx(row["neutral"], abs=3e-6)
+        assert metadata.black_level == row["black_level"]
+        assert metadata.shot["iso"] == (row["iso"] and int(row["iso"]))
+
+
+def test_matrices_take_the_white_of_the_light_to_the_neutral(out):
+    for row in rows(out)[::5]:
+        x, y = row["xy"]
+        white = np.array(row["camera_from_xyz"]).reshape(3, 3) @ [x, y, 1 - x - y]
+        # in the temperature's fixed point, which stops at 1e-7 of xy
+        assert white / white[1] == pytest.approx(row["neutral"], rel=2e-5)
+        first = np.array(row["transform_first"]).reshape(3, 3)
+        assert first.sum(axis=1) == pytest.approx(1, abs=1e-6)  # white stays white
+
+
+def test_noisy_files_name_their_clean_one(out):
+    found = {row["path"]: row for row in rows(out)}
+    noisy = [row for row in found.values() if row["iso"] is not None]
+    assert len(noisy) == len(found) // 2
+    shared = ("input", "crop", "sensor", "neutral", "digital_gain")
+    for row in noisy:
+        clean = found[row["clean_path"]]
+        assert clean["iso"] is None and clean["clean_path"] is None
+        assert all(row[name] == clean[name] for name in shared)
+
+
+def test_crops_are_within_and_differ(out):
+    crops = {(row["input"], row["patch"]): row["crop"] for row in rows(out)}
+    assert len(crops) == 10 and len({tuple(crop) for crop in crops.values()}) > 5
+    assert all(0 <= x <= 36 - 16 and 0 <= y <= 24 - 12 for x, y, _, _ in crops.values())
+
+
+def test_drawn_gains_follow_the_profile_and_are_shared(images, tmp_path):
+    words = "--sensors samsung-s20fe --illuminants 40 --gains sample --iso clean,100"
+    run("dataset", images, tmp_path / "out", *words.split(), "--format", "npy")
+    found = rows(tmp_path / "out")
+    by_path = {row["path"]: row for row in found}
+    for row in found:
+        assert row["digital_gain_drawn"]
+        clean = by_path[row["clean_path"] or row["path"]]
+        assert row["digital_gain"] == clean["digital_gain"]
+    gains = np.array([row["digital_gain"] for row in found if row["iso"] is None])
+    # N(0.8, 0.1) of the profile; 200 draws: five standard errors
+    assert len(set(gains)) == 200
+    assert gains.mean() == pytest.approx(0.8, abs=5 * 0.1 / 200**0.5)
+    assert gains.std() == pytest.approx(0.1, rel=5 / 400**0.5)

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Options that cannot be are one line that says what to do."""
+
+import pytest
+
+from python.commands import fails, run
+
+BAD = [
+    ("--illuminants 0", "1 to 100000"),
+    ("--illuminants as-shot", "needs a DNG"),
+    ("--illuminants A,a", "name it once"),
+    ("--illuminants 99K", "illuminant"),
+    ("--illuminants 1 --gains 0", "digital gain"),
+    ("--illuminants 1 --gains 1,1.0", "name it once"),
+    ("--illuminants 1 --gains much", "must be a number or sample"),
+    ("--illuminants 1 --gains sample --sensors nikon-d40", "no digital_gain to sample"),
+    ("--illuminants 1 --iso 100 --sensors nikon-d40", "no measured noise"),
+    ("--illuminants 1 --iso 999999", "outside"),
+    ("--illuminants 1 --iso 100 --noise physical", "--noise gaussian"),
+    ("--illuminants 1 --iso dirty", "must be a number or clean"),
+    ("--illuminants 1 --sensors nikon-d4", "did you mean nikon-d40"),
+    ("--illuminants 1 --patches 3", "of which size"),
+    ("--illuminants 1 --crop 4", "WxH"),
+    ("--illuminants 1 --crop 4x4 --patch-size 4", "give one of them"),
+    ("--illuminants 1 --type uint16", "a DNG is uint16"),
+    ("--illuminants 1 --format exr --type uint16", "--format npy"),
+    ("--illuminants 1 --format npy --compression none", "of DNGs"),
+    ("--illuminants 1 --format npy --sensors fujifilm-x-m1", "--format dng"),
+    ("--illuminants 1 --seed -1", "seed"),
+    ("--illuminants 1 --workers 2 --scheduler tcp://127.0.0.1:1", "its own workers"),
+]
+
+
+@pytest.mark.parametrize(("options", "said"), BAD, ids=[words for words, _ in BAD])
+def test_bad_options(images, tmp_path, options, said):
+    sensor = [] if "--sensors" in options else ["--sensors", "samsung-s20fe"]
+    message = fails("dataset", images, tmp_path / "out", *sensor, *options.split())
+    assert said in message
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "options", ["", "--illuminants 1 --workers 0", "--illuminants 1 --patches x"]
+)
+def test_usage(images, tmp_path, options):
+    assert fails("dataset", images, tmp_path / "out", *options.split(), code=2)
+
+
+def test_images_that_are_not_there(images, tmp_path):
+    def message(*inputs):
+        return fails("dataset", *inputs, tmp_path / "out", "--illuminants", "1")
+
+    assert "no such file" in message(tmp_path / "none")
+    assert "is a folder" in message(images, images / "0.exr")
+    (tmp_path / "0.exr").write_bytes(b"")
+    assert "has the name of" in message(images / "0.exr", tmp_path / "0.exr")
+    (tmp_path / "empty").mkdir()
+    assert "holds no EXR" in message(tmp_path / "empty")
+
+
+def test_all_sensors_leave_out_what_they_cannot(images, tmp_path):
+    words = "--illuminants A --iso clean,100 --format npy --type uint16".split()
+    done = run("dataset", images / "0.exr", tmp_path / "out", *words)
+    assert done.code == 0
+    lines = done.err.splitlines()
+    assert len(lines) == 2 and all("left out" in line for line in lines)
+    assert "fujifilm-x-m1" in lines[0] and "--iso 100: not with" in lines[1]
+    made = {path.name for path in (tmp_path / "out/0.exr").iterdir()}
+    assert {"nikon-d40_l0_g1_clean.npy", "nikon-d850_l0_g1_iso100.npy"} <= made
+    assert "nikon-d40_l0_g1_iso100.npy" not in made
