@@ -9,7 +9,8 @@ namespace {
 Run run_of(const std::string& illuminant, std::optional<double> iso,
            const std::string& noise, std::uint64_t seed, std::uint64_t frame,
            double digital_gain, const std::string& convention, bool highlights,
-           bool effects, bool camera_input, const std::optional<Vec3>& as_shot)
+           bool effects, bool camera_input, const std::optional<Vec3>& as_shot,
+           bool sample_digital_gain)
 {
     Run run;
     run.illuminant = illuminant;
@@ -23,6 +24,7 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
     run.effects = effects;
     run.camera_input = camera_input;
     run.as_shot = as_shot;
+    run.sample_digital_gain = sample_digital_gain;
     return run;
 }
 
@@ -113,7 +115,7 @@ void bind_simulation(py::module_& m)
     py::class_<Run>(m, "Run", "What one exposure is asked to be.")
         .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
              "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
-             "camera_input"_a, "as_shot"_a);
+             "camera_input"_a, "as_shot"_a, "sample_digital_gain"_a = false);
     m.def("to_camera", &camera_of, "profile"_a, "rgb"_a, "illuminant"_a, "convention"_a,
           "digital_gain"_a, "highlights"_a,
           "(3, height, width) float32 camera RGB before the mosaic.");

@@ -116,13 +116,15 @@ class Sensor:
             (Poisson photons, Tukey lambda read noise, row noise), which needs an iso
             and a profile whose noise has tukey_lambda and row_sigma.
         seed, frame : key of everything random; noise differs from frame to frame.
-        digital_gain : multiplies the white balance gains (0 to 1000).
+        digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
+            from the profile, by seed and frame.
         convention : "dng" (inverse of a DNG renderer) or "paper".
         highlights : keep white white while white balance is undone.
         effects : False for neither the profile's effects nor noise.
         camera_input : the image already is camera RGB under this illuminant.
         as_shot : (3,) neutral that the word as-shot stands for."""
         word = _word(illuminant, self.id)
+        sampled = isinstance(digital_gain, str) and digital_gain == "sample"
         try:
             run = _core.Run(
                 illuminant=word,
@@ -130,7 +132,8 @@ class Sensor:
                 noise=noise,
                 seed=seed,
                 frame=frame,
-                digital_gain=digital_gain,
+                digital_gain=1.0 if sampled else digital_gain,
+                sample_digital_gain=sampled,
                 convention=convention,
                 highlights=highlights,
                 effects=effects,
@@ -139,7 +142,8 @@ class Sensor:
             )
         except TypeError:
             raise ValueError(
-                f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers, seed "
+                f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers (or "
+                f"digital_gain sample), seed "
                 f"{seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
                 f"noise {noise!r} and convention {convention!r} texts, highlights "
                 f"{highlights!r}, effects {effects!r} and camera_input "
@@ -203,6 +207,7 @@ def write_dng(
     preview=True,
     matrices="camera",
     tone_curve="camera",
+    shot=None,
     threads=0,
 ):
     """Write a simulated frame as a DNG, complete or not at all.
@@ -212,6 +217,10 @@ def write_dng(
     preview : whether IFD0 holds a rendered picture.
     matrices : "camera" (the sensor's) or "exact" (every reader gives the render back).
     tone_curve : "camera" (the reader's own) or "linear".
+    shot : dict of what Exif is to say: exposure_time (s), f_number, focal_length (mm),
+        date_time_original ("YYYY:MM:DD HH:MM:SS"), artist, copyright, description,
+        lens_model, orientation (1 to 8); what makes no sense there is left out. Or a
+        Shot, as DngMetadata.merged_shot returns it. The ISO is the simulation's.
     Raises ValueError naming path and reason."""
     simulation = getattr(raw, "simulation", None)
     if simulation is None:
@@ -233,4 +242,19 @@ def write_dng(
         matrices,
         tone_curve,
         threads,
+        _shot(shot or {}),
     )
+
+
+def _shot(shot):
+    """Return the core's Shot of a dict, or of itself."""
+    if isinstance(shot, _core.Shot):
+        return shot
+    try:
+        return _core.Shot(**shot)
+    except TypeError:
+        raise ValueError(
+            f"shot {shot!r} must be a dict of exposure_time, f_number, focal_length "
+            "(numbers), date_time_original, artist, copyright, description, lens_model "
+            "(texts) and orientation (a whole number)"
+        ) from None
