@@ -21,12 +21,14 @@ from cg2raw._core import (
     temperature_from_xy,
 )
 from cg2raw.sensor import RawFrame, Sensor, write_dng
+from cg2raw.upi import Upi
 
 __all__ = [
     "DngMetadata",
     "Illuminant",
     "RawFrame",
     "Sensor",
+    "Upi",
     "__version__",
     "effects",
     "illuminant_grammar",
