@@ -5,10 +5,33 @@
 
 #include <OpenImageIO/strutil.h>
 
+#include <charconv>
 #include <cmath>
 
 namespace cg2raw {
 namespace {
+
+/// The shortest text that reads back as @p value: what was typed, up to six digits.
+/// oiiotool turns 0.7 into a float; as a double that would be another number than 0.7
+/// in Python.
+std::string shortest(float value)
+{
+    char buffer[40];
+    const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
+    return { buffer, result.ptr };
+}
+
+/// The number that all of @p text is, in the C locale; NaN if it is none.
+double number_from(std::string_view text)
+{
+    if (!text.empty() && text.front() == '+')
+        text.remove_prefix(1);
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto result = std::from_chars(text.data(), end, value);
+    const bool whole = result.ec == std::errc() && result.ptr == end && !text.empty();
+    return whole ? value : std::nan("");
+}
 
 /// An attribute's name and value, whatever its type.
 struct Given {
@@ -27,11 +50,9 @@ struct Given {
 
     double real(double low, double high, const std::string& allowed) const
     {
-        double number = std::nan("");
-        if (value.type() == OIIO::TypeDesc::FLOAT) // its text would be rounded
-            number = double(value.get_float());
-        else if (OIIO::Strutil::string_is<float>(text()))
-            number = double(OIIO::Strutil::stof(text()));
+        const bool is_float = value.type() == OIIO::TypeDesc::FLOAT;
+        const double number
+            = number_from(is_float ? shortest(value.get_float()) : text());
         if (!(number >= low && number <= high))
             fail(allowed);
         return number;

@@ -10,6 +10,7 @@
 #include <OpenImageIO/strutil.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
@@ -19,25 +20,6 @@ namespace {
 
 using OIIO::ImageSpec;
 using OIIO::Strutil::iequals;
-
-/// Names that OpenImageIO and common configs give to scene-linear Rec.709.
-constexpr const char* rec709_names[] = { "lin_rec709",
-                                         "lin_rec709_scene",
-                                         "lin_srgb",
-                                         "lin_srgb_scene",
-                                         "lin_rec709_srgb",
-                                         "srgb_linear",
-                                         "linear srgb",
-                                         "linear rec.709 (srgb)",
-                                         "linear rec.709",
-                                         "utility - linear - srgb",
-                                         "utility - linear - rec.709" };
-
-bool is_rec709_name(const std::string& space)
-{
-    return std::any_of(std::begin(rec709_names), std::end(rec709_names),
-                       [&](const char* name) { return iequals(space, name); });
-}
 
 /// What the words "linear" and "scene_linear" stand for is the OCIO config's business;
 /// without one they are Rec.709.
@@ -88,98 +70,40 @@ void require_rec709(const std::string& space)
                     + "\" (or \"RAW - <sensor> - <illuminant>\") before -o");
 }
 
-/// OpenEXR files may say their primaries themselves. Source: IEC 61966-2-1.
+/// OpenEXR files may say their primaries themselves.
 void require_rec709_primaries(const ImageSpec& spec)
 {
-    constexpr float rec709[8]
-        = { 0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f };
     float said[8];
     if (!spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8),
                            said))
         return;
-    for (int i = 0; i < 8; ++i)
-        if (!(std::abs(said[i] - rec709[i]) < 0.002f))
-            throw Error(
-                "the image's chromaticities are not those of Rec.709: convert it to "
-                "scene-linear Rec.709, and then --eraseattrib chromaticities");
+    std::array<double, 8> chromaticities;
+    std::copy(std::begin(said), std::end(said), chromaticities.begin());
+    if (!is_rec709_primaries(chromaticities))
+        throw Error(
+            "the image's chromaticities are not those of Rec.709: convert it to "
+            "scene-linear Rec.709, and then --eraseattrib chromaticities");
 }
 
-/// The profile of a reference DNG, with what only a measured profile knows.
-SensorProfile with_measurements(SensorProfile reference, const SensorProfile& measured,
-                                const std::string& file)
-{
-    if (!iequals(reference.unique_camera_model, measured.unique_camera_model)
-        && !iequals(reference.model, measured.model))
-        throw Error("dng:reference " + file + " is of a \""
-                    + reference.unique_camera_model + "\", dng:sensor " + measured.id
-                    + " is a \"" + measured.unique_camera_model
-                    + "\": give only one of them, or a pair "
-                      "of the same camera");
-    reference.id = measured.id;
-    reference.illuminants = measured.illuminants;
-    reference.digital_gain = measured.digital_gain;
-    reference.effects = measured.effects;
-    if (!measured.noise.empty())
-        reference.noise = measured.noise;
-    return reference;
-}
-
-/// A date as Exif writes it, "YYYY:MM:DD HH:MM:SS", or nothing.
-std::string exif_date(const std::string& text)
-{
-    const std::string form = "0000:00:00 00:00:00";
-    if (text.size() != form.size())
-        return "";
-    for (std::size_t i = 0; i < form.size(); ++i)
-        if (form[i] == '0' ? text[i] < '0' || text[i] > '9' : text[i] != form[i])
-            return "";
-    return text;
-}
-
-/// Exif that renderers and oiiotool put into an image. What makes no sense there is
-/// left out: it is no reason to refuse the picture.
+/// Exif that renderers and oiiotool put into an image.
 Shot shot_of(const ImageSpec& spec)
 {
     Shot shot;
-    const auto positive = [&](const char* name) -> std::optional<double> {
+    const auto number = [&](const char* name) -> double {
         // OpenImageIO 2.4 makes no float of an int.
-        const float value
-            = spec.get_float_attribute(name, float(spec.get_int_attribute(name, 0)));
-        return value >= 1e-6f && value <= 1e6f ? std::optional<double>(value)
-                                               : std::nullopt;
+        return spec.get_float_attribute(name, float(spec.get_int_attribute(name, 0)));
     };
-    shot.exposure_time = positive("ExposureTime");
-    shot.f_number = positive("FNumber");
-    shot.focal_length = positive("Exif:FocalLength");
-    shot.date_time_original = exif_date(spec.get_string_attribute(
-        "Exif:DateTimeOriginal", spec.get_string_attribute("DateTime")));
+    shot.exposure_time = number("ExposureTime");
+    shot.f_number = number("FNumber");
+    shot.focal_length = number("Exif:FocalLength");
+    shot.date_time_original = spec.get_string_attribute(
+        "Exif:DateTimeOriginal", spec.get_string_attribute("DateTime"));
     shot.artist = spec.get_string_attribute("Artist");
     shot.copyright = spec.get_string_attribute("Copyright");
     shot.description = spec.get_string_attribute("ImageDescription");
     shot.lens_model = spec.get_string_attribute("Exif:LensModel");
-    const int orientation = spec.get_int_attribute("Orientation", 1);
-    shot.orientation = orientation >= 1 && orientation <= 8 ? orientation : 1;
-    return shot;
-}
-
-/// Exif of the reference, and of the image what the reference lacks. Orientation,
-/// author, rights and description are the image's own: they are not the camera's.
-Shot merged(Shot reference, const Shot& image)
-{
-    reference.orientation = image.orientation;
-    if (!reference.exposure_time)
-        reference.exposure_time = image.exposure_time;
-    if (!reference.f_number)
-        reference.f_number = image.f_number;
-    if (!reference.focal_length)
-        reference.focal_length = image.focal_length;
-    reference.artist = image.artist;
-    reference.copyright = image.copyright;
-    reference.description = image.description;
-    for (auto text : { &Shot::date_time_original, &Shot::lens_model })
-        if ((reference.*text).empty())
-            reference.*text = image.*text;
-    return reference;
+    shot.orientation = spec.get_int_attribute("Orientation", 1);
+    return plausible(shot);
 }
 
 /// The space of the pixels, if they already are RAW; contradictions are errors.

@@ -40,6 +40,16 @@ std::string name_of_exact(const std::string& model)
     return has_it ? model : model + ending;
 }
 
+/// Noise that stands among the profile's effects rather than at an ISO.
+std::optional<NoiseAtIso> noise_of_effects(const Simulation& simulation)
+{
+    const auto shot = simulation.active("shot_noise");
+    const auto read = simulation.active("read_noise");
+    if (!shot || !read)
+        return std::nullopt;
+    return NoiseAtIso { 0.0, *shot, *read };
+}
+
 /// The planes' noise: means over the sites of a colour.
 std::vector<NoisePair> noise_profile(const NoiseAtIso& noise, const CfaPattern& cfa)
 {
@@ -106,6 +116,8 @@ DngDescription describe(const Simulation& simulation, const DngOptions& options,
     }
     if (simulation.noise())
         description.noise_profile = noise_profile(*simulation.noise(), profile.cfa);
+    else if (const auto noise = noise_of_effects(simulation))
+        description.noise_profile = noise_profile(*noise, profile.cfa);
     if (const std::optional<Values> falloff = simulation.active("lens_shading"))
         description.lens_shading = gains_against(*falloff, simulation.frame());
     return description;

@@ -44,6 +44,22 @@ void bind_color(py::module_& m)
         "xyz_d65_from_srgb", [] { return array_of(xyz_d65_from_srgb()); },
         "(3, 3) float64: XYZ with D65 white from linear sRGB. Source: IEC 61966-2-1.");
     m.def(
+        "xyz_d50_from_srgb", [] { return array_of(xyz_d50_from_srgb()); },
+        "(3, 3) float64: the same, adapted to D50 by Bradford.");
+    m.def("is_rec709_name", &is_rec709_name, "space"_a,
+          "Whether a colour space's name is known to mean scene-linear Rec.709.");
+    m.def("is_rec709_primaries", &is_rec709_primaries, "chromaticities"_a,
+          "Whether x, y of red, green, blue and white (8 numbers) are Rec.709's.");
+    py::class_<Rng>(m, "Rng",
+                    "Random numbers that are pure functions of (seed, purpose, frame) "
+                    "and n.")
+        .def(py::init<std::uint64_t, std::string_view, std::uint64_t>(), "seed"_a,
+             "purpose"_a, "frame"_a = 0)
+        .def("uniform", &Rng::uniform, "n"_a,
+             "The n-th uniform in (0, 1), float64; n from 0 to 2**32 - 1.")
+        .def("normal", &Rng::normal, "n"_a,
+             "The n-th standard normal, float64; uses uniforms 2n and 2n + 1.");
+    m.def(
         "philox_words", &philox_words, "counter"_a, "key"_a,
         "Philox 4x32-10: four 32-bit words of a counter (4 words) under a key (2).\n\n"
         "Source: Salmon et al., SC 2011.");

@@ -4,13 +4,14 @@
 #include "bindings.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cg2raw::python {
 namespace {
 
 void write(const std::string& path, const RawArray& raw, const Simulation& simulation,
            const std::string& compression, bool preview, const std::string& matrices,
-           const std::string& tone_curve, int threads)
+           const std::string& tone_curve, int threads, const Shot& of_image)
 {
     const Size frame = simulation.frame();
     if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
@@ -25,9 +26,9 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
     const DngOptions options { compression_from_name(compression), preview,
                                matrices_from_name(matrices),
                                tone_curve_from_name(tone_curve) };
-    Shot shot;
+    Shot shot = of_image;
     if (simulation.run().iso)
-        shot.iso = int(*simulation.run().iso);
+        shot.iso = int(std::lround(*simulation.run().iso));
     const Plane<const std::uint16_t> plane { raw.data(), frame.width, frame.height,
                                              frame.width };
     const py::gil_scoped_release release;
@@ -80,6 +81,11 @@ py::list list_of(const std::vector<GainMapAt>& maps)
 
 void bind_profiles(py::module_& m)
 {
+    m.def("with_measurements", &with_measurements, "reference"_a, "measured"_a,
+          "file"_a,
+          "The profile of a reference DNG with what only a measured profile knows:\n"
+          "illuminants, digital gain, effects, and noise if it has any.\n\n"
+          "Raises ValueError if the two are not of one camera; file names the DNG.");
     m.def("profile_from_dng", &profile_from_dng, "metadata"_a,
           "The sensor profile that one reference DNG amounts to.");
     m.def(
@@ -95,6 +101,28 @@ void bind_profiles(py::module_& m)
         "its cost.\n"
         "id: lower-case letters, digits, '-' and '.'; empty: from the model.\n\n"
         "Raises ValueError naming the files that are not of one camera.");
+}
+
+void bind_shot(py::module_& m)
+{
+    py::class_<Shot>(m, "Shot", "What Exif says of the exposure, without its ISO.")
+        .def(py::init(
+                 [](std::optional<double> exposure_time, std::optional<double> f_number,
+                    std::optional<double> focal_length,
+                    const std::string& date_time_original, const std::string& artist,
+                    const std::string& copyright, const std::string& description,
+                    const std::string& lens_model, int orientation) {
+                     return plausible({ exposure_time, f_number, focal_length,
+                                        std::nullopt, date_time_original, artist,
+                                        copyright, description, lens_model,
+                                        orientation });
+                 }),
+             py::kw_only(), "exposure_time"_a = py::none(), "f_number"_a = py::none(),
+             "focal_length"_a = py::none(), "date_time_original"_a = "",
+             "artist"_a = "", "copyright"_a = "", "description"_a = "",
+             "lens_model"_a = "", "orientation"_a = 1,
+             "Times in s, lengths in mm, dates as \"YYYY:MM:DD HH:MM:SS\", orientation "
+             "1 to 8;\nwhat makes no sense in Exif is left out.");
 }
 
 void bind_metadata(py::module_& m)
@@ -150,7 +178,16 @@ void bind_metadata(py::module_& m)
             "shot", [](const DngMetadata& d) { return dict_of(d.shot); },
             "{\"exposure_time\" (s), \"f_number\", \"focal_length\" (mm), \"iso\", "
             "\"date_time_original\",\n\"orientation\"} of Exif; None or empty: not "
-            "said.");
+            "said.")
+        .def(
+            "merged_shot",
+            [](const DngMetadata& d, const Shot& of_image) {
+                return merged(d.shot, of_image);
+            },
+            "of_image"_a,
+            "The Shot of a file for which this one is the reference: its Exif, and of "
+            "the\nimage what it lacks. Orientation, author, rights and description are "
+            "the image's.");
     m.def("read_dng_metadata",
           py::overload_cast<const std::string&>(&read_dng_metadata), "path"_a,
           "Metadata of a DNG; no pixels are read.\n\n"
@@ -163,8 +200,9 @@ void bind_metadata(py::module_& m)
 void bind_dng(py::module_& m)
 {
     m.def("write_dng", &write, "path"_a, "raw"_a, "simulation"_a, "compression"_a,
-          "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a,
+          "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a, "shot"_a,
           "Write a DNG; see cg2raw.write_dng.");
+    bind_shot(m);
     bind_metadata(m);
     bind_profiles(m);
 }

@@ -27,6 +27,7 @@ from cg2raw.cfa import demosaic, mosaic
 from cg2raw.dng import write_dng
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
+from cg2raw.upi import Upi
 
 __all__ = [
     "DngMetadata",
@@ -35,6 +36,7 @@ __all__ = [
     "Sensor",
     "SensorProfile",
     "Simulation",
+    "Upi",
     "__version__",
     "demosaic",
     "effects",

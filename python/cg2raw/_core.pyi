@@ -101,6 +101,7 @@ class Run:
         effects: bool,
         camera_input: bool,
         as_shot: Sequence[float] | None,
+        sample_digital_gain: bool = False,
     ) -> None: ...
 
 class Simulation:
@@ -214,6 +215,7 @@ def write_dng(
     matrices: str,
     tone_curve: str,
     threads: int,
+    shot: Shot,
 ) -> None: ...
 def read_dng_metadata(path: str) -> DngMetadata: ...
 def profile_from_dng(metadata: DngMetadata) -> SensorProfile: ...

@@ -4,6 +4,7 @@
 """A mosaic of DN becomes a DNG."""
 
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ def write_dng(
     preview: bool = True,
     matrices: str = "camera",
     tone_curve: str = "camera",
+    shot: Mapping[str, Any] | _core.Shot | None = None,
     threads: int = 0,
 ) -> None:
     """Write a mosaic as a DNG, complete or not at all.
@@ -43,6 +45,10 @@ def write_dng(
     preview : whether IFD0 holds a rendered picture.
     matrices : "camera" (the sensor's) or "exact" (every reader gives the render back).
     tone_curve : "camera" (the reader's own) or "linear".
+    shot : what Exif is to say: exposure_time (s), f_number, focal_length (mm),
+        date_time_original ("YYYY:MM:DD HH:MM:SS"), artist, copyright, description,
+        lens_model, orientation (1 to 8); what makes no sense there is left out. Or a
+        Shot, as DngMetadata.merged_shot returns it. The ISO is the simulation's.
     threads : 0 for one per core; the bytes do not depend on it.
 
     Raises ValueError naming path and reason; DN above the sensor's white level are one.
@@ -53,8 +59,22 @@ def write_dng(
         raise ValueError(f"path {name!r} holds a NUL character")
     _core.write_dng(
         name, raw_plane(raw), simulation, compression, preview, matrices, tone_curve,
-        threads,
+        threads, _shot(shot or {}),
     )  # fmt: skip
+
+
+def _shot(shot: Mapping[str, Any] | _core.Shot) -> _core.Shot:
+    """Return the core's Shot of a dict, or of itself."""
+    if isinstance(shot, _core.Shot):
+        return shot
+    try:
+        return _core.Shot(**shot)
+    except TypeError:
+        raise ValueError(
+            f"shot {shot!r} must be a dict of exposure_time, f_number, focal_length "
+            "(numbers), date_time_original, artist, copyright, description, lens_model "
+            "(texts) and orientation (a whole number)"
+        ) from None
 
 
 def _simulation_of(

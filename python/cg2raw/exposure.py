@@ -17,7 +17,7 @@ def run_of(
     noise: str = "gaussian",
     seed: int = 0,
     frame: int = 0,
-    digital_gain: float = 1.0,
+    digital_gain: float | str = 1.0,
     convention: str = "dng",
     highlights: bool = True,
     effects: bool = True,
@@ -25,6 +25,7 @@ def run_of(
     as_shot: Sequence[float] | None = None,
 ) -> _core.Run:
     """Return what one exposure is asked to be. Raises ValueError for other types."""
+    sampled = isinstance(digital_gain, str) and digital_gain == "sample"
     try:
         return _core.Run(
             illuminant=illuminant,
@@ -32,7 +33,8 @@ def run_of(
             noise=noise,
             seed=seed,
             frame=frame,
-            digital_gain=digital_gain,
+            digital_gain=1.0 if sampled else digital_gain,  # type: ignore[arg-type]
+            sample_digital_gain=sampled,
             convention=convention,
             highlights=highlights,
             effects=effects,
@@ -41,8 +43,9 @@ def run_of(
         )
     except TypeError:
         raise ValueError(
-            f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers, seed "
-            f"{seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
+            f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers (or "
+            f"digital_gain sample), seed {seed!r} and frame {frame!r} whole numbers "
+            f"from 0 to 2**64 - 1, "
             f"noise {noise!r} and convention {convention!r} texts, highlights "
             f"{highlights!r}, effects {effects!r} and camera_input "
             f"{camera_input!r} True or False, and as_shot {as_shot!r} three numbers"

@@ -134,7 +134,7 @@ class Sensor:
         noise: str = "gaussian",
         seed: int = 0,
         frame: int = 0,
-        digital_gain: float = 1.0,
+        digital_gain: float | str = 1.0,
         convention: str = "dng",
         highlights: bool = True,
         effects: bool = True,
@@ -150,7 +150,8 @@ class Sensor:
             (Poisson photons, Tukey lambda read noise, row noise), which needs an iso
             and a profile whose noise has tukey_lambda and row_sigma.
         seed, frame : key of everything random; noise differs from frame to frame.
-        digital_gain : multiplies the white balance gains (0 to 1000).
+        digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
+            from the profile, by seed and frame.
         convention : "dng" (inverse of a DNG renderer) or "paper".
         highlights : keep white white while white balance is undone.
         effects : False for neither the profile's effects nor noise.

@@ -28,7 +28,7 @@ BAD_RUNS = [
     {"noise": None},
     {"noise": "physical"},
     {"noise": "physical", "iso": 800},
-    {"digital_gain": "sample"},
+    {"digital_gain": "some"},
     {"illuminant": None},
     {"illuminant": ["A", "D65"]},
     {"illuminant": b"A"},

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
 namespace cg2raw {
 
@@ -81,5 +82,11 @@ Mat3 bradford(Chromaticity to, Chromaticity from);
 Mat3 xyz_d65_from_srgb();
 /// The same, adapted to D50 by Bradford.
 Mat3 xyz_d50_from_srgb();
+
+/// Whether a colour space's name is one that OpenImageIO or a common config gives to
+/// scene-linear Rec.709; upper and lower case do not matter.
+bool is_rec709_name(std::string_view space);
+/// Whether (x, y) of red, green, blue and white are those of Rec.709, at 0.002.
+bool is_rec709_primaries(const std::array<double, 8>& chromaticities);
 
 } // namespace cg2raw

@@ -59,6 +59,16 @@ DngMetadata read_dng_metadata(const std::string& path);
 /// profile that check() lets pass.
 SensorProfile profile_from_dng(const DngMetadata& metadata);
 
+/// The profile of a reference DNG with what only a measured profile knows: illuminants,
+/// digital gain, effects, and noise if it has any. Throws Error, which calls the DNG
+/// @p file, if the two are not of one camera.
+SensorProfile with_measurements(SensorProfile reference, const SensorProfile& measured,
+                                const std::string& file);
+
+/// Exif of a reference DNG, and of the image what that lacks. Orientation, author,
+/// rights and description are the image's own: they are not the camera's.
+Shot merged(Shot reference, const Shot& image);
+
 /// A profile, and what its files lack or had simplified with what that costs: one
 /// sentence each, none twice. The profile's sources hold the notes too.
 struct ProfileOfDngs {

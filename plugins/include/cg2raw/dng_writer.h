@@ -55,6 +55,10 @@ struct Shot {
     int orientation = 1; ///< Exif orientation, 1 to 8
 };
 
+/// Without what makes no sense in Exif: dates of another form, orientations but 1 to 8,
+/// numbers outside 1e-6 to 1e6. It is no reason to refuse a picture.
+Shot plausible(Shot shot);
+
 /// All that a file says of its pixels.
 struct DngDescription {
     Size size; ///< of the active area, which is the whole mosaic

@@ -5,6 +5,11 @@
 Looks at every oiiotool and every Python with OpenImageIO on PATH, lists the plugins
 that each finds, and lets each write a 16x16 DNG. OpenImageIO itself skips a plugin that
 does not fit without a word. Exits with 1 if none of them can write one.
+
+examples:
+  cg2raw doctor
+  PATH=/opt/studio/bin:$PATH cg2raw doctor     # of another oiiotool
+  cg2raw doctor --json | jq .works
 """
 
 import json

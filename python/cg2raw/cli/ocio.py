@@ -18,6 +18,13 @@ environment variables CG2RAW_SENSOR and CG2RAW_ILLUMINANT choose one. Its files 
 OUT_raw beside OUT.ocio. On Windows leave out illuminants with a colon.
 
 --ctf, --clf and --cube write one sensor under one illuminant as a file of its own.
+
+examples:
+  cg2raw ocio --sensors all --illuminants A,D65 -o sensors.ocio
+  cg2raw ocio --sensors nikon-d40 --illuminants sample:0-9 --merge studio.ocio \\
+      -o studio/with-raw.ocio
+  cg2raw ocio --sensors all --illuminants A,D65,sample:0-99 --context -o any.ocio
+  cg2raw ocio --sensors samsung-s20fe --illuminants 2856K --ctf s20fe-2856K.ctf
 """
 
 import os

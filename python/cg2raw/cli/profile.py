@@ -10,6 +10,13 @@ stderr. RAW files that are no DNGs are read through LibRaw, which knows less of 
 Measured spectral sensitivities (--ssf) replace matrices and neutrals of the files, or
 make a profile without a file, if --cfa, --size, --bits, --black-level and --white-level
 say the rest.
+
+examples:
+  cg2raw profile IMG_*.dng -o my-camera.json --plot my-camera.png
+  cg2raw profile IMG_*.dng --neutrals cards.csv -o my-camera.json --json
+  cg2raw profile IMG_0001.NEF --iso-noise 400:2e-4,1e-6 -o my-camera.json
+  cg2raw profile --ssf camera.json --cfa rggb --size 4000x3000 --bits 14 \\
+      --black-level 512 --white-level 16383 --id my-camera -o my-camera.json
 """
 
 import json

@@ -5,6 +5,12 @@
 ISOs are those that were calibrated; in brackets, those that can be simulated: one stop
 beyond. Temperatures are those of the measured neutrals, or of their hull. Exits with 1
 if a profile does not load.
+
+examples:
+  cg2raw sensors
+  cg2raw sensors samsung-s20fe --plot lights.png
+  cg2raw sensors ./my-camera.json
+  cg2raw sensors --json | jq -r '.sensors[].id'
 """
 
 import difflib

@@ -14,7 +14,7 @@ from cg2raw import __version__, _core, write_dng
 from cg2raw.dataset import journal, packed
 from cg2raw.dataset.methods import METHODS
 from cg2raw.dataset.plan import Plan
-from cg2raw.sensor import RawFrame
+from cg2raw.raw_frame import RawFrame
 
 PARTS = "parts"  # folder of files that are being written
 BLOCK = 1 << 20  # bytes that are hashed at a time

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Where the files of a command go that makes one file of each input."""
+
+import os
+
+
+def outputs_of(inputs, output, ending):
+    """Return the path for each of @inputs: @output itself, or their stems in a folder.
+
+    @output is a folder if it is one, ends in a slash, or inputs are several; then it is
+    made. None is the current folder. Raises ValueError for an ending but @ending, for
+    two inputs with one output, and for an output that is an input."""
+    if output is None:
+        output = os.curdir
+    is_folder = os.path.isdir(output) or output.endswith(os.sep)
+    if not is_folder and len(inputs) == 1:
+        outputs = [output]
+        if os.path.splitext(output)[1].lower() != ending:
+            raise ValueError(f"-o {output}: must end in {ending}, or be a folder")
+        folder = os.path.dirname(output) or os.curdir
+        if not os.path.isdir(folder):
+            raise ValueError(f"-o {output}: there is no folder {folder}")
+    else:
+        names = [stem_of(path) + ending for path in inputs]
+        outputs = [os.path.normpath(os.path.join(output, name)) for name in names]
+    check_apart(inputs, outputs)
+    if outputs != [output]:
+        make_folder(output)
+    return outputs
+
+
+def stem_of(path):
+    """Return a file's name without its ending."""
+    return os.path.splitext(os.path.basename(path))[0]
+
+
+def check_apart(inputs, outputs):
+    """Raise ValueError if two outputs are one file, or an output is an input."""
+    first = {}
+    read = {os.path.realpath(path): path for path in inputs}
+    for path, output in zip(inputs, outputs, strict=True):
+        real = os.path.realpath(output)
+        if real in read:
+            raise ValueError(f"-o {output}: is one of the files to be read")
+        if real in first:
+            raise ValueError(
+                f"{path}: would become {output}, as {first[real]} does; give them "
+                "different names or folders"
+            )
+        first[real] = path
+
+
+def make_folder(folder):
+    """Make @folder, if it is not there; what it lies in must be."""
+    if os.path.isdir(folder):
+        return
+    if os.path.exists(folder):
+        raise ValueError(f"-o {folder}: is no folder, and several files need one")
+    parent = os.path.dirname(os.path.normpath(folder)) or os.curdir
+    if not os.path.isdir(parent):
+        raise ValueError(f"-o {folder}: there is no folder {parent}")
+    os.mkdir(folder)
+
+
+def each_file(name, pairs, work, arguments, words, line):
+    """Call work(input, output) for all @pairs; print or report; return the exit code.
+
+    A file that fails is named on stderr, the others are done, and the code is 1.
+    line(report) is what is printed of one."""
+    import json
+    import sys
+
+    from cg2raw.cli import words_of
+    from cg2raw.cli._progress import tracked
+
+    reports, errors = [], []
+    for path, output in tracked(pairs, words, arguments.quiet):
+        try:
+            reports.append(work(path, output))
+        except (ValueError, OSError, MemoryError) as error:
+            text = words_of(error) or "not enough memory"
+            text = text if str(path) in text else f"{path}: {text}"
+            errors.append({"input": str(path), "error": text})
+            print(f"cg2raw {name}: {text}", file=sys.stderr)
+            continue
+        if not (arguments.quiet or arguments.json):
+            print(line(reports[-1]))
+    if arguments.json:
+        print(json.dumps({"files": reports, "errors": errors}, indent=2))
+    if errors and len(pairs) > 1:
+        print(f"cg2raw {name}: {len(errors)} of {len(pairs)} failed", file=sys.stderr)
+    return 1 if errors else 0

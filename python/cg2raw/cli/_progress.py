@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Progress of long work: a bar with the time that is left, on a terminal only."""
+
+import sys
+
+MANY = 2  # items from which on a terminal shows progress
+
+
+def tracked(items, words, quiet=False, many=MANY):
+    """Return @items, with a bar on stderr if they are many and it is a terminal."""
+    if quiet or len(items) < many or not sys.stderr.isatty():
+        return items
+    from rich.console import Console
+    from rich.progress import track
+
+    console = Console(stderr=True)
+    return track(items, words, console=console, transient=True)

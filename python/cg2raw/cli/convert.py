@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Convert renders to DNGs as a sensor would have written them.
+
+Reads what OpenImageIO reads (EXR, TIFF, PNG, HDR ...), scene-linear Rec.709; pictures
+encoded as sRGB are refused, unless --linearize srgb says to undo that curve. It takes
+any TIFF and PNG for sRGB: --iscolorspace lin_rec709 if they are linear. Writes the
+same bytes as oiiotool with the same dng: attributes, and needs no plugin. Several
+inputs, or an -o that is a folder, give a DNG of the same name each; one that fails is
+named, the others are done, and the exit code is 1.
+
+--method upi draws a random camera and white balance by the seed (Brooks et al., CVPR
+2019) in place of --illuminant: a mixture of the D65 matrices of --upi-sensors, with
+the CFA and the levels of --sensor. Its DNG states the drawn matrix and neutral.
+
+examples:
+  cg2raw convert shot.exr -o shot.dng --sensor samsung-s20fe --illuminant 2856K
+  cg2raw convert shot.exr -o shot.dng --sensor samsung-s20fe --illuminant sample:7 \\
+      --iso 3200 --seed 7
+  cg2raw convert frames/*.exr -o raw/ --sensor nikon-d40 --illuminant D65 --json
+  cg2raw convert shot.exr -o shot.dng --sensor nikon-d40 --method upi --noise upi
+"""
+
+import argparse
+import math
+import os
+
+from cg2raw.cli._outputs import each_file, outputs_of
+from cg2raw.cli.sensors import load_one
+
+MOST_SEED = 2**64 - 1
+
+
+def add_arguments(parser):
+    """Declare the options of cg2raw convert."""
+    add = parser.add_argument
+    add("inputs", nargs="+", metavar="IN", help="scene-linear images")
+    add("-o", "--output", required=True, metavar="OUT", help="a .dng, or a folder")
+    add("--json", action="store_true", help="the report as JSON, for programs")
+    add("--quiet", action="store_true", help="no report, no progress; errors only")
+    add_exposure(parser.add_argument_group("exposure"))
+    add_upi(parser.add_argument_group("method upi"))
+    add_writing(parser.add_argument_group("file"))
+
+
+def add_exposure(group):
+    """Declare what decides the pixels."""
+    add = group.add_argument
+    add("--sensor", metavar="ID", help="an installed sensor, or a profile (.json)")
+    add("--reference", metavar="REF.dng", help="a DNG of the camera: levels, Exif ...")
+    add("--illuminant", metavar="WORD", help="A, D65, 3200K, sample:7, as-shot ...")
+    add("--iso", type=number(1, 1e7), metavar="ISO", help="adds noise of this ISO")
+    add("--noise", choices=("gaussian", "physical", "upi"), help="default: gaussian")
+    add("--seed", type=whole, default=0, metavar="N", help="default: 0")
+    add("--frame", type=whole, default=0, metavar="N", help="noise differs; default: 0")
+    add("--gain", type=gain, metavar="X", help="digital gain, 0.001 to 1000, or sample")
+    add("--convention", choices=("dng", "paper"), help="default: dng")
+    add(
+        "--highlights",
+        action=argparse.BooleanOptionalAction,
+        help="keep white white; default: yes",
+    )
+    add("--effects", choices=("profile", "none"), default="profile", help="of sensors")
+    add(
+        "--exposure",
+        type=number(-64, 64),
+        default=0.0,
+        metavar="EV",
+        help="brightens or darkens the render first, as oiiotool --mulc 2^EV",
+    )
+    add("--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says")
+    add("--linearize", choices=("srgb",), help="undo sRGB's curve in sRGB pictures")
+    add("--method", choices=("g2r", "upi"), default="g2r", help="default: g2r")
+
+
+def add_upi(group):
+    """Declare the options of --method upi; --gain and --noise have a meaning there."""
+    add = group.add_argument
+    add("--upi-sensors", metavar="IDS", help="matrices; default: the paper's ten")
+    add(
+        "--upi-gains",
+        choices=("published", "camera"),
+        help="red 1.9-2.4, blue 1.5-1.9, or the range of --sensor",
+    )
+
+
+def add_writing(group):
+    """Declare the options of the DNG."""
+    add = group.add_argument
+    add("--matrices", choices=("camera", "exact"), default="camera", help="of colour")
+    add("--compression", choices=("ljpeg", "none"), default="ljpeg")
+    add("--preview", action=argparse.BooleanOptionalAction, default=True)
+    add("--tone-curve", choices=("camera", "linear"), default="camera")
+
+
+def number(low, high):
+    """Return a parser of numbers from @low to @high, for argparse."""
+
+    def parse(text):
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(
+                f"{text}: must be a number from {low:g} to {high:g}"
+            )
+        return value
+
+    return parse
+
+
+def gain(text):
+    """Return the number, or sample."""
+    return text if text == "sample" else number(0.001, 1000)(text)
+
+
+def whole(text):
+    """Return the whole number that @text is."""
+    if not (text.isdecimal() and text.isascii()) or int(text) > MOST_SEED:
+        raise argparse.ArgumentTypeError(
+            f"{text}: must be a whole number from 0 to {MOST_SEED}"
+        )
+    return int(text)
+
+
+def run(arguments):
+    """Convert all inputs; return 0, or 1 if one failed."""
+    from cg2raw import conversion
+
+    request = request_of(arguments)
+    outputs = outputs_of(arguments.inputs, arguments.output, ".dng")
+    return each_file(
+        "convert",
+        list(zip(arguments.inputs, outputs, strict=True)),
+        lambda path, output: conversion.convert(path, output, request),
+        arguments,
+        "converting",
+        line_of,
+    )
+
+
+def request_of(arguments):
+    """Return the Request of a command line. Raises ValueError."""
+    from cg2raw.conversion import Request
+    from cg2raw.sensor import Sensor
+
+    upi = upi_of(arguments) if check_method(arguments) else None
+    sensor = None
+    if arguments.sensor and not upi:
+        load_one(arguments.sensor)  # tells an unknown one the closest
+        sensor = Sensor(arguments.sensor)
+    is_upi_noise = arguments.noise == "upi"
+    return Request(
+        sensor=sensor,
+        reference=arguments.reference,
+        illuminant=arguments.illuminant,
+        convention=arguments.convention,
+        gain=arguments.gain,
+        highlights=arguments.highlights,
+        iso=arguments.iso,
+        noise=None if is_upi_noise else arguments.noise,
+        seed=arguments.seed,
+        frame=arguments.frame,
+        effects=arguments.effects == "profile",
+        exposure=arguments.exposure,
+        linearize=arguments.linearize,
+        space=arguments.iscolorspace,
+        upi=upi,
+        writing={
+            name: getattr(arguments, name)
+            for name in ("matrices", "compression", "preview", "tone_curve")
+        },
+    )
+
+
+def check_method(arguments):
+    """Return whether the method is upi. Raises ValueError for the other's options."""
+    if arguments.method == "upi":
+        for name in ("illuminant", "reference", "convention"):
+            if getattr(arguments, name) is not None:
+                raise ValueError(
+                    f"--{name}: does not go with --method upi; leave it out"
+                )
+        if arguments.gain == "sample":
+            raise ValueError(
+                "--gain sample: --method upi draws it unless it is a number"
+            )
+        if not arguments.sensor:
+            raise ValueError("--method upi: needs --sensor, for CFA and levels")
+        return True
+    for name in ("upi_sensors", "upi_gains"):
+        if getattr(arguments, name) is not None:
+            raise ValueError(f"--{name.replace('_', '-')}: needs --method upi")
+    if arguments.noise == "upi":
+        raise ValueError("--noise upi: needs --method upi")
+    return False
+
+
+def upi_of(arguments):
+    """Return the Upi of a command line."""
+    from cg2raw.cli._pairs import asked_sensors
+    from cg2raw.upi import PAPER_SENSORS, Upi
+
+    load_one(arguments.sensor)
+    matrices = PAPER_SENSORS
+    if arguments.upi_sensors:
+        asked_sensors(arguments.upi_sensors)
+        matrices = [word.strip() for word in arguments.upi_sensors.split(",")]
+        if arguments.upi_sensors == "all":
+            from cg2raw import installed_profiles
+
+            matrices = installed_profiles()
+    return Upi(
+        arguments.sensor,
+        matrices=matrices,
+        gains=arguments.upi_gains or "published",
+        digital_gain="upi" if arguments.gain is None else arguments.gain,
+        noise="upi" if arguments.noise == "upi" else "sensor",
+    )
+
+
+def line_of(report):
+    """Return what is printed of one file."""
+    light = report["illuminant"]
+    words = [f"{report['width']}x{report['height']}", report["sensor"]]
+    words.append(f"{light['word']} ({light['cct']:.0f} K)")
+    if report["iso"] is not None:
+        words.append(f"ISO {report['iso']:g}")
+    if report["linearized"]:
+        words.append("sRGB's curve undone")
+    if report["nan"]:
+        words.append(f"{report['nan']} NaN values became 0")
+    if report["inf"]:
+        words.append(f"{report['inf']} infinite ones black or white")
+    return f"wrote     {os.fspath(report['output'])}: {', '.join(words)}"

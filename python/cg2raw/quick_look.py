@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A DNG as a picture: LibRaw's development with the file's own white balance."""
+
+import os
+import tempfile
+
+import numpy as np
+
+from cg2raw.atomic_file import write_atomically
+from cg2raw.image_file import first_line, openimageio
+from cg2raw.profile.libraw import no_words_of_libraries
+
+# Below this LibRaw has no whole tile for its X-Trans demosaicing, and says
+# "Input/output error". Measured with LibRaw 0.22: 512 x 512 is the least.
+LEAST_X_TRANS = 512
+
+
+def develop(path, *, bits=8, half=False, brightness=1.0, auto_bright=False):
+    """Return the (H, W, 3) uint8 or uint16 sRGB picture of a DNG or RAW file.
+
+    half : one pixel of each 2x2, without demosaicing.
+    brightness : multiplies the linear picture.
+    auto_bright : stretch until 1 % of the pixels clip, instead of the file's white.
+    Raises ValueError that says what LibRaw cannot do, OSError."""
+    import rawpy
+
+    with open(path, "rb"):  # LibRaw's own message names no reason
+        pass
+    try:
+        with no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
+            refuse_small_x_trans(path, raw, half)
+            return raw.postprocess(
+                use_camera_wb=True,
+                half_size=half,
+                no_auto_bright=not auto_bright,
+                bright=brightness,
+                output_bps=bits,
+                output_color=rawpy.ColorSpace.sRGB,
+                gamma=(2.4, 12.92),  # IEC 61966-2-1
+            )
+    except rawpy.LibRawError as error:
+        why = error.args[0] if error.args else "unknown error"
+        why = why.decode(errors="replace") if isinstance(why, bytes) else why
+        raise ValueError(f"{path}: LibRaw cannot open it: {why}") from None
+
+
+def refuse_small_x_trans(path, raw, half):
+    """Raise ValueError for an X-Trans file that LibRaw would call an I/O error."""
+    pattern = raw.raw_pattern
+    sizes = raw.sizes
+    least = min(sizes.width, sizes.height)
+    if pattern is None or pattern.shape != (6, 6) or half or least >= LEAST_X_TRANS:
+        return
+    raise ValueError(
+        f"{path}: {sizes.width}x{sizes.height} of an X-Trans sensor: LibRaw demosaics "
+        f"these from {LEAST_X_TRANS}x{LEAST_X_TRANS} pixels on; render it larger, or "
+        "use --half"
+    )
+
+
+def write_png(path, picture):
+    """Write an (H, W, 3) uint8 or uint16 sRGB picture as PNG, whole or not at all.
+
+    Raises ValueError, OSError."""
+    oiio = openimageio()
+    height, width, channels = picture.shape
+    kind = "uint16" if picture.dtype == np.uint16 else "uint8"
+    spec = oiio.ImageSpec(width, height, channels, kind)
+    spec.attribute("oiio:ColorSpace", "sRGB")
+    with tempfile.TemporaryDirectory(prefix="cg2raw-render-") as folder:
+        part = os.path.join(folder, "picture.png")
+        out = oiio.ImageOutput.create(part)
+        done = out and out.open(part, spec) and out.write_image(picture) and out.close()
+        if not done:
+            message = out.geterror() if out else oiio.geterror()
+            raise ValueError(f"{path}: cannot be written: {first_line(message)}")
+        with open(part, "rb") as file:
+            data = file.read()
+    write_atomically(path, data)

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""UPI: random cameras instead of a chosen one, to compare the sensors' way with.
+
+Source: T. Brooks et al., Unprocessing Images for Learned Raw Denoising, CVPR 2019. Its
+inverse tone curve and gamma are left out: a render is scene linear already.
+"""
+
+import itertools
+import json
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cg2raw import _core
+from cg2raw.sensor import Sensor
+
+# Section 3.2 and 4 of the paper: white balance gains, and what a global gain is the
+# inverse of.
+RED_GAIN, BLUE_GAIN = (1.9, 2.4), (1.5, 1.9)
+DIGITAL_GAIN_MEAN, DIGITAL_GAIN_SIGMA = 0.8, 0.1
+# Noise of the Darmstadt data set's cameras: variance = shot x + read, x in 0..1.
+SHOT_NOISE = (1e-4, 1.2e-2)
+READ_SLOPE, READ_INTERCEPT, READ_SIGMA = 2.18, 1.20, 0.26
+# The ten cameras of Graphics2RAW (Seo et al., ICCV 2023): nine of NUS, and a phone.
+PAPER_SENSORS = (
+    "canon-1ds-mark-iii",
+    "canon-600d",
+    "fujifilm-x-m1",
+    "nikon-d40",
+    "nikon-d5200",
+    "olympus-e-pl6",
+    "panasonic-gx1",
+    "samsung-nx2000",
+    "sony-a57",
+    "samsung-s20fe",
+)
+DECIMALS = 4  # of a DNG's matrices: pixels are made with what the file will say
+DROPPED = ("calibration_illuminant_2", "color_matrix_2", "forward_matrix_2")
+DROPPED += ("illuminants", "digital_gain", "effects")
+
+
+@dataclass(frozen=True)
+class UpiDraw:
+    """One camera that UPI has drawn."""
+
+    weights: tuple  # of Upi.matrices, 0 or above, sum 1
+    camera_from_xyz: np.ndarray  # (3, 3), of D65
+    red_gain: float  # white balance gains over green's
+    blue_gain: float
+    digital_gain: float  # multiplies the image: the inverse of UPI's global gain
+    shot_noise: float | None  # None: the sensor's noise, or none
+    read_noise: float | None
+    sensor: Sensor  # the given one with the drawn matrix
+    illuminant: str  # word of the drawn gains
+
+
+class Upi:
+    """Draws cameras as UPI does, with the CFA, levels and bits of one sensor.
+
+    sensor : Sensor, or its id or path.
+    matrices : sensors whose D65 matrices are mixed, at least one.
+    gains : "published" (red 1.9..2.4, blue 1.5..1.9), or "camera" (those of the box
+        around the hull of @sensor's neutrals); independent and uniform.
+    digital_gain : "upi" for N(0.8, 0.1), the inverse of UPI's global gain, or a number.
+    noise : "sensor" (at the ISO of each `simulate`, none without one), or "upi" (drawn,
+        on every Bayer sensor).
+    Raises ValueError for a sensor without a D65 matrix, or without a hull where that is
+    asked for."""
+
+    def __init__(
+        self,
+        sensor,
+        *,
+        matrices=PAPER_SENSORS,
+        gains="published",
+        digital_gain="upi",
+        noise="sensor",
+    ):
+        self.sensor = _sensor(sensor)
+        self.matrices = {s.id: d65_matrix(s) for s in map(_sensor, matrices)}
+        if not self.matrices:
+            raise ValueError("matrices is empty: name at least one sensor")
+        _one_of("gains", gains, ("published", "camera"))
+        _one_of("noise", noise, ("sensor", "upi"))
+        if noise == "upi" and len(self.sensor.cfa) != 4:
+            raise ValueError(
+                f"noise upi: is for Bayer sensors; the CFA of {self.sensor.id} is of "
+                f"{len(self.sensor.cfa)} sites"
+            )
+        self.red_gains, self.blue_gains = (
+            (RED_GAIN, BLUE_GAIN) if gains == "published" else gain_ranges(self.sensor)
+        )
+        if isinstance(digital_gain, str):
+            _one_of("digital_gain", digital_gain, ("upi",))
+        self.digital_gain = digital_gain
+        self.noise = noise
+
+    def draw(self, seed=0):
+        """Return the UpiDraw of a seed; a pure function of it and of the parameters.
+
+        Weights are uniforms over their sum: the paper says "random convex combination"
+        and no more."""
+        rng = _core.Rng(seed, "upi/matrix")
+        uniforms = [rng.uniform(n) for n in range(len(self.matrices))]
+        weights = tuple(value / math.fsum(uniforms) for value in uniforms)
+        matrix = sum(
+            weight * each
+            for weight, each in zip(weights, self.matrices.values(), strict=True)
+        ).round(DECIMALS)
+        rng = _core.Rng(seed, "upi/gains")
+        red, blue = (
+            low + (high - low) * rng.uniform(n)
+            for n, (low, high) in enumerate((self.red_gains, self.blue_gains))
+        )
+        shot, read = drawn_noise(seed) if self.noise == "upi" else (None, None)
+        return UpiDraw(
+            weights=weights,
+            camera_from_xyz=matrix,
+            red_gain=red,
+            blue_gain=blue,
+            digital_gain=self._drawn_digital_gain(seed),
+            shot_noise=shot,
+            read_noise=read,
+            sensor=_with_draw(self.sensor, matrix, shot, read),
+            illuminant=f"neutral:{1 / red:.6f}:{1 / blue:.6f}",
+        )
+
+    def simulate(self, rgb, *, seed=0, frame=0, iso=None, threads=0, **run):
+        """Return the RawFrame of an image by the camera that @seed draws.
+
+        rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709.
+        frame : noise differs from frame to frame, the camera does not.
+        iso : as in Sensor.simulation; not with noise "upi".
+        run : noise (gaussian or physical), highlights and effects, as in
+            Sensor.simulation.
+        Raises ValueError."""
+        for name in run:
+            _one_of("keyword", name, ("noise", "highlights", "effects"))
+        if self.noise == "upi" and (iso is not None or "noise" in run):
+            raise ValueError("UPI draws the noise itself: leave iso and noise out")
+        drawn = self.draw(seed)
+        return drawn.sensor.simulate(
+            rgb,
+            threads=threads,
+            illuminant=drawn.illuminant,
+            digital_gain=drawn.digital_gain,
+            seed=seed,
+            frame=frame,
+            iso=iso,
+            **run,
+        )
+
+    def _drawn_digital_gain(self, seed):
+        """Return the factor of the image, above 0."""
+        if self.digital_gain != "upi":
+            return self.digital_gain
+        rng = _core.Rng(seed, "upi/digital_gain")
+        draws = (
+            DIGITAL_GAIN_MEAN + DIGITAL_GAIN_SIGMA * rng.normal(n)
+            for n in itertools.count()
+        )
+        return round(next(value for value in draws if value > 0), 6)
+
+
+def d65_matrix(sensor):
+    """Return the (3, 3) ColorMatrix of a sensor for D65. Raises ValueError."""
+    for calibration in sensor.calibrations:
+        if calibration["light_source"] == "D65":
+            return calibration["camera_from_xyz"]
+    raise ValueError(f"sensor {sensor.id} has no colour matrix for D65")
+
+
+def gain_ranges(sensor):
+    """Return ((low, high) of red, (low, high) of blue) white balance gains of a sensor.
+
+    They are 1 over its neutrals, over the hull of what was measured. Raises ValueError
+    if it has no hull."""
+    hull = np.asarray(sensor.illuminants["hull"], float)
+    if not hull.size:
+        raise ValueError(
+            f"sensor {sensor.id} has fewer than 3 measured neutrals, so no range of "
+            "gains: take the published ones"
+        )
+    least, most = hull.min(axis=0), hull.max(axis=0)
+    (red_low, blue_low), (red_high, blue_high) = (
+        (1 / most).tolist(),
+        (1 / least).tolist(),
+    )
+    return (red_low, red_high), (blue_low, blue_high)
+
+
+def drawn_noise(seed):
+    """Return (shot, read) of a seed: variance = shot x + read, x in 0..1.
+
+    log shot is uniform, log read normal around a line in log shot. Six digits, so that
+    no machine's logarithm makes a difference."""
+    rng = _core.Rng(seed, "upi/noise")
+    low, high = map(math.log, SHOT_NOISE)
+    log_shot = low + (high - low) * rng.uniform(0)
+    # The uniforms 2 and 3.
+    log_read = READ_SLOPE * log_shot + READ_INTERCEPT + READ_SIGMA * rng.normal(1)
+    return float(f"{math.exp(log_shot):.6g}"), float(f"{math.exp(log_read):.6g}")
+
+
+def _with_draw(sensor, matrix, shot, read):
+    """Return @sensor with the drawn matrix, and noise if it was drawn.
+
+    UPI's pixels are camera = row-normalised(matrix . XYZ D65 from sRGB), with no
+    adaptation to the light. A reader with one matrix (LibRaw, dcraw) inverts just that.
+    The ForwardMatrix makes those that adapt invert it too, and the core follow it."""
+    fields = json.loads(sensor.to_json())
+    for name in DROPPED:
+        fields.pop(name, None)
+    balanced = matrix @ _core.xyz_d65_from_srgb()
+    balanced /= balanced.sum(axis=1, keepdims=True)
+    forward = _core.xyz_d50_from_srgb() @ np.linalg.inv(balanced)
+    source = "drawn by UPI (Brooks et al., CVPR 2019)"
+    fields |= {
+        "calibration_illuminant_1": "D65",
+        "color_matrix_1": matrix.ravel().tolist(),
+        "forward_matrix_1": forward.round(DECIMALS).ravel().tolist(),
+        # Converters know cameras by name, and would take their own matrices.
+        "model": f"{sensor.model} UPI",
+        "unique_camera_model": f"{sensor.unique_camera_model} UPI",
+    }
+    if shot is not None:
+        fields.pop("noise", None)
+        fields["effects"] = [
+            {"name": "shot_noise", "parameters": _per_site("beta1", shot)},
+            {"name": "read_noise", "parameters": _per_site("beta2", read)},
+        ]
+    kept = {name: text for name, text in fields["sources"].items() if name in fields}
+    fields["sources"] = kept | dict.fromkeys(
+        ("calibration_illuminant_1", "color_matrix_1", "forward_matrix_1"), source
+    )
+    return Sensor.from_json(json.dumps(fields), sensor.id)
+
+
+def _per_site(name, value):
+    """Return an effect's parameters that are the same at the four sites."""
+    return {f"{name}_{site}": value for site in ("00", "01", "10", "11")}
+
+
+def _sensor(sensor):
+    """Return a Sensor of itself, its id or its path."""
+    return sensor if isinstance(sensor, Sensor) else Sensor(sensor)
+
+
+def _one_of(name, value, allowed):
+    """Raise ValueError unless @value is one of @allowed."""
+    if value not in allowed:
+        raise ValueError(f"{name} {value!r} must be {' or '.join(allowed)}")
