@@ -47,8 +47,8 @@ def camera(sensor, illuminant, rgb, convention="dng", gain=1.0, highlights=True)
     """Return (n, 3) camera RGB of linear Rec.709, by the core."""
     profile = _core.load_profile(sensor)
     light = profile.illuminant(illuminant)
-    planes = _core.to_camera(profile, rgb[None], light, convention, gain, highlights)
-    return planes.reshape(3, -1).T
+    transform = _core.camera_from_scene(profile, light, convention, gain, highlights)
+    return _core.to_camera(transform, np.asarray(rgb, np.float32)[None])[0]
 
 
 def difference(found, expected):
