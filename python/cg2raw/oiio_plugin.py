@@ -13,6 +13,7 @@ import importlib.machinery
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from types import ModuleType
 
 MODULE = "OpenImageIO"
@@ -46,20 +47,35 @@ def tell(openimageio: ModuleType) -> None:
 def plugin_for(version: str) -> str:
     """Return the plugin file for an OpenImageIO of that version; empty if none is here.
 
-    Looked for in the source tree or installation that this package is part of. Another
-    OpenImageIO's is left out: to refuse it, OpenImageIO would load that library too."""
+    Another OpenImageIO's is left out: to refuse it, OpenImageIO would load that library
+    too."""
     from cg2raw.cli import _elf, _hosts, doctor
 
     host = _hosts.Host("python", sys.executable, version)
     if host.plugin_api is None:
         return ""
-    for path in doctor.known_plugins():
+    for folder in plugin_folders():
+        path = os.path.join(folder, doctor.PLUGIN)
         try:
             if not doctor.misfit(_elf.read_library(path, "dng_imageio_version"), host):
                 return path
         except (OSError, ValueError):
             continue
     return ""
+
+
+def plugin_folders() -> list[str]:
+    """Return where the plugin of this very package may lie.
+
+    Plugins are programs, so no more than: the builds of the source tree that it is part
+    of, the lib folder that it is installed in, and that of this Python's prefix."""
+    here, source = Path(os.path.abspath(__file__)), Path(__file__).resolve()
+    folders = [here.parents[2], here.parents[3], Path(sys.prefix, "lib")]
+    folders = [lib / "cg2raw/oiio" for lib in folders if lib.name == "lib"]
+    root = source.parents[2]
+    if (root / "plugins/dng.imageio").is_dir():
+        folders = [*sorted(root.glob("build/*/lib/cg2raw/oiio")), *folders]
+    return [str(folder) for folder in dict.fromkeys(folders)]
 
 
 class _Finder(importlib.abc.MetaPathFinder):

@@ -71,8 +71,8 @@ def test_bayer_is_bilinear(cfa):
 
 
 @pytest.mark.parametrize("cfa", CFAS)
-def test_a_plane_is_kept_where_the_neighbours_are_symmetric(cfa):
-    """Normalised convolution written out: sum(w c x) / sum(w c), tents by size."""
+def test_it_is_normalised_convolution(cfa):
+    """sum(w c x) / sum(w c), written out with the smallest tent that finds all."""
     raw = np.random.default_rng(4).uniform(0, 1, (40, 44)).astype(np.float32)
     site = colours(cfa, raw.shape)
     radius = smallest_radius(cfa)

@@ -51,14 +51,13 @@ def test_noise_has_the_variance_of_the_profile(sensor):
 
 
 def test_noise_alone_leaves_the_profiles_effects_out():
-    shading = {"r2": -0.5, "r4": 0.0, "r6": 0.0, "tilt_x": 0.0, "tilt_y": 0.0}
     noise = [{"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 4}]
     plain = cameras.profile_text(noise=noise)
-    effects = [{"name": "lens_shading", "parameters": shading}]
-    shaded = cameras.profile_text(noise=noise, effects=effects)
+    effects = [{"name": "row_noise", "parameters": {"sigma": 0.1}}]
+    banded = cameras.profile_text(noise=noise, effects=effects)
     clean = np.full((64, 64), 0.5, np.float32)
     drawn = [
-        cg2raw.Sensor.from_json(t).add_noise(clean, iso=100) for t in (plain, shaded)
+        cg2raw.Sensor.from_json(t).add_noise(clean, iso=100) for t in (plain, banded)
     ]
     np.testing.assert_array_equal(*drawn)
 

@@ -48,7 +48,7 @@ def camera(sensor, illuminant, rgb, convention="dng", gain=1.0, highlights=True)
     profile = _core.load_profile(sensor)
     light = profile.illuminant(illuminant)
     transform = _core.camera_from_scene(profile, light, convention, gain, highlights)
-    return _core.to_camera(transform, rgb[None])[0]
+    return _core.to_camera(transform, np.asarray(rgb, np.float32)[None])[0]
 
 
 def difference(found, expected):

@@ -117,3 +117,34 @@ print(p.plugin_for("3.2.2.0")); print(p.plugin_for("2.4.7")); print(p.plugin_for
         python('import cg2raw.oiio_plugin as p; print(p.plugin_for("9.0"))', tmp_path)
         == []
     )
+
+
+def test_doctor_tells_that_the_import_finds_none(package_alone, tmp_path):
+    pytest.importorskip("OpenImageIO")
+    code = """
+import json
+from cg2raw.cli import doctor
+report = doctor.examine()
+hosts = [host for host in report["hosts"] if host["import_cg2raw"] is not None]
+print(json.dumps([host["import_cg2raw"] for host in hosts]))
+print("no plugin for API" in doctor.as_text(report))
+"""
+    path = {"PYTHONPATH": str(package_alone)}
+    assert python(code, tmp_path, **path) == ['[""]', "True"]
+
+
+def test_doctor_names_the_plugin_of_the_import(wheel_plugin, tmp_path):
+    code = "from cg2raw.cli import doctor; print(doctor.as_text(doctor.examine()))"
+    words = python(code, tmp_path)
+    assert str(wheel_plugin / "dng.imageio.so") in words[words.index("finds") :]
+
+
+@pytest.mark.parametrize("place", ["lib/python3/site-packages", "lib/python"])
+def test_only_places_of_the_package_are_searched(package_alone, place, tmp_path):
+    """A plugin is a program: one that lies in a folder above is not taken."""
+    installed = tmp_path / "prefix" / place
+    shutil.copytree(package_alone, installed)
+    code = "import cg2raw.oiio_plugin as p, sys; print(sys.prefix, *p.plugin_folders())"
+    prefix, *folders = python(code, tmp_path, PYTHONPATH=str(installed))
+    expected = [str(tmp_path / "prefix/lib/cg2raw/oiio"), f"{prefix}/lib/cg2raw/oiio"]
+    assert folders == expected

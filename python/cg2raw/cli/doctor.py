@@ -16,10 +16,11 @@ import json
 import os
 import platform
 import re
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from cg2raw import _core
+from cg2raw import _core, oiio_plugin
 from cg2raw.cli import _elf, _hosts
 
 PLUGIN = "dng.imageio.so"
@@ -82,9 +83,19 @@ def examine_host(host, sensors):
         ],
         "plugins": [{**vars(plugin), "loads": plugin.loads} for plugin in plugins],
         "works": trial.wrote,
+        "import_cg2raw": plugin_of_import(host),
         "message": "" if trial.wrote else trial.message,
         "remedy": "" if trial.wrote else remedy(host, plugins),
     }
+
+
+def plugin_of_import(host):
+    """Return the plugin that import cg2raw makes known to this Python's OpenImageIO,
+    empty if none is here; None for other hosts."""
+    beside = os.path.realpath(os.path.dirname(sys.executable))
+    if host.kind != "python" or os.path.dirname(host.path) != beside:
+        return None
+    return oiio_plugin.plugin_for(host.version)
 
 
 def plugins_of(host, trial):
@@ -209,6 +220,9 @@ def host_lines(host):
         lines.append(f"  plugin    {plugin['path']} {plugin['reason'] or 'loads'}")
     if host["search"] and not host["plugins"]:
         lines.append(f"  plugin    no {PLUGIN} in these folders")
+    if host["import_cg2raw"] is not None:
+        found = host["import_cg2raw"] or f"no plugin for API {api} to make known"
+        lines.append(f"  import cg2raw finds {found}")
     lines.append(
         "  writes    "
         + ("a 16x16 DNG: works" if host["works"] else f"no DNG: {host['message']}")

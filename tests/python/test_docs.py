@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The pages: the API's is up to date, and the Python examples of all of them run."""
+
+import inspect
+import re
+import shutil
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cg2raw
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+FENCED = re.compile(r"^( *)```python\n(.*?)^\1```", re.MULTILINE | re.DOTALL)
+INDENTED = re.compile(r"(?:^    .*\n|^\n(?=    ))+", re.MULTILINE)
+# Files that examples name, in the real data.
+FILES = {
+    "Canon_EOS_600D_380_780_5.json": "tables/ssf/rawtoaces-data/data/camera",
+}
+
+
+def examples(page):
+    """Return the Python blocks of a page that use cg2raw, in order."""
+    text = page.read_text()
+    found = [(match.start(), match[2]) for match in FENCED.finditer(text)]
+    for match in INDENTED.finditer(FENCED.sub("", text)):
+        # A shell command may stand above, with an empty line between.
+        code = re.sub(r"\A(?:(?!    (?:import|from) cg2raw\b).*\n)+", "", match[0])
+        if code:
+            found.append((text.index(code), code))
+    return [textwrap.dedent(code) for _, code in sorted(found)]
+
+
+WITH_EXAMPLES = [page for page in PAGES if examples(page)]
+
+
+def test_pages_have_examples():
+    assert {"README.md", "python.md"} <= {page.name for page in WITH_EXAMPLES}
+
+
+@pytest.mark.parametrize("page", WITH_EXAMPLES, ids=lambda page: page.name)
+def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch, request):
+    """In one namespace, in an empty folder, with the render that they speak of."""
+    code = examples(page)
+    for name, folder in FILES.items():
+        if any(name in block for block in code):
+            data = request.getfixturevalue("camera_data")
+            shutil.copy(data / folder / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    rgb = np.random.default_rng(1).uniform(0, 1, (64, 96, 3)).astype(np.float32)
+    names = {"rgb": rgb}
+    for block in code:
+        exec(compile(block, str(page), "exec"), names)
+    for written in tmp_path.glob("*.dng"):
+        assert cg2raw.read_dng_metadata(str(written)).bits >= 8
+
+
+def api_page(*arguments):
+    command = [sys.executable, ROOT / "scripts/api_page.py", *arguments]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_the_api_page_is_up_to_date():
+    done = api_page("--check")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_page_that_is_not_up_to_date_is_told(tmp_path):
+    page = tmp_path / "python.md"
+    assert api_page("--check", page).returncode == 1
+    assert api_page(page).returncode == 0
+    assert page.read_text() == (ROOT / "docs/python.md").read_text()
+    page.write_text(page.read_text() + "more")
+    done = api_page("--check", page)
+    assert done.returncode == 1 and "run scripts/api_page.py" in done.stdout
+
+
+def public_things():
+    """Yield (name, object) of all public names and the members of public classes."""
+    for name in cg2raw.__all__:
+        value = getattr(cg2raw, name)
+        if not isinstance(value, str):
+            yield name, value
+        if inspect.isclass(value):
+            members = vars(value).items()
+            yield from ((f"{name}.{n}", v) for n, v in members if n[0] != "_")
+
+
+THINGS = {n: v for n, v in public_things() if callable(v) or hasattr(v, "__get__")}
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_every_public_name_says_what_it_is(name):
+    text = inspect.getdoc(THINGS[name]) or ""
+    # pybind11's own first line is a signature.
+    said = [line for line in text.splitlines() if " -> " not in line and line.strip()]
+    if name != "RawFrame.simulation":
+        assert said and len(" ".join(said)) > 10
+    page = (ROOT / "docs/python.md").read_text()
+    assert f"{name}\n" in page or f"`{name.partition('.')[2]}`" in page
+
+
+def test_all_is_sorted_and_whole():
+    public = {
+        n for n, v in vars(cg2raw).items() if n[0] != "_" and not inspect.ismodule(v)
+    }
+    assert public | {"__version__"} == set(cg2raw.__all__)
+    assert len(set(cg2raw.__all__)) == len(cg2raw.__all__)
