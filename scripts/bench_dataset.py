@@ -2,9 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """Measure `cg2raw dataset` on 12-MP half-float EXRs against the paper's way in NumPy.
 
-The paper's way is a straightforward transcription: two matrix products with clips, white
-balance undone with highlights kept, mosaic, and a DNG by tifffile (uncompressed). Both
-sides run on one core, round by round, so that what else the machine does meets both."""
+The paper's way is a straightforward transcription: two matrix products with clips,
+white balance undone with highlights kept, mosaic, and a DNG by tifffile (uncompressed).
+Both sides run on one core, round by round, so that what else the machine does meets
+both."""
 
 import os
 import resource

@@ -179,9 +179,14 @@ def make_variants(target, header, todo):
             patch = variant.patch
             x, y, columns, rows = crops[patch]
             scene = np.ascontiguousarray(image.rgb[y : y + rows, x : x + columns])
-        write, row = simulated(target.plan, variant, scene)
         about = described(header, target.plan, variant, crops[patch])
-        target.publish(write, variant, {"order": order, **about, **row})
+        make_variant(target, variant, scene, {"order": order, **about})
+
+
+def make_variant(target, variant, scene, about):
+    """Make one file; its pixels are gone before the next one's are there."""
+    write, row = simulated(target.plan, variant, scene)
+    target.publish(write, variant, {**about, **row})
 
 
 def simulated(plan, variant, scene):

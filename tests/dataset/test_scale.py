@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Ten thousand images cost the command no more memory than a quarter of them."""
+
+import os
+
+import pytest
+
+from dataset.data_sets import COMMAND, rows, scene, write_image
+
+pytestmark = pytest.mark.slow
+OPTIONS = "--sensors nikon-d40 --illuminants 1 --format npy --type uint16".split()
+
+
+def peak_of(images, out):
+    """Return the peak memory of the command itself, not of its workers, MB."""
+    words = [*COMMAND, images, out, *OPTIONS, "--crop", "64x64", "--quiet"]
+    process = os.posix_spawn(words[0], [str(word) for word in words], os.environ)
+    _, status, usage = os.wait4(process, 0)
+    assert status == 0
+    return usage.ru_maxrss / 1024
+
+
+def test_memory_does_not_grow_with_the_number_of_images(tmp_path):
+    sources = [
+        write_image(tmp_path / f"{number}.exr", scene((384, 512), number))
+        for number in range(4)
+    ]
+    peaks = {}
+    for count in (2500, 10000):
+        folder = tmp_path / f"in{count}"
+        folder.mkdir()
+        for number in range(count):
+            os.link(sources[number % 4], folder / f"{number}.exr")
+        peaks[count] = peak_of(folder, tmp_path / f"out{count}")
+    assert len(rows(tmp_path / "out10000")) == 10000
+    print(peaks)
+    # 7500 names of one folder, listed, are 0.6 MB; a result kept each would be 10 MB
+    assert peaks[10000] < peaks[2500] + 4, peaks
