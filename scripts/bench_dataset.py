@@ -102,12 +102,20 @@ def bench_conversion(source, rounds):
 
 
 def run_dataset(images, out, workers, *options):
-    """Run the command as a process; return seconds."""
+    """Run the command as a process; return (seconds, CPU seconds)."""
     subprocess.run(["rm", "-rf", out], check=True)
     words = ["dataset", images, out, "--sensors", SENSOR, "--illuminants", LIGHT]
     words += ["--convention", "paper", "--workers", workers, "--quiet", *options]
-    command = [sys.executable, "-m", "cg2raw", *map(str, words)]
-    return timed(lambda: subprocess.run(command, check=True))[0]
+    return spent([sys.executable, "-m", "cg2raw", *map(str, words)])
+
+
+def spent(command, **keywords):
+    """Return (seconds, CPU seconds) of a process and those it started."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds, _ = timed(lambda: subprocess.run(command, check=True, **keywords))
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    return seconds, cpu
 
 
 def bench_files(images, folder, rounds):
@@ -124,21 +132,24 @@ def bench_files(images, folder, rounds):
     single = {**os.environ, "OPENIMAGEIO_THREADS": "1", "OMP_NUM_THREADS": "1"}
     peer, plain, one, two = [], [], [], []
     for _ in range(rounds):
-        run = lambda: subprocess.run(peer_command, check=True, env=single)  # noqa: E731
-        peer.append(timed(run)[0])
+        peer.append(spent(peer_command, env=single))
         plain.append(run_dataset(images, folder / "o", 1, "--compression", "none"))
         one.append(run_dataset(images, folder / "o", 1))
         two.append(run_dataset(images, folder / "o", 2))
     count = len(sources)
     print(f"\n{count} files, EXR to DNG and manifest, processes started anew")
     named = {"NumPy, 1 process": peer, "uncompressed": plain, "1 worker": one}
-    for name, seconds in {**named, "2 workers": two}.items():
-        rate = count / statistics.median(seconds)
-        print(f"{name:18}{rate:6.2f} files/s {rate * 12.19:7.1f} MP/s")
-    median = statistics.median
-    say("files", median(peer) / median(plain), "x, uncompressed as the peer")
-    say("files", median(peer) / median(one), "x, ljpeg")
-    say("workers", median(one) / median(two), "x of one worker with two")
+    medians = {}
+    for name, runs in {**named, "2 workers": two}.items():
+        seconds, cpu = (statistics.median(column) for column in zip(*runs, strict=True))
+        medians[name] = seconds, cpu
+        rate = count / seconds
+        print(f"{name:18}{rate:6.2f} files/s {rate * 12.19:7.1f} MP/s {cpu:7.2f} CPU s")
+    names = ("NumPy, 1 process", "uncompressed", "1 worker", "2 workers")
+    peer, plain, one, two = (medians[name] for name in names)
+    say("files", peer[0] / plain[0], "x, uncompressed as the peer")
+    say("files", peer[0] / one[0], "x, ljpeg")
+    say("workers", one[0] / two[0], "x of one worker with two")
 
 
 def bench_memory(source):
