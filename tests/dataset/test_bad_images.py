@@ -19,6 +19,7 @@ from dataset.data_sets import (
     folder_of_images,
     scene,
     start,
+    workers_of,
     write_image,
 )
 from python.commands import run
@@ -113,12 +114,6 @@ def test_crops_larger_than_the_image_are_a_reason(images, tmp_path):
     done = run("dataset", tmp_path / "in", tmp_path / "out", *words)
     assert done.code == 1
     assert "small.exr: is 64x8, smaller than the crop 32x32" in done.err
-
-
-def workers_of(process):
-    """Return the process ids of a command's workers."""
-    with open(f"/proc/{process.pid}/task/{process.pid}/children") as stream:
-        return [int(word) for word in stream.read().split()]
 
 
 def wait_for(condition, seconds=60):
