@@ -53,6 +53,12 @@ def start(*arguments, **keywords):
     return subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True, **keywords)
 
 
+def workers_of(process):
+    """Return the process ids of a command's workers."""
+    with open(f"/proc/{process.pid}/task/{process.pid}/children") as stream:
+        return [int(word) for word in stream.read().split()]
+
+
 def files_in(out):
     """Return the paths of the image files that have their final name."""
     return [

@@ -3,6 +3,7 @@
 """Images that cannot be used are listed with a reason; the rest is done."""
 
 import os
+import shutil
 import signal
 import struct
 import time
@@ -18,6 +19,7 @@ from dataset.data_sets import (
     folder_of_images,
     scene,
     start,
+    workers_of,
     write_image,
 )
 from python.commands import run
@@ -88,6 +90,23 @@ def test_bad_images_are_listed_again_until_mended_or_gone(mixed, tmp_path):
     assert (done.code, done.err) == (0, "")
 
 
+def test_names_that_are_no_utf8_are_a_reason(tmp_path):
+    write_image(tmp_path / "in/good.exr", scene())
+    odd = os.fsencode(tmp_path / "in") + b"/od\xffd.exr"
+    shutil.copy(tmp_path / "in/good.exr", odd)
+    done = run("dataset", tmp_path / "in", tmp_path / "out", *OPTIONS)
+    assert done.code == 1 and "no UTF-8; rename" in done.err
+    check_agreement(tmp_path / "out")
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(images, tmp_path):
+    out = tmp_path / "out"
+    (out / ".cg2raw").mkdir(parents=True)
+    (out / ".cg2raw/journal").write_text("in the way")
+    done = run("dataset", images, out, *OPTIONS)
+    assert done.code == 1 and done.err.count("\n") == 1 and "journal" in done.err
+
+
 def test_crops_larger_than_the_image_are_a_reason(images, tmp_path):
     write_image(tmp_path / "in/big.exr", scene((64, 64)))
     write_image(tmp_path / "in/small.exr", scene((8, 64)))
@@ -95,12 +114,6 @@ def test_crops_larger_than_the_image_are_a_reason(images, tmp_path):
     done = run("dataset", tmp_path / "in", tmp_path / "out", *words)
     assert done.code == 1
     assert "small.exr: is 64x8, smaller than the crop 32x32" in done.err
-
-
-def workers_of(process):
-    """Return the process ids of a command's workers."""
-    with open(f"/proc/{process.pid}/task/{process.pid}/children") as stream:
-        return [int(word) for word in stream.read().split()]
 
 
 def wait_for(condition, seconds=60):

@@ -17,6 +17,7 @@ from dataset.data_sets import (
     rows,
     scene,
     start,
+    workers_of,
     write_image,
 )
 
@@ -96,19 +97,32 @@ def test_killed_twenty_times(several, tmp_path):
     assert len(set(counts)) > 10, counts  # at many different moments
 
 
-def test_workers_die_with_the_command(several, tmp_path):
-    process = start(several, tmp_path / "out", *OPTIONS)
-    children = f"/proc/{process.pid}/task/{process.pid}/children"
+def test_workers_die_with_the_command(tmp_path):
+    # Pipes in the place of images: who opens one waits until it is killed.
+    (tmp_path / "in").mkdir()
+    for number in range(2):
+        os.mkfifo(tmp_path / f"in/{number}.exr")
+    process = start(tmp_path / "in", tmp_path / "out", *OPTIONS)
     workers = []
     while len(workers) < 2:
-        with open(children) as stream:
-            workers = stream.read().split()
+        workers = workers_of(process)
+        time.sleep(0.01)
+    time.sleep(1.5)  # they have begun to wait
     process.kill()
     process.communicate(timeout=60)
     end = time.monotonic() + 10
-    while any(os.path.exists(f"/proc/{worker}") for worker in workers):
+    while any(map(is_alive, workers)):
         assert time.monotonic() < end
         time.sleep(0.01)
+
+
+def is_alive(process_id):
+    """Return whether a process runs; one that nobody has waited for does not."""
+    try:
+        with open(f"/proc/{process_id}/stat") as stream:
+            return stream.read().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 def test_interrupted_it_says_how_to_go_on(several, tmp_path):

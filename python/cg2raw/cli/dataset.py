@@ -18,6 +18,7 @@ the options, its image and its name, not on order, workers or interruptions. An 
 that cannot be used is listed at the end, and the exit code is then 1.
 """
 
+import importlib.util
 import os
 import sys
 
@@ -87,6 +88,9 @@ def positive(text):
 
 def run(arguments):
     """Make the data set; return 1 if an image could not be used."""
+    for library in ("OpenImageIO", "pyarrow"):
+        if importlib.util.find_spec(library) is None:
+            raise ValueError(f"needs {library}: pip install 'cg2raw[dataset]'")
     plan = plan_of(arguments)
     workers = arguments.workers or len(os.sched_getaffinity(0))
     if arguments.workers and arguments.scheduler:

@@ -38,7 +38,8 @@ SRGB_NAMES = {
 # x and y of R, G, B and white. Source: IEC 61966-2-1.
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 SIDES = (2, 65535)  # of a RAW file, pixels
-ROWS = 64  # that are linearised at a time
+ROWS = 256  # that are read at a time; the most that EXR compresses together (DWAB)
+INTEGERS = ("uint8", "uint16")
 
 
 @dataclass
@@ -62,15 +63,35 @@ def read_image(path):
         first = rgb_channels(spec)
         check_size(spec)
         curve = curve_of(spec)
-        kind = oiio.FLOAT if curve is None else spec.format
-        pixels = file.read_image(0, 0, first, first + 3, kind)
-        if pixels is None:
-            raise ValueError(one_line(file.geterror()) or "cannot be read")
+        rgb = np.empty((spec.height, spec.width, 3), np.float32)
+        for row in range(0, spec.height, rows_at_once(spec)):
+            part = rgb[row : row + rows_at_once(spec)]
+            part[...] = linear(read_rows(file, spec, row, len(part), first), curve)
     finally:
         file.close()
-    if curve is None:
-        return Image(pixels, "linear")
-    return Image(linearised(pixels, curve), curve if curve == "srgb" else f"g{curve}")
+    return Image(rgb, {None: "linear", "srgb": "srgb"}.get(curve, f"g{curve}"))
+
+
+def rows_at_once(spec):
+    """Return how many rows are read at a time, so that no whole copy is made.
+
+    A multiple of what is compressed together: at most 256 rows in EXR, or tiles."""
+    return spec.tile_height or ROWS
+
+
+def read_rows(file, spec, row, count, first):
+    """Return (count, W, 3) pixels, floats or integers. Raises ValueError."""
+    top, channels = spec.y + row, (first, first + 3)
+    kind = oiio.FLOAT if str(spec.format) not in INTEGERS else spec.format
+    if spec.tile_height:
+        left, right = spec.x, spec.x + spec.width
+        box = (left, right, top, top + count, spec.z, spec.z + 1)
+        pixels = file.read_tiles(*box, *channels, kind)
+    else:
+        pixels = file.read_scanlines(top, top + count, spec.z, *channels, kind)
+    if pixels is None:
+        raise ValueError(one_line(file.geterror()) or "cannot be read")
+    return pixels.reshape(count, spec.width, 3)
 
 
 def one_line(text):
@@ -108,7 +129,7 @@ def curve_of(spec):
     Integers without a word on their space are sRGB, floats linear."""
     check_primaries(spec)
     space = spec.get_string_attribute("oiio:ColorSpace").lower()
-    integer = str(spec.format) in ("uint8", "uint16")
+    integer = str(spec.format) in INTEGERS
     if not integer and str(spec.format) not in ("half", "float", "double"):
         raise ValueError(f"has {spec.format} samples: needs 8 or 16 bits, or floats")
     if space in LINEAR_NAMES or (not space and not integer):
@@ -140,10 +161,9 @@ def check_primaries(spec):
         )
 
 
-def linearised(codes, curve):
-    """Return float32 light of (H, W, 3) code values."""
-    light = transfer.table(curve, 2 ** (8 * codes.itemsize))
-    rgb = np.empty(codes.shape, np.float32)
-    for row in range(0, len(codes), ROWS):
-        np.take(light, codes[row : row + ROWS], out=rgb[row : row + ROWS], mode="clip")
-    return rgb
+def linear(pixels, curve):
+    """Return float32 light of pixels that are on a curve."""
+    if pixels.dtype.kind == "f" and curve is None:
+        return pixels
+    levels = 2 ** (8 * pixels.itemsize)
+    return transfer.table(1.0 if curve is None else curve, levels)[pixels]

@@ -3,6 +3,7 @@
 """All files of one image: read once, made in order, those that are finished kept."""
 
 import hashlib
+import json
 import os
 import uuid
 from dataclasses import dataclass
@@ -75,6 +76,12 @@ def plan_at(out, plan_sha256):
         ) from None
     if hashlib.sha256(data).hexdigest() != plan_sha256:
         raise ValueError(f"{path}: has changed while the data set was being made")
+    version = json.loads(data)["cg2raw"]
+    if version != __version__:
+        raise ValueError(
+            f"{path}: is of cg2raw {version}, and a worker has {__version__}: install "
+            "the same on all machines"
+        )
     return Plan.from_json(data)
 
 
@@ -89,6 +96,8 @@ class Target:
     def header(self):
         """Return what is known of the image file, and find the rows that still hold."""
         old, rows = journal.read(self.journal)
+        if not is_utf8(self.job.image):
+            raise BadImage("its name is no UTF-8; rename the file")
         try:
             status = os.stat(self.job.path)
             header = {
@@ -149,6 +158,11 @@ class Target:
         journal.append(self.journal, row)
 
 
+def is_utf8(name):
+    """Return whether a file's name is UTF-8; the core and Parquet take no other."""
+    return name == name.encode(errors="replace").decode()
+
+
 def file_sha256(path):
     """Return the SHA-256 of a file, in hexadecimal."""
     digest = hashlib.sha256()
@@ -179,9 +193,14 @@ def make_variants(target, header, todo):
             patch = variant.patch
             x, y, columns, rows = crops[patch]
             scene = np.ascontiguousarray(image.rgb[y : y + rows, x : x + columns])
-        write, row = simulated(target.plan, variant, scene)
         about = described(header, target.plan, variant, crops[patch])
-        target.publish(write, variant, {"order": order, **about, **row})
+        make_variant(target, variant, scene, {"order": order, **about})
+
+
+def make_variant(target, variant, scene, about):
+    """Make one file; its pixels are gone before the next one's are there."""
+    write, row = simulated(target.plan, variant, scene)
+    target.publish(write, variant, {**about, **row})
 
 
 def simulated(plan, variant, scene):

@@ -15,7 +15,7 @@ FOLDER = ".cg2raw"
 
 def path_of(out, image):
     """Return the path of an image's journal."""
-    name = hashlib.blake2b(image.encode(), digest_size=16).hexdigest()
+    name = hashlib.blake2b(os.fsencode(image), digest_size=16).hexdigest()
     return os.path.join(out, FOLDER, "journal", name[:2], f"{name}.jsonl")
 
 

@@ -13,15 +13,17 @@ def packed(raw, cfa, black_level, white_level, element_type):
     site, row by row.
     element_type : "float32", below 0 where noise is, or "uint16", 65535 at white."""
     height, width = raw.shape[0] // 2 * 2, raw.shape[1] // 2 * 2
-    planes = np.empty((4, height // 2, width // 2), np.float32)
-    for plane, site in enumerate(sites(cfa)):
+    planes = np.empty((4, height // 2, width // 2), element_type)
+    for plane, site in zip(planes, sites(cfa), strict=True):
         row, col = divmod(site, 2)
         black = black_level[site]
-        dn = raw[row:height:2, col:width:2].astype(np.float32)
-        planes[plane] = (dn - np.float32(black)) / np.float32(white_level - black)
-    if element_type == "float32":
-        return planes
-    return np.rint(np.clip(planes, 0, 1) * np.float32(65535)).astype(np.uint16)
+        signal = raw[row:height:2, col:width:2].astype(np.float32)
+        signal -= np.float32(black)
+        signal /= np.float32(white_level - black)
+        if element_type == "uint16":
+            signal = np.rint(np.clip(signal, 0, 1) * np.float32(65535))
+        plane[...] = signal
+    return planes
 
 
 def sites(cfa):

@@ -43,8 +43,9 @@ def make_dataset(paths, out, plan, workers=1, scheduler=None, watch=None):
             raise ValueError(f"{paths[0]}: holds no EXR, PNG, TIFF or HDR image")
         found = worked(out, jobs_of(images, out, plan), workers, scheduler)
         summary = Summary()
-        for result in watch(found, total) if watch else found:
-            count(summary, result)
+        with contextlib.closing(found):
+            for result in watch(found, total) if watch else found:
+                count(summary, result)
         shutil.rmtree(parts_of(out), ignore_errors=True)
         manifest.write(out, images)
     return summary
