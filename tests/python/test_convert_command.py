@@ -19,7 +19,7 @@ BASE = ["--sensor", "samsung-s20fe", "--illuminant", "D65"]
 COMBINATIONS = [
     ("samsung-s20fe", "2856K", 3200, 7, "dng"),
     ("samsung-s20fe", "sample:3", 100, 0, "paper"),
-    ("samsung-s20fe", "xy:0.3457:0.3585", 1600.3, 18446744073709551615, "dng"),
+    ("samsung-s20fe", "xy:0.3457:0.3585", 1600.7, 18446744073709551615, "dng"),
     ("nikon-d40", "A", None, 1, "dng"),
     ("nikon-d40", "sample:11", None, 2, "paper"),
     ("canon-5d-mark-iv", "neutral:0.55:0.45", 6400, 3, "dng"),

@@ -60,6 +60,7 @@ def test_noise_has_the_published_law(draws):
     rest = np.log(read) - (2.18 * np.log(shot) + 1.20)
     assert stats.kstest(rest, stats.norm(0, 0.26).cdf).pvalue > LEAST_P
     assert stats.spearmanr(rest, shot).pvalue > LEAST_P
+    assert stats.spearmanr(abs(rest), shot).pvalue > LEAST_P
     assert drawn_noise(7) == (draws[7].shot_noise, draws[7].read_noise)
 
 
