@@ -199,10 +199,10 @@ void bind_metadata(py::module_& m)
 
 void bind_dng(py::module_& m)
 {
+    bind_shot(m);
     m.def("write_dng", &write, "path"_a, "raw"_a, "simulation"_a, "compression"_a,
           "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a, "shot"_a,
           "Write a DNG; see cg2raw.write_dng.");
-    bind_shot(m);
     bind_metadata(m);
     bind_profiles(m);
 }

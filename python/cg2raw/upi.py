@@ -37,8 +37,14 @@ PAPER_SENSORS = (
     "samsung-s20fe",
 )
 DECIMALS = 4  # of a DNG's matrices: pixels are made with what the file will say
-DROPPED = ("calibration_illuminant_2", "color_matrix_2", "forward_matrix_2")
-DROPPED += ("illuminants", "digital_gain", "effects")
+DROPPED = (
+    "calibration_illuminant_2",
+    "color_matrix_2",
+    "forward_matrix_2",
+    "illuminants",
+    "digital_gain",
+    "effects",
+)
 
 
 @dataclass(frozen=True)
@@ -89,9 +95,10 @@ class Upi:
                 f"noise upi: is for Bayer sensors; the CFA of {self.sensor.id} is of "
                 f"{len(self.sensor.cfa)} sites"
             )
-        self.red_gains, self.blue_gains = (
-            (RED_GAIN, BLUE_GAIN) if gains == "published" else gain_ranges(self.sensor)
-        )
+        published = (RED_GAIN, BLUE_GAIN)
+        ranges = published if gains == "published" else gain_ranges(self.sensor)
+        self.red_gains: tuple[float, float] = ranges[0]
+        self.blue_gains: tuple[float, float] = ranges[1]
         if isinstance(digital_gain, str):
             _one_of("digital_gain", digital_gain, ("upi",))
         self.digital_gain = digital_gain

@@ -37,7 +37,7 @@ def stem_of(path):
 
 def check_apart(inputs, outputs):
     """Raise ValueError if two outputs are one file, or an output is an input."""
-    first = {}
+    first: dict[str, str] = {}
     read = {os.path.realpath(path): path for path in inputs}
     for path, output in zip(inputs, outputs, strict=True):
         real = os.path.realpath(output)

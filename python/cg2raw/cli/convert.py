@@ -203,7 +203,7 @@ def upi_of(arguments):
     from cg2raw.upi import PAPER_SENSORS, Upi
 
     load_one(arguments.sensor)
-    matrices = PAPER_SENSORS
+    matrices = list(PAPER_SENSORS)
     if arguments.upi_sensors:
         asked_sensors(arguments.upi_sensors)
         matrices = [word.strip() for word in arguments.upi_sensors.split(",")]

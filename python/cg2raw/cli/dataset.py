@@ -2,12 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """Training data: each image by many sensors, lights, digital gains and ISOs.
 
-    cg2raw dataset renders/ out/ --sensors nikon-d40,samsung-s20fe --illuminants 4
-    cg2raw dataset renders/ out/ --sensors samsung-s20fe --illuminants A,D65 \\
-                   --gains 1.0,0.8 --iso clean,100,3200
-    cg2raw dataset renders/ out/ --sensors all --illuminants 1 --format npy \\
-                   --patches 8 --patch-size 256 --workers 4
-
 IN is a folder, searched through, or files: EXR and HDR (scene-linear Rec.709), PNG and
 TIFF (integers are linearised by their curve, sRGB unless they say another; the manifest
 says which). OUT/manifest.parquet and .jsonl list every file with the light that it was
@@ -16,6 +10,14 @@ made under, the clean file beside a noisy one, and all that is needed to make it
 Stopped, even killed, the same command goes on where it was. A file's bytes depend on
 the options, its image and its name, not on order, workers or interruptions. An image
 that cannot be used is listed at the end, and the exit code is then 1.
+
+examples:
+    cg2raw dataset renders/ out/ --sensors nikon-d40,samsung-s20fe --illuminants 4
+    cg2raw dataset renders/ out/ --sensors samsung-s20fe --illuminants A,D65 \\
+                   --gains 1.0,0.8 --iso clean,100,3200
+    cg2raw dataset renders/ out/ --sensors nikon-d40 --illuminants 1 --format npy \\
+                   --patches 8 --patch-size 256 --workers 4
+    cg2raw dataset renders/ out/ --sensors nikon-d850 --illuminants 2 --method upi
 """
 
 import importlib.util
@@ -59,7 +61,12 @@ def add_content(group):
     add("--iso", default="clean", help="as clean,100,3200 (default clean)")
     add("--noise", default="gaussian", choices=["gaussian", "physical"])
     add("--convention", default="dng", choices=["dng", "paper"])
-    add("--method", default="graphics2raw", choices=sorted(METHODS))
+    add(
+        "--method",
+        default="graphics2raw",
+        choices=sorted(METHODS),
+        help="upi draws matrix and white balance (Brooks et al., 2019)",
+    )
     add("--seed", type=int, default=0, help="of all that is drawn (default 0)")
 
 

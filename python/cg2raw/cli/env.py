@@ -80,7 +80,7 @@ def plugins_in(places):
 
     OpenImageIO 2 refuses the plugin of 3 at once; 3 would load all of 2 to refuse its.
     """
-    found = {}
+    found: dict[int, str] = {}
     for place in places:
         path = place / "lib/cg2raw/oiio" / PLUGIN
         if not path.is_file():

@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Workers of a Dask cluster."""
 
-from cg2raw.dataset.job import give_up, make
+from cg2raw.dataset.job import Job, give_up, make
 
 AHEAD = 2  # jobs per thread of the cluster that are submitted at a time
 SECONDS = 30  # until a scheduler that does not answer is given up
@@ -37,7 +37,7 @@ def streamed(client, distributed, jobs):
     """Yield results; never more than a few jobs per thread are on their way."""
     threads = sum(client.nthreads().values())
     room = AHEAD * max(threads, 1)
-    flying = {}
+    flying: dict[str, Job] = {}
     stream = distributed.as_completed()
     for job in jobs:
         submit(client, stream, flying, job)

@@ -187,7 +187,7 @@ def make_variants(target, header, todo):
         raise BadImage(str(error) or "needs more memory than there is") from None
     journal.start(target.journal, header, target.rows.values())
     header = {**header, "transfer": image.transfer}
-    patch, scene = None, None
+    patch, scene = -1, image.rgb
     for order, variant in todo:
         if variant.patch != patch:
             patch = variant.patch
@@ -205,12 +205,13 @@ def make_variant(target, variant, scene, about):
 
 def simulated(plan, variant, scene):
     """Return (write(path), what the manifest says of the simulation)."""
-    sensor = plan.cameras[variant.sensor]
-    gain = variant.digital_gain(sensor._profile)
-    simulation = METHODS[plan.method](
-        sensor,
+    camera = METHODS[plan.method](
+        plan.cameras[variant.sensor], variant.scene, plan.seed
+    )
+    sensor, gain = camera.sensor, camera.digital_gain
+    simulation = sensor.simulation(
         scene.shape[:2],
-        illuminant=variant.illuminant,
+        illuminant=camera.illuminant,
         iso=variant.iso,
         noise=plan.noise if variant.iso is not None else "gaussian",
         seed=plan.seed,
@@ -232,7 +233,8 @@ def simulated(plan, variant, scene):
         def write(path):
             write_planes(path, planes)
 
-    return write, truth(plan, sensor, simulation.illuminant, gain, shape)
+    drawn = {"illuminant": camera.illuminant, "method_seed": camera.seed}
+    return write, drawn | truth(plan, sensor, simulation.illuminant, gain, shape)
 
 
 def dng_writer(plan, raw, simulation):
@@ -279,7 +281,6 @@ def described(header, plan, variant, crop):
         "transfer": header["transfer"],
         "sensor": variant.sensor,
         "profile_sha256": plan.profile_sha256[variant.sensor],
-        "illuminant": variant.illuminant,
         "illuminant_index": variant.illuminant_index,
         "digital_gain_drawn": variant.asked_gain == "sample",
         "iso": variant.iso,

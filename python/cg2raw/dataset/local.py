@@ -31,29 +31,32 @@ class Worker:
             env={**os.environ, "PYTHONPATH": path},
             start_new_session=True,  # Ctrl-C is ours to answer
         )
+        # Pipes, so they are there.
+        assert self.process.stdin is not None and self.process.stdout is not None
+        self.requests, self.answers = self.process.stdin, self.process.stdout
         self.job, self.tries = None, 0
 
     def give(self, job, tries):
         """Hand over a job."""
         self.job, self.tries = job, tries
         try:
-            self.process.stdin.write(json.dumps(asdict(job)).encode() + b"\n")
-            self.process.stdin.flush()
+            self.requests.write(json.dumps(asdict(job)).encode() + b"\n")
+            self.requests.flush()
         except BrokenPipeError:
             pass  # it died; its end of the other pipe tells
 
     def answer(self):
         """Return the answer to the job, None if the process died over it."""
-        line = self.process.stdout.readline()
+        line = self.answers.readline()
         return json.loads(line) if line.endswith(b"\n") else None
 
     def stop(self):
         """End the process at once, which is safe at any time."""
         self.process.kill()
         self.process.wait()
-        self.process.stdout.close()
+        self.answers.close()
         with contextlib.suppress(BrokenPipeError):
-            self.process.stdin.close()
+            self.requests.close()
 
 
 def results(jobs, count, log):
@@ -86,12 +89,12 @@ class Pool:
         """Start a Worker."""
         worker = Worker(self.log)
         self.workers.add(worker)
-        self.selector.register(worker.process.stdout, selectors.EVENT_READ, worker)
+        self.selector.register(worker.answers, selectors.EVENT_READ, worker)
         return worker
 
     def dismiss(self, worker):
         """End a Worker; return the exit code of one that had ended by itself."""
-        self.selector.unregister(worker.process.stdout)
+        self.selector.unregister(worker.answers)
         self.workers.discard(worker)
         worker.stop()
         return worker.process.returncode

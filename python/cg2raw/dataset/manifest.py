@@ -43,6 +43,7 @@ COLUMNS = (
     ("patch", "int32"),
     ("crop", "integers"),
     ("method", "string"),
+    ("method_seed", "uint64"),
     ("convention", "string"),
     ("format", "string"),
     ("element_type", "string"),

@@ -1,8 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Methods by which an image becomes RAW."""
+"""Methods by which a camera and its light are chosen for an image."""
 
+from dataclasses import dataclass
+
+from cg2raw.dataset.keys import drawn_gain, hashed
 from cg2raw.sensor import Sensor
+from cg2raw.upi import PAPER_SENSORS, Upi
 
-# name : (sensor, shape, **run) -> what Sensor.simulation returns
-METHODS = {"graphics2raw": Sensor.simulation}
+
+@dataclass(frozen=True)
+class Scene:
+    """What the clean and the noisy files of one image have in common."""
+
+    image: str
+    illuminant_index: int
+    illuminant: str
+    asked_gain: float | str  # a number, or "sample"
+    patch: int
+
+
+@dataclass(frozen=True)
+class Camera:
+    """The sensor that simulates, and how it is exposed."""
+
+    sensor: Sensor
+    illuminant: str
+    digital_gain: float
+    seed: int | None  # of what the method drew; None: nothing
+
+
+def graphics2raw(sensor, scene, seed):
+    """Return the sensor itself under the scene's light.
+
+    Raises ValueError if a gain is to be drawn from a sensor that has none."""
+    gain = scene.asked_gain
+    if gain == "sample":
+        key = (scene.image, sensor.id, scene.illuminant_index, scene.patch)
+        gain = drawn_gain(sensor._profile, seed, hashed("digital_gain", *key))
+    return Camera(sensor, scene.illuminant, gain, None)
+
+
+def upi(sensor, scene, seed):
+    """Return a camera that UPI draws with the CFA, levels and noise of the sensor: one
+    for each image, patch and light. A gain that is to be drawn is UPI's own."""
+    key = (seed, scene.image, sensor.id, scene.illuminant_index, scene.patch)
+    draw_seed = hashed("upi", *key)
+    gain = "upi" if scene.asked_gain == "sample" else scene.asked_gain
+    drawn = Upi(sensor, matrices=PAPER_SENSORS, digital_gain=gain).draw(draw_seed)
+    return Camera(drawn.sensor, drawn.illuminant, drawn.digital_gain, draw_seed)
+
+
+METHODS = {"graphics2raw": graphics2raw, "upi": upi}

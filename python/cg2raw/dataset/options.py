@@ -5,7 +5,7 @@
 import json
 
 from cg2raw import Sensor, __version__
-from cg2raw.dataset.methods import METHODS
+from cg2raw.dataset.methods import METHODS, Scene
 from cg2raw.dataset.plan import Plan, short
 
 # The option that decides a field of the plan, for messages.
@@ -45,7 +45,7 @@ def make_plan(sensors, leave_out, **fields):
 
 def unknown_noise(plan):
     """Return {"100,3200": {sensor: why its noise there is not known}}."""
-    found = {}
+    found: dict[str, dict[str, str]] = {}
     for id, camera in plan.cameras.items():
         whys = {iso: plan.why_not(camera, iso) for iso in plan.isos}
         bad = [iso for iso, why in whys.items() if why is not None]
@@ -81,8 +81,13 @@ def check_runs(plan, sensor):
     words = plan.illuminants
     if isinstance(words, int):
         words = ("sample:0",)
+    elif plan.method == "upi":
+        raise ValueError(
+            "--illuminants: --method upi draws the light itself; say how many"
+        )
     gains = [1.0 if gain == "sample" else gain for gain in plan.digital_gains]
-    if "sample" in plan.digital_gains and sensor.digital_gain is None:
+    own = plan.method == "graphics2raw"
+    if own and "sample" in plan.digital_gains and sensor.digital_gain is None:
         raise ValueError(
             f"--gains sample: {sensor.id} has no digital_gain to sample from; give "
             "numbers, or leave it out of --sensors"
@@ -93,11 +98,11 @@ def check_runs(plan, sensor):
     tries += [(words[0], gain, isos[0]) for gain in gains]
     tries += [(words[0], gains[0], iso) for iso in isos]
     for word, gain, iso in tries:
-        METHODS[plan.method](
-            sensor,
+        camera = METHODS[plan.method](sensor, Scene("", 0, word, gain, 0), plan.seed)
+        camera.sensor.simulation(
             (2, 2),
-            illuminant=word,
-            digital_gain=gain,
+            illuminant=camera.illuminant,
+            digital_gain=camera.digital_gain,
             iso=iso,
             noise=plan.noise if iso is not None else "gaussian",
             seed=plan.seed,

@@ -50,5 +50,7 @@ def write_exr(path, planes):
     spec.attribute("DateTime", "1970:01:01 00:00:00")  # else now: other bytes each time
     file = oiio.ImageOutput.create(path)
     pixels = np.ascontiguousarray(np.moveaxis(planes, 0, -1))
+    if file is None:
+        raise OSError(f"{path}: {oiio.geterror()}")
     if not (file.open(path, spec) and file.write_image(pixels) and file.close()):
         raise OSError(f"{path}: {file.geterror()}")

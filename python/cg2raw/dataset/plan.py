@@ -8,7 +8,9 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
 
-from cg2raw import Sensor, __version__, _core
+from cg2raw import Sensor, __version__
+from cg2raw.dataset.keys import hashed
+from cg2raw.dataset.methods import Scene
 
 ENDINGS = {"dng": ".dng", "npy": ".npy", "exr": ".exr"}
 
@@ -179,39 +181,16 @@ class Variant:
         """Return the frame number that keys the file's noise."""
         return hashed("frame", *self.key)
 
-    def digital_gain(self, profile):
-        """Return the digital gain; clean and noisy files of a scene share a drawn one.
-
-        profile : the core's SensorProfile. Raises ValueError if it has none."""
-        if self.asked_gain != "sample":
-            return self.asked_gain
-        scene = (self.image, self.sensor, self.illuminant_index, self.patch)
-        return drawn_gain(profile, self.plan.seed, hashed("digital_gain", *scene))
-
-
-def drawn_gain(profile, seed, frame):
-    """Return a digital gain drawn from the profile, keyed by seed and frame."""
-    run = _core.Run(
-        illuminant="D65",
-        iso=None,
-        noise="gaussian",
-        seed=seed,
-        frame=frame,
-        digital_gain=1.0,
-        convention="dng",
-        highlights=True,
-        effects=False,
-        camera_input=False,
-        as_shot=None,
-        sample_digital_gain=True,
-    )
-    return _core.Simulation(profile, (2, 2), run).digital_gain
-
-
-def hashed(*key):
-    """Return 53 bits that a key decides, exact in any reader of JSON."""
-    digest = hashlib.blake2b(json.dumps(key).encode(), digest_size=8).digest()
-    return int.from_bytes(digest, "big") >> 11
+    @property
+    def scene(self):
+        """Return what clean and noisy files have in common."""
+        return Scene(
+            self.image,
+            self.illuminant_index,
+            self.illuminant,
+            self.asked_gain,
+            self.patch,
+        )
 
 
 def short(number):
