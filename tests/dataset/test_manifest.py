@@ -128,3 +128,28 @@ def test_drawn_gains_follow_the_profile_and_are_shared(images, tmp_path):
     assert len(set(gains)) == 200
     assert gains.mean() == pytest.approx(0.8, abs=5 * 0.1 / 200**0.5)
     assert gains.std() == pytest.approx(0.1, rel=5 / 400**0.5)
+
+
+def test_upi_draws_a_camera_for_each_light(images, tmp_path):
+    """Clean and noisy files share it, and the manifest's seed gives it again."""
+    out = tmp_path / "out"
+    options = "--sensors samsung-s20fe --illuminants 2 --iso clean,400 --method upi"
+    assert run("dataset", images, out, *options.split()).code == 0
+    seeds = {}
+    for row in rows(out):
+        upi = cg2raw.Upi(row["sensor"], digital_gain=row["digital_gain"])
+        drawn = upi.draw(row["method_seed"])
+        assert row["method"] == "upi" and row["illuminant"] == drawn.illuminant
+        metadata = read_dng_metadata(str(out / row["path"]))
+        [calibration] = metadata.calibrations
+        np.testing.assert_allclose(
+            calibration["camera_from_xyz"], drawn.camera_from_xyz, atol=1e-9
+        )
+        seeds.setdefault(row["method_seed"], []).append(row["iso"])
+    assert len(seeds) == 5 * 2 and all(len(isos) == 2 for isos in seeds.values())
+
+
+def test_upi_draws_lights_itself(images, tmp_path):
+    words = "--sensors samsung-s20fe --illuminants A,D65 --method upi".split()
+    done = run("dataset", images, tmp_path / "out", *words)
+    assert done.code == 1 and "--illuminants" in done.err
