@@ -7,25 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import OpenImageIO as oiio
 
+from cg2raw import _core
 from cg2raw.dataset import transfer
+from cg2raw.image_file import means_rec709
 
 ENDINGS = (".exr", ".png", ".tif", ".tiff", ".hdr")
-# Names of scene-linear Rec.709 and of sRGB in OpenImageIO and common configs.
-LINEAR_NAMES = {
-    "linear",
-    "scene_linear",
-    "lin_rec709",
-    "lin_rec709_scene",
-    "lin_srgb",
-    "lin_srgb_scene",
-    "lin_rec709_srgb",
-    "srgb_linear",
-    "linear srgb",
-    "linear rec.709 (srgb)",
-    "linear rec.709",
-    "utility - linear - srgb",
-    "utility - linear - rec.709",
-}
+# Names of sRGB in OpenImageIO and common configs.
 SRGB_NAMES = {
     "srgb",
     "srgb_rec709_scene",
@@ -35,8 +22,6 @@ SRGB_NAMES = {
     "srgb - texture",
     "utility - srgb - texture",
 }
-# x and y of R, G, B and white. Source: IEC 61966-2-1.
-REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 SIDES = (2, 65535)  # of a RAW file, pixels
 ROWS = 256  # that are read at a time; the most that EXR compresses together (DWAB)
 INTEGERS = ("uint8", "uint16")
@@ -132,7 +117,7 @@ def curve_of(spec):
     integer = str(spec.format) in INTEGERS
     if not integer and str(spec.format) not in ("half", "float", "double"):
         raise ValueError(f"has {spec.format} samples: needs 8 or 16 bits, or floats")
-    if space in LINEAR_NAMES or (not space and not integer):
+    if means_rec709(space) if space else not integer:
         return None
     if integer and (not space or space in SRGB_NAMES):
         return "srgb"
@@ -148,7 +133,7 @@ def curve_of(spec):
 def check_primaries(spec):
     """Raise ValueError for other primaries than those of Rec.709."""
     said = spec.getattribute("chromaticities")
-    if said is not None and not np.allclose(said, REC709, rtol=0, atol=0.002):
+    if said is not None and not _core.is_rec709_primaries(said):
         raise ValueError(
             "its chromaticities are not those of Rec.709: convert it to scene-linear "
             "Rec.709, and then --eraseattrib chromaticities"
