@@ -152,3 +152,10 @@ def test_an_image_that_kills_its_workers_is_given_up(images, tmp_path):
     assert process.returncode == 1
     assert "pipe.exr: the process that worked on it ended twice (SIGKILL)" in errors
     check_agreement(out)
+
+
+def test_input_that_is_not_there_leaves_nothing(tmp_path):
+    words = "--sensors nikon-d40 --illuminants 1".split()
+    done = run("dataset", tmp_path / "renders", tmp_path / "out", *words)
+    assert done.code == 1 and "renders: there is no such file" in done.err
+    assert list(tmp_path.iterdir()) == []

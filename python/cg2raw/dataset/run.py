@@ -32,9 +32,9 @@ def make_dataset(paths, out, plan, workers=1, scheduler=None, watch=None):
     address of a Dask scheduler in their place. watch : (results, total) -> results, as
     to show progress. What is finished stays finished, however the process ends.
     Raises ValueError or OSError, each of one line."""
-    os.makedirs(out, exist_ok=True)
     out = os.path.realpath(out)
     images = Images(paths, out)
+    os.makedirs(out, exist_ok=True)
     check_folder(out, plan)
     with locked(out):
         begin(out, plan, images)
