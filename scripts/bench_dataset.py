@@ -195,7 +195,7 @@ def say(name, ratio, text):
     print(f"{ratio:.2f} {text} (at least {BOUNDS[name]})")
 
 
-def bench(source, folder, rounds, copies=16):
+def bench(source, folder, rounds, copies=48):
     """Run all of it on @copies of one EXR."""
     images = folder / "images"
     images.mkdir(parents=True, exist_ok=True)
