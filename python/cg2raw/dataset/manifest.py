@@ -8,7 +8,7 @@ import os
 from cg2raw.dataset import journal
 
 NAME = "manifest"
-ROWS = 2048  # of a Parquet row group; so many are in memory at a time
+ROWS = 1024  # of a row group: a batch is all of the manifest that is in memory
 COLUMNS = (
     ("path", "string"),
     ("clean_path", "string"),
