@@ -19,7 +19,7 @@ struct SitePiece {
     Site at; ///< of its first pixel, in the active area
     int count;
     const float* mean;
-    float *variance, *noise;
+    float* noise;
     const double* value; ///< each pixel's, that of its CFA site
 };
 
@@ -43,7 +43,6 @@ void each_piece_of_sites(const Signal& signal, const Values& values, const Work&
                 site = site + 1 == cfa.width ? 0 : site + 1;
             }
             work(SitePiece { at, count, signal.mean[0].row(row) + col,
-                             signal.variance.row(row) + col,
                              signal.noise.row(row) + col, value });
         }
     }

@@ -6,6 +6,7 @@
 
 #include "cg2raw/effect.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace cg2raw {
@@ -56,6 +57,29 @@ void each_row_of_sites(Signal& signal, const Values& values, const Row& row)
         if (width % 2)
             row(mean + width - 1, variance + width - 1, pair[next], 1);
     }
+}
+
+/// Adds the variance of photons, however they are drawn: slope times signal, with each
+/// site's slope.
+inline void add_photon_variance(Signal& signal, const Values& slopes)
+{
+    each_row_of_sites(
+        signal, slopes,
+        [](const float* mean, float* variance, const float* slope, int width) {
+            for (int col = 0; col < width; ++col)
+                variance[col] += slope[col & 1] * std::max(mean[col], 0.0f);
+        });
+}
+
+/// Adds each site's variance, whatever the signal.
+inline void add_site_variance(Signal& signal, const Values& variances)
+{
+    each_row_of_sites(
+        signal, variances,
+        [](const float*, float* variance, const float* offset, int width) {
+            for (int col = 0; col < width; ++col)
+                variance[col] += offset[col & 1];
+        });
 }
 
 } // namespace cg2raw

@@ -34,7 +34,9 @@ std::optional<double> plausible(const TiffTags& exif, TiffTag tag)
     return value && *value >= 1e-9 && *value <= 1e6 ? value : std::nullopt;
 }
 
-bool is_date(const std::string& text)
+} // namespace
+
+bool is_exif_date(const std::string& text)
 {
     const std::string form = "dddd:dd:dd dd:dd:dd";
     if (text.size() != form.size())
@@ -44,8 +46,6 @@ bool is_date(const std::string& text)
             return false;
     return true;
 }
-
-} // namespace
 
 void read_dng_names(const TiffTags& camera, const TiffTags& exif, DngMetadata& metadata)
 {
@@ -63,7 +63,7 @@ void read_dng_names(const TiffTags& camera, const TiffTags& exif, DngMetadata& m
     shot.focal_length = plausible(exif, tag::focal_length);
     shot.iso = read_iso(exif);
     const std::string date = exif.text(tag::date_time_original);
-    shot.date_time_original = is_date(date) ? date : "";
+    shot.date_time_original = is_exif_date(date) ? date : "";
     shot.artist = camera.text(tag::artist);
     shot.copyright = camera.text(tag::copyright);
     shot.description = camera.text(tag::image_description);

@@ -86,4 +86,7 @@ void read_dng_opcodes(const TiffTags& raw, DngMetadata& metadata);
 void read_dng_names(const TiffTags& camera, const TiffTags& exif,
                     DngMetadata& metadata);
 
+/// Whether a text is a date as Exif writes it, "YYYY:MM:DD HH:MM:SS".
+bool is_exif_date(const std::string& text);
+
 } // namespace cg2raw

@@ -2,7 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file What a file takes over from the image, and from a reference DNG.
-#include "cg2raw/dng_reader.h"
+#include "dng_reader_tags.h"
 
 #include <algorithm>
 #include <cctype>
@@ -21,18 +21,6 @@ std::optional<double> within_exif(const std::optional<double>& value)
     return fits ? value : std::nullopt;
 }
 
-/// A date as Exif writes it, "YYYY:MM:DD HH:MM:SS", or nothing.
-std::string exif_date(const std::string& text)
-{
-    const std::string form = "0000:00:00 00:00:00";
-    if (text.size() != form.size())
-        return "";
-    for (std::size_t i = 0; i < form.size(); ++i)
-        if (form[i] == '0' ? text[i] < '0' || text[i] > '9' : text[i] != form[i])
-            return "";
-    return text;
-}
-
 bool same_but_for_case(const std::string& a, const std::string& b)
 {
     const auto lower
@@ -48,7 +36,8 @@ Shot plausible(Shot shot)
     shot.exposure_time = within_exif(shot.exposure_time);
     shot.f_number = within_exif(shot.f_number);
     shot.focal_length = within_exif(shot.focal_length);
-    shot.date_time_original = exif_date(shot.date_time_original);
+    if (!is_exif_date(shot.date_time_original))
+        shot.date_time_original.clear();
     if (shot.orientation < 1 || shot.orientation > 8)
         shot.orientation = 1;
     return shot;
@@ -87,6 +76,7 @@ SensorProfile with_measurements(SensorProfile reference, const SensorProfile& me
     reference.effects = measured.effects;
     if (!measured.noise.empty())
         reference.noise = measured.noise;
+    check(reference, file);
     return reference;
 }
 

@@ -18,14 +18,6 @@ namespace {
 /// 17(1), 1975.
 constexpr double normal_lambda = 0.14;
 
-void expect(Signal& signal, const Values& values)
-{
-    each_piece_of_sites(signal, values, [](const SitePiece& piece) {
-        for (int i = 0; i < piece.count; ++i)
-            piece.variance[i] += float(piece.value[i]);
-    });
-}
-
 void draw(Signal& signal, const Values& values, const Rng& rng)
 {
     const double lambda = values.back(), variance = tukey_lambda_variance(lambda);
@@ -53,7 +45,7 @@ Effect heavy_tailed_noise()
              parameters,
              "read-out noise with the tails of Tukey's lambda distribution",
              "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
-             expect,
+             add_site_variance,
              draw };
 }
 

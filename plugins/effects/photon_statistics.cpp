@@ -16,14 +16,6 @@ namespace {
 
 static_assert(most_in_piece <= poisson_piece);
 
-void expect(Signal& signal, const Values& beta1)
-{
-    each_piece_of_sites(signal, beta1, [](const SitePiece& piece) {
-        for (int i = 0; i < piece.count; ++i)
-            piece.variance[i] += float(piece.value[i]) * std::max(piece.mean[i], 0.0f);
-    });
-}
-
 void draw(Signal& signal, const Values& beta1, const Rng& rng)
 {
     each_piece_of_sites(signal, beta1, [&rng](const SitePiece& piece) {
@@ -49,7 +41,7 @@ Effect photon_statistics()
              per_site("beta1", "1", 0.0, 1.0, "signal of one electron at a CFA site"),
              "photon noise: whole electrons, Poisson distributed",
              "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
-             expect,
+             add_photon_variance,
              draw };
 }
 

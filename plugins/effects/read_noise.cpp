@@ -7,19 +7,6 @@
 #include "site_rows.h"
 
 namespace cg2raw::effects {
-namespace {
-
-void expect(Signal& signal, const Values& beta2)
-{
-    each_row_of_sites(
-        signal, beta2,
-        [](const float*, float* variance, const float* offset, int width) {
-            for (int col = 0; col < width; ++col)
-                variance[col] += offset[col & 1];
-        });
-}
-
-} // namespace
 
 Effect read_noise()
 {
@@ -29,7 +16,7 @@ Effect read_noise()
              per_site("beta2", "1", 0.0, 1.0, "variance at a CFA site"),
              "read-out noise: a variance that does not depend on the signal",
              "A. Foi et al., IEEE Trans. Image Process. 17(10), 2008",
-             expect };
+             add_site_variance };
 }
 
 } // namespace cg2raw::effects

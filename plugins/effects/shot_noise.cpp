@@ -7,22 +7,7 @@
 
 #include "site_rows.h"
 
-#include <algorithm>
-
 namespace cg2raw::effects {
-namespace {
-
-void expect(Signal& signal, const Values& beta1)
-{
-    each_row_of_sites(
-        signal, beta1,
-        [](const float* mean, float* variance, const float* slope, int width) {
-            for (int col = 0; col < width; ++col)
-                variance[col] += slope[col & 1] * std::max(mean[col], 0.0f);
-        });
-}
-
-} // namespace
 
 Effect shot_noise()
 {
@@ -32,7 +17,7 @@ Effect shot_noise()
              per_site("beta1", "1", 0.0, 1.0, "variance per signal at a CFA site"),
              "photon noise: variance grows in proportion to the signal",
              "A. Foi et al., IEEE Trans. Image Process. 17(10), 2008",
-             expect };
+             add_photon_variance };
 }
 
 } // namespace cg2raw::effects

@@ -4,29 +4,12 @@
 /// @file DNGs with the tags of real cameras whose files are not at hand. The Nexus 5X
 /// is in dng_reader_test.cpp. Source of the numbers: the cameras' files, as listed by
 /// metadata-extractor's test images.
-#include "dng_reader_tags.h"
-#include "reader_tiff_builder.h"
+#include "reader_test.h"
 
 #include <gtest/gtest.h>
 
-#include <sstream>
-
 namespace cg2raw::test {
 namespace {
-
-DngMetadata read(const Ifd& ifd0)
-{
-    std::istringstream stream(file_of(ifd0));
-    return read_dng_stream(stream, "test.dng");
-}
-
-bool has_note(const DngMetadata& metadata, const std::string& words)
-{
-    for (const std::string& note : metadata.notes)
-        if (note.find(words) != std::string::npos)
-            return true;
-    return false;
-}
 
 /// A preview in IFD0 and the mosaic in a SubIFD, without what not every maker writes.
 Ifd bare(std::uint64_t width, std::uint64_t height, std::uint64_t white)
@@ -79,7 +62,7 @@ TEST(DngMakers, LeicaTHasNoBlackLevelAndItsNeutralHasThreeDenominators)
     ifd.fractions(50728, { { 256, 738 }, { 512, 512 }, { 256, 421 } });
     const DngMetadata metadata = read(ifd);
     EXPECT_EQ(metadata.black_level, std::vector<double>(4, 0.0));
-    EXPECT_TRUE(has_note(metadata, "BlackLevel (50714) is missing"));
+    EXPECT_TRUE(has_note(metadata.notes, "BlackLevel (50714) is missing"));
     EXPECT_EQ((*metadata.as_shot_neutral)[0], 256.0 / 738.0);
     EXPECT_EQ((*metadata.as_shot_neutral)[2], 256.0 / 421.0);
     EXPECT_EQ(metadata.active_area.width, 4944); // no ActiveArea: the whole image
@@ -119,7 +102,7 @@ TEST(DngMakers, LinearizationLeavesItsTableAloneAndSaysSo)
     EXPECT_EQ(metadata.white_level, 51080);
     EXPECT_EQ(metadata.bits, 16);
     EXPECT_TRUE(
-        has_note(metadata, "LinearizationTable (50712): black, white and bits"));
+        has_note(metadata.notes, "LinearizationTable (50712): black, white and bits"));
 }
 
 TEST(DngMakers, NoiseOfFourPlanesIsUnknownToASensorOfThree)
@@ -129,7 +112,7 @@ TEST(DngMakers, NoiseOfFourPlanesIsUnknownToASensorOfThree)
                    .shorts(34855, { 100 })
                    .doubles(51041, { 1e-4, 1e-7, 2e-4, 2e-7, 3e-4, 3e-7, 4e-4, 4e-7 }));
     EXPECT_TRUE(metadata.noise_profile.empty());
-    EXPECT_TRUE(has_note(metadata, "NoiseProfile (51041) has 4 planes"));
+    EXPECT_TRUE(has_note(metadata.notes, "NoiseProfile (51041) has 4 planes"));
 }
 
 } // namespace

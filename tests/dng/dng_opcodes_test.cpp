@@ -4,35 +4,18 @@
 /// @file GainMaps as they are read, refused, and turned into lens_shading.
 #include "cg2raw/effect.h"
 
-#include "dng_reader_tags.h"
 #include "opcode_builder.h"
-#include "reader_tiff_builder.h"
+#include "reader_test.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <sstream>
-
 namespace cg2raw::test {
 namespace {
-
-DngMetadata read(const Ifd& ifd0, bool big_endian = false)
-{
-    std::istringstream stream(file_of(ifd0, big_endian));
-    return read_dng_stream(stream, "test.dng");
-}
 
 Ifd with_list2(const std::vector<TestOpcode>& opcodes)
 {
     return tiny_dng().bytes(51009, opcode_list(opcodes));
-}
-
-bool has_note(const std::vector<std::string>& notes, const std::string& words)
-{
-    for (const std::string& note : notes)
-        if (note.find(words) != std::string::npos)
-            return true;
-    return false;
 }
 
 TEST(DngOpcodes, AreBigEndianInFilesOfEitherOrder)

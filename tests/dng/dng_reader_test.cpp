@@ -1,31 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-#include "dng_reader_tags.h"
-#include "reader_tiff_builder.h"
+#include "reader_test.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace cg2raw::test {
 namespace {
-
-DngMetadata read(const Ifd& ifd0, bool big_endian = false)
-{
-    std::istringstream stream(file_of(ifd0, big_endian));
-    return read_dng_stream(stream, "test.dng");
-}
-
-bool has_note(const DngMetadata& metadata, const std::string& words)
-{
-    for (const std::string& note : metadata.notes)
-        if (note.find(words) != std::string::npos)
-            return true;
-    return false;
-}
 
 void expect_near(const Mat3& actual, const Mat3& expected, double tolerance)
 {
@@ -125,7 +109,7 @@ TEST(DngReader, CalibrationNeedsTheSameSignatureAsTheProfile)
     ifd.text(50931, std::string("com.adobe\0", 10));
     const DngMetadata differs = read(ifd);
     EXPECT_EQ(differs.calibrations[0].camera_from_xyz(2, 2), 57.0 / 128.0);
-    EXPECT_TRUE(has_note(differs, "CameraCalibration1 does not apply"));
+    EXPECT_TRUE(has_note(differs.notes, "CameraCalibration1 does not apply"));
     const DngMetadata same = read(ifd.text(50932, "com.adobe"));
     EXPECT_DOUBLE_EQ(same.calibrations[0].camera_from_xyz(2, 2),
                      57.0 * 125.0 / 128.0 / 128.0);
@@ -192,12 +176,12 @@ TEST(DngReader, OneMatrixServesAllLightsWhereTheSecondCannot)
     for (std::uint64_t second : { 0, 255, 21, 11111 }) {
         const DngMetadata metadata = read(ifd.shorts(50779, { second }));
         EXPECT_EQ(metadata.calibrations.size(), 1U) << second;
-        EXPECT_TRUE(has_note(metadata, "CalibrationIlluminant1 and 2")) << second;
+        EXPECT_TRUE(has_note(metadata.notes, "CalibrationIlluminant1 and 2")) << second;
     }
     const DngMetadata unnamed = read(tiny_dng().without(50778));
     EXPECT_EQ(unnamed.calibrations[0].light_source, 21);
-    EXPECT_TRUE(has_note(unnamed, "CalibrationIlluminant1 (50778) is missing"));
-    EXPECT_TRUE(has_note(unnamed, "ColorMatrix2 (50722) is missing"));
+    EXPECT_TRUE(has_note(unnamed.notes, "CalibrationIlluminant1 (50778) is missing"));
+    EXPECT_TRUE(has_note(unnamed.notes, "ColorMatrix2 (50722) is missing"));
 }
 
 struct BlackCase {
@@ -234,8 +218,8 @@ TEST(DngReader, BlackDeltasCountByTheirMeans)
     ifd.signed_rationals(50716, { -1, 0, -2, 0, -3, 0 }, 1); // rows
     const DngMetadata metadata = read(ifd);
     EXPECT_EQ(metadata.black_level, (std::vector<double> { 62.5, 63.5, 64.5, 65.5 }));
-    EXPECT_TRUE(has_note(metadata, "BlackLevelDeltaH"));
-    EXPECT_TRUE(has_note(metadata, "BlackLevelDeltaV"));
+    EXPECT_TRUE(has_note(metadata.notes, "BlackLevelDeltaH"));
+    EXPECT_TRUE(has_note(metadata.notes, "BlackLevelDeltaV"));
 }
 
 TEST(DngReader, LevelsHaveTheSpecificationsDefaults)
@@ -246,7 +230,7 @@ TEST(DngReader, LevelsHaveTheSpecificationsDefaults)
     EXPECT_EQ(metadata.white_level, 4095);
     EXPECT_EQ(metadata.bits, 12);
     EXPECT_EQ(metadata.black_level, (std::vector<double> { 0, 0, 0, 0 }));
-    EXPECT_TRUE(has_note(metadata, "BlackLevel (50714) is missing"));
+    EXPECT_TRUE(has_note(metadata.notes, "BlackLevel (50714) is missing"));
 }
 
 TEST(DngReader, BitsAreThoseThatWhiteNeeds)
@@ -308,7 +292,7 @@ TEST(DngReader, NoiseProfileHasOnePairPerPlaneOrOneForAll)
     EXPECT_EQ(three[2].offset, 6e-7);
     const DngMetadata silent = read(tiny_dng().doubles(51041, { 0, 0 }));
     EXPECT_TRUE(silent.noise_profile.empty());
-    EXPECT_TRUE(has_note(silent, "zeros only"));
+    EXPECT_TRUE(has_note(silent.notes, "zeros only"));
 }
 
 TEST(DngReader, TagsInTheOtherDirectoryAreFound)

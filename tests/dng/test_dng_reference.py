@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw import _core
 from dng import dng_files
 from oracles import cameras
 
@@ -59,3 +60,14 @@ def test_a_written_file_gives_its_sensor_back(cfa, by_site, tmp_path):
         np.testing.assert_allclose(
             theirs["noise"][0][field], ours["noise"][0][field], rtol=1e-12
         )
+
+
+def test_measurements_of_another_cfa_do_not_fit():
+    """Of one model by name, but its noise is of 4 sites and the mosaic of 36."""
+    fields = json.loads(_core.load_profile("nikon-d850").to_json())
+    x_trans = json.loads(_core.load_profile("fujifilm-x-m1").to_json())
+    x_trans["model"] = fields["model"]
+    reference = _core.parse_profile(json.dumps(x_trans), "reference")
+    measured = _core.load_profile("nikon-d850")
+    with pytest.raises(ValueError, match="^f.dng: .*36 values each"):
+        _core.with_measurements(reference, measured, "f.dng")

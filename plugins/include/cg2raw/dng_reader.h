@@ -61,7 +61,7 @@ SensorProfile profile_from_dng(const DngMetadata& metadata);
 
 /// The profile of a reference DNG with what only a measured profile knows: illuminants,
 /// digital gain, effects, and noise if it has any. Throws Error, which calls the DNG
-/// @p file, if the two are not of one camera.
+/// @p file, if the two are not of one camera, or do not fit as those of another CFA.
 SensorProfile with_measurements(SensorProfile reference, const SensorProfile& measured,
                                 const std::string& file);
 
