@@ -9,7 +9,7 @@ from cg2raw import _core
 from . import chain, names
 from .fixed_spaces import DATA, DISPLAY, TEXTURE
 from .fixed_spaces import display_spaces, picture_spaces, scene_spaces
-from .spaces import Exposure, raw_spaces
+from .spaces import all_raw_spaces
 
 DEVELOPED_VIEW, DATA_VIEW = "White balanced", "Raw"
 VERSIONS = ("2.0", "2.1")
@@ -25,13 +25,9 @@ def make_config(profiles, illuminants, exposure=None, version="2.1"):
     Raises ValueError for a version that is not among these, a duplicate, or an
     illuminant that a sensor cannot have."""
     config = base_config(version)
-    inactive = []
-    for profile in profiles:
-        for illuminant in illuminants:
-            bounded, unbounded = raw_spaces(profile, illuminant, exposure or Exposure())
-            for space in (bounded, unbounded):
-                add_space(config, space)
-            inactive.append(list(unbounded.getAliases())[0])
+    spaces, inactive = all_raw_spaces(profiles, illuminants, exposure)
+    for space in spaces:
+        add_space(config, space)
     config.setInactiveColorSpaces(", ".join(inactive))
     config.validate()
     return config

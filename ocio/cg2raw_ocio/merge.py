@@ -11,7 +11,7 @@ import os
 import PyOpenColorIO as ocio
 
 from .fixed_spaces import interchange_space
-from .spaces import Exposure, raw_spaces
+from .spaces import all_raw_spaces
 
 BUILT_IN = "ocio://"
 # What stands for "the newest" is pinned: what it means changes with OpenColorIO, and a
@@ -91,14 +91,10 @@ def merged_config(studio, profiles, illuminants, exposure=None):
     # By the studio's name, so that merging takes the studio's and drops this one.
     ours.addColorSpace(interchange_space(name, aliases=()))
     ours.setRole(ocio.ROLE_INTERCHANGE_SCENE, name)
-    inactive = []
-    for profile in profiles:
-        for illuminant in illuminants:
-            bounded, unbounded = raw_spaces(profile, illuminant, exposure or Exposure())
-            for space in (bounded, unbounded):
-                _check_free(studio, space)
-                ours.addColorSpace(space)
-            inactive.append(list(unbounded.getAliases())[0])
+    spaces, inactive = all_raw_spaces(profiles, illuminants, exposure)
+    for space in spaces:
+        _check_free(studio, space)
+        ours.addColorSpace(space)
     with _quiet():
         merged = ocio.ConfigMergingHelpers.MergeConfigs(_spaces_only(), studio, ours)
         listed = [studio.getInactiveColorSpaces(), *inactive]

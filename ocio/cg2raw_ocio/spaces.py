@@ -46,6 +46,21 @@ def raw_spaces(profile, illuminant, exposure):
     return [bounded, unbounded]
 
 
+def all_raw_spaces(profiles, illuminants, exposure=None):
+    """Return (spaces, inactive) of each profile x illuminant: RAW spaces and their
+    twins, and the aliases by which a config's inactive list names the twins (names may
+    hold colons, at which that list is taken apart).
+
+    exposure : an Exposure; None for the default one."""
+    pairs = [
+        raw_spaces(profile, illuminant, exposure or Exposure())
+        for profile in profiles
+        for illuminant in illuminants
+    ]
+    inactive = [list(unbounded.getAliases())[0] for _, unbounded in pairs]
+    return [space for pair in pairs for space in pair], inactive
+
+
 def camera_transform(profile, illuminant, exposure):
     """Return the core's CameraTransform of a sensor under an illuminant (a word)."""
     return _core.camera_from_scene(

@@ -136,9 +136,8 @@ def sensor_of_reference(metadata, sensor):
     """Return the sensor of a reference DNG, with what only @sensor may know."""
     profile = _core.profile_from_dng(metadata)
     if sensor is not None:
-        measured = _core.parse_profile(sensor.to_json(), sensor.id)
-        profile = _core.with_measurements(profile, measured, metadata.file)
-    return Sensor.from_json(profile.to_json(), profile.id)
+        profile = _core.with_measurements(profile, sensor._profile, metadata.file)
+    return Sensor._of(profile)
 
 
 def upi_frame(pixels, request):

@@ -11,6 +11,8 @@ import pytest
 from cg2raw import _core
 from cg2raw_ocio.config import config_text, make_config
 
+from ocio.conversion import system_python
+
 PAPER = (
     "canon-1ds-mark-iii canon-600d fujifilm-x-m1 nikon-d40 nikon-d5200 olympus-e-pl6 "
     "panasonic-gx1 samsung-nx2000 samsung-s20fe sony-a57"
@@ -34,18 +36,7 @@ def test_it_is_what_the_generator_makes(text):
 
 def test_debian_generates_the_same_bytes(text, build_folder):
     """PyOpenColorIO 2.1 and 2.6 write the same."""
-    probe = subprocess.run(
-        ["/usr/bin/python3", "-c", "import PyOpenColorIO, numpy"], capture_output=True
-    )
-    if probe.returncode != 0:
-        pytest.skip("python3-pyopencolorio and python3-numpy are not installed")
-    done = subprocess.run(
-        ["/usr/bin/python3", "-m", "cg2raw", "ocio", *OPTIONS],
-        env={**os.environ, "PYTHONPATH": str(build_folder / "lib" / "python")},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = system_python(build_folder, "-m", "cg2raw", "ocio", *OPTIONS)
     assert done.stdout == text
 
 
@@ -64,26 +55,22 @@ def test_the_plugin_knows_every_name_and_alias(text):
             assert (found[0], found[1].lower()) == (sensor, illuminant.lower())
 
 
+def ocio_of_env(repository, **environment):
+    """Return (OCIO, stderr) after scripts/env, where no OCIO but a given one is set."""
+    kept = {name: value for name, value in os.environ.items() if name != "OCIO"}
+    done = subprocess.run(
+        ["bash", "-c", 'source scripts/env && printf %s "$OCIO"'],
+        cwd=repository,
+        env={**kept, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout, done.stderr
+
+
 def test_env_exports_it(repository):
     installed = repository / "build/system/share/cg2raw/ocio/sensors.ocio"
-    show = 'source scripts/env && printf %s "$OCIO"'
-    environment = {name: v for name, v in os.environ.items() if name != "OCIO"}
-    done = subprocess.run(
-        ["bash", "-c", show],
-        cwd=repository,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout == str(installed) and done.stderr == ""
-    environment["OCIO"] = "/studio/config.ocio"
-    done = subprocess.run(
-        ["bash", "-c", show],
-        cwd=repository,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout == "/studio/config.ocio" and str(installed) in done.stderr
+    assert ocio_of_env(repository) == (str(installed), "")
+    value, said = ocio_of_env(repository, OCIO="/studio/config.ocio")
+    assert value == "/studio/config.ocio" and str(installed) in said

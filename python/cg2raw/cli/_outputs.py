@@ -1,8 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Where the files of a command go that makes one file of each input."""
+"""Where the files of a command go."""
 
 import os
+
+
+def to_file(path):
+    """Return whether an output goes to a file rather than to stdout."""
+    return path not in (None, "-")
+
+
+def check_output(option, path, ending):
+    """Return whether a path is that of a file, which may be there or not.
+
+    Raises ValueError for another ending than @ending, and for a missing folder."""
+    if not to_file(path) or (os.path.exists(path) and not os.path.isfile(path)):
+        return False
+    if os.path.splitext(path)[1].lower() != ending:
+        raise ValueError(f"{option} {path}: must end in {ending}")
+    folder = os.path.dirname(path) or "."
+    if not os.path.isdir(folder):
+        raise ValueError(f"{option} {path}: there is no folder {folder}")
+    return True
 
 
 def outputs_of(inputs, output, ending):

@@ -7,12 +7,15 @@ import sys
 MANY = 2  # items from which on a terminal shows progress
 
 
-def tracked(items, words, quiet=False, many=MANY):
-    """Return @items, with a bar on stderr if they are many and it is a terminal."""
-    if quiet or len(items) < many or not sys.stderr.isatty():
+def tracked(items, words, quiet=False, many=MANY, total=None):
+    """Return @items, with a bar on stderr if they are many and it is a terminal.
+
+    total : how many they are, if they have no length."""
+    count = len(items) if total is None else total
+    if quiet or count < many or not sys.stderr.isatty():
         return items
     from rich.console import Console
     from rich.progress import track
 
     console = Console(stderr=True)
-    return track(items, words, console=console, transient=True)
+    return track(items, words, count, console=console, transient=True)

@@ -24,6 +24,7 @@ import importlib.util
 import os
 import sys
 
+from cg2raw.cli._progress import tracked
 from cg2raw.dataset.methods import METHODS
 
 
@@ -181,13 +182,7 @@ def crop_of(arguments):
 
 def progress(results, total):
     """Return @results, with a progress bar if stderr is a terminal."""
-    if not sys.stderr.isatty():
-        return results
-    from rich.console import Console
-    from rich.progress import track
-
-    console = Console(stderr=True)
-    return track(results, "images", total, console=console, transient=True)
+    return tracked(results, "images", many=0, total=total)
 
 
 def report(out, summary):

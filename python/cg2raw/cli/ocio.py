@@ -30,6 +30,7 @@ examples:
 import os
 import sys
 
+from cg2raw.cli._outputs import check_output, to_file
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, check_pairs
 
 MISSING = (
@@ -106,22 +107,6 @@ def check(arguments):
     if to_file(arguments.output) and arguments.merge is not None:
         if os.path.realpath(arguments.output) == os.path.realpath(arguments.merge):
             raise ValueError(f"-o {arguments.output}: is the file to be read")
-
-
-def to_file(path):
-    """Return whether a config goes to a file rather than to stdout."""
-    return path not in (None, "-")
-
-
-def check_output(option, path, ending):
-    """Raise ValueError for a path that cannot be such a file."""
-    if not to_file(path) or (os.path.exists(path) and not os.path.isfile(path)):
-        return
-    if os.path.splitext(path)[1].lower() != ending:
-        raise ValueError(f"{option} {path}: must end in {ending}")
-    folder = os.path.dirname(path) or "."
-    if not os.path.isdir(folder):
-        raise ValueError(f"{option} {path}: there is no folder {folder}")
 
 
 def make(arguments):

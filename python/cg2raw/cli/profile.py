@@ -23,9 +23,12 @@ import json
 import os
 import sys
 
+from cg2raw.cli._outputs import check_output, to_file
+from cg2raw.cli._progress import tracked
+
 NOISE_HELP = "noise at one ISO by hand: ISO:S,O or ISO:S,O,S,O,S,O (of R, G, B)"
 BY_HAND = ("cfa", "size", "bits", "black-level", "white-level")
-MANY = 20  # files from which on a terminal shows progress
+MANY = 20  # files above which a terminal shows progress
 
 
 def add_arguments(parser):
@@ -83,17 +86,12 @@ def run(arguments):
     found = report.report(made, profile)
     write_outputs(arguments, profile, text, found)
     if not arguments.quiet:
-        out = sys.stdout if writes_file(arguments) else sys.stderr
+        out = sys.stdout if to_file(arguments.output) else sys.stderr
         words = json.dumps(found, indent=2) if arguments.json else report.as_text(found)
         print(words, file=out)
-        if writes_file(arguments) and not arguments.json:
+        if to_file(arguments.output) and not arguments.json:
             print(f"wrote     {arguments.output}")
     return 0
-
-
-def writes_file(arguments):
-    """Return whether the profile goes to a file rather than to stdout."""
-    return arguments.output not in (None, "-")
 
 
 def check_outputs(arguments):
@@ -101,15 +99,9 @@ def check_outputs(arguments):
     inputs = [*arguments.files, *filter(None, [arguments.neutrals, arguments.ssf])]
     outputs = [("-o", arguments.output, ".json"), ("--plot", arguments.plot, ".png")]
     for option, path, ending in outputs:
-        if path in (None, "-") or (os.path.exists(path) and not os.path.isfile(path)):
-            continue
-        if os.path.splitext(path)[1].lower() != ending:
-            raise ValueError(f"{option} {path}: must end in {ending}")
-        folder = os.path.dirname(path) or "."
-        if not os.path.isdir(folder):
-            raise ValueError(f"{option} {path}: there is no folder {folder}")
-        if os.path.realpath(path) in map(os.path.realpath, inputs):
-            raise ValueError(f"{option} {path}: is one of the files to be read")
+        if check_output(option, path, ending):
+            if os.path.realpath(path) in map(os.path.realpath, inputs):
+                raise ValueError(f"{option} {path}: is one of the files to be read")
 
 
 def check_inputs(arguments):
@@ -184,7 +176,7 @@ def make_of_files(arguments):
             make=arguments.make,
             model=arguments.model,
             skip_bad=arguments.skip_bad,
-            progress=silent if arguments.quiet else progress,
+            progress=lambda paths: tracked(paths, "reading", arguments.quiet, MANY + 1),
         )
     except from_files.BadFiles as bad:
         if len(arguments.files) == 1:
@@ -192,22 +184,6 @@ def make_of_files(arguments):
         for reason in bad.reasons:
             print(f"cg2raw profile: {reason}", file=sys.stderr)
         raise
-
-
-def silent(paths):
-    """Return the paths as they are."""
-    return paths
-
-
-def progress(paths):
-    """Return @paths, with a progress bar if they are many and stderr is a terminal."""
-    if len(paths) <= MANY or not sys.stderr.isatty():
-        return paths
-    from rich.console import Console
-    from rich.progress import track
-
-    console = Console(stderr=True)
-    return track(paths, "reading", console=console, transient=True)
 
 
 def changed(fields, arguments):
@@ -234,7 +210,7 @@ def write_outputs(arguments, profile, text, found):
 
         picture = plot_png(profile, found["illuminants"]["cct"])
         write_atomically(arguments.plot, picture)
-    if writes_file(arguments):
+    if to_file(arguments.output):
         write_atomically(arguments.output, text.encode())
     else:
         sys.stdout.write(text)

@@ -15,7 +15,6 @@ from cg2raw import __version__, _core, write_dng
 from cg2raw.dataset import journal, packed
 from cg2raw.dataset.methods import METHODS
 from cg2raw.dataset.plan import Plan
-from cg2raw.raw_frame import RawFrame
 
 PARTS = "parts"  # folder of files that are being written
 BLOCK = 1 << 20  # bytes that are hashed at a time
@@ -209,8 +208,9 @@ def simulated(plan, variant, scene):
         plan.cameras[variant.sensor], variant.scene, plan.seed
     )
     sensor, gain = camera.sensor, camera.digital_gain
-    simulation = sensor.simulation(
-        scene.shape[:2],
+    raw = sensor.simulate(
+        scene,
+        threads=1,
         illuminant=camera.illuminant,
         iso=variant.iso,
         noise=plan.noise if variant.iso is not None else "gaussian",
@@ -219,10 +219,9 @@ def simulated(plan, variant, scene):
         digital_gain=gain,
         convention=plan.convention,
     )
-    raw = simulation.raw(scene, threads=1)
     shape = raw.shape
     if plan.format == "dng":
-        write = dng_writer(plan, raw, simulation)
+        write = dng_writer(plan, raw)
     else:
         planes = packed.packed(
             raw, sensor.cfa, sensor.black_level, sensor.white_level, plan.element_type
@@ -234,16 +233,14 @@ def simulated(plan, variant, scene):
             write_planes(path, planes)
 
     drawn = {"illuminant": camera.illuminant, "method_seed": camera.seed}
-    return write, drawn | truth(plan, sensor, simulation.illuminant, gain, shape)
+    return write, drawn | truth(plan, sensor, raw.simulation.illuminant, gain, shape)
 
 
-def dng_writer(plan, raw, simulation):
+def dng_writer(plan, raw):
     """Return write(path) of a DNG."""
-    frame = raw.view(RawFrame)
-    frame.simulation = simulation
 
     def write(path):
-        write_dng(path, frame, compression=plan.compression, preview=False, threads=1)
+        write_dng(path, raw, compression=plan.compression, preview=False, threads=1)
 
     return write
 

@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 
-from cg2raw.dataset.keys import drawn_gain, hashed
+from cg2raw.dataset.keys import hashed
 from cg2raw.sensor import Sensor
 from cg2raw.upi import PAPER_SENSORS, Upi
 
@@ -37,7 +37,14 @@ def graphics2raw(sensor, scene, seed):
     gain = scene.asked_gain
     if gain == "sample":
         key = (scene.image, sensor.id, scene.illuminant_index, scene.patch)
-        gain = drawn_gain(sensor._profile, seed, hashed("digital_gain", *key))
+        gain = sensor.simulation(
+            (2, 2),
+            illuminant="D65",
+            seed=seed,
+            frame=hashed("digital_gain", *key),
+            digital_gain="sample",
+            effects=False,
+        ).digital_gain
     return Camera(sensor, scene.illuminant, gain, None)
 
 

@@ -60,11 +60,6 @@ def plan_of(sensors, fields):
     return Plan(sensors=tuple(profiles), profiles=profiles, **fields)
 
 
-def fail(sentence):
-    """Raise ValueError."""
-    raise ValueError(sentence)
-
-
 def fits(sensor, format, leave_out):
     """Return whether a format can hold the sensor's mosaic."""
     if format == "dng" or len(sensor.cfa) == 4:
@@ -143,7 +138,7 @@ def loaded_sensors(words):
     """Return the Sensors of "all" or of "id,id,path.json". Raises ValueError."""
     from cg2raw.cli._pairs import asked_sensors
 
-    return [Sensor.from_json(p.to_json(), p.id) for p in asked_sensors(words)]
+    return [Sensor._of(profile) for profile in asked_sensors(words)]
 
 
 def numbers(option, words, word):
