@@ -7,6 +7,7 @@
 #include "text.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace cg2raw {
@@ -14,7 +15,8 @@ namespace cg2raw {
 const char* name_of(Stage stage)
 {
     constexpr const char* names[]
-        = { "optics", "pixel", "response", "noise", "readout", "conversion", "output" };
+        = { "color",      "optics",  "pixel",      "response", "noise",
+            "saturation", "readout", "conversion", "output" };
     return names[std::size_t(stage)];
 }
 
@@ -22,6 +24,14 @@ const char* name_of(Pattern pattern)
 {
     constexpr const char* names[] = { "none", "fixed", "temporal" };
     return names[std::size_t(pattern)];
+}
+
+FieldPosition field_position(const Signal& signal, int row, int col)
+{
+    const auto [width, height] = signal.exposure.frame;
+    const double half = std::hypot(width, height) / 2.0;
+    return { (signal.origin.col + col + 0.5 - width / 2.0) / half,
+             (signal.origin.row + row + 0.5 - height / 2.0) / half };
 }
 
 const std::vector<Effect>& all_effects()

@@ -65,7 +65,8 @@ struct Simulation::State {
                 Illegal& illegal) const
     {
         to_camera_band(scene, band, illegal);
-        stages.on_camera(band.camera, origin, frame, purpose);
+        const Exposure exposure { frame, profile.cfa, light.neutral };
+        stages.on_camera(band.camera, origin, exposure, purpose);
         for (int row = 0; row < scene.height; ++row) {
             const float* const camera[3]
                 = { band.camera[0].row(row), band.camera[1].row(row),
@@ -73,7 +74,7 @@ struct Simulation::State {
             mosaic(camera, profile.cfa, { origin.row + row, origin.col }, scene.width,
                    band.mosaic.row(row));
         }
-        stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, frame,
+        stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure,
                          purpose);
     }
 

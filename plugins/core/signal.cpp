@@ -31,7 +31,7 @@ void check_finite(const Plane<float>& plane)
 void pass(const Stages& stages, Purpose purpose, const Plane<float>& signal,
           const Plane<float>* variance, const ParallelFor& parallel)
 {
-    const Size frame { signal.width, signal.height };
+    const Exposure exposure { { signal.width, signal.height }, stages.cfa };
     each_strip(signal.height, parallel, [&](int first, int count) {
         Band band(signal.width);
         for (int row = first; row < first + count; row += band_rows) {
@@ -39,7 +39,7 @@ void pass(const Stages& stages, Purpose purpose, const Plane<float>& signal,
             band.resize(signal.width, rows);
             stages.on_mosaic(signal.rows(row, rows),
                              variance ? variance->rows(row, rows) : band.variance,
-                             band.noise, { row, 0 }, frame, purpose);
+                             band.noise, { row, 0 }, exposure, purpose);
         }
     });
 }
@@ -58,7 +58,7 @@ void work_on(const Stages& stages, Purpose purpose,
              const ParallelFor& parallel)
 {
     const Effect& effect = *stages.active.front().effect;
-    const std::size_t wanted = effect.stage == Stage::optics ? 3 : 1;
+    const std::size_t wanted = effect.stage <= Stage::optics ? 3 : 1;
     if (planes.size() != wanted)
         throw Error(
             "effect " + effect.name + " is of stage " + name_of(effect.stage)
@@ -70,7 +70,8 @@ void work_on(const Stages& stages, Purpose purpose,
         pass(stages, purpose, planes[0], variance, parallel);
     else
         stages.on_camera({ planes[0], planes[1], planes[2] }, { 0, 0 },
-                         { planes[0].width, planes[0].height }, purpose);
+                         { { planes[0].width, planes[0].height }, stages.cfa },
+                         purpose);
 }
 
 } // namespace

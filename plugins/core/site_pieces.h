@@ -28,7 +28,7 @@ struct SitePiece {
 template <class Work>
 void each_piece_of_sites(const Signal& signal, const Values& values, const Work& work)
 {
-    const CfaPattern& cfa = signal.cfa;
+    const CfaPattern& cfa = signal.exposure.cfa;
     assert(values.size() >= std::size_t(cfa.sites()));
     const int width = signal.mean[0].width;
     double value[most_in_piece];

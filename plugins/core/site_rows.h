@@ -32,7 +32,7 @@ template <class Row>
 void each_row_of_sites(Signal& signal, const Values& values, const Row& row)
 {
     constexpr int most_pairs = 3; // of a 6x6 repeat
-    const CfaPattern& cfa = signal.cfa;
+    const CfaPattern& cfa = signal.exposure.cfa;
     assert(values.size() >= std::size_t(cfa.sites()));
     assert(cfa.width % 2 == 0 && cfa.width <= 2 * most_pairs);
     const int pairs = cfa.width / 2, width = signal.variance.width;

@@ -31,7 +31,8 @@ void apply(const std::vector<ActiveEffect>& active, Purpose purpose, Stage first
 bool needs_gaussian(const std::vector<ActiveEffect>& active)
 {
     return std::any_of(active.begin(), active.end(), [](const ActiveEffect& a) {
-        return a.effect->stage == Stage::noise && !a.effect->draw;
+        return a.effect->stage >= Stage::noise && a.effect->stage <= Stage::readout
+            && !a.effect->draw;
     });
 }
 
@@ -80,21 +81,21 @@ Stages::Stages(const SensorProfile& profile, const Run& run,
 }
 
 void Stages::on_camera(const std::array<Plane<float>, 3>& camera, Site origin,
-                       Size frame, Purpose purpose) const
+                       const Exposure& exposure, Purpose purpose) const
 {
-    Signal signal { 3, camera, {}, {}, origin, frame, cfa };
-    apply(active, purpose, Stage::optics, Stage::optics, signal);
+    Signal signal { 3, camera, {}, {}, origin, exposure };
+    apply(active, purpose, Stage::color, Stage::optics, signal);
 }
 
 void Stages::on_mosaic(const Plane<float>& mosaic, const Plane<float>& variance,
-                       const Plane<float>& noise, Site origin, Size frame,
+                       const Plane<float>& noise, Site origin, const Exposure& exposure,
                        Purpose purpose) const
 {
     clear(variance);
     if (active.empty())
         return;
     clear(noise);
-    Signal signal { 1, { mosaic }, variance, noise, origin, frame, cfa };
+    Signal signal { 1, { mosaic }, variance, noise, origin, exposure };
     apply(active, purpose, Stage::pixel, Stage::readout, signal);
     if (purpose == Purpose::prediction) {
         clear_clipped(mosaic, noise_ceiling, variance);

@@ -39,11 +39,11 @@ struct Stages {
            std::vector<ActiveEffect> effects);
 
     /// Effects of the optics, in place, on planes whose first pixel is @p origin.
-    void on_camera(const std::array<Plane<float>, 3>& camera, Site origin, Size frame,
-                   Purpose purpose) const;
+    void on_camera(const std::array<Plane<float>, 3>& camera, Site origin,
+                   const Exposure& exposure, Purpose purpose) const;
     /// All later stages: mosaic in place, hence its variance; noise is scratch.
     void on_mosaic(const Plane<float>& mosaic, const Plane<float>& variance,
-                   const Plane<float>& noise, Site origin, Size frame,
+                   const Plane<float>& noise, Site origin, const Exposure& exposure,
                    Purpose purpose) const;
 };
 

@@ -40,7 +40,7 @@ Effect heavy_tailed_noise()
                            normal_lambda,
                            "shape: 0.14 almost normal, below it heavier tails" });
     return { "heavy_tailed_noise",
-             Stage::noise,
+             Stage::readout,
              Pattern::temporal,
              parameters,
              "read-out noise with the tails of Tukey's lambda distribution",

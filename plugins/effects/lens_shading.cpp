@@ -6,7 +6,6 @@
 #include "cg2raw/effect.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace cg2raw {
 
@@ -23,13 +22,9 @@ namespace {
 
 void expect(Signal& signal, const Values& values)
 {
-    const double half = std::hypot(signal.frame.width, signal.frame.height) / 2.0;
     for (int row = 0; row < signal.mean[0].height; ++row) {
-        const double v
-            = (signal.origin.row + row + 0.5 - signal.frame.height / 2.0) / half;
         for (int col = 0; col < signal.mean[0].width; ++col) {
-            const double u
-                = (signal.origin.col + col + 0.5 - signal.frame.width / 2.0) / half;
+            const auto [u, v] = field_position(signal, row, col);
             const float gain = float(lens_shading_at(values, u, v));
             for (int plane = 0; plane < signal.planes; ++plane)
                 signal.mean[std::size_t(plane)].row(row)[col] *= gain;

@@ -11,7 +11,7 @@ namespace cg2raw::effects {
 Effect read_noise()
 {
     return { "read_noise",
-             Stage::noise,
+             Stage::readout,
              Pattern::temporal,
              per_site("beta2", "1", 0.0, 1.0, "variance at a CFA site"),
              "read-out noise: a variance that does not depend on the signal",

@@ -8,17 +8,22 @@
 #include "cg2raw/mosaic.h"
 #include "cg2raw/random.h"
 
+#include <optional>
+#include <vector>
+
 namespace cg2raw {
 
 /// Where in the chain an effect stands; the order is the order of application.
 enum class Stage {
-    optics, ///< on camera RGB, three planes
+    color, ///< on camera RGB, three planes, as light that enters the lens
+    optics, ///< likewise, as light that reaches the sensor
     pixel, ///< from here on: on the mosaic
     response,
-    noise,
+    noise, ///< of light and of charge
+    saturation, ///< on signal and noise so far, together
     readout,
     conversion, ///< the ADC
-    output,
+    output, ///< on signal and noise, together
 };
 const char* name_of(Stage stage);
 
@@ -43,16 +48,32 @@ struct Parameter {
 /// Signals of this and above count as clipped: some chains round white down.
 constexpr float saturated = 0.99999f;
 
-/// A block of rows on its way through the sensor, with what it knows of its place.
-/// Signal is in units of 0..1 above black; variance in the square of that.
+/// The whole frame as a block of it knows it: camera RGB as it enters the optics,
+/// in few cells.
+struct Surround {
+    Size cells;
+    std::array<std::vector<float>, 3> wide; ///< spread over a sixth of the height
+    Vec3 mean; ///< of the frame
+};
+
+/// What all blocks of a frame have in common.
+struct Exposure {
+    Size frame; ///< active area
+    CfaPattern cfa;
+    Vec3 neutral { 1, 1, 1 }; ///< camera RGB of white, largest 1
+    std::optional<double> seconds; ///< exposure time
+    const Surround* surround = nullptr; ///< where an effect needs it
+};
+
+/// A block on its way through the sensor, with what it knows of its place. Signal is in
+/// units of 0..1 above black; variance in the square of that.
 struct Signal {
     int planes; ///< 3: camera RGB, 1: mosaic
     std::array<Plane<float>, 3> mean;
     Plane<float> variance; ///< mosaic only; its data is null before the mosaic
-    Plane<float> noise; ///< likewise; what was drawn, until it is added after readout
+    Plane<float> noise; ///< likewise; what was drawn, until it is added
     Site origin; ///< of the block's first pixel in the active area
-    Size frame; ///< active area
-    CfaPattern cfa;
+    Exposure exposure;
 };
 
 /// Parameter values in the order of Effect::parameters.
@@ -67,7 +88,12 @@ using Values = std::vector<double>;
 /// latter add up to: nothing is drawn twice. In the stages noise and readout a draw
 /// adds to Signal::noise and leaves the mean alone, so that the order of effects does
 /// not matter there; the sum falls on the sites that were not clipped before. In other
-/// stages a draw moves the mean.
+/// stages a draw moves the mean: from stage saturation on, but for readout, the mean
+/// of a simulation holds the noise. A fixed pattern is no surprise: a prediction draws
+/// it too.
+///
+/// An effect that reaches farther than its pixel mirrors the block at its edges: those
+/// of the frame are right, and of other edges the caller discards as many pixels.
 struct Effect {
     std::string name;
     Stage stage;
@@ -76,6 +102,9 @@ struct Effect {
     std::string meaning, source;
     void (*expect)(Signal&, const Values&);
     void (*draw)(Signal&, const Values&, const Rng&) = nullptr;
+    int reach = 0; ///< pixels around a site that its result depends on
+    bool needs_surround = false;
+    bool needs_exposure_time = false;
 };
 
 /// All effects, in stage order, then by name.
@@ -89,8 +118,15 @@ void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string&
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,
                  const std::string& file);
 
-/// Relative illumination at (u, v), the offset from the centre in half diagonals, for
-/// the values of the effect lens_shading; never below 0.
+/// Where a site lies: offset from the frame's centre in half diagonals, to the right
+/// and downwards.
+struct FieldPosition {
+    double u, v;
+};
+FieldPosition field_position(const Signal& signal, int row, int col);
+
+/// Relative illumination at (u, v) for the values of the effect lens_shading; never
+/// below 0.
 double lens_shading_at(const Values& values, double u, double v);
 
 } // namespace cg2raw

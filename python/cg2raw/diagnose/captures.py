@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Captures: measured RAW frames and what was in front of the lens."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.arrays import FloatImage, RawImage
+
+Kind = Literal["dark", "flat", "scene", "chart"]
+Group = Literal["fit", "select", "report"]
+NUISANCES = ("exposure", "white_balance", "registration", "light", "radiance")
+
+
+@dataclass(frozen=True)
+class Capture:
+    """One RAW frame; its pixels are read when they are asked for, and not kept.
+
+    name : of its file, for messages and the report.
+    shape : (H, W) of the active area.
+    group : of frames it belongs to: parameters are fitted on "fit", effects accepted
+        on "select", numbers shown are of "report".
+    set : frames of one set repeat the same light from the same place.
+    illuminant : word of the illuminant grammar.
+    iso : None where neither manifest nor file says it.
+    exposure_time : s; None where it is not known.
+    raw : () -> (H, W) uint16 DN, the active area.
+    scene : () -> what the camera should have seen, scene-linear Rec.709 times the gain,
+        so that 1 is the model's white level: (H, W, 3) float32, or (3,) where it is
+        uniform. None if it is unknown; zeros for a dark.
+    mask : () -> (H, W) bool, True where a pixel counts; None where all do.
+    log_density : () -> (H, W) float32, nats per pixel that the true model gives; known
+        of simulated captures only.
+    """
+
+    name: str
+    kind: Kind
+    shape: tuple[int, int]
+    group: Group
+    set: str
+    illuminant: str
+    iso: float | None
+    exposure_time: float | None
+    raw: Callable[[], RawImage]
+    scene: Callable[[], FloatImage] | None
+    mask: Callable[[], NDArray[np.bool_]] | None = None
+    as_shot: Sequence[float] | None = None
+    log_density: Callable[[], NDArray[np.float32]] | None = None
+
+
+@dataclass(frozen=True)
+class CaptureSet:
+    """The frames of one sensor, and what of their capture is not to be trusted.
+
+    profile : the doubted model, a Sensor.
+    nuisances : what may float without being called an effect: "exposure" (each set's
+        brightness), "white_balance" (each set's), "registration" (affine, each set),
+        "light" (brightness from frame to frame), "radiance" (smooth error of a render).
+    uncertainty : declared lower bounds of nuisances: "light" and "radiance" relative,
+        "registration" px after alignment.
+    """
+
+    sensor: Any
+    captures: Sequence[Capture]
+    nuisances: frozenset[str] = frozenset()
+    uncertainty: Mapping[str, float] = field(default_factory=dict)
+    file: str = ""

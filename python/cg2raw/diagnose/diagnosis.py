@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Diagnosis: what was found, as objects; verdict.json is their text."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+VERDICTS = {
+    "no gap": 0,
+    "identified": 10,
+    "ambiguous": 11,
+    "unknown structure": 12,
+    "identified, rest unexplained": 12,
+}
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter: value, unit, and the interval that holds it with 95 %."""
+
+    value: float
+    unit: str
+    ci95: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Another name that was tried in an effect's place."""
+
+    name: str
+    gain_nats: float  # held-out, over the model without either
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that was accepted."""
+
+    name: str
+    parameters: Mapping[str, Estimate]
+    gain_nats: float  # log-likelihood of the select frames over the model before
+    e_value: float  # capped at 1e300
+    alternatives: Sequence[Alternative]
+    ambiguous_with: Sequence[str]
+    where: str  # what the residuals looked like
+    sentence: str  # plain words with numbers
+    provisional: bool = False  # something unexplained is left
+
+
+@dataclass(frozen=True)
+class ResidualTest:
+    """One question to the standardised residuals, and its answer."""
+
+    name: str
+    statistic: float  # standard deviations, or relative excess of a chi-square
+    p_value: float
+    nats_per_pixel: float
+    where: str
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Distance of simulation and measurement on the report frames, nats per pixel.
+
+    before, after : against the true density where it is known (simulated captures),
+        else estimated from the residuals: 0 is what the final model's own noise gives.
+    """
+
+    before: float
+    after: float
+    chi2_before: float
+    chi2_after: float
+    systematic_before: float | None  # E[z1 z2] over repeats, noise variances
+    systematic_after: float | None
+    held_out: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of the evidence ladder: what was tried, and what it gained."""
+
+    action: str  # "added", "dropped", "swapped"
+    name: str
+    gain_nats: float
+    ranking: Sequence[Alternative]  # candidates of this step, best first
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One report frame before and after, reduced to at most 512 px a side.
+
+    measured, before, after : (h, w, 3) signal per colour, 0..1 above black.
+    z_before, z_after : (h, w) mean residual of a cell times the root of its pixels, in
+        standard deviations: N(0, 1) if nothing is missing.
+    """
+
+    name: str
+    kind: str
+    measured: NDArray[np.float32]
+    before: NDArray[np.float32]
+    after: NDArray[np.float32]
+    z_before: NDArray[np.float32]
+    z_after: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A fitted curve with its interval and what was measured, to be drawn.
+
+    Each of x, y, low, high is (n,); measured_x, measured_y (m,)."""
+
+    title: str
+    x_label: str
+    y_label: str
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    measured_x: NDArray[np.float64]
+    measured_y: NDArray[np.float64]
+    effect: str
+
+
+@dataclass(frozen=True)
+class Power:
+    """The smallest strength of an effect that these captures would have shown."""
+
+    name: str
+    parameter: str
+    strength: float | None  # None: these captures cannot show it
+    unit: str
+
+
+@dataclass
+class Diagnosis:
+    """All of a verdict. histogram_*: (bin edges, counts) of z on the report frames."""
+
+    verdict: str
+    sensor_id: str
+    effects: list[Finding]
+    gap: Gap
+    tests_before: list[ResidualTest]
+    tests_after: list[ResidualTest]
+    unexplained: list[ResidualTest]
+    ladder: list[Rung]
+    power: list[Power]
+    next_captures: list[str]  # sentences: what to capture to decide or to go on
+    notes: list[str]  # sentences: nuisances that were floated, what was not tested
+    groups: Mapping[str, Sequence[str]]  # fit, select, report -> names of frames
+    pictures: list[Picture] = field(default_factory=list)
+    curves: list[Curve] = field(default_factory=list)
+    histogram_before: tuple[Any, Any] | None = None
+    histogram_after: tuple[Any, Any] | None = None
+    profile_json: str = ""  # the sensor with the effects added
+    interrupted: bool = False
+    seconds: float = 0.0
