@@ -95,9 +95,8 @@ def _collect(
     values = z[used]
     if not values.size:
         return
-    for name, labels in _groups(frame, p):
+    for name, labels, size in _groups(frame, p):
         chosen = np.broadcast_to(labels, z.shape)[used]
-        size = int(labels.max()) + 1
         count = np.bincount(chosen, minlength=size)
         mean = np.bincount(chosen, values, size)
         if name in ("row", "tile"):
@@ -129,19 +128,19 @@ def _collect(
             sums[0], sums[1] = sums[0] + share, sums[1] + share**2
 
 
-def _groups(frame: Frame, p: Prediction) -> Iterator[tuple[str, Array]]:
-    """Yield (name, label of every pixel)."""
+def _groups(frame: Frame, p: Prediction) -> Iterator[tuple[str, Array, int]]:
+    """Yield (name, label of every pixel, number of labels)."""
     u, v = frame.tiles.field()
     rows, columns = frame.tiles.rows_and_columns()
     height, width = frame.tiles.shape
     tile = rows * TILES[0] // height * TILES[1] + columns * TILES[1] // width
-    yield "channel", np.broadcast_to(frame.site, p.mean.shape)
+    yield "channel", frame.site[None], int(frame.site.max()) + 1
     radius = np.sqrt(u * u + v * v) * RINGS
-    yield "radius", np.minimum(radius.astype(int), RINGS - 1)
-    yield "level", np.digitize(p.exposed, LEVELS)
-    yield "tile", tile
-    yield "row", rows + 0 * columns
-    yield "column", columns + 0 * rows
+    yield "radius", np.minimum(radius.astype(int), RINGS - 1), RINGS
+    yield "level", np.digitize(p.exposed, LEVELS), len(LEVELS) + 1
+    yield "tile", tile, TILES[0] * TILES[1]
+    yield "row", rows, height
+    yield "column", columns, width
 
 
 def _column_doubt(
