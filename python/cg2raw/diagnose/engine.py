@@ -32,7 +32,7 @@ from cg2raw.diagnose.prediction import Model
 from cg2raw.diagnose.registration import align
 from cg2raw.diagnose.residual_tests import residual_tests
 from cg2raw.diagnose.search import Search, Step
-from cg2raw.diagnose.vocabulary import Candidate, candidates
+from cg2raw.diagnose.vocabulary import Candidate, candidates, confusable
 
 Progress = Callable[[str, float], None]
 
@@ -40,6 +40,7 @@ PIXELS = 65536  # of one frame that are worked on; a small frame is taken whole
 STRUCTURE = 1e-3  # chance of one false alarm among all residual tests
 LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
 SHARE_LEFT = 1e-3  # of what was closed, likewise
+SHAPE = 0.01  # of the gain of an effect that looks alike
 CERTAIN_E = 690.0  # log of the largest e-value that is written
 
 
@@ -204,6 +205,33 @@ def _findings(
     return findings
 
 
+def _without_shapes(
+    findings: Sequence[Finding], vocabulary: Sequence[Candidate]
+) -> tuple[list[Finding], list[str]]:
+    """Return (findings, notes on those that are no findings): an effect's model has a
+    shape, and what the true one has beside it is taken up by an effect that looks
+    alike. It stays in the model, and is not called an effect of its own."""
+    known = {candidate.name: candidate for candidate in vocabulary}
+    kept, notes = [], []
+    for finding in findings:
+        larger = [
+            other.name
+            for other in findings
+            if confusable(known[finding.name], known[other.name])
+            and finding.gain_nats < SHAPE * other.gain_nats
+        ]
+        if not larger:
+            kept.append(finding)
+            continue
+        share = finding.gain_nats / sum(f.gain_nats for f in findings)
+        notes.append(
+            f"{words.title(finding.name).capitalize()} takes up what the model of "
+            f"{words.title(larger[0])} does not describe ({share:.1%} of the gain): it "
+            "is in the profile, and is no finding of its own."
+        )
+    return kept, notes
+
+
 def _verdict(findings: Sequence[Finding], left: Sequence[ResidualTest]) -> str:
     if not findings:
         return "unknown structure" if left else "no gap"
@@ -230,7 +258,8 @@ def _concluded(
     after = residual_tests(model, report, workers)
     left, traces = _structure(after, gap.before - gap.after)
     values = estimates(model, groups["fit"], workers)
-    findings = _findings(model, search.steps, values, gap, bool(left))
+    every = _findings(model, search.steps, values, gap, bool(left))
+    findings, shapes = _without_shapes(every, vocabulary)
     shown = report if details else []
     return Diagnosis(
         verdict=_verdict(findings, left),
@@ -247,7 +276,7 @@ def _concluded(
             for finding in findings
             for text in words.deciding_captures(finding.name, finding.ambiguous_with)
         ],
-        notes=_notes(capture_set, report, traces),
+        notes=[*_notes(capture_set, report, traces), *shapes],
         groups={n: [f.capture.name for f in fs] for n, fs in groups.items()},
         pictures=[picture_of(base, model, frame) for frame in shown],
         curves=curves_of(model, values, shown) if details else [],

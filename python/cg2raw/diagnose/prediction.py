@@ -147,8 +147,12 @@ def predict(model: Model, frame: Frame) -> Prediction:
     for term in model.terms:
         if term.pattern is not None and term.pattern.mean.shape == mean.shape:
             bearing = pattern_bearing(term.name, frame, photons)
-            mean = mean + bearing * term.pattern.mean
+            shift = bearing * term.pattern.mean
+            mean = mean + shift
             doubt = doubt + bearing**2 * term.pattern.variance
+            if term.name == "hot_pixels":  # charge, with the shot noise of charge
+                gain = np.exp(_value(model, "shot_noise"))
+                variance = variance + gain * frame.beta1 * np.maximum(shift, 0)
     # The fit frames made the map: their residuals are too small by its variance.
     variance = np.maximum(variance + sign * doubt, 0.15 * variance)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
