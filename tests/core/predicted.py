@@ -67,10 +67,9 @@ def predicted(camera, *settings, cfa="RGGB", exposure_time=None, of=None):
 
 
 def planes(camera, name, **given):
-    """Return what an effect makes of three planes of light, from mosaics of them.
+    """Return what an effect makes of three planes of light (3, H, W).
 
-    A mosaic shows a colour at its sites; a CFA whose phase is shifted shows it at
-    others. What no phase shows is NaN."""
+    A mosaic shows each colour at its sites: the four phases of the CFA show all."""
     seen = np.full(np.shape(camera), np.nan)
     for cfa in ("RGGB", "GRBG", "GBRG", "BGGR"):
         mean, _ = predicted(camera, (name, given), cfa=cfa)

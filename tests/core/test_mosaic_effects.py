@@ -242,6 +242,15 @@ def test_noise_reduction_blends_pixels_of_a_colour(cfa):
     np.testing.assert_allclose(left, expected, rtol=1e-6)
 
 
+def test_noise_reduction_sees_highlights_as_white():
+    image = of.flat(0.5)
+    image[:, 20, 30] = 40.0
+    seen, _ = of.predicted(image, ("noise_reduction", NR))
+    assert seen[20, 30] > 1.0
+    np.testing.assert_allclose(seen[20, [28, 32]], 0.5 + 0.075 * 0.5, rtol=1e-6)
+    np.testing.assert_allclose(seen[18, [28, 32]], 0.5 + 0.025 * 0.5, rtol=1e-6)
+
+
 def test_noise_reduction_correlates_noise_of_a_colour():
     seen, mean, variance = drawn(0.4, [("read_noise", READ), ("noise_reduction", NR)])
     kernel = np.zeros((5, 5))
