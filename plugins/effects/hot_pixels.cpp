@@ -4,7 +4,7 @@
 /// @file Few pixels that gather charge without light, each at a rate of its own that
 /// is distributed exponentially. One uniform says both: below the fraction the pixel is
 /// hot, and how far below makes its rate, so that a larger fraction adds pixels to
-/// those that are hot.
+/// those that are hot. It is charge, and has the shot noise of charge.
 #include "cg2raw/effect.h"
 
 #include "elementary.h"
@@ -22,15 +22,15 @@ void draw(Signal& signal, const Values& values, const Rng& rng)
         return;
     const double mean_charge = rate * signal.exposure.seconds.value();
     double uniform[most_in_piece];
-    for (int row = 0; row < signal.noise.height; ++row)
-        for (int col = 0; col < signal.noise.width; col += most_in_piece) {
-            const int count = std::min(most_in_piece, signal.noise.width - col);
+    for (int row = 0; row < signal.mean[0].height; ++row)
+        for (int col = 0; col < signal.mean[0].width; col += most_in_piece) {
+            const int count = std::min(most_in_piece, signal.mean[0].width - col);
             rng.uniforms({ signal.origin.row + row, signal.origin.col + col }, count,
                          uniform);
-            float* const noise = signal.noise.row(row) + col;
+            float* const mean = signal.mean[0].row(row) + col;
             for (int i = 0; i < count; ++i)
                 if (uniform[i] < fraction)
-                    noise[i] -= float(mean_charge * natural_log(uniform[i] / fraction));
+                    mean[i] -= float(mean_charge * natural_log(uniform[i] / fraction));
         }
 }
 
@@ -39,7 +39,7 @@ void draw(Signal& signal, const Values& values, const Rng& rng)
 Effect hot_pixels()
 {
     Effect effect { "hot_pixels",
-                    Stage::readout,
+                    Stage::response,
                     Pattern::fixed,
                     { { "fraction", "1", 0.0, 0.2, 0.0, "part of the pixels" },
                       { "rate", "1/s", 0.0, 100.0, 0.0,
