@@ -20,7 +20,8 @@ struct Weights {
     float here, beside, diagonal;
 };
 
-/// Neighbours count as @p white at most.
+/// What lies above @p white was clipped before: it counts as white. Only where all that
+/// is blended lies above does the excess stay, so that the result is clipped too.
 CG2RAW_MULTIVERSION void blend_row(const float* above, const float* here,
                                    const float* below, const Weights& weights,
                                    float white, int width, float* out)
@@ -34,12 +35,20 @@ CG2RAW_MULTIVERSION void blend_row(const float* above, const float* here,
             = (at(here, left) + at(here, right)) + (at(above, col) + at(below, col));
         const float corners = (at(above, left) + at(above, right))
             + (at(below, left) + at(below, right));
-        out[col] = own * out[col] + (beside * four + diagonal * corners);
+        float lowest
+            = std::min({ here[col], here[left], here[right], above[col], below[col] });
+        if (diagonal != 0.0f)
+            lowest = std::min(
+                { lowest, above[left], above[right], below[left], below[right] });
+        out[col] = own * at(here, col) + (beside * four + diagonal * corners)
+            + std::max(lowest - white, 0.0f);
     }
 }
 
 void blend(const Plane<float>& plane, const Weights& weights, float white)
 {
+    if (weights.beside == 0.0f && weights.diagonal == 0.0f)
+        return;
     const Margined from(plane, apart);
     for (int row = 0; row < plane.height; ++row)
         blend_row(from.row(row - apart), from.row(row), from.row(row + apart), weights,
@@ -53,7 +62,7 @@ Weights weights_of(const Values& values)
 }
 
 /// Of independent neighbours: at the frame's edges, where the mirror image doubles one,
-/// the variance is a little more. What lies above white was clipped by the ADC.
+/// the variance is a little more. That of what the ADC clipped is left as it was.
 void expect(Signal& signal, const Values& values)
 {
     const auto [own, beside, diagonal] = weights_of(values);
