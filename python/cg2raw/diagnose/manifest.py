@@ -114,8 +114,8 @@ def frame_entry(
     own = value.fields(FRAME, required=("file", "kind"))
     kind = own["kind"].word(KINDS)
     check_fields_of_kind(value, own, kind)
-    at = {"": value, **{key: top[key] for key in ("iso", "illuminant") if key in top}}
-    at |= own
+    defaults = {name: top[name] for name in ("iso", "illuminant") if name in top}
+    at: dict[str, Value] = {"": value, **defaults, **own}
 
     def number(name: str, low: float, unit: str) -> float | None:
         return at[name].number(low, LARGEST[unit]) if name in at else None
