@@ -49,7 +49,7 @@ def test_an_npy_needs_what_a_dng_says(tmp_path):
     raw = files.frame(tmp_path, "flat.npy", files.picture())
     line = "{file: flat.npy, kind: flat, scene: unknown"
     with pytest.raises(
-        ValueError, match=r":3: frames\[0\] is missing, and flat.npy has"
+        ValueError, match=r":3: frames\[0\] has no illuminant, and flat"
     ):
         read_captures(files.manifest(tmp_path, [line + "}"]))
     path = files.manifest(tmp_path, [line + ", illuminant: D65, exposure_time: 2}"])
@@ -241,10 +241,8 @@ def bad_sets(folder):
     yield "profile", [a], ['sensor is "./x.json"'], "sensor: ./x.json"
     yield "DNG as sensor", [a], ['sensor is "cut.dng"'], "sensor: cut.dng"
     yield (
-        "patch outside",
-        [
-            "{file: a.dng, kind: chart, patches: [{area: [44, 0, 8, 8], rgb: [1, 1, 1]}]}"
-        ],
+        "outside",
+        ["{file: a.dng, kind: chart, patches: [{area: [44, 0, 8, 8], xyz: [1,1,1]}]}"],
         ["patches[0].area ends at row 52, column 8; the frame has 48 rows"],
     )
     yield (
@@ -334,7 +332,7 @@ def test_a_raw_that_is_no_dng(camera_data, tmp_path):
     fields = {"cfa": "BGGR", "bits": 12, "white_level": 4095, "black_level": [0] * 4}
     profile.write_text(dng_files.sensor("nikon-d40", **fields).to_json())
     path = files.manifest(
-        tmp_path, [f"{{file: {nef}, kind: flat, scene: unknown}}"], f"sensor: {profile}"
+        tmp_path, [f"{{file: {nef}, kind: dark}}"], f"sensor: {profile}"
     )
     first = read_captures(path).captures[0]
     assert first.shape == (1324, 2012) and first.raw().shape == first.shape

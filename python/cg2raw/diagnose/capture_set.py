@@ -162,9 +162,9 @@ def illuminant_of(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> str:
         return LIGHT_OF_DARKS
     if word is None and header.as_shot is None:
         entry.fail(
-            "illuminant",
-            f"is missing, and {os.path.basename(entry.file)} has no as-shot white "
-            f"balance: add illuminant: {_core.illuminant_grammar}",
+            "",
+            f"has no illuminant, and {os.path.basename(entry.file)} no as-shot white "
+            f"balance: add illuminant, one of {_core.illuminant_grammar}",
         )
     word = word or "as-shot"
     try:

@@ -18,14 +18,14 @@ MIDDLE = 0.6  # of a patch's sides that counts: edges are blurred, and have glar
 PATCH_OVER_PITCH = 0.85
 GRID = (4, 6)  # rows and columns of the ColorChecker Classic
 ROWS = 256  # that are drawn at a time
-D50 = (0.96422, 1.0, 0.82521)  # XYZ. Source: ICC.1:2022, profile connection space
+D50 = (0.3457 / 0.3585, 1.0, 0.2958 / 0.3585)  # XYZ. Source: DNG 1.7.1, chapter 6
 # ColorChecker Classic, CIE L*a*b* under D50, 2 degrees, row by row from dark skin.
-# Source: X-Rite, reference values of charts made before November 2014 (published 2005).
+# Source: X-Rite, "ColorChecker24 - Before November 2014", their measured averages.
 COLORCHECKER = np.array(
     [
         (37.986, 13.555, 14.059),
         (65.711, 18.130, 17.810),
-        (49.927, -4.880, -21.925),
+        (49.927, -4.880, -21.905),
         (43.139, -13.095, 21.905),
         (55.112, 8.844, -25.399),
         (70.719, -33.397, -0.199),

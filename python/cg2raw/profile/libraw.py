@@ -112,7 +112,8 @@ def opened(path):
     except rawpy.LibRawError as error:
         why = error.args[0] if error.args else "unknown error"
         why = why.decode(errors="replace") if isinstance(why, bytes) else why
-        raise ValueError(f"{path}: LibRaw cannot read it: {why}") from None
+        hint = "; is it cut off?" if "Input/output" in why else ""
+        raise ValueError(f"{path}: LibRaw cannot read it: {why}{hint}") from None
 
 
 @contextlib.contextmanager
