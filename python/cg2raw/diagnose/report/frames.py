@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Picture
-from cg2raw.diagnose.report.words import is_known, number, percent
+from cg2raw.diagnose.report.words import is_known, number, rough_percent
 
 SIGMAS = 4.0  # a residual map saturates there
 STEPS = (
@@ -112,7 +112,9 @@ def residual_image(
     known = z[np.isfinite(z)]
     index, palette = map_colors(reduced_sum(z, reduction))
     rms = number(float(np.sqrt(np.mean(known**2))) if known.size else None)
-    beyond = percent(float(np.mean(np.abs(known) > SIGMAS)) if known.size else None)
+    beyond = rough_percent(
+        float(np.mean(np.abs(known) > SIGMAS)) if known.size else None
+    )
     low, high = (known.min(), known.max()) if known.size else (None, None)
     alt = (
         f"{caption}: {name}, measured minus simulated, root mean square {rms} standard "

@@ -13,16 +13,16 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve, Gap, ResidualTest
 from cg2raw.diagnose.report.frames import SIGMAS, STEPS
-from cg2raw.diagnose.report.words import is_known, number, plain
+from cg2raw.diagnose.report.words import UNKNOWN, is_known, number, plain, power_of_ten
 
-WIDTH = 5.0  # inches
+WIDTH = 4.5  # inches
 DPI = 150
 # Distinct for all common colour vision. Source: Okabe and Ito, Color Universal
 # Design, 2008.
 BEFORE, AFTER, MEASURED, FITTED = "#d55e00", "#0072b2", "#333333", "#009e73"
 STYLE = {
     "text.parse_math": False,  # a dollar sign is a dollar sign
-    "font.size": 10,
+    "font.size": 9.5,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": "#777777",
@@ -39,15 +39,15 @@ MOST_TESTS = 14  # bars; the table has them all
 LEAST_DENSITY = 1e-6
 
 
-def drawn(height: float, draw: Callable[[Any], None]) -> bytes:
-    """Return the PNG of a figure of that height, inches, filled by draw(figure)."""
+def drawn(height: float, draw: Callable[[Any], None], width: float = WIDTH) -> bytes:
+    """Return the PNG of a figure of that size, inches, filled by draw(figure)."""
     from matplotlib import style
 
     with style.context(["default", STYLE]):  # whatever the user's matplotlibrc says
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
+        figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
         FigureCanvasAgg(figure)
         draw(figure)
         png = io.BytesIO()
@@ -68,16 +68,15 @@ def indexed(png: bytes) -> bytes:
 
 def gap_figure(gap: Gap) -> bytes:
     """Return the arrows from before to after: nats per pixel, chi-square, repeats."""
+    intervals = gap.interval_before, gap.interval_after
+    none = None, None
     rows: list[tuple[Any, ...]] = [
-        ("gap, nats/pixel", gap.before, gap.after, None,
-         (gap.interval_before, gap.interval_after)),
-        ("chi-square", gap.chi2_before, gap.chi2_after, 1.0, (None, None)),
-    ]  # fmt: skip
-    if gap.systematic_before is not None or gap.systematic_after is not None:
-        rows.append(
-            ("systematic, noise var.", gap.systematic_before, gap.systematic_after,
-             None, (None, None))
-        )  # fmt: skip
+        ("gap, nats/pixel", gap.before, gap.after, None, intervals, 2),
+        ("reduced chi-square", gap.chi2_before, gap.chi2_after, 1.0, none, 4),
+    ]
+    repeats = gap.systematic_before, gap.systematic_after
+    if repeats != none:
+        rows.append(("systematic error, noise variances", *repeats, None, none, 2))
 
     def draw(figure):
         for axes, row in zip(
@@ -85,44 +84,71 @@ def gap_figure(gap: Gap) -> bytes:
         ):
             draw_step(axes, *row)
 
-    return drawn(0.25 + 0.95 * len(rows), draw)
+    return drawn(0.2 + 1.0 * len(rows), draw)
 
 
-def draw_step(axes, label, before, after, ideal, intervals) -> None:
+def set_log(axis) -> None:
+    """Make an axis logarithmic, with powers of ten and no smaller ticks."""
+    from matplotlib.ticker import FuncFormatter, NullLocator
+
+    axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+    axis.set_major_formatter(FuncFormatter(lambda x, _: power(x)))
+    axis.set_minor_locator(NullLocator())
+
+
+def power(value: float) -> str:
+    """Return a tick of a logarithmic axis; few are small enough to be written out."""
+    exponent = round(float(np.log10(value)))
+    return f"{value:g}" if 0 <= exponent <= 2 else power_of_ten(exponent)
+
+
+def draw_step(axes, label, before, after, ideal, intervals, digits) -> None:
     """Draw one quantity's way from before to after on a logarithmic axis."""
-    values = [x for x in (before, after, ideal) if is_known(x) and x > 0]
-    bounds = [x for pair in intervals if pair for x in pair if is_known(x) and x > 0]
-    floor = min([max(LEAST_NATS, min([*values, *bounds], default=0.1)), 0.5]) * 0.5
-    top = max([*values, *bounds, floor * 20]) * 2.5
-    axes.set_xscale("log")
-    axes.set_xlim(floor if ideal is None else min(floor, 0.4), top)
-    axes.set_ylim(-0.7, 1)
-    axes.set_yticks([])
+    bounds = [x for pair in intervals if pair for x in pair]
+    floor, top = span([before, after, *bounds], ideal)
+    set_log(axes.xaxis)
+    axes.set(xlim=(floor, top), ylim=(-1.6, 1.2), yticks=[])
     axes.spines["left"].set_visible(False)
     axes.grid(axis="x")
-    axes.minorticks_off()
-    axes.set_title(label, loc="left", fontsize=10, color="#222222")
+    axes.set_title(label, loc="left", fontsize=9.5, color="#222222")
     if ideal is not None:
         axes.axvline(ideal, color="#777777", linewidth=1.2, linestyle=":")
-    at = [max(x, floor * 1.15) if is_known(x) else None for x in (before, after)]
-    if None not in at:
+    if not (is_known(before) or is_known(after)):
+        axes.text(0.5, 0.5, UNKNOWN, transform=axes.transAxes, ha="center", va="center")
+        return
+    if is_known(before) and is_known(after):
         axes.annotate(
-            "", (at[1], 0), (at[0], 0), zorder=2,
+            "", (max(after, floor * 1.15), 0), (max(before, floor * 1.15), 0),
             arrowprops={"arrowstyle": "-|>", "color": "#555555", "linewidth": 1.6,
                         "shrinkA": 6, "shrinkB": 7},
         )  # fmt: skip
-    for x, value, color, pair in zip(
-        at, (before, after), (BEFORE, AFTER), intervals, strict=True
+    for value, color, pair, shift in zip(
+        (before, after), (BEFORE, AFTER), intervals, (8, -17), strict=True
     ):
-        if x is None:
-            continue
-        if pair and all(is_known(bound) for bound in pair):
-            axes.plot(np.maximum(pair, floor), (0, 0), color=color, linewidth=4,
-                      alpha=0.35, solid_capstyle="butt", zorder=1)  # fmt: skip
-        # What lies below the axis is drawn at its end, as an arrowhead.
-        axes.plot(x, 0, "<" if value < floor else "o", color=color, markersize=9)
-        axes.annotate(number(value), (x, 0), (0, 8), textcoords="offset points",
-                      ha="center", color=color, fontweight="bold")  # fmt: skip
+        if is_known(value):
+            draw_value(axes, value, number(value, digits), color, pair, floor, shift)
+
+
+def span(values, ideal) -> tuple[float, float]:
+    """Return the ends of a logarithmic axis; room for what is not above zero."""
+    known = [x for x in values if is_known(x)]
+    positive = [max(x, LEAST_NATS) for x in known if x > 0]
+    shown = positive + ([] if ideal is None else [ideal])
+    least, most = min(shown, default=0.1), max(shown, default=0.1)
+    room = 2 if len(positive) == len(known) else 100
+    return least / room, max(most, least * 10) * 2.5
+
+
+def draw_value(axes, value, shown, color, interval, floor, shift) -> None:
+    """Draw a value and its interval; what lies below the axis is an arrowhead."""
+    at = max(value, floor * 1.15)
+    if interval and all(is_known(bound) for bound in interval):
+        axes.plot(np.maximum(interval, floor), (0, 0), color=color, linewidth=4,
+                  alpha=0.35, solid_capstyle="butt", zorder=1)  # fmt: skip
+    axes.plot(at, 0, "<" if value < floor else "o", color=color, markersize=9)
+    axes.annotate(shown, (at, 0), (0, shift), textcoords="offset points",
+                  ha="left" if value < floor else "center", color=color,
+                  fontweight="bold")  # fmt: skip
 
 
 def tests_figure(
@@ -139,17 +165,16 @@ def tests_figure(
                 tests, (BEFORE, AFTER), (-0.2, 0.2), strict=True
             ):
                 draw_bar(axes, row + shift, test, color, count)
-        axes.set_xscale("log")
+        set_log(axes.xaxis)
         axes.set_xlim(LEAST_NATS, 2 * largest(pairs))
         axes.set_yticks(range(len(pairs)), [plain(name) for name, *_ in pairs])
         axes.set_ylim(len(pairs) - 0.4, -0.6)
         axes.set_xlabel("nats/pixel")
         axes.grid(axis="x")
-        axes.minorticks_off()
         axes.tick_params(axis="y", length=0)
         legend(figure, (("before", BEFORE), ("after", AFTER)))
 
-    return drawn(0.95 + 0.31 * max(len(pairs), 1), draw)
+    return drawn(0.9 + 0.28 * max(len(pairs), 1), draw)
 
 
 def draw_bar(axes, at, test, color, count) -> None:
@@ -198,13 +223,15 @@ def histogram_figure(before, after) -> bytes:
             density = counts / np.diff(edges) / counts.sum()
             axes.stairs(np.maximum(density, LEAST_DENSITY), edges, color=color,
                         linewidth=1.6, baseline=LEAST_DENSITY)  # fmt: skip
-        axes.set(xlim=(-8, 8), ylim=(LEAST_DENSITY, 2), yscale="log")
+        axes.set(xlim=(-8, 8), xticks=(-8, -4, 0, 4, 8))
+        set_log(axes.yaxis)
+        axes.set_ylim(LEAST_DENSITY, 2)
         axes.set_xlabel("residual z, standard deviations")
         axes.set_ylabel("density")
         axes.grid()
         legend(figure, (("before", BEFORE), ("after", AFTER), ("N(0, 1)", "#cccccc")))
 
-    return drawn(3.4, draw)
+    return drawn(3.1, draw)
 
 
 def curve_figure(curve: Curve) -> bytes:
@@ -223,7 +250,7 @@ def curve_figure(curve: Curve) -> bytes:
         words = (("fitted", FITTED), ("95 % interval", "#bfe6dc"))
         legend(figure, (*words, ("measured", MEASURED)))
 
-    return drawn(3.4, draw)
+    return drawn(3.1, draw)
 
 
 def scale_figure() -> bytes:
@@ -245,7 +272,7 @@ def scale_figure() -> bytes:
             label="measured \N{MINUS SIGN} simulated, standard deviations",
         )
 
-    return drawn(0.75, draw)
+    return drawn(0.7, draw, 3.2)
 
 
 def legend(figure, entries) -> None:
@@ -257,7 +284,7 @@ def legend(figure, entries) -> None:
         loc="outside upper left",
         ncols=len(entries),
         frameon=False,
-        fontsize=10,
+        fontsize=9.5,
         handlelength=1,
         columnspacing=1.4,
     )

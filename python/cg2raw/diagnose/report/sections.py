@@ -50,6 +50,7 @@ def summary(diagnosis: Diagnosis) -> Row:
         "closed": words.percent(words.closed(gap)),
         "is_closed": words.closed(gap) is not None and bool(diagnosis.effects),
         "rows": gap_rows(gap),
+        "has_intervals": bool(gap.interval_before or gap.interval_after),
         "held_out": list(gap.held_out),
     }
 
@@ -59,8 +60,8 @@ def gap_rows(gap: Gap) -> list[Row]:
     return [
         {
             "name": "Gap, nats/pixel",
-            "before": words.number(gap.before),
-            "after": words.number(gap.after),
+            "before": words.number(gap.before, 2),
+            "after": words.number(gap.after, 2),
             "interval_before": bounds(gap.interval_before),
             "interval_after": bounds(gap.interval_after),
             "ideal": "0",
@@ -75,8 +76,8 @@ def gap_rows(gap: Gap) -> list[Row]:
         },
         {
             "name": "Systematic error, noise variances",
-            "before": words.number(gap.systematic_before),
-            "after": words.number(gap.systematic_after),
+            "before": words.number(gap.systematic_before, 2),
+            "after": words.number(gap.systematic_after, 2),
             "interval_before": "",
             "interval_after": "",
             "ideal": "0",
@@ -86,7 +87,7 @@ def gap_rows(gap: Gap) -> list[Row]:
 
 def bounds(interval: tuple[float, float] | None) -> str:
     """Return the words of an interval, or none where there is none."""
-    return "" if interval is None else words.interval(interval)
+    return "" if interval is None else words.interval(interval, 2)
 
 
 def findings(diagnosis: Diagnosis) -> list[Row]:
@@ -105,7 +106,7 @@ def finding(effect: Finding, accepted: Sequence[Finding]) -> Row:
         "title": words.plain(effect.name),
         "sentence": effect.sentence,
         "where": effect.where,
-        "gain": words.number(effect.gain_nats, 4),
+        "gain": words.nats(effect.gain_nats),
         "e_value": e_value,
         "evidence": evidence,
         "provisional": effect.provisional,
@@ -152,7 +153,7 @@ def ranked(alternatives, gain: float | None = None) -> list[Row]:
         {
             "name": a.name,
             "title": words.plain(a.name),
-            "gain": words.number(a.gain_nats, 4),
+            "gain": words.nats(a.gain_nats),
             "share": share_of(a.gain_nats, top),
         }
         for a in alternatives
@@ -175,7 +176,7 @@ def runner_up(name: str, gain: float, alternatives) -> Row | None:
     behind = gain - second.gain_nats
     return {
         "title": words.plain(second.name),
-        "behind": words.number(behind, 4),
+        "behind": words.nats(behind),
         "is_close": words.is_known(behind) and behind < CLOSE,
         "separation": second.separation or separation(name, second.name),
     }
@@ -187,9 +188,6 @@ def ladder(diagnosis: Diagnosis) -> list[Row]:
     for rung in diagnosis.ladder:
         total += rung.gain_nats if words.is_known(rung.gain_nats) else 0.0
         rows.append(step(rung, total))
-    top = max([row["total_nats"] for row in rows], default=0.0)
-    for row in rows:
-        row["share"] = share_of(row["total_nats"], top)
     return rows
 
 
@@ -199,9 +197,8 @@ def step(rung: Rung, total: float) -> Row:
         "action": ACTIONS.get(rung.action, rung.action),
         "name": rung.name,
         "title": words.plain(rung.name),
-        "gain": words.number(rung.gain_nats, 4),
-        "total": words.number(total, 4),
-        "total_nats": total,
+        "gain": words.nats(rung.gain_nats),
+        "total": words.nats(total),
         "ranking": ranked(rung.ranking),
         "runner_up": None
         if rung.action == "dropped"
@@ -268,7 +265,7 @@ def groups(diagnosis: Diagnosis) -> list[Row]:
     uses = {
         "fit": "parameters were fitted on these",
         "select": "effects were accepted or refused on these",
-        "report": "every number shown is of these",
+        "report": "the gap, the residuals and the pictures are of these",
     }
     return [
         {"name": name, "use": uses.get(name, ""), "frames": list(names)}

@@ -27,6 +27,7 @@ STRENGTHS = (
     (10**0.5, "substantial"),
     (1.0, "barely worth mentioning"),
 )
+SPELLED = {"prnu": "PRNU", "dsnu": "DSNU", "gr_gb_imbalance": "Gr/Gb imbalance"}
 CAP = 1e300  # of Finding.e_value
 
 
@@ -49,6 +50,13 @@ def number(value: float | None, digits: int = 3) -> str:
         )
         return f"{mantissa}{TIMES}{power_of_ten(exponent)}".replace("-", MINUS)
     return decimal(rounded, max(0, digits - 1 - exponent))
+
+
+def nats(value: float | None) -> str:
+    """Return a log-likelihood: tenths of a nat are the last that matter."""
+    if not is_known(value) or abs(value) >= 1e6:
+        return number(value, 4)
+    return decimal(value, 1 if abs(value) < 1000 else 0)
 
 
 def decimal(value: float, places: int) -> str:
@@ -96,8 +104,8 @@ def unit(name: str) -> str:
 
 
 def plain(name: str) -> str:
-    """Return an effect's or group's name as words."""
-    return name.replace("_", " ")
+    """Return an effect's or test's name as words."""
+    return SPELLED.get(name, name.replace("_", " "))
 
 
 def listed(names: list[str], last: str = "and") -> str:
@@ -121,6 +129,11 @@ def percent(share: float | None) -> str:
     if share >= 1:
         return "100 %"
     return f"{math.floor(share * 1e4) / 100:.2f} %".replace("-", MINUS)
+
+
+def rough_percent(share: float | None) -> str:
+    """Return a share in percent with two significant digits."""
+    return f"{number(100 * share, 2)} %" if is_known(share) else UNKNOWN
 
 
 def evidence(e_value: float) -> tuple[str, str]:
