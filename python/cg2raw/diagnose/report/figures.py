@@ -111,7 +111,7 @@ def tests_words(diagnosis: Diagnosis) -> str:
 
 def spread(label: str, histogram) -> str:
     """Return the standard deviation of a histogram of z in words."""
-    if histogram is None or not np.sum(histogram[1]):
+    if not plots.is_drawable(histogram):
         return f"{label} unknown"
     edges, counts = (np.asarray(part, np.float64) for part in histogram)
     middles = (edges[1:] + edges[:-1]) / 2

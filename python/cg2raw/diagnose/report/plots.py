@@ -37,6 +37,7 @@ LEAST_NATS = 1e-6  # per pixel; nothing smaller is drawn at its place
 SIGNIFICANT = 0.001  # p-value, divided by the number of tests
 MOST_TESTS = 14  # bars; the table has them all
 LEAST_DENSITY = 1e-6
+LONGEST = 32  # characters of a label
 
 
 def drawn(height: float, draw: Callable[[Any], None], width: float = WIDTH) -> bytes:
@@ -167,7 +168,7 @@ def tests_figure(
                 draw_bar(axes, row + shift, test, color, count)
         set_log(axes.xaxis)
         axes.set_xlim(LEAST_NATS, 2 * largest(pairs))
-        axes.set_yticks(range(len(pairs)), [plain(name) for name, *_ in pairs])
+        axes.set_yticks(range(len(pairs)), [short(name) for name, *_ in pairs])
         axes.set_ylim(len(pairs) - 0.4, -0.6)
         axes.set_xlabel("nats/pixel")
         axes.grid(axis="x")
@@ -217,7 +218,7 @@ def histogram_figure(before, after) -> bytes:
         axes.fill_between(z, LEAST_DENSITY, np.maximum(normal, LEAST_DENSITY),
                           color="#cccccc", linewidth=0)  # fmt: skip
         for histogram, color in ((before, BEFORE), (after, AFTER)):
-            if histogram is None or not np.sum(histogram[1]):
+            if not is_drawable(histogram):
                 continue
             edges, counts = (np.asarray(part, np.float64) for part in histogram)
             density = counts / np.diff(edges) / counts.sum()
@@ -234,6 +235,13 @@ def histogram_figure(before, after) -> bytes:
     return drawn(3.1, draw)
 
 
+def is_drawable(histogram) -> bool:
+    """Whether a histogram is there, and counts anything."""
+    if histogram is None or not np.isfinite(np.concatenate(histogram)).all():
+        return False
+    return bool(np.sum(histogram[1]) > 0)
+
+
 def curve_figure(curve: Curve) -> bytes:
     """Return a fitted curve with its band, and the measured points."""
 
@@ -244,7 +252,7 @@ def curve_figure(curve: Curve) -> bytes:
         axes.plot(curve.x, curve.y, color=FITTED, linewidth=2, label="fitted")
         axes.plot(curve.measured_x, curve.measured_y, "o", color=MEASURED,
                   markersize=3.5, alpha=0.8, label="measured")  # fmt: skip
-        axes.set(xlabel=curve.x_label, ylabel=curve.y_label)
+        axes.set(xlabel=short(curve.x_label), ylabel=short(curve.y_label))
         axes.grid()
         axes.margins(0.03)
         words = (("fitted", FITTED), ("95 % interval", "#bfe6dc"))
@@ -273,6 +281,12 @@ def scale_figure() -> bytes:
         )
 
     return drawn(0.7, draw, 3.2)
+
+
+def short(label: str) -> str:
+    """Return a label that leaves room for what it labels."""
+    label = " ".join(plain(label).split())
+    return label if len(label) <= LONGEST else label[: LONGEST - 3] + "..."
 
 
 def legend(figure, entries) -> None:

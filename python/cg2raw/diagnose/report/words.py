@@ -156,8 +156,8 @@ def evidence(e_value: float) -> tuple[str, str]:
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """Return the verdict in one plain sentence."""
     sensor = diagnosis.sensor_id
-    names = listed([plain(effect.name) for effect in diagnosis.effects])
-    is_one = len(diagnosis.effects) == 1
+    names = listed([plain(effect.name) for effect in diagnosis.effects]) or "nothing"
+    is_one = len(diagnosis.effects) < 2
     what = f"{names} {'is' if is_one else 'are'} missing from the profile {sensor}"
     share = closed(diagnosis.gap)
     closes = f"adding {'it' if is_one else 'them'} closes {percent(share)} of the gap"
