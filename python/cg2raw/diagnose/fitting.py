@@ -7,7 +7,7 @@ Sources: D. Nychka's and others' Fisher scoring of mean and variance of a Gaussi
 S. M. Kay, Fundamentals of Statistical Signal Processing I, 1993, section 3.9.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -190,12 +190,18 @@ def fit_flow(
     best = int(np.argmax(scores))
     values, highest = starts[best], scores[best]
     if not quick:
-        values, highest = _search(candidate, values, highest, score)
+        values, highest = search(candidate, values, highest, score)
     return model.with_values(name, values), highest
 
 
-def _search(candidate: Candidate, values: Values, highest: float, score):  # type: ignore[no-untyped-def]
-    """Parabolas along one coordinate after the other, ever smaller."""
+def search(
+    candidate: Candidate,
+    values: Values,
+    highest: float,
+    score: Callable[[Values], float],
+) -> tuple[Values, float]:
+    """Return (values, their score): parabolas along one coordinate after the other,
+    ever smaller."""
     scale = np.maximum(np.abs(values) * FLOW_SHARE, candidate.first_scale)
     for _ in range(4):
         for index in range(len(values)):

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.captures import CaptureSet
-from cg2raw.diagnose.fitting import _search
+from cg2raw.diagnose.fitting import ENOUGH, search
 from cg2raw.diagnose.frames import Array, Frame
 from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.prediction import Model, Prediction
@@ -29,6 +29,7 @@ LEAST = {"light": 0.005, "radiance": 0.01, "registration": 0.0, "texture": 0.0}
 MOST = {"light": 0.2, "radiance": 0.2, "registration": 0.5, "texture": 0.1}
 UNKNOWN_LEVEL = 0.3  # relative, of what nobody measured
 AFTER_ALIGNMENT = 0.05  # relative, of an exposure that was estimated
+SEARCHES = 4
 
 STARTS = ((0.005, 0.01, 0.005, 0.001), (0.01, 0.03, 0.02, 0.003))
 
@@ -188,7 +189,12 @@ def refitted(
     starts.append(candidate.clipped(np.array([getattr(old, n) for n in names])))
     scores = [score(values) for values in starts]
     best = int(np.argmax(scores))
-    values, _ = _search(candidate, starts[best], scores[best], score)
+    values, height = starts[best], scores[best]
+    for _ in range(SEARCHES):
+        values, higher = search(candidate, values, height, score)
+        if higher - height < ENOUGH:
+            break
+        height = higher
     found = with_values(values)
     # Repeats of a scene share one field, and count here as two.
     return replace(found, radiance=found.radiance * np.sqrt(2))

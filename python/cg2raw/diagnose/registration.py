@@ -17,12 +17,14 @@ from cg2raw.diagnose.frames import Array, Frame
 from cg2raw.diagnose.nuisances import of_site
 from cg2raw.diagnose.prediction import Model, predict
 
-ROUNDS = 8
+ROUNDS = 30
 FARTHEST = 4  # pixels of the first guess
 LONGEST_STEP = 0.5  # px
 CLOSE_ENOUGH = 1e-3  # px
 HIGHEST = 0.95  # of white
-UNSURE = 0.02  # relative; so that bright pixels do not decide alone
+# Relative error of a prediction, round by round: while a render lies beside its
+# capture, edges differ by more than noise; in the end they must.
+UNSURE = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
 
 
 def align(
@@ -55,16 +57,17 @@ def _align_set(
     gain = 1.0
     if shift:
         affine[:, 0] = _first_guess(frames[0], model)
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS):
         for frame, camera in zip(frames, original, strict=True):
             _set_camera(frame, _warped(camera, frame, affine), gain)
-        step, brighter = _step(frames, model, shift)
+        unsure = UNSURE[min(turn, len(UNSURE) - 1)]
+        step, brighter = _step(frames, model, shift, unsure)
         if exposure:
             gain *= np.clip(1 + brighter, 0.8, 1.25)
         if shift:
             affine += np.clip(step, -LONGEST_STEP, LONGEST_STEP)
         small = np.abs(step).max() < CLOSE_ENOUGH and abs(brighter) < 1e-5
-        if small or not (shift or exposure):
+        if (small and turn >= len(UNSURE)) or not (shift or exposure):
             break
     for frame, camera in zip(frames, original, strict=True):
         _set_camera(frame, _warped(camera, frame, affine), gain)
@@ -124,13 +127,15 @@ def _halved(image: Array) -> Array:
     return small - small.mean()
 
 
-def _step(frames: Sequence[Frame], model: Model, shift: bool) -> tuple[Array, float]:
+def _step(
+    frames: Sequence[Frame], model: Model, shift: bool, unsure: float
+) -> tuple[Array, float]:
     """Return (change of the affine (2, 3), relative change of brightness)."""
     size = 7 if shift else 1
     normal, right = np.zeros((size, size)), np.zeros(size)
     for frame in frames:
         p = predict(model, frame)
-        weight = 1 / np.sqrt(p.variance + (UNSURE * p.mean) ** 2)
+        weight = 1 / np.sqrt(p.variance + (unsure * p.mean) ** 2)
         used = frame.keep & ~frame.censored & (p.mean < HIGHEST)
         z = np.clip((frame.signal - p.mean) * weight, -4, 4)[used]
         columns = [p.exposed * weight]
