@@ -30,6 +30,7 @@ ACTIONS = {
     "dropped": "Dropped",
     "swapped": "Swapped in",
 }
+LEAST_P = 1e-300
 CLOSE = 5.0  # nats: a runner-up as near leaves the name ambiguous
 
 Row = dict[str, Any]
@@ -236,8 +237,9 @@ def answer(test: ResidualTest | None, count: int) -> Row | None:
 
 
 def p_words(p_value: float) -> str:
-    """Return a p-value; what underflowed is below the least that a double holds."""
-    return "< " + words.power_of_ten(-300) if p_value == 0 else words.number(p_value, 2)
+    """Return a p-value; of the smallest ones a double does not keep the digits."""
+    is_small = words.is_known(p_value) and p_value < LEAST_P
+    return "< " + words.power_of_ten(-300) if is_small else words.number(p_value, 2)
 
 
 def power(entries: Sequence[Power]) -> list[Row]:

@@ -42,14 +42,12 @@ def number(value: float | None, digits: int = 3) -> str:
         return UNKNOWN
     if value == 0:
         return "0"
-    rounded = float(f"{value:.{digits - 1}e}")
-    exponent = math.floor(math.log10(abs(rounded)))
+    scientific = f"{value:.{digits - 1}e}"
+    mantissa, _, power = scientific.partition("e")
+    exponent = int(power)
     if not -4 <= exponent < 6:
-        mantissa = (
-            f"{rounded / 10.0**exponent:.{digits - 1}f}" if exponent > -300 else "0"
-        )
         return f"{mantissa}{TIMES}{power_of_ten(exponent)}".replace("-", MINUS)
-    return decimal(rounded, max(0, digits - 1 - exponent))
+    return decimal(float(scientific), max(0, digits - 1 - exponent))
 
 
 def nats(value: float | None) -> str:
