@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Noise reduction in the camera, before the RAW file: each pixel is blended with
+/// the nearest ones of its colour in a Bayer CFA. Noise of neighbours correlates then.
+#include "cg2raw/effect.h"
+
+#include "multiversion.h"
+#include "neighbours.h"
+
+namespace cg2raw::effects {
+namespace {
+
+constexpr int apart = 2; ///< pixels of a colour
+
+/// Weights of the pixel itself, of each of the four beside it, of each diagonal one.
+struct Weights {
+    float here, beside, diagonal;
+};
+
+CG2RAW_MULTIVERSION void blend_row(const float* above, const float* here,
+                                   const float* below, const Weights& weights,
+                                   int width, float* out)
+{
+    const auto [own, beside, diagonal] = weights;
+    for (int col = 0; col < width; ++col) {
+        const float* const left = here + col - apart;
+        const float four = (left[0] + left[2 * apart]) + (above[col] + below[col]);
+        const float corners = (above[col - apart] + above[col + apart])
+            + (below[col - apart] + below[col + apart]);
+        out[col] = own * here[col] + (beside * four + diagonal * corners);
+    }
+}
+
+void blend(const Plane<float>& plane, const Weights& weights)
+{
+    const Margined from(plane, apart);
+    for (int row = 0; row < plane.height; ++row)
+        blend_row(from.row(row - apart), from.row(row), from.row(row + apart), weights,
+                  plane.width, plane.row(row));
+}
+
+Weights weights_of(const Values& values)
+{
+    return { float(1.0 - values[0] - values[1]), float(values[0] / 4.0),
+             float(values[1] / 4.0) };
+}
+
+/// Of independent neighbours.
+void expect(Signal& signal, const Values& values)
+{
+    const auto [own, beside, diagonal] = weights_of(values);
+    blend(signal.mean[0], { own, beside, diagonal });
+    blend(signal.variance, { own * own, beside * beside, diagonal * diagonal });
+}
+
+void draw(Signal& signal, const Values& values, const Rng&)
+{
+    blend(signal.mean[0], weights_of(values));
+}
+
+} // namespace
+
+Effect noise_reduction()
+{
+    return {
+        "noise_reduction",
+        Stage::output,
+        Pattern::none,
+        { { "blend", "1", -0.05, 0.9, 0.0,
+            "part that comes from the four of the colour beside", CfaRepeat::bayer },
+          { "diagonal", "1", -0.1, 0.4, 0.0,
+            "part that comes from the four of the colour across", CfaRepeat::bayer } },
+        "noise reduction before the file: noise of one colour's neighbours "
+        "correlates",
+        "J.-S. Lee, IEEE Trans. PAMI 2(2), 1980 (local statistics; here fixed)",
+        expect,
+        draw,
+        apart
+    };
+}
+
+} // namespace cg2raw::effects
