@@ -5,7 +5,7 @@
 /// noise of its ISO.
 #pragma once
 
-#include "cg2raw/prediction.h"
+#include "cg2raw/pipeline.h"
 
 namespace cg2raw {
 

@@ -95,7 +95,8 @@ std::tuple<FloatArray, FloatArray, FloatArray>
 predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings,
           const FloatArray& camera, const OriginArray& origins,
           std::array<int, 2> frame, int margin, const Vec3& neutral,
-          std::optional<double> exposure_time, const Surround* surround, int threads)
+          std::optional<double> exposure_time, const std::optional<Surround>& surround,
+          int threads)
 {
     check_shapes(camera, origins, margin);
     const std::vector<py::ssize_t> shape { camera.shape(0),
@@ -104,9 +105,11 @@ predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings
     std::array<FloatArray, 3> results { FloatArray(shape), FloatArray(shape),
                                         FloatArray(shape) };
     const auto blocks = blocks_of(camera, origins, margin, results);
-    const Exposure exposure {
-        { frame[1], frame[0] }, profile.cfa, neutral, exposure_time, surround
-    };
+    const Exposure exposure { { frame[1], frame[0] },
+                              profile.cfa,
+                              neutral,
+                              exposure_time,
+                              surround ? &*surround : nullptr };
     {
         const py::gil_scoped_release release;
         predict_blocks(profile, settings, exposure, blocks, margin,

@@ -83,6 +83,8 @@ struct Signal {
 
 /// Parameter values in the order of Effect::parameters.
 using Values = std::vector<double>;
+/// An effect's name and its values.
+using NamedValues = std::pair<std::string, Values>;
 
 /// One departure from the ideal sensor. It states how it moves the expected signal and
 /// its variance (expect) and, if its draw is not the Gaussian of that variance, how to

@@ -7,14 +7,7 @@
 
 #include "cg2raw/pipeline.h"
 
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace cg2raw {
-
-/// An effect and its values, in the order of Effect::parameters.
-using NamedValues = std::pair<std::string, Values>;
 
 /// A block of a frame, and where its prediction goes.
 struct PredictedBlock {
