@@ -29,7 +29,7 @@ from cg2raw.diagnose.noise_estimate import noise_models
 from cg2raw.diagnose.nuisances import nuisance_of, without_highlights
 from cg2raw.diagnose.pictures import curves_of, histogram, picture_of
 from cg2raw.diagnose.prediction import Model
-from cg2raw.diagnose.registration import align
+from cg2raw.diagnose.registration import Registration
 from cg2raw.diagnose.residual_tests import residual_tests
 from cg2raw.diagnose.search import Search, Step
 from cg2raw.diagnose.vocabulary import Candidate, candidates, confusable
@@ -75,7 +75,8 @@ def diagnose(
     workers = Workers(threads)
     frames = _frames(capture_set, pixels, say)
     groups = _groups(frames)
-    base = _base_model(capture_set, frames, groups["fit"], workers, say)
+    registration = _registration(capture_set, frames, say)
+    base = _base_model(capture_set, frames, groups["fit"], workers)
     vocabulary = _vocabulary(capture_set, frames, without, only)
     steps = [0]
 
@@ -84,7 +85,14 @@ def diagnose(
         say(text, 0.3 + 0.6 * (1 - np.exp(-steps[0] / 120)))
 
     search = Search(
-        groups["fit"], groups["select"], vocabulary, workers, alpha, most, report
+        groups["fit"],
+        groups["select"],
+        vocabulary,
+        workers,
+        alpha,
+        most,
+        report,
+        registration.again if registration else None,
     )
     model = search.run(base)
     say("writing down what was found", 0.92)
@@ -125,23 +133,29 @@ def _groups(frames: Sequence[Frame]) -> dict[str, list[Frame]]:
     return groups
 
 
+def _registration(
+    capture_set: CaptureSet, frames: Sequence[Frame], say: Progress
+) -> Registration | None:
+    """Align renders with captures, if they may be displaced or differently bright."""
+    floating = capture_set.nuisances
+    if not floating & {"registration", "exposure"}:
+        return None
+    say("aligning renders with captures", 0.26)
+    found = Registration(frames, "registration" in floating, "exposure" in floating)
+    found.first(Model(capture_set.sensor))
+    return found
+
+
 def _base_model(
     capture_set: CaptureSet,
     frames: Sequence[Frame],
     fit_frames: Sequence[Frame],
     workers: Workers,
-    say: Progress,
 ) -> Model:
     model = Model(capture_set.sensor)
-    floating = capture_set.nuisances
-    if floating & {"registration", "exposure"}:
-        say("aligning renders with captures", 0.26)
-        shift = "registration" in floating
-        align(frames, model, shift, exposure="exposure" in floating)
-    if floating:
+    if capture_set.nuisances:
         without_highlights(frames, model)
-    nuisance = nuisance_of(capture_set, fit_frames, workers)
-    return replace(model, nuisance=nuisance)
+    return replace(model, nuisance=nuisance_of(capture_set, fit_frames, workers))
 
 
 def _vocabulary(

@@ -71,29 +71,39 @@ class Nuisance:
         columns.append(brightness * bearing)
         if frame.capture.kind != "flat" and "radiance" in self.floating:
             down, across = _bumps(frame)
-            columns += [
-                self.radiance * bearing * down[..., i] * across[..., j]
-                for i in range(FIELD[0])
-                for j in range(FIELD[1])
-            ]
+            rows = [self.radiance * bearing * down[..., i] for i in range(FIELD[0])]
+            columns += [row * across[..., j] for row in rows for j in range(FIELD[1])]
         return np.array([column.ravel() for column in columns])
 
     def whiten(
         self, z: Array, p: Prediction, frame: Frame
     ) -> tuple[Array, Array | float]:
         """Return residuals whose fields are shrunk, and the cost per pixel."""
-        columns = self._columns(frame, p)
-        if columns is None or not columns.any():
+        columns, shrink, cost = self._shrinking(frame, p)
+        if columns is None:
             return z, 0.0
-        values, vectors = np.linalg.eigh(columns @ columns.T)
-        used = values > 1e-9
-        directions = (vectors[:, used] / np.sqrt(values[used])).T @ columns
-        eigenvalues = 1 + values[used]
         flat = z.ravel()
-        along = directions @ flat
-        white = flat - ((1 - eigenvalues**-0.5) * along) @ directions
-        cost = -0.5 * np.log(eigenvalues).sum() / max(frame.keep.sum(), 1)
-        return white.reshape(z.shape), cost * frame.keep
+        along = shrink @ (columns @ flat)
+        return (flat - along @ columns).reshape(z.shape), cost * frame.keep
+
+    def _shrinking(self, frame: Frame, p: Prediction) -> tuple[Any, Any, float]:
+        """Return (columns, what shrinks along them, cost per pixel).
+
+        Of the prediction asked last it is kept: all derivatives are whitened alike."""
+        known = frame.store.get("shrinking")
+        if known is not None and known[0] is p and known[1] is self:
+            return known[2]  # type: ignore[no-any-return]
+        columns = self._columns(frame, p)
+        result: tuple[Any, Any, float] = (None, None, 0.0)
+        if columns is not None and columns.any():
+            values, vectors = np.linalg.eigh(columns @ columns.T)
+            used = values > 1e-9
+            weight = (1 - (1 + values[used]) ** -0.5) / values[used]
+            shrink = (vectors[:, used] * weight) @ vectors[:, used].T
+            cost = -0.5 * np.log1p(values[used]).sum() / max(frame.keep.sum(), 1)
+            result = (columns, shrink, float(cost))
+        frame.store["shrinking"] = (p, self, result)
+        return result
 
 
 def _bumps(frame: Frame) -> tuple[Array, Array]:

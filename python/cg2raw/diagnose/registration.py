@@ -8,8 +8,10 @@ Source: B. D. Lucas, T. Kanade, IJCAI 1981.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 from scipy.ndimage import map_coordinates
 
@@ -21,62 +23,80 @@ ROUNDS = 30
 FARTHEST = 4  # pixels of the first guess
 LONGEST_STEP = 0.5  # px
 CLOSE_ENOUGH = 1e-3  # px
+SAME_BRIGHTNESS = 1e-5  # relative
 HIGHEST = 0.95  # of white
 # Relative error of a prediction, round by round: while a render lies beside its
 # capture, edges differ by more than noise; in the end they must.
 UNSURE = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
 
 
-def align(
-    frames: Sequence[Frame], model: Model, shift: bool, exposure: bool
-) -> dict[str, tuple[float, ...]]:
-    """Move the camera RGB of frames to where and how bright they were captured.
+@dataclass
+class _Set:
+    """Frames of one set, their camera RGB as rendered, and what was found of them."""
 
-    shift : find (row, col) at the centre and four linear terms, per set.
-    exposure : find one gain per set.
-
-    Returns, per set, (rows, columns, gain) that were found."""
-    found: dict[str, tuple[float, ...]] = {}
-    sets: dict[str, list[Frame]] = {}
-    for frame in frames:
-        if frame.capture.kind != "dark" and not frame.level_free:
-            sets.setdefault(frame.capture.set, []).append(frame)
-    for name, members in sets.items():
-        scene = members[0].capture.kind == "scene"
-        if not scene and not exposure:
-            continue
-        found[name] = _align_set(members, model, shift and scene, exposure)
-    return found
+    frames: list[Frame]
+    rendered: list[NDArray[np.float32]]
+    shifted: bool
+    affine: Array = field(default_factory=lambda: np.zeros((2, 3)))
+    gain: float = 1.0
 
 
-def _align_set(
-    frames: Sequence[Frame], model: Model, shift: bool, exposure: bool
-) -> tuple[float, ...]:
-    original = [frame.camera for frame in frames]
-    affine = np.zeros((2, 3))  # shift at the centre; per half diagonal along v and u
-    gain = 1.0
-    if shift:
-        affine[:, 0] = _first_guess(frames[0], model)
-    for turn in range(ROUNDS):
-        for frame, camera in zip(frames, original, strict=True):
-            _set_camera(frame, _warped(camera, frame, affine), gain)
-        unsure = UNSURE[min(turn, len(UNSURE) - 1)]
-        step, brighter = _step(frames, model, shift, unsure)
-        if exposure:
-            gain *= np.clip(1 + brighter, 0.8, 1.25)
-        if shift:
-            affine += np.clip(step, -LONGEST_STEP, LONGEST_STEP)
-        small = np.abs(step).max() < CLOSE_ENOUGH and abs(brighter) < 1e-5
-        if (small and turn >= len(UNSURE)) or not (shift or exposure):
-            break
-    for frame, camera in zip(frames, original, strict=True):
-        _set_camera(frame, _warped(camera, frame, affine), gain)
-    return (*affine[:, 0], gain)
+class Registration:
+    """Where the renders of all sets lie: (row, col) at the centre and four linear terms
+    each, and one gain.
+
+    shift, exposure : what is looked for at all."""
+
+    def __init__(self, frames: Sequence[Frame], shift: bool, exposure: bool) -> None:
+        self._exposure = exposure
+        self._sets: dict[str, _Set] = {}
+        for frame in frames:
+            kind = frame.capture.kind
+            shifted = shift and kind == "scene"
+            if kind == "dark" or frame.level_free or not (shifted or exposure):
+                continue
+            one = self._sets.setdefault(frame.capture.set, _Set([], [], shifted))
+            one.frames.append(frame)
+            one.rendered.append(frame.camera)
+
+    def found(self) -> dict[str, tuple[float, float, float]]:
+        """Return, per set, the shift in rows and columns and the gain."""
+        return {
+            name: (one.affine[0, 0], one.affine[1, 0], one.gain)
+            for name, one in self._sets.items()
+        }
+
+    def first(self, model: Model) -> None:
+        """Move the camera RGB of all frames to where and how bright they were seen."""
+        for one in self._sets.values():
+            if one.shifted:
+                one.affine[:, 0] = _first_guess(one.frames[0], model)
+            self._align(one, model, UNSURE)
+
+    def again(self, model: Model) -> None:
+        """Do so from where they are, under a better model."""
+        for one in self._sets.values():
+            self._align(one, model, UNSURE[-1:])
+
+    def _align(self, one: _Set, model: Model, unsure: Sequence[float]) -> None:
+        for turn in range(ROUNDS):
+            _move(one)
+            doubt = unsure[min(turn, len(unsure) - 1)]
+            step, brighter = _step(one.frames, model, one.shifted, doubt)
+            if self._exposure:
+                one.gain *= float(np.clip(1 + brighter, 0.8, 1.25))
+            one.affine += np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+            still = np.abs(step).max() < CLOSE_ENOUGH
+            still &= abs(brighter) < SAME_BRIGHTNESS or not self._exposure
+            if still and turn >= len(unsure) - 1:
+                break
+        _move(one)
 
 
-def _set_camera(frame: Frame, camera: Array, gain: float) -> None:
-    frame.camera = (gain * camera).astype(np.float32)
-    frame.store.clear()
+def _move(one: _Set) -> None:
+    for frame, rendered in zip(one.frames, one.rendered, strict=True):
+        frame.camera = (one.gain * _warped(rendered, frame, one.affine)).astype("f4")
+        frame.store.clear()
 
 
 def _warped(camera: Array, frame: Frame, affine: Array) -> Array:

@@ -70,6 +70,7 @@ class Search:
     alpha: float
     most: int
     report: Callable[[str], None]
+    realign: Callable[[Model], None] | None = None
     steps: list[Step] = field(default_factory=list)
     interrupted: bool = False
     _swapped: set[tuple[str, str]] = field(default_factory=set)
@@ -125,11 +126,16 @@ class Search:
         return self._settled(best.model, best.name)
 
     def _settled(self, model: Model, newest: str) -> Model:
-        model = self._pruned(model, newest)
+        """Return the model after all that depends on it was looked at again."""
+        if self.realign is not None:
+            self.report("aligning again")
+            self.realign(model)
         if model.nuisance is not None:
             better = refitted(model, self.fit_frames, self.workers)
-            model = replace(model, nuisance=better)
-        return model
+            model = fit(
+                replace(model, nuisance=better), self.fit_frames, self.workers
+            )
+        return self._pruned(model, newest)
 
     def _null_gain(self, model: Model) -> float:
         """What the model gains on the select frames by fitting itself to them."""
