@@ -46,8 +46,8 @@ def run_of(
     except TypeError:
         raise ValueError(
             f"iso {iso!r}, exposure_time {exposure_time!r} and digital_gain "
-            f"{digital_gain!r} must be numbers (or digital_gain sample), seed {seed!r} and frame {frame!r} whole numbers "
-            f"from 0 to 2**64 - 1, "
+            f"{digital_gain!r} must be numbers (or digital_gain sample), "
+            f"seed {seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
             f"noise {noise!r} and convention {convention!r} texts, highlights "
             f"{highlights!r}, effects {effects!r} and camera_input "
             f"{camera_input!r} True or False, and as_shot {as_shot!r} three numbers"

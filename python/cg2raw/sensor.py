@@ -279,20 +279,26 @@ class Sensor:
         *,
         seed: int = 0,
         frame: int = 0,
+        illuminant: Light = "D65",
         exposure_time: float | None = None,
         threads: int = 0,
     ) -> FloatImage:
         """Return an image with one effect of optics, sensor or read-out, float32.
 
         image : (H, W, 3 or 4) float camera RGB for an effect of the stages color and
-            optics; for all others an (H, W) mosaic, 0..1 above black. The whole active area, finite.
+            optics; for all others an (H, W) mosaic, 0..1 above black. The whole active
+            area, finite.
         name, parameters : of cg2raw.effects(); every parameter is given.
         seed, frame : of what is temporal; a fixed pattern belongs to the sensor.
+        illuminant : the light whose white color_matrix leaves neutral.
         exposure_time : seconds, where the effect needs it.
 
         Raises ValueError naming effect, parameter, value and bounds."""
         run = run_of(
-            illuminant="D65", seed=seed, frame=frame, exposure_time=exposure_time
+            illuminant=illuminant_word(illuminant, self.id),
+            seed=seed,
+            frame=frame,
+            exposure_time=exposure_time,
         )
         result = _core.apply_effect(
             self._profile, _planes(image), name, dict(parameters), run, threads=threads
@@ -305,6 +311,7 @@ class Sensor:
         name: str,
         parameters: Mapping[str, float],
         *,
+        illuminant: Light = "D65",
         exposure_time: float | None = None,
         threads: int = 0,
     ) -> tuple[FloatImage, FloatImage]:
@@ -313,7 +320,9 @@ class Sensor:
         mean : of the image's shape; variance : (H, W), in the square of 0..1 above
         black, and 0 for an effect before the mosaic, which has none.
         Arguments and errors as of apply_effect."""
-        run = run_of(illuminant="D65", exposure_time=exposure_time)
+        run = run_of(
+            illuminant=illuminant_word(illuminant, self.id), exposure_time=exposure_time
+        )
         mean, variance = _core.expect_effect(
             self._profile, _planes(image), name, dict(parameters), run, threads=threads
         )
