@@ -86,6 +86,8 @@ class CameraTransform:
     def keep_highlights(self) -> bool: ...
     @property
     def clip_result(self) -> bool: ...
+    @property
+    def is_light(self) -> bool: ...
 
 class Run:
     def __init__(
@@ -102,6 +104,7 @@ class Run:
         camera_input: bool,
         as_shot: Sequence[float] | None,
         sample_digital_gain: bool = False,
+        exposure_time: float | None = None,
     ) -> None: ...
 
 class Simulation:
@@ -137,6 +140,8 @@ class Shot:
         lens_model: str = "",
         orientation: int = 1,
     ) -> None: ...
+    @property
+    def exposure_time(self) -> float | None: ...
 
 class DngMetadata:
     @property
