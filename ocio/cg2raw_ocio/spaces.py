@@ -62,7 +62,14 @@ def all_raw_spaces(profiles, illuminants, exposure=None):
 
 
 def camera_transform(profile, illuminant, exposure):
-    """Return the core's CameraTransform of a sensor under an illuminant (a word)."""
+    """Return the core's CameraTransform of a sensor under an illuminant (a word).
+
+    Raises ValueError for the convention sensor: its light has no white to clip at."""
+    if exposure.convention.lower() == "sensor":
+        raise ValueError(
+            "convention sensor has no RAW space of its own: take the unbounded space of "
+            "convention dng"
+        )
     return _core.camera_from_scene(
         profile,
         profile.illuminant(illuminant),

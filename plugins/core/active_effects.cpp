@@ -11,6 +11,9 @@
 namespace cg2raw {
 namespace {
 
+/// As far as Exif goes.
+constexpr double most_seconds = 1e6;
+
 /// A fixed pattern belongs to the sensor, whatever the run's seed.
 Rng rng_of(const Effect& effect, const SensorProfile& profile, const Run& run)
 {
@@ -86,6 +89,19 @@ void sort_by_stage(std::vector<ActiveEffect>& active)
               });
 }
 
+void check_exposure_time(const std::vector<ActiveEffect>& active,
+                         const std::optional<double>& seconds)
+{
+    if (seconds && !(*seconds >= 0.0 && *seconds <= most_seconds))
+        throw Error("exposure_time " + number(*seconds) + " must be 0 to "
+                    + number(most_seconds) + " s");
+    for (const ActiveEffect& one : active)
+        if (one.effect->needs_exposure_time && !seconds)
+            throw Error("effect " + one.effect->name
+                        + " needs an exposure time: give exposure_time in seconds, or "
+                          "the image its Exif (oiiotool --attrib ExposureTime 0.01)");
+}
+
 } // namespace
 
 NoiseModel noise_model_from_name(std::string_view name)
@@ -119,6 +135,7 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
         for (auto& [name, values] : noise_settings(profile, run, *noise))
             add(effect(name), std::move(values));
     sort_by_stage(active);
+    check_exposure_time(active, run.exposure_time);
     return active;
 }
 
@@ -141,18 +158,12 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile,
 
 void check_needs(const std::vector<ActiveEffect>& active, const Exposure& exposure)
 {
-    for (const ActiveEffect& one : active) {
-        const std::string where = "effect " + one.effect->name + " needs ";
-        if (one.effect->needs_exposure_time && !exposure.seconds)
-            throw Error(
-                where
-                + "an exposure time: give exposure_time in seconds (ExposureTime "
-                  "of an image, Exif)");
+    check_exposure_time(active, exposure.seconds);
+    for (const ActiveEffect& one : active)
         if (one.effect->needs_surround && !exposure.surround)
-            throw Error(where
-                        + "the surround of a block: give that of the whole frame's "
-                          "camera RGB");
-    }
+            throw Error("effect " + one.effect->name
+                        + " needs the surround of a block: give that of the whole "
+                          "frame's camera RGB");
 }
 
 int reach_of(const std::vector<ActiveEffect>& active, Stage first, Stage last)

@@ -23,6 +23,7 @@ constexpr float highlight_start = 0.9f, highlight_range = 0.1f;
 struct Coefficients {
     float first[9], second[9], gain[3];
     float highlight; ///< 1: kept, 0: not
+    float product_ceiling; ///< of the products
     float ceiling; ///< of the result
     bool two_steps;
 };
@@ -34,6 +35,7 @@ Coefficients coefficients_of(const CameraTransform& transform)
     std::copy(transform.second.m.begin(), transform.second.m.end(), c.second);
     std::copy(transform.gains.begin(), transform.gains.end(), c.gain);
     c.highlight = transform.keep_highlights ? 1.0f : 0.0f;
+    c.product_ceiling = transform.is_light ? largest_radiance : 1.0f;
     c.ceiling = transform.clip_result ? 1.0f : largest_radiance;
     c.two_steps = transform.two_steps;
     return c;
@@ -48,17 +50,21 @@ inline float legal(float x, int& nan, int& inf)
     return std::min(std::max(number, -largest_radiance), largest_radiance);
 }
 
-inline float clipped(float x) { return std::min(std::max(x, 0.0f), 1.0f); }
+inline float clipped(float x, float ceiling = 1.0f)
+{
+    return std::min(std::max(x, 0.0f), ceiling);
+}
 
 inline float dot(const float m[3], float r, float g, float b)
 {
     return m[0] * r + m[1] * g + m[2] * b;
 }
 
-inline void multiply(const float m[9], float& r, float& g, float& b)
+inline void multiply(const float m[9], float ceiling, float& r, float& g, float& b)
 {
-    const float x = clipped(dot(m, r, g, b)), y = clipped(dot(m + 3, r, g, b));
-    b = clipped(dot(m + 6, r, g, b));
+    const float x = clipped(dot(m, r, g, b), ceiling);
+    const float y = clipped(dot(m + 3, r, g, b), ceiling);
+    b = clipped(dot(m + 6, r, g, b), ceiling);
     r = x;
     g = y;
 }
@@ -103,11 +109,11 @@ CG2RAW_MULTIVERSION void camera_piece(const Coefficients& c, int count, float* r
     }
 }
 
-CG2RAW_MULTIVERSION void product_piece(const float m[9], int count, float* r, float* g,
-                                       float* b)
+CG2RAW_MULTIVERSION void product_piece(const float m[9], float ceiling, int count,
+                                       float* r, float* g, float* b)
 {
     for (int i = 0; i < count; ++i)
-        multiply(m, r[i], g[i], b[i]);
+        multiply(m, ceiling, r[i], g[i], b[i]);
 }
 
 CG2RAW_MULTIVERSION void balance_piece(const float gain[3], int count, float* r,
@@ -157,9 +163,9 @@ void to_camera(const CameraTransform& transform, const float* scene,
         const int count = std::min(piece, width - start);
         float *r = camera[0] + start, *g = camera[1] + start, *b = camera[2] + start;
         make_legal(scene + start * pixel_stride, pixel_stride, count, r, g, b, illegal);
-        product_piece(c.first, count, r, g, b);
+        product_piece(c.first, c.product_ceiling, count, r, g, b);
         if (c.two_steps)
-            product_piece(c.second, count, r, g, b);
+            product_piece(c.second, c.product_ceiling, count, r, g, b);
         camera_piece(c, count, r, g, b);
     }
 }
@@ -179,7 +185,7 @@ void to_scene(const SceneTransform& transform, const float* camera,
                    illegal);
         balance_piece(gain, count, r, g, b);
         if (transform.two_steps)
-            product_piece(first, count, r, g, b);
+            product_piece(first, 1.0f, count, r, g, b);
         scene_piece(second, count, r, g, b);
     }
 }

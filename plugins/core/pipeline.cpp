@@ -3,12 +3,10 @@
 
 #include "cg2raw/pipeline.h"
 
-#include "digitise.h"
-#include "stages.h"
+#include "simulation_state.h"
 #include "text.h"
 
 #include <algorithm>
-#include <mutex>
 
 namespace cg2raw {
 namespace {
@@ -30,79 +28,74 @@ double drawn_gain(const SensorProfile& profile, const Run& run)
 
 } // namespace
 
-struct Simulation::State {
-    SensorProfile profile;
-    Run run;
-    Size frame;
-    Illuminant light;
-    double gain;
-    CameraTransform transform;
-    std::optional<NoiseAtIso> noise;
-    Stages stages;
-    Levels levels;
+Simulation::State::State(const SensorProfile& sensor, const Run& asked, Size size)
+    : profile(sensor)
+    , run(asked)
+    , frame(size)
+    , light(cg2raw::illuminant(profile, run.illuminant, run.as_shot))
+    , gain(drawn_gain(profile, run))
+    , transform(
+          camera_from_scene(profile, light, run.convention, gain, run.keep_highlights))
+    , noise(noise_of(profile, run))
+    , stages(profile, run, active_effects(profile, run, noise))
+    , levels(levels_of(profile))
+{
+    if (frame.width < 1 || frame.height < 1)
+        throw Error("image of " + std::to_string(frame.width) + " x "
+                    + std::to_string(frame.height) + " pixels is empty");
+    if (run.iso && !(*run.iso >= 1.0 && *run.iso <= 1e7))
+        throw Error("iso " + number(*run.iso) + " must be 1 to 10000000");
+}
 
-    State(const SensorProfile& sensor, const Run& asked, Size size)
-        : profile(sensor)
-        , run(asked)
-        , frame(size)
-        , light(cg2raw::illuminant(profile, run.illuminant, run.as_shot))
-        , gain(drawn_gain(profile, run))
-        , transform(camera_from_scene(profile, light, run.convention, gain,
-                                      run.keep_highlights))
-        , noise(noise_of(profile, run))
-        , stages(profile, run, active_effects(profile, run, noise))
-        , levels(levels_of(profile))
-    {
-        if (frame.width < 1 || frame.height < 1)
-            throw Error("image of " + std::to_string(frame.width) + " x "
-                        + std::to_string(frame.height) + " pixels is empty");
-        if (run.iso && !(*run.iso >= 1.0 && *run.iso <= 1e7))
-            throw Error("iso " + number(*run.iso) + " must be 1 to 10000000");
-    }
-
-    /// All stages in order, for one band; the signal ends in band.mosaic.
-    void expose(const RgbView& scene, Site origin, Purpose purpose, Band& band,
-                Illegal& illegal) const
-    {
-        to_camera_band(scene, band, illegal);
-        const Exposure exposure { frame, profile.cfa, light.neutral };
-        stages.on_camera(band.camera, origin, exposure, purpose);
-        band.to_mosaic(profile.cfa, origin);
-        stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure,
-                         purpose);
-    }
-
-    void to_camera_band(const RgbView& scene, Band& band, Illegal& illegal) const
-    {
-        for (int row = 0; row < scene.height; ++row) {
-            float* const camera[3] = { band.camera[0].row(row), band.camera[1].row(row),
-                                       band.camera[2].row(row) };
-            if (run.camera_input)
-                copy_camera(scene.row(row), scene.pixel_stride, scene.width, camera,
-                            illegal);
-            else
-                to_camera(transform, scene.row(row), scene.pixel_stride, scene.width,
-                          camera, illegal);
+void Simulation::State::to_camera_rgb(const RgbView& scene,
+                                      const std::array<Plane<float>, 3>& planes,
+                                      Illegal& illegal) const
+{
+    for (int row = 0; row < scene.height; ++row) {
+        float* const camera[3]
+            = { planes[0].row(row), planes[1].row(row), planes[2].row(row) };
+        if (!run.camera_input) {
+            to_camera(transform, scene.row(row), scene.pixel_stride, scene.width,
+                      camera, illegal);
+            continue;
         }
+        copy_camera(scene.row(row), scene.pixel_stride, scene.width, camera, illegal);
+        if (transform.is_light)
+            for (float* plane : camera)
+                std::transform(plane, plane + scene.width, plane,
+                               [](float x) { return std::max(x, 0.0f); });
     }
+}
 
-    /// Calls done(row of the block, its signal, its variance) for every row.
-    template <class Done>
-    void each_row(const RgbView& scene, Site origin, Purpose purpose, Illegal& illegal,
-                  const Done& done) const
-    {
-        Band band;
-        for (int start = 0; start < scene.height; start += band_rows) {
-            const int rows = std::min(band_rows, scene.height - start);
-            band.resize(scene.width, rows);
-            const RgbView part { scene.row(start), scene.width, rows,
-                                 scene.pixel_stride, scene.row_stride };
-            expose(part, { origin.row + start, origin.col }, purpose, band, illegal);
-            for (int row = 0; row < rows; ++row)
-                done(start + row, band.mosaic.row(row), band.variance.row(row));
-        }
+void Simulation::State::run_stages(Band& band, Site origin, const Surround* surround,
+                                   Purpose purpose) const
+{
+    const Exposure exposure
+        = { frame, profile.cfa, light.neutral, run.exposure_time, surround };
+    stages.on_camera(band.camera, origin, exposure, purpose);
+    band.to_mosaic(profile.cfa, origin);
+    stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure, purpose);
+}
+
+template <class Done>
+void Simulation::State::each_row(const RgbView& scene, Site origin, Purpose purpose,
+                                 Illegal& illegal, const Done& done) const
+{
+    if (const Effect* effect = stages.beyond_pixels())
+        throw Error("effect " + effect->name
+                    + " needs the whole frame: simulate all of it, not by blocks");
+    Band band;
+    for (int start = 0; start < scene.height; start += band_rows) {
+        const int rows = std::min(band_rows, scene.height - start);
+        band.resize(scene.width, rows);
+        const RgbView part { scene.row(start), scene.width, rows, scene.pixel_stride,
+                             scene.row_stride };
+        to_camera_rgb(part, band.camera, illegal);
+        run_stages(band, { origin.row + start, origin.col }, nullptr, purpose);
+        for (int row = 0; row < rows; ++row)
+            done(start + row, band.mosaic.row(row), band.variance.row(row));
     }
-};
+}
 
 Simulation::Simulation(const SensorProfile& profile, const Run& run, Size frame)
     : m_state(std::make_unique<const State>(profile, run, frame))
@@ -143,6 +136,16 @@ void Simulation::expect(const RgbView& scene, Site origin, const Plane<float>& m
                       });
 }
 
+bool Simulation::needs_whole_frame() const
+{
+    return m_state->stages.beyond_pixels() != nullptr;
+}
+
+int Simulation::reach() const
+{
+    return reach_of(m_state->stages.active, Stage::color, Stage::output);
+}
+
 const SensorProfile& Simulation::profile() const { return m_state->profile; }
 const Run& Simulation::run() const { return m_state->run; }
 Size Simulation::frame() const { return m_state->frame; }
@@ -156,56 +159,6 @@ std::optional<Values> Simulation::active(std::string_view effect_name) const
         if (one.effect->name == effect_name)
             return one.values;
     return std::nullopt;
-}
-
-void each_strip(int height, const ParallelFor& parallel,
-                const std::function<void(int first, int count)>& work)
-{
-    constexpr int strip_rows = 64;
-    parallel((height + strip_rows - 1) / strip_rows, [&](int strip) {
-        const int first = strip * strip_rows;
-        work(first, std::min(strip_rows, height - first));
-    });
-}
-
-Illegal each_strip(const SceneRows& rows, Size size, const ParallelFor& parallel,
-                   const std::function<void(const RgbView&, int first, Illegal&)>& work)
-{
-    Illegal total;
-    std::mutex guard;
-    each_strip(size.height, parallel, [&](int first, int count) {
-        std::vector<float> room;
-        Illegal illegal;
-        work(rows(first, count, room), first, illegal);
-        const std::lock_guard lock(guard);
-        total += illegal;
-    });
-    return total;
-}
-
-RawFrame simulate(const SceneRows& rows, const Simulation& simulation,
-                  const ParallelFor& parallel)
-{
-    const auto [width, height] = simulation.frame();
-    RawFrame frame { width, height, {}, {} };
-    frame.dn.resize(std::size_t(width) * std::size_t(height));
-    const Plane<std::uint16_t> raw { frame.dn.data(), width, height, width };
-    frame.illegal = each_strip(
-        rows, simulation.frame(), parallel,
-        [&](const RgbView& part, int first, Illegal& illegal) {
-            simulation.block(part, { first, 0 }, raw.rows(first, part.height), illegal);
-        });
-    return frame;
-}
-
-RawFrame simulate(const RgbView& scene, const Simulation& simulation,
-                  const ParallelFor& parallel)
-{
-    const auto rows = [&](int first, int count, std::vector<float>&) {
-        return RgbView { scene.row(first), scene.width, count, scene.pixel_stride,
-                         scene.row_stride };
-    };
-    return simulate(rows, simulation, parallel);
 }
 
 } // namespace cg2raw

@@ -73,12 +73,19 @@ void predict(const Stages& stages, const Exposure& exposure,
 } // namespace
 
 void predict_blocks(const SensorProfile& profile,
-                    const std::vector<NamedValues>& settings, const Exposure& exposure,
+                    const std::vector<NamedValues>& settings, const Exposure& given,
                     const std::vector<PredictedBlock>& blocks, int margin,
                     const ParallelFor& parallel)
 {
     const Stages stages(profile, active_effects(profile, settings));
-    check_needs(stages.active, exposure);
+    check_needs(stages.active, given);
+    Exposure exposure = given;
+    std::optional<Surround> surround;
+    if (given.surround && stages.needs_surround()) {
+        surround = *given.surround;
+        stages.pass_color(*surround, given);
+        exposure.surround = &*surround;
+    }
     const int reach = reach_of(stages.active, Stage::color, Stage::output);
     for (const PredictedBlock& block : blocks) {
         check_inside(block, exposure.frame);

@@ -28,20 +28,42 @@ void check_finite(const Plane<float>& plane)
 }
 
 /// All stages of the mosaic, in place; the variance is kept where @p variance is given.
-void pass(const Stages& stages, Purpose purpose, const Plane<float>& signal,
-          const Plane<float>* variance, const ParallelFor& parallel)
+void pass(const Stages& stages, Purpose purpose, const Exposure& exposure,
+          const Plane<float>& signal, const Plane<float>* variance,
+          const ParallelFor& parallel)
 {
-    const Exposure exposure { { signal.width, signal.height }, stages.cfa };
+    const auto on_rows = [&](Band& band, int row, int rows) {
+        band.resize(signal.width, rows);
+        stages.on_mosaic(signal.rows(row, rows),
+                         variance ? variance->rows(row, rows) : band.variance,
+                         band.noise, { row, 0 }, exposure, purpose);
+    };
+    if (stages.beyond_pixels()) {
+        Band band;
+        on_rows(band, 0, signal.height);
+        return;
+    }
     each_strip(signal.height, parallel, [&](int first, int count) {
         Band band;
-        for (int row = first; row < first + count; row += band_rows) {
-            const int rows = std::min(band_rows, first + count - row);
-            band.resize(signal.width, rows);
-            stages.on_mosaic(signal.rows(row, rows),
-                             variance ? variance->rows(row, rows) : band.variance,
-                             band.noise, { row, 0 }, exposure, purpose);
-        }
+        for (int row = first; row < first + count; row += band_rows)
+            on_rows(band, row, std::min(band_rows, first + count - row));
     });
+}
+
+/// The effects before the mosaic, in place.
+void pass_camera(const Stages& stages, Purpose purpose, Exposure exposure,
+                 const std::array<Plane<float>, 3>& camera)
+{
+    Surround surround;
+    if (stages.needs_surround()) {
+        std::array<Plane<const float>, 3> seen;
+        for (std::size_t i = 0; i < 3; ++i)
+            seen[i] = { camera[i].data, camera[i].width, camera[i].height,
+                        camera[i].pitch };
+        surround = surround_of(seen);
+        exposure.surround = &surround;
+    }
+    stages.on_camera(camera, { 0, 0 }, exposure, purpose);
 }
 
 Stages stages_of(const SensorProfile& profile, const EffectSetting& setting, Run run)
@@ -53,10 +75,11 @@ Stages stages_of(const SensorProfile& profile, const EffectSetting& setting, Run
     return { only, run, active_effects(only, run, std::nullopt) };
 }
 
-void work_on(const Stages& stages, Purpose purpose,
-             const std::vector<Plane<float>>& planes, const Plane<float>* variance,
-             const ParallelFor& parallel)
+void work_on(const SensorProfile& profile, const EffectSetting& setting, const Run& run,
+             Purpose purpose, const std::vector<Plane<float>>& planes,
+             const Plane<float>* variance, const ParallelFor& parallel)
 {
+    const Stages stages = stages_of(profile, setting, run);
     const Effect& effect = *stages.active.front().effect;
     const std::size_t wanted = effect.stage <= Stage::optics ? 3 : 1;
     if (planes.size() != wanted)
@@ -66,12 +89,16 @@ void work_on(const Stages& stages, Purpose purpose,
             + (wanted == 3 ? "camera RGB, three planes" : "the mosaic, one plane"));
     for (const Plane<float>& plane : planes)
         check_finite(plane);
+    const Illuminant light = illuminant(profile, run.illuminant, run.as_shot);
+    const Exposure exposure { { planes[0].width, planes[0].height },
+                              stages.cfa,
+                              light.neutral,
+                              run.exposure_time,
+                              nullptr };
     if (wanted == 1)
-        pass(stages, purpose, planes[0], variance, parallel);
+        pass(stages, purpose, exposure, planes[0], variance, parallel);
     else
-        stages.on_camera({ planes[0], planes[1], planes[2] }, { 0, 0 },
-                         { { planes[0].width, planes[0].height }, stages.cfa },
-                         purpose);
+        pass_camera(stages, purpose, exposure, { planes[0], planes[1], planes[2] });
 }
 
 } // namespace
@@ -89,15 +116,17 @@ void add_noise(const SensorProfile& profile, const Run& run, const Plane<float>&
                           active_effects(noisy, with_effects,
                                          noise_of(noisy, with_effects)) };
     check_finite(signal);
-    pass(stages, Purpose::drawing, signal, nullptr, parallel);
+    const Exposure exposure {
+        { signal.width, signal.height }, stages.cfa, { 1, 1, 1 }, {}, nullptr
+    };
+    pass(stages, Purpose::drawing, exposure, signal, nullptr, parallel);
 }
 
 void apply_effect(const SensorProfile& profile, const EffectSetting& setting,
                   const Run& run, const std::vector<Plane<float>>& planes,
                   const ParallelFor& parallel)
 {
-    work_on(stages_of(profile, setting, run), Purpose::drawing, planes, nullptr,
-            parallel);
+    work_on(profile, setting, run, Purpose::drawing, planes, nullptr, parallel);
 }
 
 void expect_effect(const SensorProfile& profile, const EffectSetting& setting,
@@ -106,8 +135,7 @@ void expect_effect(const SensorProfile& profile, const EffectSetting& setting,
 {
     for (int row = 0; row < variance.height; ++row)
         std::fill_n(variance.row(row), variance.width, 0.0f);
-    work_on(stages_of(profile, setting, run), Purpose::prediction, planes, &variance,
-            parallel);
+    work_on(profile, setting, run, Purpose::prediction, planes, &variance, parallel);
 }
 
 void raw_from_signal(const SensorProfile& profile, const Plane<const float>& signal,

@@ -109,6 +109,39 @@ Stages::Stages(const SensorProfile& profile, std::vector<ActiveEffect> effects)
     noise_ceiling = largest_signal;
 }
 
+const Effect* Stages::beyond_pixels() const
+{
+    for (const ActiveEffect& one : active)
+        if (one.effect->reach > 0 || one.effect->needs_surround)
+            return one.effect;
+    return nullptr;
+}
+
+bool Stages::needs_surround() const
+{
+    return std::any_of(active.begin(), active.end(),
+                       [](const ActiveEffect& a) { return a.effect->needs_surround; });
+}
+
+void Stages::pass_color(Surround& surround, const Exposure& exposure) const
+{
+    const auto [width, height] = surround.cells;
+    std::array<Plane<float>, 3> wide, mean;
+    std::array<float, 3> means;
+    for (std::size_t i = 0; i < 3; ++i) {
+        means[i] = float(surround.mean[i]);
+        wide[i] = { surround.wide[i].data(), width, height, width };
+        mean[i] = { &means[i], 1, 1, 1 };
+    }
+    if (!has_stage(active, Stage::color))
+        return;
+    for (const auto& planes : { wide, mean }) {
+        Signal signal { 3, planes, {}, {}, { 0, 0 }, exposure };
+        apply(active, Purpose::prediction, Stage::color, Stage::color, signal);
+    }
+    surround.mean = { means[0], means[1], means[2] };
+}
+
 void Stages::on_camera(const std::array<Plane<float>, 3>& camera, Site origin,
                        const Exposure& exposure, Purpose purpose) const
 {

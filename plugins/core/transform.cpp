@@ -93,12 +93,16 @@ Convention convention_from_name(std::string_view name)
         return Convention::dng;
     if (word == "paper")
         return Convention::paper;
-    throw Error("convention \"" + std::string(name) + "\" must be dng or paper");
+    if (word == "sensor")
+        return Convention::sensor;
+    throw Error("convention \"" + std::string(name)
+                + "\" must be dng, paper or sensor");
 }
 
 const char* name_of(Convention convention)
 {
-    return convention == Convention::dng ? "dng" : "paper";
+    constexpr const char* names[] = { "dng", "paper", "sensor" };
+    return names[std::size_t(convention)];
 }
 
 Temperature paper_temperature(const SensorProfile& profile, const Vec3& neutral)
@@ -126,18 +130,20 @@ CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant
     if (!(digital_gain > 0.0 && digital_gain <= 1000.0))
         throw Error("digital gain " + number(digital_gain)
                     + " must be above 0 and at most 1000");
-    CameraTransform transform = convention == Convention::dng
-        ? dng_transform(profile, light)
-        : paper_transform(profile, light);
+    CameraTransform transform = convention == Convention::paper
+        ? paper_transform(profile, light)
+        : dng_transform(profile, light);
     for (double& gain : transform.gains)
         gain *= digital_gain;
-    transform.keep_highlights = keep_highlights;
+    transform.is_light = convention == Convention::sensor;
+    transform.keep_highlights = keep_highlights && !transform.is_light;
     return transform;
 }
 
 SceneTransform scene_from_camera(const CameraTransform& camera_from_scene)
 {
-    const auto& [first, two_steps, second, gains, keep, clip] = camera_from_scene;
+    const auto& [first, two_steps, second, gains, keep, clip, light]
+        = camera_from_scene;
     if (two_steps)
         return { gains, inverse(second), true, inverse(first) };
     return { gains, diagonal({ 1, 1, 1 }), false, inverse(second * first) };

@@ -18,6 +18,8 @@ namespace {
 /// Rows that one task of the thread pool works on, and rows whose DN are held at a
 /// time: hosts may hand over a whole image at once.
 constexpr int task_rows = 4, held_rows = 64;
+/// Rows of a frame that was held whole, whose DN are made and written at a time.
+constexpr int finished_rows = 256;
 
 /// OpenImageIO's thread pool. It lets no exception through, so the first one is kept.
 void parallel(int count, const std::function<void(int)>& task)
@@ -84,6 +86,7 @@ void require_rgb_names(const ImageSpec& spec)
 } // namespace
 
 /// One file: everything is decided in open(), pixels stream through, close() publishes.
+/// Where an effect needs more of the frame than its pixel, they are held until close().
 class DngOutput final : public ImageOutput {
 public:
     ~DngOutput() override { abandon(); }
@@ -112,13 +115,20 @@ private:
     void abandon();
     HostPixels host_pixels(const void* data, TypeDesc format, int width, int height,
                            stride_t xstride, stride_t ystride, int full_width) const;
-    void simulate_block(const HostPixels& host, Site at);
+    template <class Work> void each_task(const HostPixels& host, const Work& work);
+    void take_block(const HostPixels& host, Site at);
     void simulate_held(const HostPixels& host, Site at);
+    void hold(const HostPixels& host, Site at);
+    void simulate_frame();
 
     std::string m_name;
     std::unique_ptr<Simulation> m_simulation;
     std::unique_ptr<DngWriter> m_writer;
+    /// Streamed: rows on their way to the writer. Held: what is there of the frame that
+    /// some effect needs whole.
     std::unique_ptr<RowAssembly> m_rows;
+    std::unique_ptr<CameraFrame> m_frame;
+    std::unique_ptr<RowCount> m_count;
     std::vector<std::uint16_t> m_block; ///< DN of the rows that are held
     Illegal m_illegal;
     std::mutex m_guard; ///< hosts may write one file from several threads
@@ -183,9 +193,15 @@ void DngOutput::start(const std::string& name)
         = describe(*m_simulation, request.options, request.shot);
     m_writer
         = std::make_unique<DngWriter>(name, description, request.options, parallel);
-    m_rows = std::make_unique<RowAssembly>(
-        frame,
-        [this](const Plane<const std::uint16_t>& rows) { m_writer->write_rows(rows); });
+    if (m_simulation->needs_whole_frame()) {
+        m_frame = std::make_unique<CameraFrame>(*m_simulation);
+        m_count = std::make_unique<RowCount>(frame);
+    } else {
+        m_rows = std::make_unique<RowAssembly>(
+            frame, [this](const Plane<const std::uint16_t>& rows) {
+                m_writer->write_rows(rows);
+            });
+    }
     m_spec.format = TypeDesc::UINT16;
 }
 
@@ -198,9 +214,12 @@ bool DngOutput::close()
 
 void DngOutput::finish()
 {
-    if (m_rows->rows_done() != m_spec.height)
-        throw Error("row " + std::to_string(m_rows->rows_done())
+    const int rows = m_frame ? m_count->complete() : m_rows->rows_done();
+    if (rows != m_spec.height)
+        throw Error("row " + std::to_string(rows)
                     + " was never written; no file is left");
+    if (m_frame)
+        simulate_frame();
     m_writer->close();
     if (m_illegal.nan || m_illegal.inf)
         OIIO::debug("dng: " + m_name + ": " + std::to_string(m_illegal.nan)
@@ -212,6 +231,8 @@ void DngOutput::finish()
 void DngOutput::abandon()
 {
     m_rows.reset();
+    m_frame.reset();
+    m_count.reset();
     m_writer.reset();
     m_simulation.reset();
     m_illegal = {};
@@ -230,8 +251,30 @@ HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width,
     return { static_cast<const char*>(data), format, width, height, xstride, ystride };
 }
 
-void DngOutput::simulate_block(const HostPixels& host, Site at)
+/// Calls work(scene, first row, illegal) for a few rows at a time, in parallel.
+template <class Work>
+void DngOutput::each_task(const HostPixels& host, const Work& work)
 {
+    const int tasks = (host.height + task_rows - 1) / task_rows;
+    std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
+    parallel(tasks, [&](int task) {
+        const int first = task * task_rows;
+        HostPixels part = host;
+        part.data += first * host.ystride;
+        part.height = std::min(task_rows, host.height - first);
+        std::vector<float> room;
+        work(rgb_view(part, room), first, illegal[std::size_t(task)]);
+    });
+    for (const Illegal& part : illegal)
+        m_illegal += part;
+}
+
+void DngOutput::take_block(const HostPixels& host, Site at)
+{
+    if (m_frame) {
+        hold(host, at);
+        return;
+    }
     for (int first = 0; first < host.height; first += held_rows) {
         HostPixels part = host;
         part.data += first * host.ystride;
@@ -243,24 +286,34 @@ void DngOutput::simulate_block(const HostPixels& host, Site at)
 void DngOutput::simulate_held(const HostPixels& host, Site at)
 {
     m_block.resize(std::size_t(host.width) * std::size_t(host.height));
-    const int tasks = (host.height + task_rows - 1) / task_rows;
-    std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
-    parallel(tasks, [&](int task) {
-        const int first = task * task_rows;
-        const int rows = std::min(task_rows, host.height - first);
-        HostPixels part = host;
-        part.data += first * host.ystride;
-        part.height = rows;
-        std::vector<float> room;
+    each_task(host, [&](const RgbView& scene, int first, Illegal& illegal) {
         m_simulation->block(
-            rgb_view(part, room), { at.row + first, at.col },
+            scene, { at.row + first, at.col },
             Plane<std::uint16_t> { m_block.data() + std::ptrdiff_t(first) * host.width,
-                                   host.width, rows, host.width },
-            illegal[std::size_t(task)]);
+                                   host.width, scene.height, host.width },
+            illegal);
     });
-    for (const Illegal& part : illegal)
-        m_illegal += part;
     m_rows->put(at, { m_block.data(), host.width, host.height, host.width });
+}
+
+void DngOutput::hold(const HostPixels& host, Site at)
+{
+    m_count->add(at, { host.width, host.height });
+    each_task(host, [&](const RgbView& scene, int first, Illegal& illegal) {
+        m_frame->put(scene, { at.row + first, at.col }, illegal);
+    });
+}
+
+void DngOutput::simulate_frame()
+{
+    m_frame->complete();
+    for (int first = 0; first < m_spec.height; first += finished_rows) {
+        const int rows = std::min(finished_rows, m_spec.height - first);
+        m_block.resize(std::size_t(m_spec.width) * std::size_t(rows));
+        m_frame->simulate(first, { m_block.data(), m_spec.width, rows, m_spec.width },
+                          parallel);
+        m_writer->write_rows({ m_block.data(), m_spec.width, rows, m_spec.width });
+    }
 }
 
 bool DngOutput::write_scanline(int y, int z, TypeDesc format, const void* data,
@@ -277,7 +330,7 @@ bool DngOutput::write_scanlines(int ybegin, int yend, int, TypeDesc format,
     return reported([&] {
         const HostPixels host = host_pixels(data, format, m_spec.width, yend - ybegin,
                                             xstride, ystride, m_spec.width);
-        simulate_block(host, { ybegin - m_spec.y, 0 });
+        take_block(host, { ybegin - m_spec.y, 0 });
     });
 }
 
@@ -294,9 +347,9 @@ bool DngOutput::write_tile(int x, int y, int, TypeDesc format, const void* data,
                         + " is outside the image");
         const int width = std::min(m_spec.tile_width, m_spec.width - at.col);
         const int height = std::min(m_spec.tile_height, m_spec.height - at.row);
-        simulate_block(host_pixels(data, format, width, height, xstride, ystride,
-                                   m_spec.tile_width),
-                       at);
+        take_block(host_pixels(data, format, width, height, xstride, ystride,
+                               m_spec.tile_width),
+                   at);
     });
 }
 

@@ -200,6 +200,7 @@ Request request_of(const ImageSpec& spec)
     } else {
         request.profile = *sensor;
     }
+    request.run.exposure_time = request.shot.exposure_time;
     if (attributes.iso)
         request.shot.iso = int(std::lround(*attributes.iso));
     check_bits(spec, request.profile);

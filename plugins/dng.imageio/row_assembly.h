@@ -12,6 +12,26 @@
 
 namespace cg2raw {
 
+/// Counts which pixels of a frame are there.
+class RowCount {
+public:
+    explicit RowCount(Size size)
+        : m_size(size)
+    {
+    }
+
+    /// A block whose first pixel is @p at. Throws Error for pixels outside the frame,
+    /// and for rows that get more pixels than they have.
+    void add(Site at, Size block);
+    /// Rows from the top that are complete.
+    int complete() const { return m_complete; }
+
+private:
+    Size m_size;
+    int m_complete = 0;
+    std::vector<int> m_filled; ///< pixels that each row has; empty before the first
+};
+
 /// Passes rows on as soon as all above them are there. Rows that come in order cost no
 /// memory; the first block out of order allocates the frame.
 class RowAssembly {
@@ -27,14 +47,11 @@ public:
     int rows_done() const { return m_done; }
 
 private:
-    void keep(Site at, const Plane<const std::uint16_t>& block);
-    void pass_on_complete_rows();
-
     Size m_size;
     Sink m_sink;
     int m_done = 0;
+    RowCount m_count;
     std::vector<std::uint16_t> m_frame;
-    std::vector<int> m_filled; ///< pixels that each row has
 };
 
 } // namespace cg2raw

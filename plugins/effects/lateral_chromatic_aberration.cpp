@@ -9,26 +9,28 @@
 #include "neighbours.h"
 #include "plane_rows.h"
 
-#include <cmath>
+#include <algorithm>
 
 namespace cg2raw::effects {
 namespace {
 
 constexpr int taps = 6, taps_before = 2, taps_after = 3;
+/// Columns are added eight at a time, the last two with no weight.
+constexpr int lanes = 8;
 /// A parameter's bound, px at the corner; two of them add up.
 constexpr double most = 4.0;
 constexpr int most_shift = 2 * int(most);
 
 struct Taps {
     int first; ///< from the pixel
-    float weight[taps];
+    float weight[lanes];
 };
 
 /// Weights that interpolate at @p shift from a pixel. Source: R. G. Keys, IEEE Trans.
 /// ASSP 29(6), 1981, fourth-order kernel.
 inline Taps taps_at(double shift)
 {
-    const double whole = std::floor(shift);
+    const int whole = int(shift + (most_shift + 1)) - (most_shift + 1); // floor
     const float f = float(shift - whole), g = 1.0f - f;
     // The three pieces of the kernel, at distances 0..1, 1..2 and 2..3.
     const auto inner
@@ -39,15 +41,29 @@ inline Taps taps_at(double shift)
     const auto outer = [](float s) { // at 2 + s
         return ((1.0f / 12.0f * s - 1.0f / 6.0f) * s + 1.0f / 12.0f) * s;
     };
-    return { int(whole) - taps_before,
+    return { whole - taps_before,
              { outer(f), middle(f), inner(f), inner(g), middle(g), outer(g) } };
+}
+
+/// The sum of a patch whose first pixel is @p line.
+inline float weighted(const float* line, std::ptrdiff_t pitch, const float* across,
+                      const float* down)
+{
+    float sums[lanes] = {};
+    for (int i = 0; i < taps; ++i, line += pitch)
+        for (int j = 0; j < lanes; ++j)
+            sums[j] += down[i] * line[j];
+    float sum = 0.0f;
+    for (int j = 0; j < taps; ++j)
+        sum += across[j] * sums[j];
+    return sum;
 }
 
 /// A plane magnified about the frame's centre by 1 + (shift + shift_r2 r^2) / half.
 void magnify(const Signal& signal, const Plane<float>& plane, double shift,
              double shift_r2)
 {
-    const Margined from(plane, most_shift + taps_after);
+    const Margined from(plane, most_shift + taps_after + lanes - taps);
     each_field_row(signal, [&](int row, const double* u, double v) {
         float* const out = plane.row(row);
         for (int col = 0; col < plane.width; ++col) {
@@ -55,15 +71,8 @@ void magnify(const Signal& signal, const Plane<float>& plane, double shift,
             const double square = std::min(1.0, u[col] * u[col] + v * v);
             const double moved = shift + shift_r2 * square;
             const Taps x = taps_at(moved * u[col]), y = taps_at(moved * v);
-            const float* line = from.row(row + y.first) + col + x.first;
-            float sum = 0.0f;
-            for (int i = 0; i < taps; ++i, line += from.pitch()) {
-                float across = 0.0f;
-                for (int j = 0; j < taps; ++j)
-                    across += x.weight[j] * line[j];
-                sum += y.weight[i] * across;
-            }
-            out[col] = sum;
+            out[col] = weighted(from.row(row + y.first) + col + x.first, from.pitch(),
+                                x.weight, y.weight);
         }
     });
 }

@@ -8,6 +8,8 @@
 #include "multiversion.h"
 #include "neighbours.h"
 
+#include <limits>
+
 namespace cg2raw::effects {
 namespace {
 
@@ -18,26 +20,30 @@ struct Weights {
     float here, beside, diagonal;
 };
 
+/// Neighbours count as @p white at most.
 CG2RAW_MULTIVERSION void blend_row(const float* above, const float* here,
                                    const float* below, const Weights& weights,
-                                   int width, float* out)
+                                   float white, int width, float* out)
 {
     const auto [own, beside, diagonal] = weights;
+    const auto at
+        = [white](const float* row, int col) { return std::min(row[col], white); };
     for (int col = 0; col < width; ++col) {
-        const float* const left = here + col - apart;
-        const float four = (left[0] + left[2 * apart]) + (above[col] + below[col]);
-        const float corners = (above[col - apart] + above[col + apart])
-            + (below[col - apart] + below[col + apart]);
-        out[col] = own * here[col] + (beside * four + diagonal * corners);
+        const int left = col - apart, right = col + apart;
+        const float four
+            = (at(here, left) + at(here, right)) + (at(above, col) + at(below, col));
+        const float corners = (at(above, left) + at(above, right))
+            + (at(below, left) + at(below, right));
+        out[col] = own * out[col] + (beside * four + diagonal * corners);
     }
 }
 
-void blend(const Plane<float>& plane, const Weights& weights)
+void blend(const Plane<float>& plane, const Weights& weights, float white)
 {
     const Margined from(plane, apart);
     for (int row = 0; row < plane.height; ++row)
         blend_row(from.row(row - apart), from.row(row), from.row(row + apart), weights,
-                  plane.width, plane.row(row));
+                  white, plane.width, plane.row(row));
 }
 
 Weights weights_of(const Values& values)
@@ -46,17 +52,19 @@ Weights weights_of(const Values& values)
              float(values[1] / 4.0) };
 }
 
-/// Of independent neighbours.
+/// Of independent neighbours: at the frame's edges, where the mirror image doubles one,
+/// the variance is a little more. What lies above white was clipped by the ADC.
 void expect(Signal& signal, const Values& values)
 {
     const auto [own, beside, diagonal] = weights_of(values);
-    blend(signal.mean[0], { own, beside, diagonal });
-    blend(signal.variance, { own * own, beside * beside, diagonal * diagonal });
+    blend(signal.mean[0], { own, beside, diagonal }, 1.0f);
+    blend(signal.variance, { own * own, beside * beside, diagonal * diagonal },
+          std::numeric_limits<float>::max());
 }
 
 void draw(Signal& signal, const Values& values, const Rng&)
 {
-    blend(signal.mean[0], weights_of(values));
+    blend(signal.mean[0], weights_of(values), 1.0f);
 }
 
 } // namespace

@@ -122,7 +122,8 @@ void bind_shot(py::module_& m)
              "artist"_a = "", "copyright"_a = "", "description"_a = "",
              "lens_model"_a = "", "orientation"_a = 1,
              "Times in s, lengths in mm, dates as \"YYYY:MM:DD HH:MM:SS\", orientation "
-             "1 to 8;\nwhat makes no sense in Exif is left out.");
+             "1 to 8;\nwhat makes no sense in Exif is left out.")
+        .def_readonly("exposure_time", &Shot::exposure_time, "s; None: not known.");
 }
 
 void bind_metadata(py::module_& m)

@@ -21,7 +21,8 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
            const std::optional<std::string>& noise, std::uint64_t seed,
            std::uint64_t frame, double digital_gain, const std::string& convention,
            bool highlights, bool effects, bool camera_input,
-           const std::optional<Vec3>& as_shot, bool sample_digital_gain)
+           const std::optional<Vec3>& as_shot, bool sample_digital_gain,
+           std::optional<double> exposure_time)
 {
     Run run;
     run.illuminant = illuminant;
@@ -37,6 +38,7 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
     run.camera_input = camera_input;
     run.as_shot = as_shot;
     run.sample_digital_gain = sample_digital_gain;
+    run.exposure_time = exposure_time;
     return run;
 }
 
@@ -62,11 +64,7 @@ FloatArray signal_of(const Simulation& simulation, const py::array& rgb, int thr
     FloatArray signal({ scene.size().height, scene.size().width });
     const Plane<float> plane = plane_of(signal);
     const py::gil_scoped_release release;
-    each_strip(scene.rows(), scene.size(), parallel_threads(threads),
-               [&](const RgbView& part, int first, Illegal& illegal) {
-                   simulation.block(part, { first, 0 }, plane.rows(first, part.height),
-                                    illegal);
-               });
+    simulate(scene.rows(), simulation, plane, parallel_threads(threads));
     return signal;
 }
 
@@ -81,12 +79,7 @@ std::pair<FloatArray, FloatArray> expectation_of(const Simulation& simulation,
     const Plane<float> means = plane_of(mean), variances = plane_of(variance);
     {
         const py::gil_scoped_release release;
-        each_strip(scene.rows(), scene.size(), parallel_threads(threads),
-                   [&](const RgbView& part, int first, Illegal& illegal) {
-                       simulation.expect(part, { first, 0 },
-                                         means.rows(first, part.height),
-                                         variances.rows(first, part.height), illegal);
-                   });
+        expect(scene.rows(), simulation, means, variances, parallel_threads(threads));
     }
     return { mean, variance };
 }
@@ -136,7 +129,8 @@ void bind_simulation(py::module_& m)
     py::class_<Run>(m, "Run", "What one exposure is asked to be.")
         .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
              "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
-             "camera_input"_a, "as_shot"_a, "sample_digital_gain"_a = false);
+             "camera_input"_a, "as_shot"_a, "sample_digital_gain"_a = false,
+             "exposure_time"_a = std::nullopt);
     py::class_<Simulation>(
         m, "Simulation", "A sensor, a light and an exposure, decided before any pixel.")
         .def(py::init([](const SensorProfile& profile, std::array<int, 2> shape,

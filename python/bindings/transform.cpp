@@ -24,7 +24,9 @@ void bind_transform(py::module_& m)
                       "White balance undone, times the digital gain.")
         .def_readonly("keep_highlights", &CameraTransform::keep_highlights)
         .def_readonly("clip_result", &CameraTransform::clip_result,
-                      "Whether the result is clipped to 0..1.");
+                      "Whether the result is clipped to 0..1.")
+        .def_readonly("is_light", &CameraTransform::is_light,
+                      "Whether nothing is clipped but negative light.");
     m.def(
         "camera_from_scene",
         [](const SensorProfile& profile, const Illuminant& illuminant,

@@ -88,6 +88,8 @@ class CameraTransform:
     def keep_highlights(self) -> bool: ...
     @property
     def clip_result(self) -> bool: ...
+    @property
+    def is_light(self) -> bool: ...
 
 class Run:
     def __init__(
@@ -104,6 +106,7 @@ class Run:
         camera_input: bool,
         as_shot: Sequence[float] | None,
         sample_digital_gain: bool = False,
+        exposure_time: float | None = None,
     ) -> None: ...
 
 class Simulation:
@@ -139,6 +142,8 @@ class Shot:
         lens_model: str = "",
         orientation: int = 1,
     ) -> None: ...
+    @property
+    def exposure_time(self) -> float | None: ...
 
 class DngMetadata:
     @property

@@ -49,7 +49,7 @@ def convert(path, output, request):
     if request.exposure:
         pixels = pixels * np.float32(2.0**request.exposure)
     nan, inf = np.isnan(pixels[..., :3]).sum(), np.isinf(pixels[..., :3]).sum()
-    shot, drawn = image.shot, None
+    shot, drawn = _core.Shot(**image.shot), None
     if request.upi:
         image_file.check_rec709(image)
         frame, drawn = upi_frame(pixels, request)
@@ -59,7 +59,8 @@ def convert(path, output, request):
             metadata = _core.read_dng_metadata(request.reference)
             sensor = sensor_of_reference(metadata, sensor)
             run["as_shot"] = metadata.as_shot_neutral
-            shot = metadata.merged_shot(_core.Shot(**shot))
+            shot = metadata.merged_shot(shot)
+        run["exposure_time"] = shot.exposure_time
         frame = sensor.simulate(pixels, **run)
     write_dng(output, frame, shot=shot, **request.writing)
     report = report_of(frame, request, drawn)

@@ -23,6 +23,7 @@ def run_of(
     effects: bool = True,
     camera_input: bool = False,
     as_shot: Sequence[float] | None = None,
+    exposure_time: float | None = None,
 ) -> _core.Run:
     """Return what one exposure is asked to be. Raises ValueError for other types."""
     sampled = isinstance(digital_gain, str) and digital_gain == "sample"
@@ -40,12 +41,13 @@ def run_of(
             effects=effects,
             camera_input=camera_input,
             as_shot=as_shot,
+            exposure_time=exposure_time,
         )
     except TypeError:
         raise ValueError(
-            f"iso {iso!r} and digital_gain {digital_gain!r} must be numbers (or "
-            f"digital_gain sample), seed {seed!r} and frame {frame!r} whole numbers "
-            f"from 0 to 2**64 - 1, "
+            f"iso {iso!r}, exposure_time {exposure_time!r} and digital_gain "
+            f"{digital_gain!r} must be numbers (or digital_gain sample), "
+            f"seed {seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
             f"noise {noise!r} and convention {convention!r} texts, highlights "
             f"{highlights!r}, effects {effects!r} and camera_input "
             f"{camera_input!r} True or False, and as_shot {as_shot!r} three numbers"

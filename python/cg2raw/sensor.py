@@ -141,6 +141,7 @@ class Sensor:
         effects: bool = True,
         camera_input: bool = False,
         as_shot: Sequence[float] | None = None,
+        exposure_time: float | None = None,
     ) -> _core.Simulation:
         """Return what decides every pixel of an exposure.
 
@@ -154,11 +155,14 @@ class Sensor:
         seed, frame : key of everything random; noise differs from frame to frame.
         digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
             from the profile, by seed and frame.
-        convention : "dng" (inverse of a DNG renderer) or "paper".
-        highlights : keep white white while white balance is undone.
+        convention : "dng" (inverse of a DNG renderer), "paper", or "sensor": the light
+            as a camera takes it, which clips where its effects and its white level say
+            and no earlier; noise falls on every site.
+        highlights : keep white white while white balance is undone; not with "sensor".
         effects : False for neither the profile's effects nor noise.
         camera_input : the image already is camera RGB under this illuminant.
         as_shot : (3,) neutral that the word as-shot stands for.
+        exposure_time : seconds; effects of dark current need it.
 
         Raises ValueError naming what is wrong and what is allowed."""
         run = run_of(
@@ -173,6 +177,7 @@ class Sensor:
             effects=effects,
             camera_input=camera_input,
             as_shot=as_shot,
+            exposure_time=exposure_time,
         )
         height, width = shape
         return _core.Simulation(self._profile, (height, width), run)
@@ -276,17 +281,27 @@ class Sensor:
         *,
         seed: int = 0,
         frame: int = 0,
+        illuminant: Light = "D65",
+        exposure_time: float | None = None,
         threads: int = 0,
     ) -> FloatImage:
         """Return an image with one effect of optics, sensor or read-out, float32.
 
-        image : (H, W, 3 or 4) float camera RGB for an effect of stage optics; for all
-            others an (H, W) mosaic, 0..1 above black. The whole active area, finite.
+        image : (H, W, 3 or 4) float camera RGB for an effect of the stages color and
+            optics; for all others an (H, W) mosaic, 0..1 above black. The whole active
+            area, finite.
         name, parameters : of cg2raw.effects(); every parameter is given.
         seed, frame : of what is temporal; a fixed pattern belongs to the sensor.
+        illuminant : the light whose white color_matrix leaves neutral.
+        exposure_time : seconds, where the effect needs it.
 
         Raises ValueError naming effect, parameter, value and bounds."""
-        run = run_of(illuminant="D65", seed=seed, frame=frame)
+        run = run_of(
+            illuminant=illuminant_word(illuminant, self.id),
+            seed=seed,
+            frame=frame,
+            exposure_time=exposure_time,
+        )
         result = _core.apply_effect(
             self._profile, _planes(image), name, dict(parameters), run, threads=threads
         )
@@ -298,14 +313,18 @@ class Sensor:
         name: str,
         parameters: Mapping[str, float],
         *,
+        illuminant: Light = "D65",
+        exposure_time: float | None = None,
         threads: int = 0,
     ) -> tuple[FloatImage, FloatImage]:
         """Return (mean, variance) of apply_effect over frames, float32.
 
         mean : of the image's shape; variance : (H, W), in the square of 0..1 above
-        black, and 0 for an effect of stage optics, which has none.
+        black, and 0 for an effect before the mosaic, which has none.
         Arguments and errors as of apply_effect."""
-        run = run_of(illuminant="D65")
+        run = run_of(
+            illuminant=illuminant_word(illuminant, self.id), exposure_time=exposure_time
+        )
         mean, variance = _core.expect_effect(
             self._profile, _planes(image), name, dict(parameters), run, threads=threads
         )

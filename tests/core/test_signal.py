@@ -74,8 +74,8 @@ def strong(name):
 
 def given_to(name, camera):
     """What an effect works on: camera RGB or a mosaic."""
-    optics = EFFECTS[name]["stage"] == "optics"
-    return camera if optics else cg2raw.mosaic(camera, "RGGB")
+    is_camera = EFFECTS[name]["stage"] in ("color", "optics")
+    return camera if is_camera else cg2raw.mosaic(camera, "RGGB")
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -84,10 +84,11 @@ def test_an_effect_is_that_of_a_profile_that_lists_it(name, camera):
     effects = [{"name": name, "parameters": parameters}]
     listing = cg2raw.Sensor.from_json(cameras.profile_text(effects=effects))
     without = cg2raw.Sensor.from_json(cameras.profile_text())
-    how = {"illuminant": "A", "camera_input": True}
+    light = {"illuminant": "A", "exposure_time": 0.5}
+    how = {**light, "camera_input": True}
     image = given_to(name, camera)
-    seen = without.apply_effect(image, name, parameters, seed=5, frame=6)
-    mean, variance = without.expect_effect(image, name, parameters)
+    seen = without.apply_effect(image, name, parameters, seed=5, frame=6, **light)
+    mean, variance = without.expect_effect(image, name, parameters, **light)
     if image.ndim == 3:
         seen, mean = without.mosaic(seen), without.mosaic(mean)
     expected = listing.signal(camera, seed=5, frame=6, **how)

@@ -33,6 +33,7 @@ struct Run {
     bool effects = true; ///< false: neither the profile's effects nor noise
     bool camera_input = false; ///< pixels already are camera RGB under this illuminant
     std::optional<Vec3> as_shot; ///< neutral that the word as-shot stands for
+    std::optional<double> exposure_time; ///< s; some effects need it
 };
 
 /// Calls task(0) ... task(count - 1), in any order, on any threads, and returns when
@@ -44,10 +45,19 @@ ParallelFor parallel_threads(int threads);
 
 /// Everything decided before the first pixel; then blocks of pixels in any order, on
 /// any thread, with the same result.
+///
+/// Where an effect needs more of the frame than its pixel, a block cannot be simulated
+/// by itself: see CameraFrame. simulate() does either.
 class Simulation {
 public:
-    /// Throws Error.
+    /// Throws Error, also if an effect needs an exposure time that the run has not.
     Simulation(const SensorProfile& profile, const Run& run, Size frame);
+
+    /// Some active effect reaches beyond its pixel or needs the surround; the three
+    /// below throw Error then.
+    bool needs_whole_frame() const;
+    /// Pixels around a site that its result depends on, by all active effects.
+    int reach() const;
 
     /// Scene pixels of a block whose first pixel is @p origin -> DN.
     void block(const RgbView& scene, Site origin, const Plane<std::uint16_t>& raw,
@@ -79,8 +89,49 @@ public:
     Simulation(Simulation&&) noexcept;
 
 private:
+    friend class CameraFrame;
     struct State;
     std::unique_ptr<const State> m_state;
+};
+
+/// Camera RGB of a whole frame, held until all of it is there; then its rows are
+/// simulated in blocks, each with as many pixels around it as the effects reach. It
+/// gives what a Simulation gives by blocks, and the same bytes for any ParallelFor.
+class CameraFrame {
+public:
+    /// @p simulation is to outlive it.
+    explicit CameraFrame(const Simulation& simulation);
+
+    /// Scene pixels of a block whose first pixel is @p origin; on any thread, in any
+    /// order, each pixel once.
+    void put(const RgbView& scene, Site origin, Illegal& illegal);
+    /// After the last pixel, and before what follows.
+    void complete();
+
+    /// Rows of the frame from @p first on, as many as the result has: DN.
+    void simulate(int first, const Plane<std::uint16_t>& raw,
+                  const ParallelFor& parallel) const;
+    /// The signal before quantisation.
+    void simulate(int first, const Plane<float>& signal,
+                  const ParallelFor& parallel) const;
+    /// What is predicted of it, as by Simulation::expect().
+    void expect(int first, const Plane<float>& mean, const Plane<float>& variance,
+                const ParallelFor& parallel) const;
+
+private:
+    /// A piece of a row of the frame, simulated or predicted.
+    struct Piece {
+        Site at;
+        int count;
+        const float *signal, *variance;
+    };
+    enum class Result { simulation, prediction };
+    void each_piece(int first, int rows, Result result, const ParallelFor& parallel,
+                    const std::function<void(const Piece&)>& done) const;
+
+    const Simulation& m_simulation;
+    std::array<std::vector<float>, 3> m_camera;
+    std::optional<Surround> m_surround; ///< as it enters the optics
 };
 
 /// Rows first ... first + count - 1 of a scene as float, wherever they lie: seen in
@@ -108,6 +159,13 @@ RawFrame simulate(const RgbView& scene, const Simulation& simulation,
 RawFrame simulate(const SceneRows& rows, const Simulation& simulation,
                   const ParallelFor& parallel);
 
+/// The same before quantisation, and what is predicted of it, into whole planes.
+Illegal simulate(const SceneRows& rows, const Simulation& simulation,
+                 const Plane<float>& signal, const ParallelFor& parallel);
+Illegal expect(const SceneRows& rows, const Simulation& simulation,
+               const Plane<float>& mean, const Plane<float>& variance,
+               const ParallelFor& parallel);
+
 /// Adds the noise of the run's ISO, and nothing else, to a clean mosaic in place, drawn
 /// as in a simulation of the same run. @p signal is the whole active area, 0..1 above
 /// black. Throws Error without an ISO, and for pixels that are not finite.
@@ -115,13 +173,14 @@ void add_noise(const SensorProfile& profile, const Run& run, const Plane<float>&
                const ParallelFor& parallel);
 
 /// One effect, and nothing else, in place on the whole active area: @p planes are the
-/// three of camera RGB for an effect of the optics, else the one mosaic, 0..1 above
-/// black. What is random has the key of the run and the profile. Throws Error.
+/// three of camera RGB for an effect of stage color or optics, else the one mosaic,
+/// 0..1 above black. What is random has the key of the run and the profile. Throws
+/// Error.
 void apply_effect(const SensorProfile& profile, const EffectSetting& setting,
                   const Run& run, const std::vector<Plane<float>>& planes,
                   const ParallelFor& parallel);
 /// What it is predicted to do: the planes become the mean; @p variance, over frames and
-/// of the mosaic, is 0 for an effect of the optics.
+/// of the mosaic, is 0 for an effect before it.
 void expect_effect(const SensorProfile& profile, const EffectSetting& setting,
                    const Run& run, const std::vector<Plane<float>>& planes,
                    const Plane<float>& variance, const ParallelFor& parallel);

@@ -24,6 +24,9 @@ struct PredictedBlock {
 /// profile's sensor. @p settings are all effects, in any order. The same bytes for any
 /// ParallelFor.
 ///
+/// The surround, where an effect needs it, is that of the camera RGB as it is given,
+/// before the effects of stage color.
+///
 /// @p margin pixels around each block are read and not predicted. Throws Error for bad
 /// settings, for blocks that leave the frame, if an effect needs what @p exposure
 /// lacks, and if effects reach beyond the margin of a block that the frame goes on

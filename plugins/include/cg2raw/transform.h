@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file 3 - Scene linear -> camera RGB under an illuminant, in two conventions.
+/// @file 3 - Scene linear -> camera RGB under an illuminant, in three conventions.
 #pragma once
 
 #include "cg2raw/illuminant.h"
@@ -11,6 +11,7 @@ namespace cg2raw {
 enum class Convention {
     dng, ///< exact inverse of a DNG renderer (default)
     paper, ///< as the published reference implementation of Graphics2RAW computes it
+    sensor, ///< light as it enters a camera: dng, but nothing clips before the sensor
 };
 Convention convention_from_name(std::string_view name);
 const char* name_of(Convention convention);
@@ -24,6 +25,7 @@ struct CameraTransform {
     std::array<double, 3> gains; ///< g_c, white balance undone, times the digital gain
     bool keep_highlights; ///< false: camera = balanced * gains
     bool clip_result; ///< paper: clip to 0..1 after the gains
+    bool is_light; ///< sensor: clip() is at 0 alone, and highlights are not kept
 };
 
 /// The transform of @p profile under @p illuminant. Throws Error.

@@ -54,7 +54,7 @@ def add_exposure(group):
     add("--seed", type=whole, default=0, metavar="N", help="default: 0")
     add("--frame", type=whole, default=0, metavar="N", help="noise differs; default: 0")
     add("--gain", type=gain, metavar="X", help="digital gain, 0.001 to 1000, or sample")
-    add("--convention", choices=("dng", "paper"), help="default: dng")
+    add("--convention", choices=("dng", "paper", "sensor"), help="default: dng")
     add(
         "--highlights",
         action=argparse.BooleanOptionalAction,
