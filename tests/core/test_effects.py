@@ -28,7 +28,11 @@ NAMED = """color_matrix exposure white_balance
     quantisation noise_reduction"""
 # Parameters that act only where the effect's others do.
 PARTNERS = {
-    "heavy_tailed_noise": ("tukey_lambda",),
+    "heavy_tailed_noise": (
+        "tukey_lambda",
+        "outlier_fraction",
+        "outlier_variance_ratio",
+    ),
     "blur": ("red_scale", "blue_scale"),
     "hot_pixels": ("fraction", "rate"),
 }
