@@ -72,17 +72,20 @@ void spread(std::vector<double>& cells, int count, int step, int lines, int line
             double sigma)
 {
     const std::vector<double> weights = gaussian(sigma);
-    std::vector<double> line(static_cast<std::size_t>(count));
+    const int radius = int(weights.size()) - 1;
+    std::vector<int> places; // of the line and what is mirrored at its ends
+    for (int i = -radius; i < count + radius; ++i)
+        places.push_back(mirrored(i, count) * step);
+    std::vector<double> line(places.size());
     for (int start = 0; start < lines; ++start) {
         double* const first = cells.data() + std::ptrdiff_t(start) * line_step;
-        for (int i = 0; i < count; ++i)
-            line[std::size_t(i)] = first[std::ptrdiff_t(i) * step];
+        for (std::size_t i = 0; i < places.size(); ++i)
+            line[i] = first[places[i]];
         for (int i = 0; i < count; ++i) {
-            double sum = weights[0] * line[std::size_t(i)];
-            for (int k = 1; k < int(weights.size()); ++k)
-                sum += weights[std::size_t(k)]
-                    * (line[std::size_t(mirrored(i - k, count))]
-                       + line[std::size_t(mirrored(i + k, count))]);
+            const double* const here = line.data() + radius + i;
+            double sum = weights[0] * here[0];
+            for (int k = 1; k <= radius; ++k)
+                sum += weights[std::size_t(k)] * (here[-k] + here[k]);
             first[std::ptrdiff_t(i) * step] = sum;
         }
     }

@@ -2,7 +2,9 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file Pixels may come in any order and shape, from any thread: the bytes are the
-/// same.
+/// same; likewise where an effect needs the whole frame.
+#include "cg2raw/profile.h"
+
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imageio.h>
 
@@ -25,20 +27,42 @@ class Order : public testing::Test {
 protected:
     fs::path folder
         = fs::temp_directory_path() / ("cg2raw-order-" + std::to_string(getpid()));
+    fs::path profiles = folder.string() + "-profiles";
+    std::string sensor = "samsung-s20fe";
     std::vector<float> pixels = std::vector<float>(3 * width * height);
 
     void SetUp() override
     {
         fs::create_directories(folder);
+        fs::create_directories(profiles);
         for (std::size_t i = 0; i < pixels.size(); ++i)
             pixels[i] = float(i * 2654435761u % 10007u) / 9000.0f;
     }
-    void TearDown() override { fs::remove_all(folder); }
+    void TearDown() override
+    {
+        fs::remove_all(folder);
+        fs::remove_all(profiles);
+    }
+
+    /// Makes the sensor one whose effects need the whole frame.
+    void take_blurred_sensor()
+    {
+        cg2raw::SensorProfile profile = cg2raw::load_profile(sensor);
+        profile.effects = {
+            { "blur", { { "red_scale", 1.0 }, { "blue_scale", 1.0 } }, {} },
+            { "veiling_glare", { { "uniform", 0.05 }, { "wide", 0.05 } }, {} },
+            { "noise_reduction", { { "blend", 0.3 }, { "diagonal", 0.1 } }, {} },
+        };
+        for (int ring = 1; ring <= 10; ++ring)
+            profile.effects[0].parameters["ring_" + std::to_string(ring)] = 0.02;
+        sensor = (profiles / "blurred.json").string();
+        std::ofstream(sensor) << cg2raw::to_json(profile);
+    }
 
     ImageSpec spec(const char* compression) const
     {
         ImageSpec result(width, height, 3, TypeDesc::FLOAT);
-        result.attribute("dng:sensor", "samsung-s20fe");
+        result.attribute("dng:sensor", sensor);
         result.attribute("dng:illuminant", "A");
         result.attribute("dng:iso", 800);
         result.attribute("dng:seed", 11);
@@ -71,12 +95,26 @@ protected:
     }
 };
 
-class OrderOf : public Order, public testing::WithParamInterface<const char*> { };
+struct Way {
+    const char* compression;
+    bool needs_whole_frame;
+};
+
+class OrderOf : public Order, public testing::WithParamInterface<Way> {
+protected:
+    void SetUp() override
+    {
+        Order::SetUp();
+        if (GetParam().needs_whole_frame)
+            take_blurred_sensor();
+    }
+    ImageSpec asked() const { return spec(GetParam().compression); }
+};
 
 TEST_P(OrderOf, RowsMayComeBackwards)
 {
-    write_in_order("a.dng", spec(GetParam()));
-    auto output = opened("b.dng", spec(GetParam()));
+    write_in_order("a.dng", asked());
+    auto output = opened("b.dng", asked());
     for (int y = height - 1; y >= 0; --y)
         EXPECT_TRUE(output->write_scanline(y, 0, TypeDesc::FLOAT, row(y)));
     EXPECT_TRUE(output->close()) << output->geterror();
@@ -86,8 +124,8 @@ TEST_P(OrderOf, RowsMayComeBackwards)
 
 TEST_P(OrderOf, TilesMayComeInAnyOrder)
 {
-    write_in_order("a.dng", spec(GetParam()));
-    ImageSpec tiled = spec(GetParam());
+    write_in_order("a.dng", asked());
+    ImageSpec tiled = asked();
     tiled.tile_width = tiled.tile_height = tile;
     auto output = opened("b.dng", tiled);
     std::vector<int> order((width + tile - 1) / tile * ((height + tile - 1) / tile));
@@ -108,23 +146,20 @@ TEST_P(OrderOf, TilesMayComeInAnyOrder)
 
 TEST_P(OrderOf, SeveralThreadsWriteSeveralFiles)
 {
-    write_in_order("a.dng", spec(GetParam()));
+    write_in_order("a.dng", asked());
     std::vector<std::thread> threads;
     for (int i = 0; i < 6; ++i)
-        threads.emplace_back([&, i] {
-            write_in_order("t" + std::to_string(i) + ".dng", spec(GetParam()));
-        });
+        threads.emplace_back(
+            [&, i] { write_in_order("t" + std::to_string(i) + ".dng", asked()); });
     for (std::thread& thread : threads)
         thread.join();
     for (int i = 0; i < 6; ++i)
         EXPECT_EQ(bytes("a.dng"), bytes("t" + std::to_string(i) + ".dng"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Compressions, OrderOf, testing::Values("none", "ljpeg"));
-
-TEST_F(Order, MissingRowsLeaveNoFile)
+TEST_P(OrderOf, MissingRowsLeaveNoFile)
 {
-    auto output = opened("a.dng", spec("none"));
+    auto output = opened("a.dng", asked());
     EXPECT_TRUE(output->write_scanline(0, 0, TypeDesc::FLOAT, row(0)));
     EXPECT_TRUE(output->write_scanline(5, 0, TypeDesc::FLOAT, row(5)));
     EXPECT_FALSE(output->close());
@@ -132,18 +167,31 @@ TEST_F(Order, MissingRowsLeaveNoFile)
     EXPECT_TRUE(fs::is_empty(folder));
 }
 
-TEST_F(Order, AnOutputThatIsDroppedLeavesNoFile)
+TEST_P(OrderOf, AnOutputThatIsDroppedLeavesNoFile)
 {
-    opened("a.dng", spec("ljpeg"))->write_scanline(0, 0, TypeDesc::FLOAT, row(0));
+    opened("a.dng", asked())->write_scanline(0, 0, TypeDesc::FLOAT, row(0));
     EXPECT_TRUE(fs::is_empty(folder));
 }
 
-TEST_F(Order, RowsTwiceAreAnError)
+TEST_P(OrderOf, RowsTwiceAreAnError)
 {
-    auto output = opened("a.dng", spec("none"));
+    auto output = opened("a.dng", asked());
     EXPECT_TRUE(output->write_scanline(0, 0, TypeDesc::FLOAT, row(0)));
     EXPECT_FALSE(output->write_scanline(0, 0, TypeDesc::FLOAT, row(0)));
     EXPECT_TRUE(fs::is_empty(folder));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, OrderOf,
+                         testing::Values(Way { "none", false }, Way { "ljpeg", false },
+                                         Way { "none", true }, Way { "ljpeg", true }));
+
+TEST_F(Order, TheWholeFrameMakesADifference)
+{
+    write_in_order("a.dng", spec("none"));
+    take_blurred_sensor();
+    write_in_order("b.dng", spec("none"));
+    EXPECT_NE(bytes("a.dng"), bytes("b.dng"));
+    EXPECT_EQ(bytes("a.dng").size(), bytes("b.dng").size());
 }
 
 TEST_F(Order, ImageBufWrites)

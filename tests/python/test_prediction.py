@@ -13,6 +13,7 @@ from oracles import cameras
 HEIGHT, WIDTH = 48, 64
 LIGHT = "D65"
 SHADING = {"r2": -0.6, "r4": 0.2, "r6": -0.1, "tilt_x": 0.05, "tilt_y": -0.03}
+SHADING |= {"tilt_x_r2": 0.02, "tilt_y_r2": 0.01}
 NOISE = [
     ("shot_noise", [4e-4, 3e-4, 2e-4, 5e-4]),
     ("read_noise", [1e-6, 2e-6, 3e-6, 4e-6]),
