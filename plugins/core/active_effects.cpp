@@ -32,31 +32,46 @@ const Effect& effect_of(const std::string& name, const SensorProfile& profile)
 }
 
 /// An effect by name, and its values.
-using Setting = std::pair<const char*, Values>;
+using Setting = std::pair<std::string, Values>;
 
-std::vector<Setting> physical_noise(const NoiseAtIso& noise)
+NoiseEffects noise_effects_of(const SensorProfile& profile, const Run& run)
 {
-    const auto& [lambda, row_sigma] = *noise.shape;
-    Values of_pixels = noise.beta2;
-    for (double& variance : of_pixels)
-        variance = std::max(0.0, variance - row_sigma * row_sigma);
-    of_pixels.push_back(lambda);
-    return { { "photon_statistics", noise.beta1 },
-             { "heavy_tailed_noise", of_pixels },
-             { "row_noise", { row_sigma } } };
+    if (!run.noise_model)
+        return profile.noise_effects.value_or(NoiseEffects {});
+    return run.noise_model == NoiseModel::gaussian
+        ? NoiseEffects {}
+        : NoiseEffects { "photon_statistics", "heavy_tailed_noise" };
 }
 
-std::vector<Setting> noise_settings(const SensorProfile& profile, NoiseModel model,
+Values heavy_tailed_values(const NoiseAtIso& noise)
+{
+    const auto& [lambda, row_sigma, outliers] = *noise.shape;
+    Values values = noise.beta2;
+    for (double& variance : values)
+        variance = std::max(0.0, variance - row_sigma * row_sigma);
+    const Outliers none { 0.0, 1.0 }, some = outliers.value_or(none);
+    values.insert(values.end(), { lambda, some.fraction, some.variance_ratio });
+    return values;
+}
+
+std::vector<Setting> noise_settings(const SensorProfile& profile, const Run& run,
                                     const NoiseAtIso& noise)
 {
-    if (model == NoiseModel::gaussian)
-        return { { "shot_noise", noise.beta1 }, { "read_noise", noise.beta2 } };
+    const auto [of_light, of_readout] = noise_effects_of(profile, run);
+    std::vector<Setting> settings { { of_light, noise.beta1 } };
+    if (of_readout == "read_noise") {
+        settings.emplace_back(of_readout, noise.beta2);
+        return settings;
+    }
     if (!noise.shape)
         throw Error("sensor " + profile.id
                     + ": noise physical needs tukey_lambda and row_sigma in each row "
                       "of the profile's noise, and they are missing: add them, or say "
                       "gaussian");
-    return physical_noise(noise);
+    settings.emplace_back(of_readout, heavy_tailed_values(noise));
+    if (noise.shape->row_sigma > 0.0)
+        settings.emplace_back("row_noise", Values { noise.shape->row_sigma });
+    return settings;
 }
 
 bool holds(const std::vector<ActiveEffect>& active, const Effect& effect)
@@ -117,7 +132,7 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
         add(known, values_of(known, setting.parameters, "sensor " + profile.id));
     }
     if (noise)
-        for (auto& [name, values] : noise_settings(profile, run.noise_model, *noise))
+        for (auto& [name, values] : noise_settings(profile, run, *noise))
             add(effect(name), std::move(values));
     sort_by_stage(active);
     check_exposure_time(active, run.exposure_time);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Noise between calibrated ISOs.
-#include "cg2raw/profile.h"
+#include "noise_table.h"
 
 #include "text.h"
 
@@ -30,9 +29,77 @@ NoiseShape shape_between(const NoiseAtIso& a, const NoiseAtIso& b, double weight
     const double least = *std::min_element(beta2.begin(), beta2.end());
     const double row_sigma = log_log(a.shape->row_sigma, b.shape->row_sigma, weight);
     const double of_b = std::clamp(weight, 0.0, 1.0);
-    return { a.shape->tukey_lambda
-                 + of_b * (b.shape->tukey_lambda - a.shape->tukey_lambda),
-             std::min(row_sigma, std::sqrt(least)) };
+    const auto between
+        = [of_b](double of_a, double at_b) { return of_a + of_b * (at_b - of_a); };
+    NoiseShape shape { between(a.shape->tukey_lambda, b.shape->tukey_lambda),
+                       std::min(row_sigma, std::sqrt(least)) };
+    if (a.shape->outliers && b.shape->outliers)
+        shape.outliers = Outliers { between(a.shape->outliers->fraction,
+                                            b.shape->outliers->fraction),
+                                    between(a.shape->outliers->variance_ratio,
+                                            b.shape->outliers->variance_ratio) };
+    return shape;
+}
+
+[[noreturn]] void fail(const std::string& where, const std::string& what)
+{
+    throw Error(where + ": " + what);
+}
+
+void check_within(const char* field, double value, double least, double most,
+                  const std::string& at)
+{
+    if (!(value >= least && value <= most))
+        fail(at,
+             std::string(field) + " " + number(value) + " must be within "
+                 + number(least) + " to " + number(most));
+}
+
+/// What some rows of a profile have, the others need.
+void check_all_or_none(const char* fields, bool has, bool expected,
+                       const std::string& at)
+{
+    if (has != expected)
+        fail(at,
+             std::string(fields) + (expected ? " are missing: " : " are given: ")
+                 + "all rows of noise need them, or none");
+}
+
+void check_shape(const NoiseAtIso& row, const NoiseAtIso& first, const std::string& at)
+{
+    check_all_or_none("tukey_lambda and row_sigma", row.shape.has_value(),
+                      first.shape.has_value(), at);
+    if (!row.shape)
+        return;
+    const auto& [lambda, sigma, outliers] = *row.shape;
+    check_within("tukey_lambda", lambda, least_tukey_lambda, most_tukey_lambda, at);
+    const double least = *std::min_element(row.beta2.begin(), row.beta2.end());
+    if (!(sigma >= 0.0 && sigma * sigma <= least))
+        fail(at,
+             "row_sigma " + number(sigma) + " must be within 0 to "
+                 + number(std::sqrt(least))
+                 + ", the root of the least beta2: beta2 is all the noise without "
+                   "light, that of rows included");
+    check_all_or_none("outlier_fraction and outlier_variance_ratio",
+                      outliers.has_value(), first.shape->outliers.has_value(), at);
+    if (!outliers)
+        return;
+    check_within("outlier_fraction", outliers->fraction, 0.0, most_outliers, at);
+    check_within("outlier_variance_ratio", outliers->variance_ratio, 1.0,
+                 most_outlier_variance_ratio, at);
+}
+
+void check_betas(const NoiseAtIso& row, int sites, const std::string& at)
+{
+    for (const auto* values : { &row.beta1, &row.beta2 }) {
+        if (values->size() != std::size_t(sites))
+            fail(at,
+                 "beta1 and beta2 need " + std::to_string(sites)
+                     + " values each, one per CFA site");
+        for (double value : *values)
+            if (!(value >= 0.0 && value <= 1.0))
+                fail(at, number(value) + " must be within 0 to 1");
+    }
 }
 
 std::string isos_of(const std::vector<NoiseAtIso>& table)
@@ -44,6 +111,45 @@ std::string isos_of(const std::vector<NoiseAtIso>& table)
 }
 
 } // namespace
+
+NoiseEffects noise_effects_from_names(const std::vector<std::string>& names)
+{
+    const auto one_of = [&](std::size_t i, const char* a, const char* b) {
+        return names[i] == a || names[i] == b;
+    };
+    if (names.size() != 2 || !one_of(0, "shot_noise", "photon_statistics")
+        || !one_of(1, "read_noise", "heavy_tailed_noise"))
+        throw Error("[" + joined(names)
+                    + "] must be shot_noise or photon_statistics, then read_noise or "
+                      "heavy_tailed_noise");
+    return { names[0], names[1] };
+}
+
+void check_noise(const SensorProfile& profile, const std::string& file)
+{
+    double last_iso = 0.0;
+    for (const NoiseAtIso& row : profile.noise) {
+        const std::string at = file + ": noise at iso " + number(row.iso);
+        if (!(row.iso > last_iso) || !(row.iso <= 1e7))
+            fail(at, "iso must be positive, rise from row to row, and stay below 1e7");
+        last_iso = row.iso;
+        check_betas(row, profile.cfa.sites(), at);
+        check_shape(row, profile.noise.front(), at);
+    }
+    if (!profile.noise_effects)
+        return;
+    const auto& [of_light, of_readout] = *profile.noise_effects;
+    try {
+        noise_effects_from_names({ of_light, of_readout });
+    } catch (const Error& error) {
+        fail(file, std::string("noise_effects ") + error.what());
+    }
+    if (of_readout == "heavy_tailed_noise" && !profile.noise.empty()
+        && !profile.noise.front().shape)
+        fail(file,
+             "noise_effects: heavy_tailed_noise needs tukey_lambda and row_sigma in "
+             "each row of noise: add them, or say read_noise");
+}
 
 NoiseAtIso noise_at(const SensorProfile& profile, double iso)
 {

@@ -4,6 +4,7 @@
 #include "cg2raw/profile.h"
 
 #include "cfa.h"
+#include "noise_table.h"
 #include "text.h"
 
 #include <algorithm>
@@ -152,55 +153,6 @@ void check_calibrations(const SensorProfile& profile, const std::string& file)
         && light_source_temperature(profile.calibrations[0].light_source).value
             == light_source_temperature(profile.calibrations[1].light_source).value)
         fail(file, "calibration_illuminant_1 and _2 must differ in temperature");
-}
-
-void check_noise_shape(const NoiseAtIso& row, bool expected, const std::string& file,
-                       const std::string& at)
-{
-    if (row.shape.has_value() != expected)
-        fail(file,
-             at + ": tukey_lambda and row_sigma "
-                 + (expected ? "are missing: " : "are given: ")
-                 + "all rows of noise need them, or none");
-    if (!row.shape)
-        return;
-    const auto& [lambda, sigma] = *row.shape;
-    if (!(lambda >= least_tukey_lambda && lambda <= most_tukey_lambda))
-        fail(file,
-             at + ": tukey_lambda " + number(lambda) + " must be within "
-                 + number(least_tukey_lambda) + " to " + number(most_tukey_lambda));
-    const double least = *std::min_element(row.beta2.begin(), row.beta2.end());
-    if (!(sigma >= 0.0 && sigma * sigma <= least))
-        fail(file,
-             at + ": row_sigma " + number(sigma) + " must be within 0 to "
-                 + number(std::sqrt(least))
-                 + ", the root of the least beta2: beta2 is all the noise without "
-                   "light, that of rows included");
-}
-
-void check_noise(const SensorProfile& profile, const std::string& file)
-{
-    double last_iso = 0.0;
-    for (const NoiseAtIso& row : profile.noise) {
-        const std::string at = "noise at iso " + number(row.iso);
-        if (!(row.iso > last_iso) || !(row.iso <= 1e7))
-            fail(file,
-                 at
-                     + ": iso must be positive, rise from row to row, and stay below "
-                       "1e7");
-        last_iso = row.iso;
-        for (const auto* values : { &row.beta1, &row.beta2 }) {
-            if (values->size() != std::size_t(profile.cfa.sites()))
-                fail(file,
-                     at + ": beta1 and beta2 need "
-                         + std::to_string(profile.cfa.sites())
-                         + " values each, one per CFA site");
-            for (double value : *values)
-                if (!(value >= 0.0 && value <= 1.0))
-                    fail(file, at + ": " + number(value) + " must be within 0 to 1");
-        }
-        check_noise_shape(row, profile.noise.front().shape.has_value(), file, at);
-    }
 }
 
 /// What a distribution without its neutrals says must be of one set of neutrals: their

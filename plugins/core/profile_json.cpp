@@ -107,6 +107,20 @@ public:
         return result;
     }
 
+    std::vector<std::string> texts(const std::string& field)
+    {
+        std::vector<std::string> result;
+        const Json& list = at(field, "a list of texts");
+        if (!list.is_array())
+            fail(field, "must be a list of texts, not " + shown(list));
+        for (const Json& value : list) {
+            if (!value.is_string())
+                fail(field, "must be a list of texts, not " + shown(list));
+            result.push_back(value.get<std::string>());
+        }
+        return result;
+    }
+
     Fields object(const std::string& field)
     {
         return { at(field, "an object"), m_file, m_path + field + "." };
@@ -227,9 +241,27 @@ NeutralDistribution illuminants(Fields fields)
 std::optional<NoiseShape> noise_shape(Fields& row)
 {
     const bool lambda = row.has("tukey_lambda"), sigma = row.has("row_sigma");
-    if (!lambda && !sigma)
+    const bool fraction = row.has("outlier_fraction"),
+               ratio = row.has("outlier_variance_ratio");
+    if (!lambda && !sigma && !fraction && !ratio)
         return std::nullopt;
-    return NoiseShape { row.real("tukey_lambda"), row.real("row_sigma") };
+    NoiseShape shape { row.real("tukey_lambda"), row.real("row_sigma") };
+    if (fraction || ratio)
+        shape.outliers = Outliers { row.real("outlier_fraction"),
+                                    row.real("outlier_variance_ratio") };
+    return shape;
+}
+
+std::optional<NoiseEffects> noise_effects(Fields& fields)
+{
+    if (!fields.has("noise_effects"))
+        return std::nullopt;
+    const std::vector<std::string> names = fields.texts("noise_effects");
+    try {
+        return noise_effects_from_names(names);
+    } catch (const Error& error) {
+        fields.fail("noise_effects", error.what());
+    }
 }
 
 std::vector<NoiseAtIso> noise(Fields& fields, const CfaPattern& cfa)
@@ -312,6 +344,7 @@ SensorProfile profile_from(Fields fields)
         gain.done();
     }
     profile.noise = noise(fields, profile.cfa);
+    profile.noise_effects = noise_effects(fields);
     profile.effects = effect_settings(fields);
     fields.done();
     return profile;
@@ -344,6 +377,10 @@ Json json_of(const NoiseAtIso& row, const CfaPattern& cfa)
     if (row.shape) {
         json["tukey_lambda"] = row.shape->tukey_lambda;
         json["row_sigma"] = row.shape->row_sigma;
+    }
+    if (row.shape && row.shape->outliers) {
+        json["outlier_fraction"] = row.shape->outliers->fraction;
+        json["outlier_variance_ratio"] = row.shape->outliers->variance_ratio;
     }
     return json;
 }
@@ -394,6 +431,9 @@ Json json_of(const SensorProfile& profile)
                                  { "sigma", profile.digital_gain->sigma } };
     for (const NoiseAtIso& row : profile.noise)
         json["noise"].push_back(json_of(row, profile.cfa));
+    if (profile.noise_effects)
+        json["noise_effects"]
+            = { profile.noise_effects->of_light, profile.noise_effects->of_readout };
     for (const EffectSetting& setting : profile.effects)
         json["effects"].push_back(json_of(setting));
     return json;

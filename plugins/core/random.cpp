@@ -192,6 +192,13 @@ Rng::Rng(std::uint64_t seed, std::string_view purpose, std::uint64_t frame)
 {
 }
 
+Rng Rng::other(std::string_view purpose) const
+{
+    Rng stream = *this;
+    stream.m_key = hashed(m_key, purpose);
+    return stream;
+}
+
 void Rng::normals(Site at, int count, float* out) const
 {
     copy_groups<per_counter>(

@@ -151,7 +151,7 @@ Run run_of(const Attributes& attributes)
     Run run;
     run.illuminant = attributes.illuminant;
     run.iso = attributes.iso;
-    run.noise_model = attributes.noise.value_or(NoiseModel::gaussian);
+    run.noise_model = attributes.noise;
     run.seed = attributes.seed;
     run.frame = attributes.frame;
     run.digital_gain = attributes.gain.value_or(1.0);

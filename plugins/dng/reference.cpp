@@ -76,6 +76,7 @@ SensorProfile with_measurements(SensorProfile reference, const SensorProfile& me
     reference.effects = measured.effects;
     if (!measured.noise.empty())
         reference.noise = measured.noise;
+    reference.noise_effects = measured.noise_effects;
     check(reference, file);
     return reference;
 }

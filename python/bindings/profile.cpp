@@ -16,6 +16,10 @@ py::dict dict_of(const NoiseAtIso& noise)
         dict["tukey_lambda"] = noise.shape->tukey_lambda;
         dict["row_sigma"] = noise.shape->row_sigma;
     }
+    if (noise.shape && noise.shape->outliers) {
+        dict["outlier_fraction"] = noise.shape->outliers->fraction;
+        dict["outlier_variance_ratio"] = noise.shape->outliers->variance_ratio;
+    }
     return dict;
 }
 
@@ -190,7 +194,9 @@ void bind_numbers(py::class_<SensorProfile>& c)
             "{\"iso\", \"beta1\", \"beta2\"} per CFA site: variance(x) = beta1 x + "
             "beta2, x "
             "in 0..1\nabove black; and where the profile has them \"tukey_lambda\" and "
-            "\"row_sigma\".\n\nInterpolated in log ISO, up to one stop beyond the "
+            "\"row_sigma\", or\nthese and \"outlier_fraction\" and "
+            "\"outlier_variance_ratio\".\n\nInterpolated in log ISO, up to one stop "
+            "beyond the "
             "calibrated ISOs; raises\nValueError farther out.");
 }
 
@@ -211,6 +217,15 @@ void bind_fields(py::class_<SensorProfile>& c)
             "noise", [](const Profile& p) { return dicts_of(p.noise); },
             "{\"iso\", \"beta1\", \"beta2\"} per calibrated ISO, rising; empty: not "
             "measured.")
+        .def_property_readonly(
+            "noise_effects",
+            [](const Profile& p) {
+                const auto [of_light, of_readout]
+                    = p.noise_effects.value_or(NoiseEffects {});
+                return std::vector { of_light, of_readout };
+            },
+            "What draws the noise of an ISO unless a run differs: shot_noise or\n"
+            "photon_statistics, and read_noise or heavy_tailed_noise.")
         .def_property_readonly(
             "effects", [](const Profile& p) { return dicts_of(p.effects); },
             "{\"name\", \"parameters\", \"evidence\"} per effect, in order.")

@@ -18,15 +18,17 @@ void check_size(const Simulation& simulation, const Scene& scene)
 }
 
 Run run_of(const std::string& illuminant, std::optional<double> iso,
-           const std::string& noise, std::uint64_t seed, std::uint64_t frame,
-           double digital_gain, const std::string& convention, bool highlights,
-           bool effects, bool camera_input, const std::optional<Vec3>& as_shot,
-           bool sample_digital_gain, std::optional<double> exposure_time)
+           const std::optional<std::string>& noise, std::uint64_t seed,
+           std::uint64_t frame, double digital_gain, const std::string& convention,
+           bool highlights, bool effects, bool camera_input,
+           const std::optional<Vec3>& as_shot, bool sample_digital_gain,
+           std::optional<double> exposure_time)
 {
     Run run;
     run.illuminant = illuminant;
     run.iso = iso;
-    run.noise_model = noise_model_from_name(noise);
+    if (noise)
+        run.noise_model = noise_model_from_name(*noise);
     run.seed = seed;
     run.frame = frame;
     run.digital_gain = digital_gain;

@@ -58,6 +58,8 @@ class SensorProfile:
     @property
     def noise(self) -> list[dict[str, Any]]: ...
     @property
+    def noise_effects(self) -> list[str]: ...
+    @property
     def effects(self) -> list[dict[str, Any]]: ...
     @property
     def digital_gain(self) -> dict[str, float] | None: ...
@@ -94,7 +96,7 @@ class Run:
         self,
         illuminant: str,
         iso: float | None,
-        noise: str,
+        noise: str | None,
         seed: int,
         frame: int,
         digital_gain: float,

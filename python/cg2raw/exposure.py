@@ -14,7 +14,7 @@ def run_of(
     *,
     illuminant: str,
     iso: float | None = None,
-    noise: str = "gaussian",
+    noise: str | None = None,
     seed: int = 0,
     frame: int = 0,
     digital_gain: float | str = 1.0,

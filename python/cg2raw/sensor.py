@@ -46,6 +46,7 @@ class Sensor:
     calibrations: list[dict[str, Any]]
     illuminants: dict[str, Any]
     noise: list[dict[str, Any]]
+    noise_effects: list[str]
     effects: list[dict[str, Any]]
     digital_gain: dict[str, float] | None
 
@@ -131,7 +132,7 @@ class Sensor:
         *,
         illuminant: Light,
         iso: float | None = None,
-        noise: str = "gaussian",
+        noise: str | None = None,
         seed: int = 0,
         frame: int = 0,
         digital_gain: float | str = 1.0,
@@ -147,9 +148,10 @@ class Sensor:
         shape : (H, W) of the image.
         illuminant : word of the illuminant grammar, or an Illuminant.
         iso : None for no noise; else within one stop of the calibrated ISOs.
-        noise : how it is drawn, with the same variance: "gaussian", or "physical"
-            (Poisson photons, Tukey lambda read noise, row noise), which needs an iso
-            and a profile whose noise has tukey_lambda and row_sigma.
+        noise : how it is drawn, with the same variance: None for what the profile says
+            (its noise_effects), "gaussian", or "physical" (Poisson photons, Tukey
+            lambda read noise with the profile's outliers, row noise), which needs an
+            iso and a profile whose noise has tukey_lambda and row_sigma.
         seed, frame : key of everything random; noise differs from frame to frame.
         digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
             from the profile, by seed and frame.
@@ -254,7 +256,7 @@ class Sensor:
         signal: ArrayLike,
         *,
         iso: float,
-        noise: str = "gaussian",
+        noise: str | None = None,
         seed: int = 0,
         frame: int = 0,
         threads: int = 0,

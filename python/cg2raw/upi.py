@@ -234,6 +234,7 @@ def _with_draw(sensor, matrix, shot, read):
     }
     if shot is not None:
         fields.pop("noise", None)
+        fields.pop("noise_effects", None)
         fields["effects"] = [
             {"name": "shot_noise", "parameters": _per_site("beta1", shot)},
             {"name": "read_noise", "parameters": _per_site("beta2", read)},

@@ -163,10 +163,11 @@ double departure_from_a_line(const Effect& effect, bool drawn, std::size_t param
 
 /// Their response is none of the first order: a rounding's variance grows with the
 /// square of its step; a level acts on what is above it; more pixels are hot, each more
-/// so.
+/// so; more draws are outliers.
 const std::set<std::string> not_linear { "quantisation.step",
                                          "early_clipping.below_white",
-                                         "hot_pixels.fraction" };
+                                         "hot_pixels.fraction",
+                                         "heavy_tailed_noise.outlier_fraction" };
 
 TEST_P(EffectLaws, TheResponseIsOfTheFirstOrderAtNull)
 {

@@ -28,7 +28,11 @@ NAMED = """color_matrix exposure white_balance
     quantisation noise_reduction"""
 # Parameters that act only where the effect's others do.
 PARTNERS = {
-    "heavy_tailed_noise": ("tukey_lambda",),
+    "heavy_tailed_noise": (
+        "tukey_lambda",
+        "outlier_fraction",
+        "outlier_variance_ratio",
+    ),
     "blur": ("red_scale", "blue_scale"),
     "hot_pixels": ("fraction", "rate"),
 }
@@ -238,6 +242,7 @@ def test_drawn_effects_and_gaussian_ones_add_up():
     rows = 40000
     names = ("photon_statistics", "heavy_tailed_noise", "row_noise", "shot_noise")
     values = {"beta1": 0.01, "beta2": 4e-4, "tukey_lambda": 0.0, "sigma": 0.02}
+    values |= {"outlier_fraction": 0.02, "outlier_variance_ratio": 9.0}
     effects = [
         {
             "name": name,

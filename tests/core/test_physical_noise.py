@@ -87,8 +87,13 @@ def test_light_of_more_electrons_than_a_float_resolves_has_no_noise(beta1):
     assert flat_signal(sensor, 0.5, 64, 64) == pytest.approx(0.5, rel=1e-5)
 
 
-def heavy_tails(tukey_lambda, beta2=1e-6, **run):
+def tukey(tukey_lambda, beta2):
     values = {**per_site("beta2", beta2), "tukey_lambda": tukey_lambda}
+    return values | {"outlier_fraction": 0.0, "outlier_variance_ratio": 1.0}
+
+
+def heavy_tails(tukey_lambda, beta2=1e-6, **run):
+    values = tukey(tukey_lambda, beta2)
     sensor = sensor_of([("heavy_tailed_noise", values)])
     return flat_signal(sensor, 0.0, **run).ravel()
 
@@ -128,9 +133,8 @@ def test_a_planted_tukey_lambda_is_recovered(tukey_lambda, tolerance):
 def test_row_means_of_darks():
     """Variance of a row's mean: that of its offset, and of its pixels over width."""
     rows, width, sigma, beta2 = 20000, 64, 3e-4, 1e-6
-    values = {**per_site("beta2", beta2), "tukey_lambda": -0.1}
     sensor = sensor_of(
-        [("heavy_tailed_noise", values), ("row_noise", {"sigma": sigma})]
+        [("heavy_tailed_noise", tukey(-0.1, beta2)), ("row_noise", {"sigma": sigma})]
     )
     dark = flat_signal(sensor, 0.0, rows, width)
     means = dark.mean(axis=1)

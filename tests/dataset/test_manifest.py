@@ -41,7 +41,7 @@ def again(row, images):
         np.ascontiguousarray(rgb[y : y + height, x : x + width]),
         illuminant=row["illuminant"],
         iso=row["iso"],
-        noise=row["noise"] or "gaussian",
+        noise=row["noise"],
         seed=row["seed"],
         frame=row["frame"],
         digital_gain=row["digital_gain"],

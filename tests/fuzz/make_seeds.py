@@ -214,6 +214,7 @@ def profiles():
     pair = {"calibration_illuminant_2": "A", "color_matrix_2": second}
     noise = [{"iso": iso, "beta1": iso * 1e-6, "beta2": 1e-6} for iso in (100, 400)]
     shape = {"tukey_lambda": -0.1, "row_sigma": 5e-4}
+    outliers = {"outlier_fraction": 0.01, "outlier_variance_ratio": 9.0}
     neutrals = [[0.9, 0.3], [0.5, 0.6], [0.7, 0.35], [0.45, 0.75], [0.6, 0.5]]
     shading = {"r2": -0.3, "r4": 0.1, "r6": 0.0, "x": 0.01, "y": 0.0}
     x_trans = {"cfa": X_TRANS, "black_level": [512, 513, 514]}
@@ -235,6 +236,10 @@ def profiles():
         ),
         "noise": profile(noise=noise),
         "shape": profile(noise=[row | shape for row in noise]),
+        "outliers": profile(
+            noise=[row | shape | outliers for row in noise],
+            noise_effects=["photon_statistics", "heavy_tailed_noise"],
+        ),
         "per_site": profile(
             noise=[{"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 3}]
         ),

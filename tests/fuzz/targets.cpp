@@ -52,6 +52,11 @@ void use_noise(const SensorProfile& profile, double iso)
             expect_finite(std::array<double, 2> { noise.shape->tukey_lambda,
                                                   noise.shape->row_sigma },
                           "the shape of noise");
+        if (noise.shape && noise.shape->outliers)
+            expect_finite(
+                std::array<double, 2> { noise.shape->outliers->fraction,
+                                        noise.shape->outliers->variance_ratio },
+                "outliers");
     });
 }
 

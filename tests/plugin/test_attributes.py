@@ -7,6 +7,7 @@ import json
 
 import cg2raw
 import pytest
+from cg2raw.image_file import read_image
 from images import attributes, read_dn
 
 BASE = {"sensor": "samsung-s20fe", "illuminant": "D65"}
@@ -78,6 +79,30 @@ def test_noise_of_an_iso_may_be_physical(oiiotool, exr, tmp_path):
     assert (dn[""] == dn["gaussian"]).all()
     assert (dn[""] != dn["Physical"]).mean() > 0.5
     assert stated[""] == stated["gaussian"] == stated["Physical"]
+
+
+def test_a_profile_says_how_noise_is_drawn(oiiotool, exr, tmp_path):
+    """Where the command does not, in the plugin as in Python."""
+    profile = json.loads(cg2raw.Sensor("samsung-s20fe").to_json())
+    profile["noise_effects"] = ["photon_statistics", "heavy_tailed_noise"]
+    for row in profile["noise"]:
+        row.update(tukey_lambda=0.14, row_sigma=0.0)
+        row.update(outlier_fraction=0.02, outlier_variance_ratio=25.0)
+    path = tmp_path / "heavy.json"
+    path.write_text(json.dumps(profile))
+    rgb = read_image(str(exr)).rgb
+    run = {"illuminant": "D65", "iso": 800}
+    dn = {}
+    for noise in (None, "gaussian", "physical"):
+        out = tmp_path / f"noise-{noise}.dng"
+        given = attributes(**{**BASE, "sensor": path}, iso=800)
+        given += attributes(noise=noise) if noise else []
+        oiiotool(exr, *given, "-o", out)
+        dn[noise] = read_dn(out)
+        seen = cg2raw.Sensor(path).simulate(rgb, noise=noise, **run)
+        assert (dn[noise] == seen).all()
+    assert (dn[None] == dn["physical"]).all()
+    assert (dn[None] != dn["gaussian"]).mean() > 0.5
 
 
 def test_physical_noise_says_what_a_profile_lacks(oiiotool, exr, tmp_path):

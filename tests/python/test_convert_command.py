@@ -121,6 +121,22 @@ def test_each_option_is_the_attribute(exr, tmp_path, name, system_oiiotool):
     assert (plain.read_bytes() != ours.read_bytes()) == (name != "highlights")
 
 
+@pytest.mark.parametrize("noise", [None, "gaussian", "physical"])
+def test_noise_is_drawn_as_the_profile_says(exr, scene, tmp_path, noise):
+    """Unless the command does."""
+    profile = json.loads(cg2raw.Sensor("canon-70d").to_json())
+    profile["noise_effects"] = ["photon_statistics", "heavy_tailed_noise"]
+    path, ours, theirs = (tmp_path / n for n in ("x.json", "ours.dng", "theirs.dng"))
+    path.write_text(json.dumps(profile))
+    words = ["--sensor", path, "--illuminant", "D65", "--iso", 800]
+    words += ["--noise", noise] if noise else []
+    assert commands.run("convert", exr, "-o", ours, *words).code == 0
+    drawn = noise or "physical"
+    raw = cg2raw.Sensor(path).simulate(scene, illuminant="D65", iso=800, noise=drawn)
+    cg2raw.write_dng(theirs, raw, shot=read_image(exr).shot)
+    assert ours.read_bytes() == theirs.read_bytes()
+
+
 SAID = {
     "ExposureTime": 0.004,
     "FNumber": 2.8,

@@ -14,7 +14,7 @@ namespace cg2raw {
 /// How the noise of an ISO is drawn; its variance is the same in both.
 enum class NoiseModel {
     gaussian, ///< shot_noise and read_noise
-    physical, ///< photon_statistics, heavy_tailed_noise and row_noise
+    physical, ///< photon_statistics, heavy_tailed_noise and row_noise: needs an ISO
 };
 /// "gaussian" or "physical". Throws Error on other words.
 NoiseModel noise_model_from_name(std::string_view name);
@@ -23,7 +23,7 @@ NoiseModel noise_model_from_name(std::string_view name);
 struct Run {
     std::string illuminant; ///< grammar of illuminant.h
     std::optional<double> iso; ///< none: no noise
-    NoiseModel noise_model = NoiseModel::gaussian; ///< physical: needs an ISO
+    std::optional<NoiseModel> noise_model; ///< none: as the profile's noise_effects say
     std::uint64_t seed = 0; ///< of everything random
     std::uint64_t frame = 0; ///< temporal noise differs between frames
     double digital_gain = 1.0;

@@ -68,23 +68,40 @@ NeutralDistribution distribution_of(std::vector<std::array<double, 2>> neutrals)
 /// and at 0.5 no tail.
 constexpr double least_tukey_lambda = -0.4, most_tukey_lambda = 0.5;
 
+/// Draws of the read-out noise that are wider than the others.
+struct Outliers {
+    double fraction; ///< of the draws, 0 to 0.5
+    double variance_ratio; ///< their variance over that of the others, 1 to 100
+};
+constexpr double most_outliers = 0.5, most_outlier_variance_ratio = 100.0;
+
 /// How the noise at one ISO is distributed, beyond its variance. Source: K. Wei et al.,
 /// Physics-based Noise Modeling for Extreme Low-light Photography, IEEE Trans. PAMI
 /// 44(11), 2022.
 struct NoiseShape {
     double tukey_lambda; ///< of the read-out noise without that of rows
     double row_sigma; ///< standard deviation of a row's offset, in 0..1 above black
+    std::optional<Outliers> outliers {}; ///< all rows of a profile have them, or none
 };
 
 /// Heteroscedastic noise at one ISO, one value per CFA site:
 /// variance(x) = beta1 x + beta2 with x in 0..1 above black. beta1 is the signal of one
 /// electron. beta2 is all that does not depend on the signal: with a shape,
-/// beta2 - row_sigma^2 is the read-out noise of the pixels themselves.
+/// beta2 - row_sigma^2 is the read-out noise of the pixels themselves, outliers
+/// included.
 struct NoiseAtIso {
     double iso;
     std::vector<double> beta1, beta2;
     std::optional<NoiseShape> shape {}; ///< all rows of a profile have one, or none
 };
+
+/// The effects that draw the noise of an ISO.
+struct NoiseEffects {
+    std::string of_light = "shot_noise"; ///< or photon_statistics
+    std::string of_readout = "read_noise"; ///< or heavy_tailed_noise: needs shapes
+};
+/// Of the two names in this order. Throws Error that says what is allowed.
+NoiseEffects noise_effects_from_names(const std::vector<std::string>& names);
 
 /// An effect as a profile lists it.
 struct EffectSetting {
@@ -110,6 +127,7 @@ struct SensorProfile {
     NeutralDistribution illuminants;
     std::optional<DigitalGain> digital_gain;
     std::vector<NoiseAtIso> noise; ///< by rising ISO; empty: not measured
+    std::optional<NoiseEffects> noise_effects; ///< none: Gaussian, unless a run differs
     std::vector<EffectSetting> effects;
 };
 
@@ -136,8 +154,9 @@ std::vector<std::string> profile_folders();
 std::vector<std::string> installed_profiles();
 
 /// Noise at any ISO: log-log interpolation between calibrated ISOs, and up to one stop
-/// beyond them; tukey_lambda is linear in log ISO and constant beyond the ends, and
-/// row_sigma^2 at most beta2. Throws Error farther out, or if the profile has no noise.
+/// beyond them; tukey_lambda and outliers are linear in log ISO and constant beyond the
+/// ends, and row_sigma^2 at most beta2. Throws Error farther out, or if the profile has
+/// no noise.
 NoiseAtIso noise_at(const SensorProfile& profile, double iso);
 
 } // namespace cg2raw

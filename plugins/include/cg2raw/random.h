@@ -22,6 +22,9 @@ class Rng {
 public:
     Rng(std::uint64_t seed, std::string_view purpose, std::uint64_t frame = 0);
 
+    /// Another stream of the same key and frame, independent of this one.
+    Rng other(std::string_view purpose) const;
+
     /// Standard normals, float32, of the sites (row, col) ... (row, col + count - 1);
     /// the same for a site whichever row piece it is asked in, on every machine.
     void normals(Site at, int count, float* out) const;

@@ -50,7 +50,11 @@ def add_exposure(group):
     add("--reference", metavar="REF.dng", help="a DNG of the camera: levels, Exif ...")
     add("--illuminant", metavar="WORD", help="A, D65, 3200K, sample:7, as-shot ...")
     add("--iso", type=number(1, 1e7), metavar="ISO", help="adds noise of this ISO")
-    add("--noise", choices=("gaussian", "physical", "upi"), help="default: gaussian")
+    add(
+        "--noise",
+        choices=("gaussian", "physical", "upi"),
+        help="default: the profile's",
+    )
     add("--seed", type=whole, default=0, metavar="N", help="default: 0")
     add("--frame", type=whole, default=0, metavar="N", help="noise differs; default: 0")
     add("--gain", type=gain, metavar="X", help="digital gain, 0.001 to 1000, or sample")

@@ -60,7 +60,7 @@ def add_content(group):
     )
     add("--gains", default="1", help='digital gains as 1,0.8, or "sample" (default 1)')
     add("--iso", default="clean", help="as clean,100,3200 (default clean)")
-    add("--noise", default="gaussian", choices=["gaussian", "physical"])
+    add("--noise", choices=["gaussian", "physical"], help="default: the profile's")
     add("--convention", default="dng", choices=["dng", "paper", "sensor"])
     add(
         "--method",

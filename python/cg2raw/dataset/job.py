@@ -213,7 +213,7 @@ def simulated(plan, variant, scene):
         threads=1,
         illuminant=camera.illuminant,
         iso=variant.iso,
-        noise=plan.noise if variant.iso is not None else "gaussian",
+        noise=plan.noise if variant.iso is not None else None,
         seed=plan.seed,
         frame=variant.frame,
         digital_gain=gain,

@@ -99,7 +99,7 @@ def check_runs(plan, sensor):
             illuminant=camera.illuminant,
             digital_gain=camera.digital_gain,
             iso=iso,
-            noise=plan.noise if iso is not None else "gaussian",
+            noise=plan.noise if iso is not None else None,
             seed=plan.seed,
             convention=plan.convention,
         )

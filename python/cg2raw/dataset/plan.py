@@ -31,7 +31,7 @@ class Plan:
     illuminants: tuple | int
     digital_gains: tuple
     isos: tuple
-    noise: str
+    noise: str | None
     convention: str
     method: str
     format: str

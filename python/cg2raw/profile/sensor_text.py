@@ -169,7 +169,7 @@ def gain_words(gain):
 
 
 def noise_fields(noise, cfa):
-    """Return beta1 and beta2 at each ISO, then the range of ISOs."""
+    """Return beta1 and beta2 at each ISO, the range of ISOs, and what draws it."""
     rows = [
         (
             f"noise at ISO {row['iso']:g}",
@@ -177,7 +177,10 @@ def noise_fields(noise, cfa):
         )
         for row in noise["rows"]
     ]
-    return [*rows, ("iso", iso_words(noise))] if rows else [("noise", "none")]
+    if not rows:
+        return [("noise", "none")]
+    drawn = ("noise drawn by", ", ".join(noise["effects"]))
+    return [*rows, ("iso", iso_words(noise)), drawn]
 
 
 def effect_words(effect):

@@ -27,7 +27,7 @@ def summary(profile):
         "calibrations": [calibration_of(c) for c in profile.calibrations],
         "illuminants": illuminants_of(profile),
         "digital_gain": profile.digital_gain,
-        "noise": noise_of(profile.noise),
+        "noise": {**noise_of(profile.noise), "effects": profile.noise_effects},
         "effects": profile.effects,
         "sources": dict(profile.sources),
     }

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The noise table of a profile: its bounds, and noise between calibrated ISOs.
+#pragma once
+
+#include "cg2raw/profile.h"
+
+namespace cg2raw {
+
+/// Throws Error if the profile's noise, or what is to draw it, is not within its
+/// bounds; @p file leads the message.
+void check_noise(const SensorProfile& profile, const std::string& file);
+
+} // namespace cg2raw
