@@ -9,7 +9,7 @@ import numpy as np
 
 from cg2raw.atomic_file import write_atomically
 from cg2raw.image_file import first_line, openimageio
-from cg2raw.profile.libraw import no_words_of_libraries
+from cg2raw.profile.libraw import opened
 
 # Below this LibRaw has no whole tile for its X-Trans demosaicing, and says
 # "Input/output error". Measured with LibRaw 0.22: 512 x 512 is the least.
@@ -25,24 +25,17 @@ def develop(path, *, bits=8, half=False, brightness=1.0, auto_bright=False):
     Raises ValueError that says what LibRaw cannot do, OSError."""
     import rawpy
 
-    with open(path, "rb"):  # LibRaw's own message names no reason
-        pass
-    try:
-        with no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
-            refuse_small_x_trans(path, raw, half)
-            return raw.postprocess(
-                use_camera_wb=True,
-                half_size=half,
-                no_auto_bright=not auto_bright,
-                bright=brightness,
-                output_bps=bits,
-                output_color=rawpy.ColorSpace.sRGB,
-                gamma=(2.4, 12.92),  # IEC 61966-2-1
-            )
-    except rawpy.LibRawError as error:
-        why = error.args[0] if error.args else "unknown error"
-        why = why.decode(errors="replace") if isinstance(why, bytes) else why
-        raise ValueError(f"{path}: LibRaw cannot open it: {why}") from None
+    with opened(path) as raw:
+        refuse_small_x_trans(path, raw, half)
+        return raw.postprocess(
+            use_camera_wb=True,
+            half_size=half,
+            no_auto_bright=not auto_bright,
+            bright=brightness,
+            output_bps=bits,
+            output_color=rawpy.ColorSpace.sRGB,
+            gamma=(2.4, 12.92),  # IEC 61966-2-1
+        )
 
 
 def refuse_small_x_trans(path, raw, half):

@@ -88,7 +88,7 @@ def test_many_go_to_a_folder_and_bad_ones_are_named(shot, tmp_path):
     assert (report["files"][0]["width"], report["files"][0]["bits"]) == (128, 8)
     for file, error in zip(files[1:], report["errors"], strict=True):
         assert error["input"] == str(file) and str(file) in error["error"]
-    assert "LibRaw cannot open it" in report["errors"][1]["error"]
+    assert "LibRaw cannot read it" in report["errors"][1]["error"]
     assert [path.name for path in out.iterdir()] == ["shot.png"]
     assert "is no folder" in fails("render", *files, "-o", shot)
 

@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Progress of long work: a bar with the time that is left, on a terminal only."""
 
+import contextlib
 import sys
 
 MANY = 2  # items from which on a terminal shows progress
@@ -19,3 +20,17 @@ def tracked(items, words, quiet=False, many=MANY, total=None):
 
     console = Console(stderr=True)
     return track(items, words, count, console=console, transient=True)
+
+
+@contextlib.contextmanager
+def stages(quiet=False):
+    """Yield progress(words, share done 0..1) of work in stages: a bar on a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield lambda words, share: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda words, share: bar.update(task, description=words, completed=share)

@@ -63,6 +63,7 @@ class CaptureSet:
         "light" (brightness from frame to frame), "radiance" (smooth error of a render).
     uncertainty : declared lower bounds of nuisances: "light" and "radiance" relative,
         "registration" px after alignment.
+    notes : sentences on what was assumed of the files, for the report.
     """
 
     sensor: Any
@@ -70,3 +71,4 @@ class CaptureSet:
     nuisances: frozenset[str] = frozenset()
     uncertainty: Mapping[str, float] = field(default_factory=dict)
     file: str = ""
+    notes: Sequence[str] = ()

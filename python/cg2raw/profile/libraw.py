@@ -6,6 +6,7 @@ import contextlib
 import logging
 import os
 import tempfile
+import threading
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,8 @@ NOTE = (
     "read through LibRaw: its one colour matrix is for D65 and it knows no noise; the "
     "DNG that Adobe DNG Converter makes of such a file has two matrices and noise"
 )
+
+_stderr = threading.Lock()  # the process has one, and no_words_of_libraries moves it
 
 
 @dataclass(frozen=True)
@@ -40,17 +43,8 @@ def read_raw_file(path, make="", model=""):
 
     make, model : stand in for those of its Exif.
     Raises ValueError that says what is missing and what to do, OSError."""
-    import rawpy
-
-    with open(path, "rb"):  # LibRaw's own message names no reason
-        pass
-    try:
-        with no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
-            fields = fields_of(raw, path)
-    except rawpy.LibRawError as error:
-        why = error.args[0] if error.args else "unknown error"
-        why = why.decode(errors="replace") if isinstance(why, bytes) else why
-        raise ValueError(f"{path}: LibRaw cannot read it: {why}") from None
+    with opened(path) as raw:
+        fields = fields_of(raw, path)
     exif_make, exif_model = ("", "") if make and model else exif_names(path)
     make, model = make or exif_make, model or exif_model
     if not (make and model):
@@ -104,6 +98,25 @@ def neutral_of(gains):
 
 
 @contextlib.contextmanager
+def opened(path):
+    """Yield the rawpy.RawPy of a file, one at a time.
+
+    Raises ValueError with LibRaw's reason, OSError."""
+    import rawpy
+
+    with open(path, "rb"):  # LibRaw's own message names no reason
+        pass
+    try:
+        with _stderr, no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
+            yield raw
+    except rawpy.LibRawError as error:
+        why = error.args[0] if error.args else "unknown error"
+        why = why.decode(errors="replace") if isinstance(why, bytes) else why
+        hint = "; is it cut off?" if "Input/output" in why else ""
+        raise ValueError(f"{path}: LibRaw cannot read it: {why}{hint}") from None
+
+
+@contextlib.contextmanager
 def no_words_of_libraries():
     """Keep what LibRaw prints to stderr by itself; its errors arrive as exceptions."""
     with tempfile.TemporaryFile() as words:
@@ -118,17 +131,22 @@ def no_words_of_libraries():
 
 def exif_names(path):
     """Return (make, model) of a file's Exif; empty where it has none."""
+    tags = exif_tags(path)
+    return tuple(
+        str(tags.get(f"Image {name}", "")).strip(" \0") for name in ("Make", "Model")
+    )
+
+
+def exif_tags(path):
+    """Return {name: tag} of a file's Exif, as ExifRead names them."""
     import exifread
 
     logging.getLogger("exifread").setLevel(logging.CRITICAL)
     with open(path, "rb") as file:
         try:
-            tags = exifread.process_file(file, details=False)
+            return exifread.process_file(file, details=False)
         except Exception:  # ExifRead lets any exception out on a damaged file
-            tags = {}
-    return tuple(
-        str(tags.get(f"Image {name}", "")).strip(" \0") for name in ("Make", "Model")
-    )
+            return {}
 
 
 def camera_name(make, model):

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Diagnoses and checks of captures as text for a terminal."""
+
+import os
+
+WIDTH = 10  # columns of a line's first word
+CHECK_HEAD = (
+    *("frame", "kind", "ISO", "time", "low", "mean", "high", "clipped", "codes"),
+    "registration",
+)
+
+
+def line(word, text):
+    """Return one line: what it is, and the text."""
+    return f"{word:<{WIDTH}}{text}"
+
+
+def verdict_text(found, notes, folder, names):
+    """Return the lines that say what a Diagnosis found and where its report is."""
+    effects = ", ".join(effect.name for effect in found.effects)
+    lines = [line("verdict", found.verdict + (f": {effects}" if effects else ""))]
+    if found.interrupted:
+        lines.append(line("", "interrupted: what stands here is partial"))
+    for effect in found.effects:
+        lines.append(line("", effect.sentence or effect.where))
+        if effect.ambiguous_with:
+            lines.append(line("", f"or it is {', '.join(effect.ambiguous_with)}"))
+    gap = found.gap
+    lines.append(
+        line(
+            "gap",
+            f"{gap.before:.4g} -> {gap.after:.4g} nats/pixel, chi-square "
+            f"{gap.chi2_before:.3f} -> {gap.chi2_after:.3f}, on {held_out(gap)}",
+        )
+    )
+    lines += [line("left", f"{test.name}: {test.where}") for test in found.unexplained]
+    lines += [line("next", text) for text in found.next_captures]
+    lines += [line("note", text) for text in dict.fromkeys([*notes, *found.notes])]
+    page = "report.html" if "report.html" in names else names[0]
+    lines.append(line("wrote", os.path.join(folder, page)))
+    return "\n".join(lines)
+
+
+def held_out(gap):
+    """Return how many frames a gap was measured on."""
+    count = len(gap.held_out)
+    return "1 held-out frame" if count == 1 else f"{count} held-out frames"
+
+
+def verify_text(names, diagnoses, notes):
+    """Return a table of two sensors' gaps on the held-out frames, nothing fitted."""
+    rows = [("sensor", "gap", "chi-square", "systematic", "verdict")]
+    for name, found in zip(names, diagnoses, strict=True):
+        gap = found.gap
+        systematic = gap.systematic_before
+        rows.append(
+            (
+                name,
+                f"{gap.before:.4g}",
+                f"{gap.chi2_before:.3f}",
+                "-" if systematic is None else f"{systematic:.4g}",
+                found.verdict,
+            )
+        )
+    unit = "gap in nats/pixel, systematic part in noise variances, on "
+    lines = [*columns(rows), unit + held_out(diagnoses[-1].gap)]
+    return "\n".join([*lines, *(line("note", text) for text in notes)])
+
+
+def integrity_text(sensor, captures, found, notes):
+    """Return the table of a check, and what is wrong."""
+    black = ", ".join(dict.fromkeys(f"{level:g}" for level in sensor.black_level))
+    lines = [f"{sensor.id}: black {black} DN, white {sensor.white_level} DN"]
+    rows = [CHECK_HEAD]
+    for capture, item in zip(captures, found, strict=True):
+        time = capture.exposure_time
+        rows.append(
+            (
+                item.name,
+                item.kind,
+                "-" if capture.iso is None else f"{capture.iso:g}",
+                "-" if time is None else f"{time:g} s",
+                str(item.low),
+                f"{item.mean:.1f}",
+                str(item.high),
+                f"{item.clipped:.2%}",
+                code_words(item),
+                shift_words(item.shift),
+            )
+        )
+    lines += columns(rows)
+    lines += [line("note", text) for text in notes]
+    for item in found:
+        lines += [line("wrong", f"{item.name}: {text}") for text in item.complaints]
+    if not any(item.complaints for item in found):
+        lines.append("nothing is wrong")
+    return "\n".join(lines)
+
+
+def code_words(item):
+    """Return which codes occur."""
+    every = "all" if item.step == 1 else f"every {item.step}th"
+    return every if item.missing < 0.005 else f"{every}, {item.missing:.0%} missing"
+
+
+def shift_words(shift):
+    """Return how a render lies on its capture."""
+    if shift is None:
+        return "-"
+    return f"{shift.down:+.2f} {shift.right:+.2f} px, corr. {shift.correlation:.2f}"
+
+
+def columns(rows):
+    """Return the lines of a table."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return [
+        "  ".join(
+            cell.ljust(width) for cell, width in zip(row, widths, strict=True)
+        ).rstrip()
+        for row in rows
+    ]

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Find where simulation and measurement disagree, name the effect, add it.
+
+captures.yaml lists RAW frames, what was in front of the lens, and the sensor whose
+profile is doubted. A third of the sets is fitted, a third decides, and the numbers that
+are shown are of the last third. REPORT gets report.html with its pictures, verdict.json
+for programs, and profile.json: the sensor with the effects that were found.
+
+Verdicts, and their exit codes with --exit-code: no gap 0, identified 10, ambiguous 11,
+unknown structure or identified with an unexplained rest 12. Ctrl-C ends the search, not
+the report, which then says so (exit code 130).
+
+examples:
+  cg2raw diagnose captures.yaml -o report/
+  cg2raw diagnose --check captures.yaml
+  cg2raw diagnose --verify captures.yaml --against report/profile.json
+  cg2raw diagnose --hide lens_shading=0.3,row_noise=0.2 -s nikon-d40 -o blind/
+"""
+
+import argparse
+import difflib
+import sys
+
+from cg2raw import _core
+
+INTERRUPTED = 130
+MODES = ("check", "verify", "hide", "bench")
+# Options that go with some modes alone; "" is the diagnosis itself.
+OPTIONS = {
+    "output": ("", "hide"),
+    "force": ("",),
+    "alpha": ("", "verify"),
+    "max": ("",),
+    "without": ("",),
+    "only": ("",),
+    "exit_code": ("", "verify"),
+    "against": ("verify",),
+    "sensor": ("hide",),
+    "seed": ("hide", "bench"),
+    "cases": ("bench",),
+}
+
+
+def add_arguments(parser):
+    """Declare the options of cg2raw diagnose."""
+    add = parser.add_argument
+    add("captures", nargs="?", metavar="CAPTURES.yaml", help="what was captured")
+    add("-o", "--output", metavar="REPORT", help="folder; replaces a report")
+    add("--force", action="store_true", help="write among other files in REPORT")
+    add("--quiet", action="store_true", help="no verdict, no progress; errors alone")
+    add_search(parser.add_argument_group("search"))
+    group = parser.add_argument_group("instead of a diagnosis")
+    modes = group.add_mutually_exclusive_group()
+    add = modes.add_argument
+    add("--check", action="store_true", help="look at the frames' integrity alone")
+    add("--verify", action="store_true", help="held-out gap before and --against")
+    add("--hide", metavar="EFFECTS", help="make captures with these hidden effects")
+    add("--bench", metavar="SUITE", help="diagnose many hidden effects, and count")
+    add = group.add_argument
+    add("--against", metavar="PROFILE", help="the profile that --verify tries")
+    add("-s", "--sensor", metavar="SENSOR", help="of --hide: id or profile")
+    add("--seed", type=int, metavar="N", help="of --hide and --bench")
+    add("--cases", type=int, metavar="N", help="how many --bench makes")
+
+
+def add_search(group):
+    """Declare the options on what is looked for."""
+    add = group.add_argument
+    add("--alpha", type=share, metavar="P", help="risk of a false name (default 0.01)")
+    add("--max", type=count, metavar="N", help="most effects to add (default 6)")
+    add("--without", metavar="NAMES", help="effects that are not looked for")
+    add("--only", metavar="NAMES", help="effects that alone are looked for")
+    add("--exit-code", action="store_true", help="the verdict as exit code")
+
+
+def share(text):
+    """Return a number between 0 and 1."""
+    number = float(text)
+    if not 0 < number < 1:
+        raise argparse.ArgumentTypeError(f"{text} must be between 0 and 1")
+    return number
+
+
+def count(text):
+    """Return a whole number above 0."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text} must be a whole number above 0")
+    return int(text)
+
+
+def run(arguments):
+    """Do what was asked; return the exit code."""
+    mode = next((name for name in MODES if getattr(arguments, name)), "")
+    check_options(arguments, mode)
+    try:
+        if mode in ("hide", "bench"):
+            return run_generator(arguments, mode)
+        return {"": run_diagnosis, "check": run_check, "verify": run_verify}[mode](
+            arguments
+        )
+    except MemoryError:
+        raise ValueError(
+            f"{arguments.captures}: not enough memory; take fewer frames, or a crop"
+        ) from None
+
+
+def check_options(arguments, mode):
+    """Raise ValueError for options that do not go together."""
+    for name, modes in OPTIONS.items():
+        if getattr(arguments, name) not in (None, False) and mode not in modes:
+            goes = " or ".join(f"--{m}" if m else "a diagnosis" for m in modes)
+            option = "-o" if name == "output" else f"--{name.replace('_', '-')}"
+            raise ValueError(f"{option}: is for {goes}")
+    if mode in ("", "check", "verify") and arguments.captures is None:
+        raise ValueError(
+            "give a captures.yaml; cg2raw diagnose --hide lens_shading=0.3 "
+            "-s nikon-d40 -o blind/ makes one to try"
+        )
+    if mode in ("hide", "bench") and arguments.captures is not None:
+        raise ValueError(f"{arguments.captures}: --{mode} reads no captures")
+    if mode in ("", "hide") and arguments.output is None:
+        raise ValueError("give -o with the folder that is to be written")
+    if mode == "hide" and arguments.sensor is None:
+        raise ValueError("--hide: in captures of which sensor? Add -s")
+    if mode == "verify" and arguments.against is None:
+        raise ValueError("--verify: which profile? Add --against report/profile.json")
+    if arguments.without and arguments.only:
+        raise ValueError("--without and --only: give one of them")
+
+
+def run_diagnosis(arguments):
+    """Diagnose and write the report; return the exit code."""
+    from cg2raw.diagnose.capture_set import read_captures
+    from cg2raw.diagnose.report_folder import check_folder, write_report_folder
+
+    without = left_out(arguments)
+    check_folder(arguments.output, arguments.force)
+    captures = read_captures(arguments.captures)
+    found = diagnosed(arguments, captures, most=arguments.max or 6, without=without)
+    names = write_report_folder(found, arguments.output, arguments.force)
+    if not arguments.quiet:
+        from cg2raw.cli._verdict import verdict_text
+
+        print(verdict_text(found, captures.notes, arguments.output, names))
+    return exit_code(arguments, found)
+
+
+def left_out(arguments):
+    """Return the names that are not looked for. Raises ValueError for unknown ones."""
+    known = [effect["name"] for effect in _core.effects()]
+    option = "--only" if arguments.only else "--without"
+    names = [name for name in (arguments.only or arguments.without or "").split(",")]
+    names = [name.strip() for name in names if name.strip()]
+    for name in names:
+        if name not in known:
+            close = difflib.get_close_matches(name, known, 1)
+            hint = f"did you mean {close[0]}?" if close else "see cg2raw effects"
+            raise ValueError(f'{option}: no effect is called "{name}"; {hint}')
+    if arguments.only:
+        return tuple(name for name in known if name not in names)
+    return tuple(names)
+
+
+def diagnosed(arguments, captures, **options):
+    """Return the Diagnosis of captures, with a progress bar."""
+    from cg2raw import diagnose as package
+    from cg2raw.cli._progress import stages
+
+    with stages(arguments.quiet) as progress:
+        return package.diagnose(
+            captures, alpha=arguments.alpha or 0.01, progress=progress, **options
+        )
+
+
+def exit_code(arguments, found):
+    """Return what a diagnosis ends with."""
+    from cg2raw.diagnose.diagnosis import VERDICTS
+
+    if found.interrupted:
+        print(
+            "cg2raw diagnose: interrupted; the report is partial, and says so",
+            file=sys.stderr,
+        )
+        return INTERRUPTED
+    return VERDICTS[found.verdict] if arguments.exit_code else 0
+
+
+def run_check(arguments):
+    """Print what the frames' pixels say; return 1 if something is wrong."""
+    from cg2raw.cli._progress import tracked
+    from cg2raw.cli._verdict import integrity_text
+    from cg2raw.diagnose.capture_set import read_frames
+    from cg2raw.diagnose.integrity import integrity
+
+    _, sensor, frames, notes = read_frames(arguments.captures)
+    captures = [c for frame in frames for c in (frame.capture, *frame.borders)]
+    found = [
+        integrity(capture, sensor)
+        for capture in tracked(captures, "reading", arguments.quiet)
+    ]
+    if not arguments.quiet:
+        print(integrity_text(sensor, captures, found, notes))
+    return 1 if any(item.complaints for item in found) else 0
+
+
+def run_verify(arguments):
+    """Print the held-out gap of the manifest's sensor and of another; return the code.
+
+    Nothing is fitted: both are judged as they are."""
+    from cg2raw.cli._verdict import verify_text
+    from cg2raw.diagnose.capture_set import read_captures
+    from cg2raw.diagnose.diagnosis import VERDICTS
+    from cg2raw.sensor import Sensor
+
+    before = read_captures(arguments.captures)
+    after = read_captures(arguments.captures, Sensor(arguments.against))
+    first = diagnosed(arguments, before, most=0)
+    second = first if first.interrupted else diagnosed(arguments, after, most=0)
+    if not arguments.quiet and not second.interrupted:
+        names = (before.sensor.id, arguments.against)
+        print(verify_text(names, (first, second), after.notes))
+    if second.interrupted:
+        return INTERRUPTED
+    return VERDICTS[second.verdict] if arguments.exit_code else 0
+
+
+def run_generator(arguments, mode):
+    """Make captures with hidden effects, or diagnose many; return the exit code."""
+    import importlib
+
+    name = {"hide": "simulate_captures", "bench": "bench"}[mode]
+    module = importlib.import_module(f"cg2raw.diagnose.{name}")
+    words = ["--hide", arguments.hide, "-s", arguments.sensor, "-o", arguments.output]
+    words = words if mode == "hide" else [arguments.bench]
+    for option in ("seed", "cases"):
+        if getattr(arguments, option) is not None:
+            words += [f"--{option}", str(getattr(arguments, option))]
+    return module.main(words + ["--quiet"] * arguments.quiet) or 0

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""How far a render is shifted against its capture, and whether it is of it at all."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Of the Gaussian that a shift's peak becomes, cells: wide enough for its three highest
+# samples to be above the noise, narrow enough for two peaks to stay apart.
+PEAK_SIGMA = 1.0
+
+
+@dataclass(frozen=True)
+class Shift:
+    """down, right : of the second plane against the first, in its samples.
+
+    correlation : of both planes, when shifted so; 1 for one picture, about 0 for two.
+    """
+
+    down: float
+    right: float
+    correlation: float
+
+
+def shift_between(first: NDArray[np.floating], second: NDArray[np.floating]) -> Shift:
+    """Return the shift of (H, W) @second against @first, to a tenth of a sample.
+
+    Their spectra's phases alone count, so that neither brightness nor smooth shading
+    matters. Source: C. D. Kuglin and D. C. Hines, Proc. IEEE Int. Conf. Cybernetics and
+    Society, 1975; the peak is made a Gaussian, whose logarithm is a parabola."""
+    spectra = [np.fft.rfft2(windowed(plane)) for plane in (first, second)]
+    cross = np.conj(spectra[0]) * spectra[1]
+    size = np.abs(cross)
+    cross = np.divide(cross, size, out=np.zeros_like(cross), where=size > 0)
+    height, width = first.shape
+    down = np.fft.fftfreq(height)[:, None]
+    right = np.fft.rfftfreq(width)[None, :]
+    cross *= np.exp(-2 * (np.pi * PEAK_SIGMA) ** 2 * (down**2 + right**2))
+    surface = np.fft.irfft2(cross, s=first.shape)
+    row, col = np.unravel_index(np.argmax(surface), surface.shape)
+    down_by = wrapped(row + vertex(surface[:, col], int(row)), height)
+    right_by = wrapped(col + vertex(surface[row, :], int(col)), width)
+    nearest = round(down_by), round(right_by)
+    return Shift(down_by, right_by, correlation_at(first, second, *nearest))
+
+
+def windowed(plane: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return a plane without mean and edges."""
+    values = plane - plane.mean(dtype=np.float64)
+    window: NDArray[np.float64] = (
+        values * np.hanning(plane.shape[0])[:, None] * np.hanning(plane.shape[1])
+    )
+    return window
+
+
+def vertex(line: NDArray[np.float64], peak: int) -> float:
+    """Return how far beside its highest sample the peak of a line is."""
+    floor = 1e-6 * line[peak]
+    below, at, above = (
+        np.log(max(line[(peak + step) % len(line)], floor)) for step in (-1, 0, 1)
+    )
+    bend = below - 2 * at + above
+    return float(np.clip((below - above) / (2 * bend), -0.5, 0.5)) if bend < 0 else 0.0
+
+
+def wrapped(shift: float, length: int) -> float:
+    """Return a shift in -length / 2 .. length / 2."""
+    return float((shift + length / 2) % length - length / 2)
+
+
+def correlation_at(
+    first: NDArray[np.floating], second: NDArray[np.floating], down: int, right: int
+) -> float:
+    """Return the correlation of what two planes share when the second is moved back."""
+    height, width = first.shape
+    a = first[max(-down, 0) : height - max(down, 0), max(-right, 0) :]
+    a = a[:, : width - abs(right)]
+    b = second[max(down, 0) : height - max(-down, 0), max(right, 0) :]
+    b = b[:, : width - abs(right)]
+    a, b = a - a.mean(dtype=np.float64), b - b.mean(dtype=np.float64)
+    size = np.sqrt((a * a).sum() * (b * b).sum())
+    return float((a * b).sum() / size) if size > 0 else 0.0

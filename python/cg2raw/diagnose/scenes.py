@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""What was in front of the lens, as scene-linear Rec.709; and masks."""
+
+import contextlib
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw import image_file
+from cg2raw.arrays import FloatImage
+from cg2raw.diagnose import npy_file
+
+Mask = NDArray[np.bool_]
+
+
+def uniform(color: tuple[float, ...], gain: float) -> Callable[[], FloatImage]:
+    """Return a scene of one colour: () -> (3,) float32."""
+    value = (np.array(color, np.float64) * gain).astype(np.float32)
+    return value.copy
+
+
+def image_size(path: str) -> tuple[int, int]:
+    """Return (H, W) of an image or .npy, by its header. Raises ValueError, OSError."""
+    if npy_file.is_npy(path):
+        shape = npy_file.mapped(path).shape
+        return shape[0], shape[1]
+    oiio = image_file.openimageio()
+    with open(path, "rb"):  # OpenImageIO's own messages do not tell why it cannot
+        pass
+    source = oiio.ImageInput.open(path)
+    if source is None:
+        raise ValueError(f"{path}: {image_file.first_line(oiio.geterror())}")
+    with contextlib.closing(source):
+        spec = source.spec()
+        return spec.full_height, spec.full_width
+
+
+def has_curve(path: str) -> bool:
+    """Return whether an image has integers, which a curve encodes."""
+    if npy_file.is_npy(path):
+        return False
+    oiio = image_file.openimageio()
+    with contextlib.closing(oiio.ImageInput.open(path)) as source:
+        return str(source.spec().format) not in ("half", "float", "double")
+
+
+def read_scene(path: str, gain: float) -> FloatImage:
+    """Return (H, W, 3) float32 scene-linear Rec.709 times gain.
+
+    Integers are linearised by the curve that the file names, sRGB if it names none.
+    Raises ValueError for another colour space, and for a pixel that is not finite."""
+    if npy_file.is_npy(path):
+        pixels = npy_file.mapped(path)
+        if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.dtype.kind != "f":
+            raise ValueError(
+                f"{path}: is {pixels.shape} {pixels.dtype}; must be (H, W, 3) floats, "
+                "scene-linear Rec.709"
+            )
+        rgb = pixels.astype(np.float32)
+    elif has_curve(path):
+        rgb = linearized(path)
+    else:
+        image = image_file.read_image(path)
+        check_linear(image)
+        rgb = np.array(image.pixels[..., :3])
+    check_finite(path, rgb)
+    rgb *= np.float32(gain)
+    return rgb
+
+
+def linearized(path: str) -> FloatImage:
+    """Return the light of an image of integers. Raises ValueError."""
+    from cg2raw.dataset.image_file import read_image
+
+    try:
+        return read_image(path).rgb
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def check_linear(image: image_file.Image) -> None:
+    """Raise ValueError unless an image of floats is scene-linear Rec.709."""
+    if image_file.means_rec709(image.space):
+        image_file.check_rec709(image)
+        return
+    raise ValueError(
+        f'{image.path}: colour space "{image.space}" is not scene-linear Rec.709: '
+        "oiiotool --tocolorspace lin_rec709"
+    )
+
+
+def check_finite(path: str, rgb: FloatImage) -> None:
+    """Raise ValueError naming the first pixel that is not finite."""
+    if np.isfinite(rgb.sum(dtype=np.float64)):
+        return
+    row, col, channel = np.argwhere(~np.isfinite(rgb))[0]
+    raise ValueError(
+        f"{path}: {'RGB'[channel]} of row {row}, column {col} is "
+        f"{rgb[row, col, channel]}; paint it over, or mask it and set it to 0"
+    )
+
+
+def read_mask(path: str, shape: tuple[int, int]) -> Mask:
+    """Return (H, W) bool, False where the first channel is 0. Raises ValueError."""
+    if npy_file.is_npy(path):
+        plane = np.array(npy_file.mapped(path))
+    else:
+        oiio = image_file.openimageio()
+        source = oiio.ImageInput.open(path)
+        if source is None:
+            raise ValueError(f"{path}: {image_file.first_line(oiio.geterror())}")
+        with contextlib.closing(source):
+            pixels = source.read_image(0, 0, 0, 1, "float")
+            if pixels is None:
+                raise ValueError(f"{path}: {image_file.first_line(source.geterror())}")
+        plane = pixels.reshape(pixels.shape[:2])
+    if plane.shape != shape:
+        raise ValueError(
+            f"{path}: is {size_words(plane.shape)}, not {size_words(shape)}"
+        )
+    mask: Mask = plane != 0
+    if not mask.any():
+        raise ValueError(f"{path}: masks every pixel; 0 is for what to ignore")
+    return mask
+
+
+def size_words(shape: tuple[int, ...]) -> str:
+    """Return "width x height" of (H, W)."""
+    return f"{shape[1]}x{shape[0]}" if len(shape) == 2 else str(shape)

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""cg2raw diagnose: options, a report's folder, exit codes. The engine is a fake."""
+
+import json
+import sys
+import types
+
+import cg2raw.diagnose
+import pytest
+from cg2raw.diagnose.diagnosis import VERDICTS
+from diagnose import capture_files as files
+from diagnose.diagnoses import diagnosis
+from python.commands import fails, run
+
+
+@pytest.fixture
+def engine(monkeypatch):
+    """Replace engine and report by fakes; return what the engine was called with."""
+    calls = []
+
+    def diagnose(captures, **options):
+        options["progress"]("screening", 0.5)
+        calls.append((captures, options))
+        return diagnosis(**engine_result)
+
+    def write_report(found, folder):
+        folder.mkdir()
+        (folder / "report.html").write_text(f"<h1>{found.verdict}</h1>")
+        (folder / "gap.png").write_bytes(b"PNG")
+
+    engine_result = {}
+    calls_of = types.SimpleNamespace(calls=calls, result=engine_result)
+    module = types.ModuleType("cg2raw.diagnose.report")
+    module.write_report = write_report
+    monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
+    monkeypatch.setitem(sys.modules, "cg2raw.diagnose.report", module)
+    return calls_of
+
+
+@pytest.fixture
+def captures(tmp_path):
+    """Return the path of a small manifest."""
+    return files.standard_set(tmp_path, 3)
+
+
+def test_a_report_is_written(engine, captures, tmp_path):
+    out = tmp_path / "report"
+    done = run("diagnose", captures, "-o", out)
+    assert done.code == 0 and done.err == ""
+    assert done.out.startswith("verdict   identified: lens_shading\n")
+    assert "the lens loses 31 % at the corner" in done.out
+    assert "0.41 -> 0.0003 nats/pixel" in done.out
+    assert "only darks" in done.out  # the notes on the captures
+    names = ["gap.png", "profile.json", "report.html", "verdict.json"]
+    assert sorted(file.name for file in out.iterdir()) == names
+    verdict = json.loads((out / "verdict.json").read_text())
+    assert verdict["verdict"] == "identified" and verdict["files"] == names
+    [(found, options)] = engine.calls
+    assert found.sensor.id == files.SENSOR and len(found.captures) == 3
+    del options["progress"]
+    assert options == {"alpha": 0.01, "most": 6, "without": ()}
+
+
+def test_options_reach_the_engine(engine, captures, tmp_path):
+    words = ("--alpha", "0.05", "--max", "2", "--without", "row_noise, shot_noise")
+    run("diagnose", captures, "-o", tmp_path / "r", *words)
+    options = engine.calls[0][1]
+    assert (options["alpha"], options["most"]) == (0.05, 2)
+    assert options["without"] == ("row_noise", "shot_noise")
+    run("diagnose", captures, "-o", tmp_path / "r", "--only", "row_noise,lens_shading")
+    without = engine.calls[1][1]["without"]
+    known = {effect["name"] for effect in cg2raw.effects()}
+    assert set(without) == known - {"row_noise", "lens_shading"}
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_the_verdict_is_the_exit_code(engine, captures, tmp_path, verdict):
+    engine.result["verdict"] = verdict
+    words = ("diagnose", captures, "-o", tmp_path / "r")
+    assert run(*words, "--exit-code").code == VERDICTS[verdict]
+    assert run(*words).code == 0
+
+
+def test_an_interrupted_search_leaves_a_report(engine, captures, tmp_path):
+    engine.result["interrupted"] = True
+    done = run("diagnose", captures, "-o", tmp_path / "r", "--exit-code")
+    assert done.code == 130 and "interrupted; the report is partial" in done.err
+    assert json.loads((tmp_path / "r" / "verdict.json").read_text())["interrupted"]
+
+
+def test_a_report_is_replaced_as_a_whole(engine, captures, tmp_path):
+    out = tmp_path / "r"
+    run("diagnose", captures, "-o", out)
+    engine.result["profile_json"] = ""
+    assert run("diagnose", captures, "-o", out, "--quiet").out == ""
+    names = {file.name for file in out.iterdir()}
+    assert names == {"gap.png", "report.html", "verdict.json"}
+    assert not list(tmp_path.glob(".cg2raw*"))
+
+
+def test_other_files_are_never_lost(engine, captures, tmp_path):
+    out = tmp_path / "r"
+    run("diagnose", captures, "-o", out)
+    (out / "mask.png").write_bytes(b"mine")
+    assert "holds mask.png, which is of no report" in fails(
+        "diagnose", captures, "-o", out
+    )
+    assert len(engine.calls) == 1  # told before the work
+    assert "holds captures.yaml" in fails("diagnose", captures, "-o", tmp_path)
+    assert run("diagnose", captures, "-o", out, "--force").code == 0
+    assert (out / "mask.png").read_bytes() == b"mine"
+    assert (out / "report.html").exists()
+
+
+def test_a_failed_report_leaves_the_old_one(engine, captures, tmp_path, monkeypatch):
+    out = tmp_path / "r"
+    run("diagnose", captures, "-o", out)
+    old = (out / "verdict.json").read_bytes()
+
+    def write_report(found, folder):
+        raise OSError(28, "No space left on device")
+
+    module = sys.modules["cg2raw.diagnose.report"]
+    monkeypatch.setattr(module, "write_report", write_report)
+    assert "No space left" in fails("diagnose", captures, "-o", out)
+    assert (out / "verdict.json").read_bytes() == old
+
+
+def test_two_sensors_are_verified(engine, captures, tmp_path):
+    engine.result["verdict"] = "no gap"
+    profile = tmp_path / "profile.json"
+    profile.write_text(files.other_sensor(black_level=[66] * 4).to_json())
+    words = ("diagnose", "--verify", captures, "--against", profile)
+    done = run(*words, "--exit-code")
+    assert done.code == 0
+    assert done.out.splitlines()[1].startswith(f"{files.SENSOR} ")
+    assert done.out.splitlines()[2].startswith(f"{profile} ")
+    (first, options), (second, _) = engine.calls
+    assert options["most"] == 0
+    assert first.sensor.black_level[0] == 64 and second.sensor.black_level[0] == 66
+
+
+def test_a_check_looks_at_pixels_alone(tmp_path):
+    path = files.standard_set(tmp_path)
+    done = run("diagnose", "--check", path)
+    assert done.code == 0 and done.out.splitlines()[-1] == "nothing is wrong"
+    rows = [line.split() for line in done.out.splitlines()[2:11]]
+    assert [row[0] for row in rows][::4] == ["dark_0.dng", "flat_1.dng", "shot_2.dng"]
+    assert rows[0][1:5] == ["dark", "100", "0.5", "s"] and rows[4][3] == "-"
+    line = "{file: shot_0.dng, kind: scene, scene: render_1.npy}"
+    done = run("diagnose", "--check", files.manifest(tmp_path, [line]))
+    assert done.code == 1 and "the scene does not correspond" in done.out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "give a captures.yaml"),
+        (("x.yaml",), "give -o with the folder"),
+        (("x.yaml", "-o", "r"), "x.yaml: No such file"),
+        (("x.yaml", "-o", "no/r"), "-o no/r: there is no folder"),
+        (("x.yaml", "--check", "-o", "r"), "-o: is for a diagnosis or --hide"),
+        (("x.yaml", "--check", "--exit-code"), "--exit-code: is for a diagnosis or"),
+        (("x.yaml", "-o", "r", "--against", "p"), "--against: is for --verify"),
+        (("x.yaml", "--verify"), "--verify: which profile?"),
+        (
+            ("x.yaml", "--hide", "blur=1", "-s", "nikon-d40", "-o", "r"),
+            "reads no captures",
+        ),
+        (("--hide", "blur=1", "-o", "r"), "--hide: in captures of which sensor?"),
+        (("--hide", "blur=1", "-s", "nikon-d40"), "give -o"),
+        (("x.yaml", "-o", "r", "--without", "row_nois"), "did you mean row_noise?"),
+        (("x.yaml", "-o", "r", "--only", "fog"), 'no effect is called "fog"'),
+        (("x.yaml", "-o", "r", "--only", "prnu", "--without", "prnu"), "give one of"),
+    ],
+)
+def test_options_that_do_not_go_together(tmp_path, monkeypatch, words, message):
+    monkeypatch.chdir(tmp_path)
+    assert message in fails("diagnose", *words)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("--alpha", "1"), ("--alpha", "0"), ("--max", "0"), ("--check", "--verify")],
+)
+def test_usage(words):
+    assert "cg2raw diagnose: error: argument" in fails(
+        "diagnose", "c.yaml", *words, code=2
+    )
+
+
+def test_the_generator_gets_its_words(monkeypatch, tmp_path):
+    calls = []
+    for name in ("simulate_captures", "bench"):
+        module = types.ModuleType(f"cg2raw.diagnose.{name}")
+        module.main = lambda words: calls.append(words)
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    hide = ("--hide", "blur=1", "-s", "nikon-d40", "-o", "b", "--seed", "3")
+    assert run("diagnose", *hide).code == 0
+    assert run("diagnose", "--bench", "single", "--cases", "2", "--quiet").code == 0
+    assert calls == [
+        ["--hide", "blur=1", "-s", "nikon-d40", "-o", "b", "--seed", "3"],
+        ["single", "--cases", "2", "--quiet"],
+    ]
+
+
+def test_a_bad_manifest_is_one_line(tmp_path):
+    path = tmp_path / "c.yaml"
+    path.write_text("sensor: nikon-d40\nframes: [{file: x.dng, kind: dark}]\n")
+    line = fails("diagnose", path, "-o", tmp_path / "r")
+    assert line.startswith(f'cg2raw diagnose: {path}:2: frames[0].file is "x.dng"')
+    assert not (tmp_path / "r").exists()
