@@ -70,7 +70,7 @@ def records_of(
 
 
 def done_before(path: Path | None, wanted: Sequence[Case], alpha: float) -> list[Any]:
-    """Return the records in a file that are of these cases."""
+    """Return the records in a file that are of these cases and did not fail."""
     if path is None or not path.exists():
         return []
     keys = {(case.suite, case.number, case.seed): case for case in wanted}
@@ -81,7 +81,7 @@ def done_before(path: Path | None, wanted: Sequence[Case], alpha: float) -> list
         except ValueError:
             continue  # the line that an interruption cut
         key = (one["suite"], one["number"], one["seed"])
-        case = keys.get(key)
+        case = keys.get(key) if "error" not in one else None
         if case and one["hidden"] == list(case.strengths) and one["alpha"] == alpha:
             kept[key] = one
     return list(kept.values())
