@@ -54,40 +54,27 @@ class Camera:
         return np.take_along_axis(rgb, color[..., None], axis=-1)[..., 0]
 
 
-def camera_of(
-    sensor: Any,
-    illuminant: str,
-    iso: float | None,
-    full_well: float | None = None,
-    read_noise: float | None = None,
-) -> Camera:
-    """Return the camera that a Sensor describes.
+def camera_of(sensor: Any, illuminant: str, iso: float) -> Camera:
+    """Return the camera that a Sensor describes, with its noise at an ISO.
 
-    iso : of its measured noise; None where full_well and read_noise, in electrons, are
-        given instead.
-
-    Raises ValueError for other mosaics than Bayer and without noise."""
+    Raises ValueError for other mosaics than Bayer, and for a profile with effects: the
+    generator has its own, and cannot draw those."""
     if len(sensor.cfa) != 4:
         raise ValueError(
             f"sensor {sensor.id}: cfa {sensor.cfa} must be a Bayer pattern"
         )
-    black = np.array(sensor.black_level, float).reshape(2, 2)
-    if iso is not None:
-        row = sensor.noise_at(iso)
-        wells = 1.0 / np.array(row["beta1"], float).reshape(2, 2)
-        reads = np.sqrt(np.array(row["beta2"], float).reshape(2, 2)) * wells
-    elif full_well and read_noise:
-        wells = np.full((2, 2), float(full_well))
-        reads = np.full((2, 2), float(read_noise))
-    else:
+    if sensor.effects:
         raise ValueError(
-            f"sensor {sensor.id}: give an iso of its noise, or full_well and "
-            "read_noise in electrons"
+            f"sensor {sensor.id} has effects of its own, {sensor.effects[0]['name']}; "
+            "take a profile without"
         )
+    row = sensor.noise_at(iso)
+    wells = 1.0 / np.array(row["beta1"], float).reshape(2, 2)
+    reads = np.sqrt(np.array(row["beta2"], float).reshape(2, 2)) * wells
     transform = sensor._transform(illuminant, "dng", 1.0, False)
     return Camera(
         colors=np.array([COLORS.index(letter) for letter in sensor.cfa]).reshape(2, 2),
-        black=black,
+        black=np.array(sensor.black_level, float).reshape(2, 2),
         white=sensor.white_level,
         full_well=wells,
         read_noise=reads,

@@ -6,9 +6,10 @@
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.special import gammaln, log_ndtr, logsumexp
+from scipy.special import log_ndtr, logsumexp
 
 from cg2raw.diagnose.hidden_truth.camera import Camera, Plane
+from cg2raw.diagnose.hidden_truth.photons import ROUNDING, normal, photon_density
 from cg2raw.diagnose.hidden_truth.readout import (
     Noise,
     blend_response,
@@ -16,10 +17,8 @@ from cg2raw.diagnose.hidden_truth.readout import (
     row_unit,
 )
 
-ROUNDING = 1 / 12  # DN^2, variance of rounding to 1 DN
 LOWEST = -1e4  # nats; what cannot have happened
 ROW_NODES = 11
-PHOTON_CHUNK = 4096  # pixels at a time, against memory
 
 
 def log_density(
@@ -110,9 +109,13 @@ def _independent(
             variance = gain**2 * noise.excess * charge + around
             one = _rounded(level, pedestal + gain * charge, np.sqrt(variance))
         if noise.poisson:  # near a well, many photons: they are Gaussian there
-            photons = _photons(level, charge, pedestal, gain, around, noise.excess)
             room = gain * 6 * np.sqrt(noise.excess * charge + 1)
-            one = np.where(pedestal + gain * charge + room < well, photons, one)
+            inner = ~low & ~high & (pedestal + gain * charge + room < well)
+            one = np.where(
+                inner,
+                photon_density(level, charge, pedestal, gain, around, noise.excess),
+                one,
+            )
         ends = _ends(charge, pedestal, gain, around, noise, camera)
         one = np.where(low, ends[0], np.where(high, ends[1], one))
         parts.append(np.log(weight) + one)
@@ -147,35 +150,6 @@ def _clipped(level, charge, pedestal, gain, around, well, excess) -> Plane:
     total = shot + around
     middle = (mean * around + level * shot) / total
     spread = np.sqrt(shot * around / total)
-    below = _normal(level - mean, total) + log_ndtr((well - middle) / spread)
-    at_well = log_ndtr((mean - well) / np.sqrt(shot)) + _normal(level - well, around)
+    below = normal(level - mean, total) + log_ndtr((well - middle) / spread)
+    at_well = log_ndtr((mean - well) / np.sqrt(shot)) + normal(level - well, around)
     return np.logaddexp(below, at_well)
-
-
-def _normal(x: Plane, variance: Plane) -> Plane:
-    return -0.5 * x * x / variance - 0.5 * np.log(2 * np.pi * variance)
-
-
-def _photons(level, charge, pedestal, gain, around, excess) -> Plane:
-    """Log density of a Poisson number of photons that is read with noise: the sum over
-    the numbers that could have been read as this level."""
-    flat = [np.broadcast_to(a, level.shape).ravel() for a in (level, charge, pedestal)]
-    gains, arounds = (np.broadcast_to(a, level.shape).ravel() for a in (gain, around))
-    result = np.empty(level.size)
-    spread = np.sqrt(excess)
-    reach = 7 * np.sqrt((arounds + ROUNDING).max()) / gains.min() / spread + 2
-    steps = np.arange(-np.ceil(reach), np.ceil(reach) + 1)
-    factorials = gammaln(np.arange(flat[1].max() + 9 * np.sqrt(flat[1].max()) + 99) + 1)
-    for start in range(0, level.size, PHOTON_CHUNK):
-        part = slice(start, start + PHOTON_CHUNK)
-        y, n, foot = (a[part, None] for a in flat)
-        g, variance = gains[part, None], arounds[part, None] + ROUNDING
-        n = np.maximum(n, 1e-12)
-        k = np.round(n + ((y - foot) / g - n) / spread) + steps
-        known = factorials[np.clip(k, 0, len(factorials) - 1).astype(np.intp)]
-        log_p = k * np.log(n) - n - known
-        log_p += _normal(y - foot - g * (n + spread * (k - n)), variance)
-        log_p[(k < 0) | (k >= len(factorials))] = -np.inf
-        most = np.maximum(log_p.max(1), LOWEST)
-        result[part] = most + np.log(np.exp(log_p - most[:, None]).sum(1) + 1e-300)
-    return result.reshape(level.shape)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Sensors that are made up for a bench."""
+"""Sensors with made-up noise."""
 
 import json
 
@@ -16,6 +16,7 @@ BITS = (10, 12, 14)
 # A coarser ADC than this many DN per read noise would show as steps, not as noise.
 LEAST_READ_NOISE_DN = 0.7
 ISO = 100.0
+ASSUMED = "assumed, not measured"
 
 
 def drawn_sensor(seed: int) -> Sensor:
@@ -32,20 +33,41 @@ def drawn_sensor(seed: int) -> Sensor:
         if (2.0**b - 1 - black) * read_noise >= LEAST_READ_NOISE_DN * full_well
     ]
     chosen = int(fine[0] if fine else max(BITS))
-    profile = json.loads(Sensor(str(rng.choice(BASES))).to_json())
-    profile.update(
+    base = json.loads(Sensor(str(rng.choice(BASES))).to_json())
+    base.update(
         id=f"drawn-{seed}",
         bits=chosen,
         black_level=[black] * 4,
         white_level=2**chosen - 1,
-        noise=[
-            {
-                "iso": ISO,
-                "beta1": [1 / full_well] * 4,
-                "beta2": [(read_noise / full_well) ** 2] * 4,
-            }
-        ],
         effects=[],
     )
-    profile["sources"]["noise"] = "drawn for a bench"
-    return Sensor.from_json(json.dumps(profile), profile["id"])
+    bare = Sensor.from_json(json.dumps(base), base["id"])
+    return with_noise(bare, full_well, read_noise, ISO)
+
+
+def with_noise(
+    sensor: Sensor, full_well: float, read_noise: float, iso: float
+) -> Sensor:
+    """Return a Bayer sensor with another noise, the same at all sites.
+
+    full_well, read_noise : electrons. Raises ValueError."""
+    if not 10 <= full_well <= 1e6:
+        raise ValueError(f"full well {full_well:g} e- must be 10 to 1000000")
+    if not 0 < read_noise < full_well / 10:
+        raise ValueError(
+            f"read noise {read_noise:g} e- must be above 0 and below a tenth of the "
+            f"full well, {full_well:g} e-"
+        )
+    profile = json.loads(sensor.to_json())
+    sites = len(sensor.cfa)
+    profile["noise"] = [
+        {
+            "iso": iso,
+            "beta1": [1 / full_well] * sites,
+            "beta2": [(read_noise / full_well) ** 2] * sites,
+        }
+    ]
+    profile["sources"]["noise"] = (
+        f"{ASSUMED}: full well {full_well:g} e-, read noise {read_noise:g} e-"
+    )
+    return Sensor.from_json(json.dumps(profile), sensor.id)

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.hidden_truth import charge, conditions, light, scenes
 from cg2raw.diagnose.hidden_truth.camera import Camera, Plane
 from cg2raw.diagnose.hidden_truth.charge import Patterns
-from cg2raw.diagnose.hidden_truth.density import ROUNDING, log_density
+from cg2raw.diagnose.hidden_truth.density import log_density
 from cg2raw.diagnose.hidden_truth.light import Field, Hidden
+from cg2raw.diagnose.hidden_truth.photons import ROUNDING
 from cg2raw.diagnose.hidden_truth.posterior import Observation, Posterior, posterior
 from cg2raw.diagnose.hidden_truth.readout import (
     blended,

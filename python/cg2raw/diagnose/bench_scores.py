@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""How well a diagnosis found what was hidden, and the table of a bench."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+# Nats per pixel: less than this is not asked to be seen.
+VISIBLE_GAP = 3e-4
+NOT_SURE = ("ambiguous", "unknown structure", "identified, rest unexplained")
+
+Record = Mapping[str, Any]
+
+
+def score(hidden: Sequence[str], diagnosis: Any) -> dict[str, Any]:
+    """Return what a diagnosis got right, as JSON.
+
+    first : the name with the largest held-out gain. outcome : of one case: "right" if
+    first is hidden, else "wrong"; "unsure" if it is not but the verdict says that it is
+    not sure; "missed" for no name. Where nothing is hidden that can be named, "right"
+    is no name."""
+    found = sorted(diagnosis.effects, key=lambda one: -one.gain_nats)
+    names = [one.name for one in found]
+    gap = diagnosis.gap
+    flagged = diagnosis.verdict in NOT_SURE
+    if not names:
+        outcome = "unsure" if flagged else "missed" if hidden else "right"
+    elif names[0] in hidden:
+        outcome = "right"
+    else:
+        outcome = "unsure" if flagged else "wrong"
+    before = float(gap.before)
+    return {
+        "verdict": diagnosis.verdict,
+        "named": names,
+        "outcome": outcome,
+        "exact": sorted(names) == sorted(hidden),
+        "extra": len(set(names) - set(hidden)),
+        "flagged": flagged,
+        "gap_before": before,
+        "gap_after": float(gap.after),
+        "closed": 1 - float(gap.after) / before if before > 0 else None,
+        "chi2_after": float(gap.chi2_after),
+        "unexplained": [one.name for one in diagnosis.unexplained],
+        "engine_seconds": float(diagnosis.seconds),
+    }
+
+
+def table(suite: str, records: Sequence[Record]) -> str:
+    """Return the table of a suite: a line per effect, totals, what is asked of them."""
+    good = [one for one in records if "error" not in one]
+    lines = [_HEAD]
+    by_name: dict[str, list[Record]] = {}
+    for one in good:
+        by_name.setdefault("+".join(one["hidden"]) or "nothing", []).append(one)
+    if len(by_name) <= 30:
+        lines += [_line(name, group) for name, group in by_name.items()]
+    lines += [_line("all", good)] if good else []
+    lines += [f"failed: {len(records) - len(good)}"] if len(good) < len(records) else []
+    lines += [
+        f"{what}: {_number(value)} (asked: {asked})"
+        for what, value, asked in bounds(suite, good)
+    ]
+    return "\n".join(lines)
+
+
+_HEAD = (
+    f"{'hidden':32}{'cases':>6}{'seen':>6}{'right':>6}{'wrong':>6}{'unsure':>7}"
+    f"{'missed':>7}{'exact':>6}{'extra':>6}{'closed':>9}{'p5':>9}{'seconds':>9}"
+)
+
+
+def _line(name: str, group: Sequence[Record]) -> str:
+    count = {
+        word: sum(one["outcome"] == word for one in group)
+        for word in ("right", "wrong", "unsure", "missed")
+    }
+    closed = _closed(group)
+    median, low = np.quantile(closed, (0.5, 0.05)) if closed else (np.nan, np.nan)
+    return (
+        f"{name[:31]:32}{len(group):6}{len(_visible(group)):6}{count['right']:6}"
+        f"{count['wrong']:6}{count['unsure']:7}{count['missed']:7}"
+        f"{sum(one['exact'] for one in group):6}{sum(one['extra'] for one in group):6}"
+        f"{median:9.4f}{low:9.4f}{np.median([one['seconds'] for one in group]):9.1f}"
+    )
+
+
+def bounds(suite: str, good: Sequence[Record]) -> list[tuple[str, float, str]]:
+    """Return what a suite measured beside what is asked: (what, value, bound)."""
+    visible, closed = _visible(good), _closed(good)
+    right = [one["outcome"] == "right" for one in good]
+    wrong = [one["outcome"] == "wrong" for one in good]
+    named = [bool(one["named"]) for one in good]
+    if suite.endswith("none"):
+        return [
+            ("false names", _share(named), "<= 1 %" if "-" in suite else "<= 0.5 %"),
+            ("flagged unknown", _share([one["flagged"] for one in good]), "none"),
+        ]
+    if suite in ("pairs", "triples"):
+        seen = "92 %" if suite == "pairs" else "85 %"
+        return [
+            ("exact set", _share([one["exact"] for one in good]), f">= {seen}"),
+            ("right first name", _share(right), "none"),
+            *_closed_bounds(closed),
+        ]
+    if suite in ("unknown", "leave-one-out"):
+        flagged = _share([one["flagged"] for one in visible])
+        asked = ">= 95 %" if suite == "unknown" else ">= 90 %"
+        sure = [one["outcome"] == "wrong" for one in visible]
+        return [
+            (f"flagged, of {len(visible)} visible", flagged, asked),
+            ("confidently misnamed", _share(sure), "0 %" if suite == "unknown" else ""),
+        ]
+    if suite == "power":
+        return [("named first", _share(right), "see the 50 % points")]
+    if suite == "nuisance":
+        return [
+            ("named first", _share(right), ">= 93 %"),
+            ("wrong", _share(wrong), "<= 1 %"),
+        ]
+    return [
+        ("named first", _share(right), ">= 96 %"),
+        (
+            f"named first, of {len(visible)} above {VISIBLE_GAP:g} nats/px",
+            _share([one["outcome"] == "right" for one in visible]),
+            ">= 99.5 %",
+        ),
+        (
+            "cases with extra names",
+            _share([one["extra"] > 0 for one in good]),
+            "<= 2 %",
+        ),
+        *_closed_bounds(closed),
+    ]
+
+
+def half_points(records: Sequence[Record]) -> dict[str, float]:
+    """Return the strength of every effect at which half of its cases are named.
+
+    By the maximum-likelihood step along the sorted strengths; NaN where all or none
+    were named."""
+    points = {}
+    for name in dict.fromkeys(one["hidden"][0] for one in records if one["hidden"]):
+        mine = [
+            one for one in records if one["hidden"] == [name] and "error" not in one
+        ]
+        mine = sorted(
+            (one for one in mine if one["strength"]), key=lambda r: r["strength"]
+        )
+        named = np.array([one["outcome"] == "right" for one in mine], int)
+        if not len(named) or named.all() or not named.any():
+            points[name] = float("nan")
+            continue
+        errors = [
+            named[:k].sum() + (1 - named[k:]).sum() for k in range(len(named) + 1)
+        ]
+        k = int(np.clip(np.argmin(errors), 1, len(named) - 1))
+        strengths = mine[k - 1]["strength"], mine[k]["strength"]
+        points[name] = float(np.sqrt(strengths[0] * strengths[1]))
+    return points
+
+
+def _closed_bounds(closed: Sequence[float]) -> list[tuple[str, float, str]]:
+    if not closed:
+        return []
+    median, low = np.quantile(closed, (0.5, 0.05))
+    return [
+        ("gap closed, median", float(median), ">= 99 %"),
+        ("gap closed, 5th percentile", float(low), ">= 95 %"),
+    ]
+
+
+def _visible(group: Sequence[Record]) -> list[Record]:
+    return [one for one in group if one["gap_before"] > VISIBLE_GAP]
+
+
+def _closed(group: Sequence[Record]) -> list[float]:
+    return [one["closed"] for one in _visible(group)]
+
+
+def _share(flags: Sequence[bool]) -> float:
+    return float(np.mean(flags)) if len(flags) else float("nan")
+
+
+def _number(value: float) -> str:
+    return f"{100 * value:.2f} %"
