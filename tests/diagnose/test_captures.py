@@ -57,7 +57,7 @@ def test_an_npy_needs_what_a_dng_says(tmp_path):
     first = captures.captures[0]
     np.testing.assert_array_equal(first.raw(), raw)
     assert (first.scene, first.iso, first.exposure_time) == (None, None, 2.0)
-    assert any("says its ISO" in note for note in captures.notes)
+    assert any("says the ISO" in note for note in captures.notes)
 
 
 def test_the_manifest_outranks_the_file(tmp_path):
@@ -352,3 +352,37 @@ def test_another_sensor_in_the_manifests_place(tmp_path):
     assert read_captures(path, other).sensor.black_level[0] == 66
     with pytest.raises(ValueError, match="its CFA is"):
         read_captures(path, cg2raw.Sensor("nikon-d850"))
+
+
+LIGHT = "exposure_time: 1"
+FLAT = "kind: flat, illuminant: A, scene"
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        ([f"kind: dark, {LIGHT}"] * 3, ["only darks"]),
+        ([f"{FLAT}: 1"], ["one frame only", "no darks", "no scenes", "flats of one"]),
+        ([f"{FLAT}: 1", f"{FLAT}: 2"], ["no darks", "no scenes"]),
+        (
+            [f"kind: dark, {LIGHT}"] * 2 + [f"{FLAT}: 1"] * 2,
+            ["darks of one exposure time", "no scenes", "flats of one level"],
+        ),
+        (
+            ["kind: dark, exposure_time: 9", f"kind: dark, {LIGHT}"]
+            + ["kind: scene, scene: r.npy, illuminant: A"],
+            [],
+        ),
+    ],
+)
+def test_what_captures_cannot_tell_is_said(tmp_path, frames, words):
+    np.save(tmp_path / "r.npy", files.picture())
+    lines = []
+    for index, fields in enumerate(frames):
+        files.frame(tmp_path, f"{index}.npy", frame=index)
+        lines.append(f"{{file: {index}.npy, iso: 100, {fields}}}")
+    notes = read_captures(files.manifest(tmp_path, lines)).notes
+    notes = [n for n in notes if "divided" not in n and "optical centre" not in n]
+    assert len(notes) == len(words)
+    for note, word in zip(notes, words, strict=True):
+        assert note.startswith(word)

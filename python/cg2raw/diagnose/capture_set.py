@@ -55,7 +55,7 @@ def read_captures(
         nuisances=manifest.nuisances,
         uncertainty=manifest.uncertainty,
         file=manifest.file,
-        notes=(*notes, *more, *frame_checks.what_is_missing(captures)),
+        notes=(*notes, *more, *frame_checks.what_is_missing(frames)),
     )
 
 
@@ -68,19 +68,20 @@ def read_frames(
     frame_checks.check_distinct(manifest.frames)
     headers = [header_of(entry) for entry in manifest.frames]
     frame_checks.check_sizes(manifest.frames, headers)
-    notes: list[str] = []
-    for entry, header in zip(manifest.frames, headers, strict=True):
+    names = frame_checks.names_of(manifest.frames)
+    said: dict[str, list[str]] = {}
+    for entry, header, name in zip(manifest.frames, headers, names, strict=True):
         try:
-            notes += check_sensor(header, sensor)
+            for note in check_sensor(header, sensor):
+                said.setdefault(note, []).append(name)
         except ValueError as error:
             entry.fail("file", f"{error}")
-    names = frame_checks.names_of(manifest.frames)
     frames = [
         frame_of(manifest, sensor, *item)
         for item in zip(manifest.frames, headers, names, strict=True)
     ]
-    notes += frame_checks.notes_on(frames, sensor)
-    return manifest, sensor, frames, list(dict.fromkeys(notes))
+    notes = [f"{frame_checks.some(files)}: {note}" for note, files in said.items()]
+    return manifest, sensor, frames, notes + frame_checks.notes_on(frames, sensor)
 
 
 def sensor_of(manifest: Manifest) -> Sensor:
