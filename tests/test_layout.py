@@ -21,6 +21,7 @@ FLOW = (
     "random",
     "effect",
     "pipeline",
+    "prediction",
     "dng",
     "plugin",
 )

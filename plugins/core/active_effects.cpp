@@ -19,10 +19,10 @@ Rng rng_of(const Effect& effect, const SensorProfile& profile, const Run& run)
                                                : Rng(0, key);
 }
 
-const Effect& effect_of(const EffectSetting& setting, const SensorProfile& profile)
+const Effect& effect_of(const std::string& name, const SensorProfile& profile)
 {
     try {
-        return effect(setting.name);
+        return effect(name);
     } catch (const Error& error) {
         throw Error("sensor " + profile.id + ": " + error.what());
     }
@@ -56,6 +56,21 @@ std::vector<Setting> noise_settings(const SensorProfile& profile, NoiseModel mod
     return physical_noise(noise);
 }
 
+bool holds(const std::vector<ActiveEffect>& active, const Effect& effect)
+{
+    return std::any_of(active.begin(), active.end(),
+                       [&](const ActiveEffect& one) { return one.effect == &effect; });
+}
+
+void sort_by_stage(std::vector<ActiveEffect>& active)
+{
+    std::sort(active.begin(), active.end(),
+              [](const ActiveEffect& a, const ActiveEffect& b) {
+                  return std::tie(a.effect->stage, a.effect->name)
+                      < std::tie(b.effect->stage, b.effect->name);
+              });
+}
+
 } // namespace
 
 NoiseModel noise_model_from_name(std::string_view name)
@@ -74,28 +89,64 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
     if (!run.effects)
         return active;
     const auto add = [&](const Effect& effect, Values values) {
-        for (const ActiveEffect& other : active)
-            if (other.effect == &effect)
-                throw Error(
-                    "sensor " + profile.id + ": effect " + effect.name
-                    + " would act twice: leave it out of the profile's effects, or "
-                      "the ISO out of the run");
+        if (holds(active, effect))
+            throw Error("sensor " + profile.id + ": effect " + effect.name
+                        + " would act twice: leave it out of the profile's effects, or "
+                          "the ISO out of the run");
         active.push_back({ &effect, std::move(values), rng_of(effect, profile, run) });
     };
     for (const EffectSetting& setting : profile.effects) {
-        const Effect& known = effect_of(setting, profile);
+        const Effect& known = effect_of(setting.name, profile);
         check_sites(known, profile.cfa, "sensor " + profile.id);
         add(known, values_of(known, setting.parameters, "sensor " + profile.id));
     }
     if (noise)
         for (auto& [name, values] : noise_settings(profile, run.noise_model, *noise))
             add(effect(name), std::move(values));
-    std::sort(active.begin(), active.end(),
-              [](const ActiveEffect& a, const ActiveEffect& b) {
-                  return std::tie(a.effect->stage, a.effect->name)
-                      < std::tie(b.effect->stage, b.effect->name);
-              });
+    sort_by_stage(active);
     return active;
+}
+
+std::vector<ActiveEffect> active_effects(const SensorProfile& profile,
+                                         const std::vector<NamedValues>& settings)
+{
+    const std::string where = "prediction of sensor " + profile.id;
+    std::vector<ActiveEffect> active;
+    for (const auto& [name, values] : settings) {
+        const Effect& known = effect_of(name, profile);
+        if (holds(active, known))
+            throw Error(where + ": effect " + name + " is given twice: give it once");
+        check_sites(known, profile.cfa, where);
+        check_values(known, values, where);
+        active.push_back({ &known, values, rng_of(known, profile, {}) });
+    }
+    sort_by_stage(active);
+    return active;
+}
+
+void check_needs(const std::vector<ActiveEffect>& active, const Exposure& exposure)
+{
+    for (const ActiveEffect& one : active) {
+        const std::string where = "effect " + one.effect->name + " needs ";
+        if (one.effect->needs_exposure_time && !exposure.seconds)
+            throw Error(
+                where
+                + "an exposure time: give exposure_time in seconds (ExposureTime "
+                  "of an image, Exif)");
+        if (one.effect->needs_surround && !exposure.surround)
+            throw Error(where
+                        + "the surround of a block: give that of the whole frame's "
+                          "camera RGB");
+    }
+}
+
+int reach_of(const std::vector<ActiveEffect>& active, Stage first, Stage last)
+{
+    int reach = 0;
+    for (const ActiveEffect& one : active)
+        if (one.effect->stage >= first && one.effect->stage <= last)
+            reach += one.effect->reach;
+    return reach;
 }
 
 std::optional<NoiseAtIso> noise_of(const SensorProfile& profile, const Run& run)

@@ -21,6 +21,17 @@ struct ActiveEffect {
 std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run& run,
                                          const std::optional<NoiseAtIso>& noise);
 
+/// The complete list of a prediction, whatever the profile lists: names and values in
+/// the order of Effect::parameters. Throws Error as above.
+std::vector<ActiveEffect> active_effects(const SensorProfile& profile,
+                                         const std::vector<NamedValues>& settings);
+
+/// Throws Error if some effect needs what @p exposure lacks.
+void check_needs(const std::vector<ActiveEffect>& active, const Exposure& exposure);
+
+/// Pixels around a site that the effects between two stages, together, depend on.
+int reach_of(const std::vector<ActiveEffect>& active, Stage first, Stage last);
+
 /// Noise of the run's ISO; none when the run is clean. Throws Error.
 std::optional<NoiseAtIso> noise_of(const SensorProfile& profile, const Run& run);
 

@@ -70,6 +70,25 @@ void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string&
                         + ": give its noise per site in the profile's noise table");
 }
 
+void check_values(const Effect& effect, const Values& values, const std::string& file)
+{
+    const std::string where = file + ": effect " + effect.name + ": ";
+    const std::vector<Parameter>& parameters = effect.parameters;
+    if (values.size() != parameters.size()) {
+        std::vector<std::string> names;
+        for (const Parameter& parameter : parameters)
+            names.push_back(parameter.name);
+        throw Error(where + std::to_string(values.size()) + " values are given, and "
+                    + std::to_string(names.size()) + " are needed: " + joined(names));
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto& [name, unit, min, max, null, meaning, repeat] = parameters[i];
+        if (!(values[i] >= min && values[i] <= max))
+            throw Error(where + name + " " + number(values[i]) + " is outside "
+                        + number(min) + " to " + number(max) + " " + unit);
+    }
+}
+
 Values values_of(const Effect& effect, const std::map<std::string, double>& given,
                  const std::string& file)
 {
@@ -83,12 +102,9 @@ Values values_of(const Effect& effect, const std::map<std::string, double>& give
             throw Error(where + "parameter " + parameter.name + " is missing ("
                         + parameter.meaning + ", " + number(parameter.min) + " to "
                         + number(parameter.max) + " " + parameter.unit + ")");
-        if (!(found->second >= parameter.min && found->second <= parameter.max))
-            throw Error(where + parameter.name + " " + number(found->second)
-                        + " is outside " + number(parameter.min) + " to "
-                        + number(parameter.max) + " " + parameter.unit);
         values.push_back(found->second);
     }
+    check_values(effect, values, file);
     for (const auto& [name, value] : given)
         if (std::find(names.begin(), names.end(), name) == names.end())
             throw Error(where + "parameter " + name

@@ -67,13 +67,7 @@ struct Simulation::State {
         to_camera_band(scene, band, illegal);
         const Exposure exposure { frame, profile.cfa, light.neutral };
         stages.on_camera(band.camera, origin, exposure, purpose);
-        for (int row = 0; row < scene.height; ++row) {
-            const float* const camera[3]
-                = { band.camera[0].row(row), band.camera[1].row(row),
-                    band.camera[2].row(row) };
-            mosaic(camera, profile.cfa, { origin.row + row, origin.col }, scene.width,
-                   band.mosaic.row(row));
-        }
+        band.to_mosaic(profile.cfa, origin);
         stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure,
                          purpose);
     }
@@ -97,7 +91,7 @@ struct Simulation::State {
     void each_row(const RgbView& scene, Site origin, Purpose purpose, Illegal& illegal,
                   const Done& done) const
     {
-        Band band(scene.width);
+        Band band;
         for (int start = 0; start < scene.height; start += band_rows) {
             const int rows = std::min(band_rows, scene.height - start);
             band.resize(scene.width, rows);

@@ -33,7 +33,7 @@ void pass(const Stages& stages, Purpose purpose, const Plane<float>& signal,
 {
     const Exposure exposure { { signal.width, signal.height }, stages.cfa };
     each_strip(signal.height, parallel, [&](int first, int count) {
-        Band band(signal.width);
+        Band band;
         for (int row = first; row < first + count; row += band_rows) {
             const int rows = std::min(band_rows, first + count - row);
             band.resize(signal.width, rows);

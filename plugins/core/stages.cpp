@@ -20,20 +20,26 @@ void apply(const std::vector<ActiveEffect>& active, Purpose purpose, Stage first
     for (const auto& [effect, values, rng] : active) {
         if (effect->stage < first || effect->stage > last)
             continue;
-        if (purpose == Purpose::drawing && effect->draw)
+        if (effect->draw
+            && (purpose == Purpose::drawing || effect->pattern == Pattern::fixed))
             effect->draw(signal, values, rng);
         else
             effect->expect(signal, values);
     }
 }
 
-/// Some effect has a variance whose Gaussian is to be drawn.
-bool needs_gaussian(const std::vector<ActiveEffect>& active)
+/// Some effect of these stages has a variance whose Gaussian is to be drawn.
+bool needs_gaussian(const std::vector<ActiveEffect>& active, Stage first, Stage last)
 {
-    return std::any_of(active.begin(), active.end(), [](const ActiveEffect& a) {
-        return a.effect->stage >= Stage::noise && a.effect->stage <= Stage::readout
-            && !a.effect->draw;
+    return std::any_of(active.begin(), active.end(), [&](const ActiveEffect& a) {
+        return a.effect->stage >= first && a.effect->stage <= last && !a.effect->draw;
     });
+}
+
+bool has_stage(const std::vector<ActiveEffect>& active, Stage stage)
+{
+    return std::any_of(active.begin(), active.end(),
+                       [&](const ActiveEffect& a) { return a.effect->stage == stage; });
 }
 
 /// A clipped site has no variance.
@@ -52,21 +58,34 @@ void clear(const Plane<float>& plane)
         std::fill_n(plane.row(row), plane.width, 0.0f);
 }
 
-} // namespace
-
-Band::Band(int width)
-    : pixels(std::size_t(6 * band_rows) * std::size_t(width))
+void copy(const Plane<float>& from, const Plane<float>& to)
 {
-    resize(width, band_rows);
+    for (int row = 0; row < from.height; ++row)
+        std::copy_n(from.row(row), from.width, to.row(row));
 }
+
+} // namespace
 
 void Band::resize(int width, int rows)
 {
+    const std::size_t area = std::size_t(width) * std::size_t(rows);
+    if (pixels.size() < 6 * area)
+        pixels.resize(6 * area);
     float* next = pixels.data();
     for (Plane<float>* plane :
          { &camera[0], &camera[1], &camera[2], &mosaic, &variance, &noise }) {
         *plane = { next, width, rows, width };
-        next += std::ptrdiff_t(band_rows) * width;
+        next += area;
+    }
+}
+
+void Band::to_mosaic(const CfaPattern& cfa, Site origin) const
+{
+    for (int row = 0; row < mosaic.height; ++row) {
+        const float* const rgb[3]
+            = { camera[0].row(row), camera[1].row(row), camera[2].row(row) };
+        cg2raw::mosaic(rgb, cfa, { origin.row + row, origin.col }, mosaic.width,
+                       mosaic.row(row));
     }
 }
 
@@ -74,10 +93,20 @@ Stages::Stages(const SensorProfile& profile, const Run& run,
                std::vector<ActiveEffect> effects)
     : cfa(profile.cfa)
     , active(std::move(effects))
-    , gaussian(needs_gaussian(active))
+    , saturates(has_stage(active, Stage::saturation))
+    , early_gaussian(needs_gaussian(active, Stage::noise, Stage::noise))
+    , gaussian(needs_gaussian(active, saturates ? Stage::readout : Stage::noise,
+                              Stage::readout))
+    , early_rng(run.seed, "early_noise/" + profile.id, run.frame)
     , rng(run.seed, "noise/" + profile.id, run.frame)
     , noise_ceiling(run.convention == Convention::dng ? saturated : largest_signal)
 {
+}
+
+Stages::Stages(const SensorProfile& profile, std::vector<ActiveEffect> effects)
+    : Stages(profile, {}, std::move(effects))
+{
+    noise_ceiling = largest_signal;
 }
 
 void Stages::on_camera(const std::array<Plane<float>, 3>& camera, Site origin,
@@ -87,23 +116,40 @@ void Stages::on_camera(const std::array<Plane<float>, 3>& camera, Site origin,
     apply(active, purpose, Stage::color, Stage::optics, signal);
 }
 
+/// What was noise so far becomes the signal: in a prediction, the fixed patterns.
+void Stages::settle(Signal& signal, Purpose purpose, bool draw_gaussian,
+                    const Rng& key) const
+{
+    if (purpose == Purpose::drawing && draw_gaussian)
+        add_gaussian(key, signal.origin, signal.variance, signal.noise);
+    add_noise(signal.noise, noise_ceiling, signal.mean[0]);
+}
+
 void Stages::on_mosaic(const Plane<float>& mosaic, const Plane<float>& variance,
                        const Plane<float>& noise, Site origin, const Exposure& exposure,
-                       Purpose purpose) const
+                       Purpose purpose, const Plane<float>* exposed) const
 {
     clear(variance);
+    if (!active.empty())
+        clear(noise);
+    Signal signal { 1, { mosaic }, variance, noise, origin, exposure };
+    apply(active, purpose, Stage::pixel, Stage::response, signal);
+    if (exposed)
+        copy(mosaic, *exposed);
     if (active.empty())
         return;
-    clear(noise);
-    Signal signal { 1, { mosaic }, variance, noise, origin, exposure };
-    apply(active, purpose, Stage::pixel, Stage::readout, signal);
-    if (purpose == Purpose::prediction) {
-        clear_clipped(mosaic, noise_ceiling, variance);
-    } else {
-        if (gaussian)
-            add_gaussian(rng, origin, variance, noise);
-        add_noise(noise, noise_ceiling, mosaic);
+    apply(active, purpose, Stage::noise, Stage::noise, signal);
+    if (saturates) {
+        settle(signal, purpose, early_gaussian, early_rng);
+        clear(noise);
+        if (purpose == Purpose::drawing)
+            clear(variance);
+        apply(active, purpose, Stage::saturation, Stage::saturation, signal);
     }
+    apply(active, purpose, Stage::readout, Stage::readout, signal);
+    if (purpose == Purpose::prediction)
+        clear_clipped(mosaic, noise_ceiling, variance);
+    settle(signal, purpose, gaussian, rng);
     apply(active, purpose, Stage::conversion, Stage::output, signal);
 }
 

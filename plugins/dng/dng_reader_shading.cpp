@@ -21,7 +21,7 @@ namespace cg2raw {
 namespace {
 
 /// Unknowns: the factor for the frame, then the parameters of the effect in its order.
-constexpr std::size_t unknowns = 6;
+constexpr std::size_t unknowns = 8;
 using Row = std::array<double, unknowns>;
 
 /// What is smaller than this is called negligible: half of the photon noise of a pixel
@@ -37,7 +37,8 @@ Row terms_at(Place at, Size size)
     const double u = (at.h - 0.5) * size.width / half;
     const double v = (at.v - 0.5) * size.height / half;
     const double square = u * u + v * v;
-    return { 1.0, square, square * square, square * square * square, u, v };
+    return { 1.0, square, square * square, square * square * square,
+             u,   v,      square * u,      square * v };
 }
 
 /// Solves the normal equations by Cholesky; nothing if the points do not determine all

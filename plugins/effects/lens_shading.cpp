@@ -5,6 +5,8 @@
 /// that are off centre. DNG carries its inverse as a GainMap.
 #include "cg2raw/effect.h"
 
+#include "plane_rows.h"
+
 #include <algorithm>
 
 namespace cg2raw {
@@ -14,7 +16,8 @@ double lens_shading_at(const Values& values, double u, double v)
     const double square = u * u + v * v;
     const double radial
         = 1.0 + square * (values[0] + square * (values[1] + square * values[2]));
-    return std::max(0.0, radial + values[3] * u + values[4] * v);
+    const double tilt = values[3] * u + values[4] * v;
+    return std::max(0.0, radial + tilt + square * (values[5] * u + values[6] * v));
 }
 
 namespace effects {
@@ -22,14 +25,13 @@ namespace {
 
 void expect(Signal& signal, const Values& values)
 {
-    for (int row = 0; row < signal.mean[0].height; ++row) {
+    each_field_row(signal, [&](int row, const double* u, double v) {
         for (int col = 0; col < signal.mean[0].width; ++col) {
-            const auto [u, v] = field_position(signal, row, col);
-            const float gain = float(lens_shading_at(values, u, v));
+            const float gain = float(lens_shading_at(values, u[col], v));
             for (int plane = 0; plane < signal.planes; ++plane)
                 signal.mean[std::size_t(plane)].row(row)[col] *= gain;
         }
-    }
+    });
 }
 
 } // namespace
@@ -44,9 +46,12 @@ Effect lens_shading()
           { "r4", "1", -2.0, 2.0, 0.0, "of r^4" },
           { "r6", "1", -2.0, 2.0, 0.0, "of r^6" },
           { "tilt_x", "1", -1.0, 1.0, 0.0, "linear, to the right, per half diagonal" },
-          { "tilt_y", "1", -1.0, 1.0, 0.0, "linear, downwards, per half diagonal" } },
+          { "tilt_y", "1", -1.0, 1.0, 0.0, "linear, downwards, per half diagonal" },
+          { "tilt_x_r2", "1", -2.0, 2.0, 0.0, "of r^2 times the way to the right" },
+          { "tilt_y_r2", "1", -2.0, 2.0, 0.0, "of r^2 times the way downwards" } },
         "fall-off of illumination towards the corners",
-        "D. B. Goldman, IEEE Trans. PAMI 32(12), 2010 (even polynomial)",
+        "D. B. Goldman, IEEE Trans. PAMI 32(12), 2010 (even polynomial); the tilt: "
+        "first and third order of a shift of its centre",
         expect
     };
 }

@@ -71,6 +71,7 @@ void bind_profile(py::module_& m);
 void bind_transform(py::module_& m);
 void bind_simulation(py::module_& m);
 void bind_signal(py::module_& m);
+void bind_prediction(py::module_& m);
 void bind_dng(py::module_& m);
 
 } // namespace cg2raw::python

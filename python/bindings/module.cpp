@@ -14,5 +14,6 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_transform(m);
     cg2raw::python::bind_simulation(m);
     cg2raw::python::bind_signal(m);
+    cg2raw::python::bind_prediction(m);
     cg2raw::python::bind_dng(m);
 }

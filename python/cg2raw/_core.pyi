@@ -221,6 +221,26 @@ def expect_effect(
     run: Run,
     threads: int = 0,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
+
+class Surround:
+    @property
+    def mean(self) -> list[float]: ...
+    @property
+    def wide(self) -> NDArray[np.float32]: ...
+
+def surround(camera: NDArray[np.float32]) -> Surround: ...
+def predict_blocks(
+    profile: SensorProfile,
+    settings: Sequence[tuple[str, Sequence[float]]],
+    camera: NDArray[np.float32],
+    origins: NDArray[np.int32],
+    frame: Sequence[int],
+    margin: int,
+    neutral: Sequence[float],
+    exposure_time: float | None,
+    surround: Surround | None,
+    threads: int = 1,
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
 def raw_from_signal(
     profile: SensorProfile, signal: NDArray[np.float32]
 ) -> NDArray[np.uint16]: ...

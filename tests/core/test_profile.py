@@ -251,6 +251,8 @@ FULL = {
                 "r6": 0.0,
                 "tilt_x": 0.0,
                 "tilt_y": 0.0,
+                "tilt_x_r2": 0.0,
+                "tilt_y_r2": 0.0,
             },
             "evidence": {"frames": 3, "odds": 1e9},
         }

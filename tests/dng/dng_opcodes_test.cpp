@@ -188,7 +188,7 @@ double shading_at(const Values& values, double v, double h)
     return lens_shading_at(values, (h - 0.5) * 8 / 5.0, (v - 0.5) * 6 / 5.0);
 }
 
-const Values planted { -0.3, 0.1, -0.05, 0.02, -0.04 };
+const Values planted { -0.3, 0.1, -0.05, 0.02, -0.04, 0.03, -0.01 };
 
 OpcodeBuilder shaded(const Values& values, double scale = 1.0)
 {
@@ -262,7 +262,8 @@ TEST(DngLensShading, WhatTheEffectCannotBeIsNotedAndLeftOut)
 TEST(DngLensShading, OfSeveralFilesIsTheirMean)
 {
     const auto file = [](double red) {
-        const Values values { -0.3 + red, 0.1, -0.05, 0.02, -0.04 };
+        Values values = planted;
+        values[0] += red;
         return read(with_list2({ shaded(values).gain_map() }));
     };
     DngMetadata first = file(-0.05), second = file(0.05);

@@ -207,7 +207,15 @@ def gain_maps(opcodes):
     return maps
 
 
-SHADING = {"r2": -0.6, "r4": 0.1, "r6": -0.05, "tilt_x": 0.1, "tilt_y": -0.05}
+SHADING = {
+    "r2": -0.6,
+    "r4": 0.1,
+    "r6": -0.05,
+    "tilt_x": 0.1,
+    "tilt_y": -0.05,
+    "tilt_x_r2": 0.04,
+    "tilt_y_r2": -0.02,
+}
 
 
 def shaded_sensor(cfa):
@@ -230,7 +238,8 @@ def test_gain_map_undoes_lens_shading(path, cfa):
         u = (np.linspace(0, 1, cols)[None, :] - 0.5) * width / half
         r2 = u * u + v * v
         radial = 1 - 0.6 * r2 + 0.1 * r2**2 - 0.05 * r2**3
-        np.testing.assert_allclose(gains, 1 / (radial + 0.1 * u - 0.05 * v), rtol=1e-6)
+        tilt = 0.1 * u - 0.05 * v + r2 * (0.04 * u - 0.02 * v)
+        np.testing.assert_allclose(gains, 1 / (radial + tilt), rtol=1e-6)
 
 
 def test_no_gain_map_without_the_effect(path):

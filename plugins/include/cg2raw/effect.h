@@ -56,6 +56,11 @@ struct Surround {
     Vec3 mean; ///< of the frame
 };
 
+/// The surround of a frame of camera RGB, in cells of the same size that are about
+/// square, 64 across: cell i of n holds pixels i W / n ... (i + 1) W / n - 1. It is
+/// spread by a Gaussian whose sigma is a sixth of the height, mirrored at the borders.
+Surround surround_of(const std::array<Plane<const float>, 3>& camera);
+
 /// What all blocks of a frame have in common.
 struct Exposure {
     Size frame; ///< active area
@@ -78,6 +83,8 @@ struct Signal {
 
 /// Parameter values in the order of Effect::parameters.
 using Values = std::vector<double>;
+/// An effect's name and its values.
+using NamedValues = std::pair<std::string, Values>;
 
 /// One departure from the ideal sensor. It states how it moves the expected signal and
 /// its variance (expect) and, if its draw is not the Gaussian of that variance, how to
@@ -117,6 +124,10 @@ void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string&
 /// Values of a setting: every parameter given and within its bounds. Throws Error.
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,
                  const std::string& file);
+
+/// Throws Error unless @p values are one per parameter, each within its bounds; @p file
+/// leads the message.
+void check_values(const Effect& effect, const Values& values, const std::string& file);
 
 /// Where a site lies: offset from the frame's centre in half diagonals, to the right
 /// and downwards.

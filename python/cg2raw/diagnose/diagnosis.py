@@ -34,6 +34,9 @@ class Alternative:
 
     name: str
     gain_nats: float  # held-out, over the model without either
+    separation: str = (
+        ""  # sentence: what would tell the two apart; "": the report's own
+    )
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,7 @@ class Gap:
 
     before, after : against the true density where it is known (simulated captures),
         else estimated from the residuals: 0 is what the final model's own noise gives.
+    interval_before, interval_after : hold before and after with 95 %.
     """
 
     before: float
@@ -77,6 +81,8 @@ class Gap:
     systematic_before: float | None  # E[z1 z2] over repeats, noise variances
     systematic_after: float | None
     held_out: Sequence[str]
+    interval_before: tuple[float, float] | None = None
+    interval_after: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -96,6 +102,7 @@ class Picture:
     measured, before, after : (h, w, 3) signal per colour, 0..1 above black.
     z_before, z_after : (h, w) mean residual of a cell times the root of its pixels, in
         standard deviations: N(0, 1) if nothing is missing.
+    neutral : camera RGB of a neutral patch under this light, G = 1, to show it by.
     """
 
     name: str
@@ -105,6 +112,7 @@ class Picture:
     after: NDArray[np.float32]
     z_before: NDArray[np.float32]
     z_after: NDArray[np.float32]
+    neutral: Sequence[float] | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Fitting: Fisher scoring of smooth parameters, coordinate search of flows.
+
+Sources: D. Nychka's and others' Fisher scoring of mean and variance of a Gaussian:
+S. M. Kay, Fundamentals of Statistical Signal Processing I, 1993, section 3.9.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.diagnose.fixed_patterns import fit_patterns
+from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.likelihood import Workers, total
+from cg2raw.diagnose.prediction import Model, Prediction, place, predict
+from cg2raw.diagnose.vocabulary import Candidate, Values
+
+ENOUGH = 0.3  # nats; a step that promises less is not taken
+FULL_STEP, FLOW_SHARE = 1.0, 0.4
+Parameter = tuple[str, int]  # name of a term, index of its value
+
+
+@dataclass
+class _State:
+    """Of one frame under a model: what every derivative is taken from."""
+
+    prediction: Prediction
+    used: NDArray[np.bool_]
+    residual: Array  # standardised; whitened by the nuisance
+    columns: dict[Parameter, tuple[NDArray[np.float32], NDArray[np.float32]]]
+
+
+class Linearisation:
+    """Derivatives of mean and variance of all frames by a model's parameters.
+
+    Those of the model's own terms are kept while candidates come and go."""
+
+    def __init__(
+        self, model: Model, frames: Sequence[Frame], workers: Workers
+    ) -> None:
+        self.model, self.frames, self.workers = model, frames, workers
+        self._states = workers.map(self._state, frames)
+
+    def _state(self, frame: Frame) -> _State:
+        p = predict(self.model, frame)
+        sure_white = frame.at_white & (p.mean > 1)
+        sure_zero = frame.at_zero & (p.mean < 0)
+        used = frame.keep & ~sure_white & ~sure_zero
+        difference = frame.signal - p.mean
+        difference = np.where(frame.at_white, np.maximum(difference, 0), difference)
+        difference = np.where(frame.at_zero, np.minimum(difference, 0), difference)
+        z = np.where(used, difference / np.sqrt(p.variance), 0)
+        return _State(p, used, self._white(z, p, frame), {})
+
+    def _white(self, z: Array, p: Prediction, frame: Frame) -> Array:
+        nuisance = self.model.nuisance
+        return z if nuisance is None else nuisance.whiten(z, p, frame)[0]
+
+    def _column(
+        self, state: _State, frame: Frame, parameter: Parameter, model: Model
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        name, index = parameter
+        term = model.term(name)
+        assert term is not None
+        step = term.candidate.steps[index]
+        values = term.values.copy()
+        if values[index] + step > term.candidate.high[index]:
+            step = -step
+        values[index] += step
+        p = state.prediction
+        moved = predict(model.with_values(name, values), frame)
+        mean = (moved.mean - p.mean) / step / np.sqrt(p.variance)
+        mean = self._white(np.where(state.used, mean, 0), p, frame)
+        spread = (moved.variance - p.variance) / step * np.sqrt(0.5) / p.variance
+        spread = np.where(state.used, spread, 0)
+        return mean[frame.keep].astype("f4"), spread[frame.keep].astype("f4")
+
+    def system(self, model: Model) -> tuple[list[Parameter], Array, Array]:
+        """Return (parameters, score, Fisher information) of a model that has this one's
+        prediction: the same terms, or one more at its null."""
+        parameters = free_parameters(model)
+
+        def one(pair: tuple[_State, Frame]) -> tuple[Array, Array]:
+            state, frame = pair
+            rows = []
+            for parameter in parameters:
+                column = state.columns.get(parameter)
+                if column is None:
+                    column = self._column(state, frame, parameter, model)
+                    if self.model.term(parameter[0]) is not None:
+                        state.columns[parameter] = column
+                rows.append(np.concatenate(column))
+            z = state.residual[frame.keep]
+            square = np.where(state.used[frame.keep], (z * z - 1) * np.sqrt(0.5), 0)
+            design = np.array(rows)
+            right = np.concatenate([z, square]).astype("f4")
+            return (
+                (design @ right).astype(float),
+                (design @ design.T).astype(float),
+            )
+
+        if not parameters:
+            return parameters, np.zeros(0), np.zeros((0, 0))
+        pairs = list(zip(self._states, self.frames, strict=True))
+        parts = self.workers.map(one, pairs)
+        return parameters, sum(p[0] for p in parts), sum(p[1] for p in parts)
+
+
+def free_parameters(model: Model) -> list[Parameter]:
+    """Return what Fisher scoring moves: smooth parameters, and noise reduction's."""
+    return [
+        (term.name, index)
+        for term in model.terms
+        if term.candidate.way == "smooth" or term.name == "noise_reduction"
+        for index in range(len(term.values))
+    ]
+
+
+def solve(score: Array, information: Array) -> tuple[Array, float]:
+    """Return (step, promised gain in nats); directions without information rest."""
+    if not score.size:
+        return score, 0.0
+    scale = np.sqrt(np.diag(information))
+    scale = np.where(scale > 1e-9 * (scale.max() + 1e-300), scale, np.inf)
+    correlation = information / np.outer(scale, scale)
+    correlation[np.diag_indices(len(scale))] = 1.0
+    eigenvalues, vectors = np.linalg.eigh(correlation)
+    eigenvalues = np.maximum(eigenvalues, 1e-7)
+    step = vectors @ ((vectors.T @ (score / scale)) / eigenvalues)
+    return step / scale, 0.5 * float(step @ (score / scale))
+
+
+def moved(model: Model, parameters: Sequence[Parameter], step: Array) -> Model:
+    """Return the model with parameters moved, each within its bounds."""
+    values = {term.name: term.values.copy() for term in model.terms}
+    for (name, index), delta in zip(parameters, step, strict=True):
+        values[name][index] += delta
+    for term in model.terms:
+        if term.candidate.way != "pattern":
+            clipped = term.candidate.clipped(values[term.name])
+            model = model.with_values(term.name, clipped)
+    return model
+
+
+def one_step(
+    model: Model, base: Linearisation, current: float
+) -> tuple[Model, float]:
+    """Return (model after one damped step, actual gain in nats)."""
+    parameters, score, information = base.system(model)
+    if not parameters:
+        return model, 0.0
+    step, promised = solve(score, information)
+    best = (model, 0.0)
+    for share in (FULL_STEP, 0.3, 0.1, 0.02):
+        trial = moved(model, parameters, share * step)
+        gain = total(trial, base.frames, base.workers) - current
+        if gain > best[1]:
+            best = (trial, gain)
+        if gain > 0 and (gain > 0.3 * promised or share < FULL_STEP):
+            break
+    return best
+
+
+def fit_flow(
+    model: Model,
+    name: str,
+    frames: Sequence[Frame],
+    workers: Workers,
+    quick: bool = False,
+) -> tuple[Model, float]:
+    """Return (model with a flow's best values, log-likelihood)."""
+    term = model.term(name)
+    assert term is not None
+    candidate = term.candidate
+    # Only noise reduction moves the prediction too.
+    still = name != "noise_reduction"
+    known = workers.map(lambda f: predict(model, f), frames) if still else None
+
+    def score(values: Values) -> float:
+        return total(model.with_values(name, values), frames, workers, known)
+
+    starts = [np.array(start, float) for start in candidate.starts]
+    if np.any(term.values):
+        starts.append(term.values)
+    scores = [score(values) for values in starts]
+    best = int(np.argmax(scores))
+    values, highest = starts[best], scores[best]
+    if not quick:
+        values, highest = _search(candidate, values, highest, score)
+    return model.with_values(name, values), highest
+
+
+def _search(candidate: Candidate, values: Values, highest: float, score):  # type: ignore[no-untyped-def]
+    """Parabolas along one coordinate after the other, ever smaller."""
+    scale = np.maximum(np.abs(values) * FLOW_SHARE, candidate.first_scale)
+    for _ in range(4):
+        for index in range(len(values)):
+            unit = np.zeros(len(values))
+            unit[index] = scale[index]
+            points = [candidate.clipped(values + d * unit) for d in (-1, 1)]
+            heights = [score(point) for point in points]
+            bend = heights[0] - 2 * highest + heights[1]
+            if bend < 0:
+                top = np.clip(0.5 * (heights[0] - heights[1]) / bend, -2, 2)
+                points.append(candidate.clipped(values + top * unit))
+                heights.append(score(points[-1]))
+            best = int(np.argmax(heights))
+            if heights[best] > highest:
+                values, highest = points[best], heights[best]
+        scale = scale * 0.35
+    return values, highest
+
+
+def fit(model: Model, frames: Sequence[Frame], workers: Workers, rounds: int = 7) -> Model:
+    """Return the model of maximum likelihood near a model, all terms together."""
+    current = total(model, frames, workers)
+    for _ in range(2):
+        start = current
+        model, current = _scored(model, current, frames, workers, rounds)
+        structured = [t.name for t in model.terms if t.candidate.way != "smooth"]
+        if not structured:
+            break
+        model = fit_patterns(model, frames, workers)
+        for name in structured:
+            term = model.term(name)
+            if term is not None and term.candidate.way == "flow":
+                model, _ = fit_flow(model, name, frames, workers)
+        current = total(model, frames, workers)
+        if abs(current - start) < 0.5:
+            break
+    return model
+
+
+def _scored(
+    model: Model,
+    current: float,
+    frames: Sequence[Frame],
+    workers: Workers,
+    rounds: int,
+) -> tuple[Model, float]:
+    """Fisher scoring with halved steps until it gains no more."""
+    for _ in range(rounds):
+        parameters, score, information = Linearisation(model, frames, workers).system(
+            model
+        )
+        if not parameters:
+            break
+        step, promised = solve(score, information)
+        for share in (1.0, 0.5, 0.2, 0.05):
+            trial = moved(model, parameters, share * step)
+            height = total(trial, frames, workers)
+            if height > current:
+                break
+        else:
+            break
+        gain = height - current
+        model, current = trial, height
+        if gain < ENOUGH or promised < ENOUGH:
+            break
+    return model, current
+
+
+def start_of_clipping(
+    model: Model, candidate: Candidate, frames: Sequence[Frame], workers: Workers
+) -> Model | None:
+    """Early clipping where bright pixels pile up; its likelihood has no slope at null.
+
+    None if no pixels lie far below what is predicted of them."""
+
+    def low_ones(frame: Frame) -> Array:
+        p = predict(model, frame)
+        low = p.mean - frame.signal > 6 * np.sqrt(p.variance)
+        return frame.signal[frame.keep & ~frame.censored & low & (frame.signal > 0.25)]
+
+    values = np.concatenate(workers.map(low_ones, frames))
+    if values.size < 8:
+        return None
+    width = max(4 * np.sqrt(max(f.beta2.mean() for f in frames)), 2e-4)
+    bins = (values / width).astype(int)
+    fullest = np.argmax(np.bincount(bins))
+    well = np.median(values[bins == fullest])
+    return place(model, candidate, candidate.clipped(np.array([max(1 - well, 1e-3)])))
+
+
+def information_of(
+    model: Model, frames: Sequence[Frame], workers: Workers
+) -> tuple[list[Parameter], Array]:
+    """Return (parameters, Fisher information) of a model on frames."""
+    parameters, _, information = Linearisation(model, frames, workers).system(model)
+    return parameters, information
+

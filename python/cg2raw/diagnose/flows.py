@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Flows: they turn structured noise into white noise, and say what that costs.
+
+Each takes standardised residuals z (T, h, w) and returns new ones and the log of the
+determinant per pixel, so that the density of a frame stays a density. A photon's
+skewness: E. A. Cornish, R. A. Fisher, Rev. Inst. Int. Stat. 5(4), 1938.
+"""
+
+import numpy as np
+from scipy import fft
+from scipy.special import log_ndtr, ndtr, ndtri
+
+from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.prediction import Model, Prediction
+from cg2raw.diagnose.vocabulary import Values
+
+Whitened = tuple[Array, Array | float]
+
+FAR = 7.0  # standard deviations beyond which a series is not trusted
+NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
+
+
+def early_clipping(
+    z: Array, p: Prediction, values: Values, frame: Frame, read_variance: Array
+) -> Whitened:
+    """The exact density of min(photons, well) + read noise near the well."""
+    extra = np.zeros_like(z)
+    well = 1 - values[0]
+    shot = np.sqrt(p.photon_variance + 1e-14)
+    below = (well - p.exposed) / shot
+    near = below < NEAR_WELL
+    if values[0] <= 0 or not near.any():
+        return z, extra
+    x, s2, a = p.exposed[near], shot[near] ** 2, below[near]
+    sd = shot[near]
+    density = np.exp(-0.5 * np.minimum(a * a, 1400)) / np.sqrt(2 * np.pi)
+    inside = ndtr(a)
+    mean = x - sd * (density - a * (1 - inside))
+    moment = s2 * (inside - a * density) + (a * sd) ** 2 * (1 - inside)
+    clipped = np.maximum(moment - (mean - x) ** 2, 0)
+    rest = np.maximum(
+        p.variance[near] - clipped, 0.2 * np.broadcast_to(read_variance, z.shape)[near]
+    )
+    y = z[near] * np.sqrt(p.variance[near]) + mean  # before the read-out's offsets
+    both = s2 + rest
+    split = np.sqrt(s2 * rest / both)
+    open_ = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
+    open_ += log_ndtr((well - (x * rest + y * s2) / both) / split)
+    shut = log_ndtr(-a) - 0.5 * (y - well) ** 2 / rest - 0.5 * np.log(rest)
+    extra[near] = (
+        np.logaddexp(open_, shut) + 0.5 * z[near] ** 2 + 0.5 * np.log(p.variance[near])
+    )
+    return z, extra
+
+
+def row_noise(z: Array, p: Prediction, values: Values, frame: Frame) -> Whitened:
+    """Shrinks each row's common offset: a covariance of rank one a row."""
+    share = (values[0] ** 2 * frame.beta2.mean()) / p.variance * frame.keep
+    total = share.sum(-1, keepdims=True) + 1e-300
+    eigenvalue = 1 + total
+    direction = np.sqrt(share / total)
+    along = (direction * z).sum(-1, keepdims=True)
+    white = z - (1 - eigenvalue**-0.5) * direction * along
+    count = np.maximum(frame.keep.sum(-1, keepdims=True), 1)
+    return white, -0.5 * np.log(eigenvalue) / count * frame.keep
+
+
+def photon_statistics(
+    z: Array, p: Prediction, values: Values, frame: Frame
+) -> Whitened:
+    """Poisson's third and fourth cumulants, by the Cornish-Fisher series."""
+    photons = np.maximum(p.exposed, 0)
+    beta1 = frame.beta1
+    skew = np.minimum(values[0] * beta1**2 * photons / p.variance**1.5, 0.35)
+    excess = np.minimum(values[0] * beta1**3 * photons / p.variance**2, 0.12)
+    c = np.clip(z, -FAR, FAR)
+    square = c * c
+    white = c - skew / 6 * (square - 1) - excess / 24 * (square - 3) * c
+    white += skew**2 / 36 * (4 * square - 7) * c
+    slope = 1 - skew / 3 * c - excess / 24 * (3 * square - 3)
+    slope += skew**2 / 36 * (12 * square - 7)
+    near = np.abs(z) < FAR
+    cost = np.where(near, np.log(np.maximum(slope, 0.05)), 0.0)
+    return np.where(near, white, z), cost
+
+
+def heavy_tailed_noise(
+    z: Array, p: Prediction, values: Values, frame: Frame, read_variance: Array
+) -> Whitened:
+    """A share of the read noise is wider than the rest, the variance as it was."""
+    fraction, ratio = values
+    read = np.minimum(read_variance / p.variance, 1)
+    core = read / (1 + fraction * (ratio - 1))
+    wide, narrow = 1 - read + ratio * core, 1 - read + core
+    log_wide = np.log(fraction) - 0.5 * z * z / wide - 0.5 * np.log(wide)
+    log_narrow = np.log1p(-fraction) - 0.5 * z * z / narrow - 0.5 * np.log(narrow)
+    tail = fraction * ndtr(-np.abs(z) / np.sqrt(wide))
+    tail += (1 - fraction) * ndtr(-np.abs(z) / np.sqrt(narrow))
+    white = -np.sign(z) * ndtri(np.maximum(tail, 1e-300))
+    return white, np.logaddexp(log_wide, log_narrow) + 0.5 * white**2
+
+
+def noise_reduction(z: Array, values: Values) -> Whitened:
+    """Divides by the filter that a camera blended its noise with, in frequency."""
+    blend, diagonal = values
+    centre = 1 - blend - diagonal
+    height, width = z.shape[-2:]
+    cy = np.cos(4 * np.pi * np.fft.fftfreq(height))[:, None]
+    cx = np.cos(4 * np.pi * np.fft.rfftfreq(width))[None]
+    filter_ = centre + blend / 2 * (cy + cx) + diagonal * cy * cx
+    power = filter_**2 / (centre**2 + blend**2 / 4 + diagonal**2 / 4) + 1e-4
+    log_sum = 2 * np.log(power).sum() - np.log(power[:, 0]).sum()
+    if width % 2 == 0:
+        log_sum -= np.log(power[:, -1]).sum()
+    white = fft.irfft2(fft.rfft2(z) / np.sqrt(power), z.shape[-2:])
+    return white, -0.5 * log_sum / (height * width)
+
+
+def whiten(
+    z: Array, p: Prediction, model: Model, frame: Frame
+) -> tuple[Array, Array | float]:
+    """Apply the flows of a model in order; return residuals and summed costs."""
+    excess = model.term("read_noise")
+    read = frame.beta2 * np.exp(excess.values[0] if excess else 0.0)
+    cost: Array | float = 0.0
+    for name in ORDER:
+        term = model.term(name)
+        if name == "nuisance" and model.nuisance is not None:
+            z, more = model.nuisance.whiten(z, p, frame)
+        elif term is None:
+            continue
+        elif name == "noise_reduction":
+            z, more = noise_reduction(z, term.values)
+        elif name == "row_noise":
+            z, more = row_noise(z, p, term.values, frame)
+        elif name == "photon_statistics":
+            z, more = photon_statistics(z, p, term.values, frame)
+        elif name == "heavy_tailed_noise":
+            z, more = heavy_tailed_noise(z, p, term.values, frame, read)
+        else:
+            z, more = early_clipping(z, p, term.values, frame, read)
+        cost = cost + more
+    return z, cost
+
+
+ORDER = (
+    "early_clipping",
+    "noise_reduction",
+    "row_noise",
+    "nuisance",
+    "photon_statistics",
+    "heavy_tailed_noise",
+)

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Captures with hidden effects, by physics of its own: electrons, numpy and scipy.
+
+Nothing here calls the effects, the simulation or the diagnosis: what is hidden is not
+drawn by the code that has to find it. Of a sensor it reads numbers only.
+
+camera      what a profile says, in electrons
+scenes      what stands before the lens
+strengths   the effects that can be hidden, and how strong
+light       colour and optics
+charge      mosaic to electrons, fixed patterns
+readout     noise, clipping, ADC, noise reduction
+density     the true log density of what was read out
+exposures   frames of a set, one after the other
+disk        captures.yaml, DNGs, renders, the sealed truth
+"""

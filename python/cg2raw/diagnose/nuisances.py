@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Nuisances: what is wrong with a capture and not with the camera.
+
+Light that flickers from frame to frame, and a render's smooth error of radiance, are
+Gaussian fields of few dimensions: they are integrated out, not fitted. What is left of
+a wrong registration is a variance on edges. None of it is written to a profile.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cg2raw.diagnose.captures import CaptureSet
+from cg2raw.diagnose.fitting import _search
+from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.likelihood import Workers, total
+from cg2raw.diagnose.prediction import Model, Prediction
+from cg2raw.diagnose.vocabulary import Candidate
+
+FIELD = (5, 6)  # bumps of a smooth error, down and across a frame
+WIDTH_OF_BUMP = 0.7  # of their distance, standard deviation
+BUMPS_THAT_ADD = 1.6  # how many of their variances a pixel sees
+HIGHEST = 0.85  # of white; above it errors of the capture decide what clips
+LEAST = {"light": 0.005, "radiance": 0.01, "registration": 0.0, "texture": 0.0}
+MOST = {"light": 0.2, "radiance": 0.2, "registration": 0.5, "texture": 0.1}
+UNKNOWN_LEVEL = 0.3  # relative, of what nobody measured
+AFTER_ALIGNMENT = 0.05  # relative, of an exposure that was estimated
+
+STARTS = ((0.005, 0.01, 0.005, 0.001), (0.01, 0.03, 0.02, 0.003))
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """Standard deviations: of a frame's brightness and of a smooth error, relative; of
+    a shift, px; of fine texture, relative. free: which of the three float at all."""
+
+    light: float
+    radiance: float
+    registration: float
+    texture: float
+    floating: frozenset[str]
+
+    def pixel_variance(self, frame: Frame, variance: Array) -> Array | float:
+        """Return what is independent from pixel to pixel."""
+        if frame.capture.kind in ("dark", "flat"):
+            return 0.0
+        slope, light = _slope_and_light(frame)
+        extra = self.registration**2 * slope + self.texture**2 * light
+        whole = self.light**2 + BUMPS_THAT_ADD * self.radiance**2
+        return extra + frame.censored * whole * light
+
+    def _columns(self, frame: Frame, p: Prediction) -> Array | None:
+        """(k, pixels) of the fields, in standard deviations of a pixel."""
+        if frame.capture.kind == "dark":
+            return None
+        bearing = np.maximum(p.exposed, 0) / np.sqrt(p.variance)
+        bearing = np.where(frame.keep & ~frame.censored, bearing, 0)
+        columns = []
+        apart = frame.level_free or "white_balance" in self.floating
+        unknown = UNKNOWN_LEVEL if frame.level_free else AFTER_ALIGNMENT
+        if apart:
+            columns += [unknown * bearing * (frame.color == c) for c in range(3)]
+        brightness = self.light
+        if "exposure" in self.floating:
+            brightness = np.hypot(brightness, AFTER_ALIGNMENT)
+        columns.append(brightness * bearing)
+        if frame.capture.kind != "flat" and "radiance" in self.floating:
+            down, across = _bumps(frame)
+            columns += [
+                self.radiance * bearing * down[..., i] * across[..., j]
+                for i in range(FIELD[0])
+                for j in range(FIELD[1])
+            ]
+        return np.array([column.ravel() for column in columns])
+
+    def whiten(
+        self, z: Array, p: Prediction, frame: Frame
+    ) -> tuple[Array, Array | float]:
+        """Return residuals whose fields are shrunk, and the cost per pixel."""
+        columns = self._columns(frame, p)
+        if columns is None or not columns.any():
+            return z, 0.0
+        values, vectors = np.linalg.eigh(columns @ columns.T)
+        used = values > 1e-9
+        directions = (vectors[:, used] / np.sqrt(values[used])).T @ columns
+        eigenvalues = 1 + values[used]
+        flat = z.ravel()
+        along = directions @ flat
+        white = flat - ((1 - eigenvalues**-0.5) * along) @ directions
+        cost = -0.5 * np.log(eigenvalues).sum() / max(frame.keep.sum(), 1)
+        return white.reshape(z.shape), cost * frame.keep
+
+
+def _bumps(frame: Frame) -> tuple[Array, Array]:
+    """Return Gaussian bumps along rows (T, h, 1, n) and columns (T, 1, w, n)."""
+    if "bumps" not in frame.store:
+        parts = []
+        for places, length, count in zip(
+            frame.tiles.rows_and_columns(), frame.tiles.shape, FIELD, strict=True
+        ):
+            distance = places[..., None] / length * (count - 1) - np.arange(count)
+            parts.append(np.exp(-0.5 * (distance / WIDTH_OF_BUMP) ** 2))
+        frame.store["bumps"] = tuple(parts)
+    return frame.store["bumps"]  # type: ignore[no-any-return]
+
+
+def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
+    """Return the squares of slope (per px) and of light at each pixel."""
+    if "slope" not in frame.store:
+        camera = frame.camera.astype(float)
+        squared = np.gradient(camera, axis=2) ** 2 + np.gradient(camera, axis=3) ** 2
+        frame.store["slope"] = (of_site(squared, frame), of_site(camera**2, frame))
+    return frame.store["slope"]  # type: ignore[no-any-return]
+
+
+def of_site(planes: Array, frame: Frame) -> Array:
+    """Return from (T, 3, H, W) with margins what each site's filter passes."""
+    m = frame.tiles.margin
+    inner = planes[:, :, m : planes.shape[2] - m, m : planes.shape[3] - m]
+    color = frame.color[None]
+    return np.where(
+        color == 0, inner[:, 0], np.where(color == 1, inner[:, 1], inner[:, 2])
+    )
+
+
+def nuisance_of(
+    capture_set: CaptureSet, frames: Sequence[Frame], workers: Workers
+) -> Nuisance | None:
+    """Return the nuisance that a capture set declares, fitted on frames.
+
+    None if it declares none and every level is known."""
+    floating = capture_set.nuisances
+    if not floating and not any(frame.level_free for frame in frames):
+        return None
+    given = {**LEAST, **capture_set.uncertainty}
+    start = Nuisance(
+        light=given["light"] if "light" in floating else 0.0,
+        radiance=given["radiance"] if "radiance" in floating else 0.0,
+        registration=given["registration"] if "registration" in floating else 0.0,
+        texture=0.0,
+        floating=floating,
+    )
+    return refitted(Model(capture_set.sensor, nuisance=start), frames, workers, given)
+
+
+def refitted(
+    model: Model, frames: Sequence[Frame], workers: Workers, given: Any = None
+) -> Nuisance:
+    """Return the nuisance of a model with standard deviations that fit frames best."""
+    old: Nuisance = model.nuisance
+    moving = {
+        "light": "light" in old.floating,
+        "radiance": "radiance" in old.floating,
+        "registration": "registration" in old.floating,
+        "texture": bool(old.floating & {"registration", "radiance"}),
+    }
+    names = [name for name, moves in moving.items() if moves]
+    if not names:
+        return old
+    least = {**LEAST, **(given or {})}
+    candidate = Candidate(
+        name="nuisance",
+        way="flow",
+        parameters=tuple(names),
+        units=("1",) * len(names),
+        low=np.array([least[name] for name in names]),
+        high=np.array([MOST[name] for name in names]),
+        steps=np.full(len(names), 1e-3),
+        first_scale=5e-4,
+    )
+
+    def with_values(values: Any) -> Nuisance:
+        return replace(old, **dict(zip(names, map(float, values), strict=True)))
+
+    def score(values: Any) -> float:
+        trial = replace(model, nuisance=with_values(values))
+        return total(trial, frames, workers)
+
+    order = list(moving)
+    starts = [
+        candidate.clipped(np.array([start[order.index(name)] for name in names]))
+        for start in STARTS
+    ]
+    starts.append(candidate.clipped(np.array([getattr(old, n) for n in names])))
+    scores = [score(values) for values in starts]
+    best = int(np.argmax(scores))
+    values, _ = _search(candidate, starts[best], scores[best], score)
+    found = with_values(values)
+    # Repeats of a scene share one field, and count here as two.
+    return replace(found, radiance=found.radiance * np.sqrt(2))
+
+
+def without_highlights(frames: Sequence[Frame], model: Model) -> None:
+    """Take what is predicted near white out of the frames that show a scene."""
+    from cg2raw.diagnose.prediction import predict
+
+    for frame in frames:
+        if frame.capture.kind in ("scene", "chart"):
+            frame.keep &= predict(model, frame).mean < HIGHEST

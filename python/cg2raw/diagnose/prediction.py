@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Models, and what they predict of a frame."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cg2raw import _core
+from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.vocabulary import Candidate, Values
+
+LEAST_VARIANCE = 1e-12
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A fixed map of the sensor as the fit frames tell it: mean and variance, on the
+    tiles; `bearing` says what it multiplies (see fixed_patterns)."""
+
+    mean: Array
+    variance: Array
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect of a model and its values; a pattern has its map besides."""
+
+    candidate: Candidate
+    values: Values
+    pattern: Pattern | None = None
+
+    @property
+    def name(self) -> str:
+        return self.candidate.name
+
+
+@dataclass(frozen=True)
+class Model:
+    """Effects on top of the doubted sensor; nuisances are of the capture alone."""
+
+    sensor: Any
+    terms: tuple[Term, ...] = ()
+    nuisance: Any = None
+
+    @property
+    def names(self) -> list[str]:
+        return [term.name for term in self.terms]
+
+    def term(self, name: str) -> Term | None:
+        return next((term for term in self.terms if term.name == name), None)
+
+    def with_term(self, term: Term) -> "Model":
+        """Return the model with a term added, or in the place of its namesake."""
+        if self.term(term.name) is None:
+            return replace(self, terms=(*self.terms, term))
+        terms = tuple(term if t.name == term.name else t for t in self.terms)
+        return replace(self, terms=terms)
+
+    def with_values(self, name: str, values: Values) -> "Model":
+        term = self.term(name)
+        assert term is not None
+        return self.with_term(replace(term, values=values))
+
+    def without(self, name: str) -> "Model":
+        return replace(self, terms=tuple(t for t in self.terms if t.name != name))
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Mean and variance over frames of every pixel, (T, h, w), signal units.
+
+    exposed : the mean before noise; photons, and variance of the photons."""
+
+    mean: Array
+    variance: Array
+    exposed: Array
+    photon_variance: Array
+
+
+def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]:
+    """Return all effects that the registry simulates for a model, with values."""
+    profile = {
+        effect["name"]: list(effect["parameters"].values())
+        for effect in ordered_effects(model.sensor)
+    }
+    for term in model.terms:
+        name = term.name
+        if term.candidate.way == "smooth" and name not in _NOISE or name in _OUTPUT:
+            old = profile.get(name, [0.0] * len(term.values))
+            profile[name] = [a + float(b) for a, b in zip(old, term.values, strict=True)]
+    gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
+    sites = len(model.sensor.cfa)
+    for name, betas, factor in (
+        ("shot_noise", frame.noise.beta1, gain),
+        ("read_noise", frame.noise.beta2, excess),
+    ):
+        spread = betas if len(betas) > 1 else betas * sites
+        profile[name] = [min(factor * beta, 1.0) for beta in spread]
+    return list(profile.items())
+
+
+_NOISE = ("shot_noise", "read_noise")
+_OUTPUT = ("noise_reduction",)
+
+
+def ordered_effects(sensor: Any) -> list[dict[str, Any]]:
+    """Return the effects of a profile with parameters in the registry's order."""
+    order = {e["name"]: [p["name"] for p in e["parameters"]] for e in _core.effects()}
+    return [
+        {
+            **effect,
+            "parameters": {n: effect["parameters"][n] for n in order[effect["name"]]},
+        }
+        for effect in sensor.effects
+    ]
+
+
+def _value(model: Model, name: str) -> float:
+    term = model.term(name)
+    return 0.0 if term is None else float(term.values[0])
+
+
+def predict(model: Model, frame: Frame) -> Prediction:
+    """Return what a model predicts of a frame: effects by the registry, then maps."""
+    mean, variance, exposed = (
+        part.astype(float)
+        for part in _core.predict_blocks(
+            model.sensor._profile,
+            registry_values(model, frame),
+            frame.camera,
+            frame.tiles.origins,
+            frame.tiles.shape,
+            frame.tiles.margin,
+            frame.neutral,
+            frame.seconds,
+            frame.surround,
+        )
+    )
+    photons = np.maximum(exposed, 0)
+    photon_variance = np.exp(_value(model, "shot_noise")) * frame.beta1 * photons
+    sign = -1.0 if frame.capture.group == "fit" else 1.0
+    doubt = 0.0
+    for term in model.terms:
+        if term.pattern is not None and term.pattern.mean.shape == mean.shape:
+            bearing = pattern_bearing(term.name, frame, photons)
+            shift = bearing * term.pattern.mean
+            mean = mean + shift
+            doubt = doubt + bearing**2 * term.pattern.variance
+            if term.name == "hot_pixels":  # charge, with the shot noise of charge
+                gain = np.exp(_value(model, "shot_noise"))
+                variance = variance + gain * frame.beta1 * np.maximum(shift, 0)
+    # The fit frames made the map: their residuals are too small by its variance.
+    variance = np.maximum(variance + sign * doubt, 0.15 * variance)
+    variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
+    if model.nuisance is not None:
+        variance = variance + model.nuisance.pixel_variance(frame, variance)
+    return Prediction(mean, variance, exposed, photon_variance)
+
+
+def pattern_bearing(name: str, frame: Frame, photons: Array) -> Any:
+    """Return what a pattern's map is multiplied by in a frame."""
+    if name == "prnu":
+        return photons
+    return frame.seconds if name == "hot_pixels" else 1.0
+
+
+def place(model: Model, candidate: Candidate, values: Values | None = None) -> Model:
+    """Return the model with a candidate at its null, or at given values."""
+    start = candidate.null if values is None else np.asarray(values, float)
+    return model.with_term(Term(candidate, start))
+
+
+def predictions(model: Model, frames: Iterable[Frame]) -> Sequence[Prediction]:
+    """Return the prediction of each frame."""
+    return [predict(model, frame) for frame in frames]

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Search: effects are added one by one, each on frames that did not fit it.
+
+A candidate is screened by one step on the fit frames, fitted there by maximum
+likelihood, and accepted if the likelihood of the select frames rises by
+ln(candidates / alpha) over the best that the model without it can do there: the split
+likelihood-ratio test. Source: L. Wasserman, A. Ramdas, S. Balakrishnan, Universal
+inference, PNAS 117(29), 2020.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cg2raw.diagnose.fitting import (
+    Linearisation,
+    fit,
+    fit_flow,
+    one_step,
+    start_of_clipping,
+)
+from cg2raw.diagnose.fixed_patterns import fit_patterns
+from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.likelihood import Workers, in_blocks, total
+from cg2raw.diagnose.nuisances import refitted
+from cg2raw.diagnose.prediction import Model, place
+from cg2raw.diagnose.vocabulary import Candidate, confusable
+
+MOST_FITTED = 6  # candidates that are fitted in full, of those screened
+WORTH_FITTING = 0.05  # of the best screening score
+CLEAR = 5.0  # nats between two names: an e-value ratio of 150
+CLEAR_SHARE = 0.05  # of the gain
+MEAN_FIRST = 0.25  # of the gain that an effect of the mean needs to go first
+MOST_SWAPS = 3
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A candidate that was fitted: what it gains on the select frames, nats."""
+
+    name: str
+    gain: float
+    blocks: Array
+    model: Model
+
+
+@dataclass(frozen=True)
+class Step:
+    """One change of the model. ambiguous: names that explain it as well."""
+
+    action: str
+    name: str
+    gain: float
+    ranking: Sequence[tuple[str, float]] = ()
+    ambiguous: Sequence[str] = ()
+    null_gain: float = 0.0
+
+
+@dataclass
+class Search:
+    """The state of one search; run() goes on until nothing more is accepted."""
+
+    fit_frames: Sequence[Frame]
+    select_frames: Sequence[Frame]
+    candidates: Sequence[Candidate]
+    workers: Workers
+    alpha: float
+    most: int
+    report: Callable[[str], None]
+    steps: list[Step] = field(default_factory=list)
+    interrupted: bool = False
+    _swapped: set[tuple[str, str]] = field(default_factory=set)
+
+    @property
+    def threshold(self) -> float:
+        """Nats that a name must gain."""
+        return float(np.log(max(len(self.candidates), 1) / self.alpha))
+
+    def run(self, model: Model) -> Model:
+        """Return the model with all effects that are accepted. Ctrl-C ends the search
+        with what was accepted until then."""
+        try:
+            for _ in range(self.most + MOST_SWAPS):
+                changed = self._add(model)
+                if changed is None:
+                    changed = self._swap(model)
+                if changed is None:
+                    break
+                model = changed
+        except KeyboardInterrupt:
+            self.interrupted = True
+        return model
+
+    def _select(self, model: Model) -> Array:
+        return in_blocks(model, self.select_frames, self.workers)
+
+    def _add(self, model: Model) -> Model | None:
+        """Return the model with the best candidate that passes; None if none does."""
+        if len(model.terms) >= self.most:
+            return None
+        self.report(f"looking for effect {len(model.terms) + 1}")
+        current = self._select(model)
+        trials = self._trials(model, current)
+        if not trials:
+            return None
+        allowance = self._null_gain(model)
+        needed = self.threshold + allowance
+        if trials[0].gain < needed:
+            return None
+        best = self._mean_first(trials, needed)
+        best, ambiguous = self._decide(best, trials, needed)
+        self.steps.append(
+            Step(
+                "added",
+                best.name,
+                best.gain,
+                [(t.name, t.gain) for t in trials],
+                ambiguous,
+                allowance,
+            )
+        )
+        return self._settled(best.model, best.name)
+
+    def _settled(self, model: Model, newest: str) -> Model:
+        model = self._pruned(model, newest)
+        if model.nuisance is not None:
+            better = refitted(model, self.fit_frames, self.workers)
+            model = replace(model, nuisance=better)
+        return model
+
+    def _null_gain(self, model: Model) -> float:
+        """What the model gains on the select frames by fitting itself to them."""
+        if not any(term.candidate.way == "smooth" for term in model.terms):
+            return 0.0
+        current = total(model, self.select_frames, self.workers)
+        base = Linearisation(model, self.select_frames, self.workers)
+        return one_step(model, base, current)[1]
+
+    def _trials(self, model: Model, current: Array) -> list[Trial]:
+        """Screen all candidates, fit the best; sorted by gain on the select frames."""
+        screened = self._screened(model, current)
+        best = max((score for score, _, _ in screened), default=0.0)
+        trials = []
+        for rank, (score, candidate, start) in enumerate(screened[:MOST_FITTED]):
+            if score < 0.8 * self.threshold:
+                continue
+            if rank >= 3 and score < WORTH_FITTING * best:
+                continue
+            self.report(f"fitting {candidate.name}")
+            fitted = fit(start, self.fit_frames, self.workers)
+            blocks = self._select(fitted) - current
+            trials.append(Trial(candidate.name, float(blocks.sum()), blocks, fitted))
+        return sorted(trials, key=lambda trial: trial.gain, reverse=True)
+
+    def _screened(
+        self, model: Model, current: Array
+    ) -> list[tuple[float, Candidate, Model]]:
+        """Return (score, candidate, first guess), best first."""
+        base = Linearisation(model, self.fit_frames, self.workers)
+        height = total(model, self.fit_frames, self.workers)
+        found = []
+        for candidate in self.candidates:
+            if candidate.name in model.names:
+                continue
+            self.report(f"screening {candidate.name}")
+            guess = self._guess(model, candidate, base, height)
+            if guess is None:
+                continue
+            start, score = guess
+            if candidate.way == "pattern":
+                score = float(self._select(start).sum() - current.sum())
+            found.append((score, candidate, start))
+        return sorted(found, key=lambda item: item[0], reverse=True)
+
+    def _guess(
+        self,
+        model: Model,
+        candidate: Candidate,
+        base: Linearisation | None,
+        height: float,
+    ) -> tuple[Model, float] | None:
+        """Return (model with a first guess of the candidate, its gain when fitted)."""
+        frames, workers = self.fit_frames, self.workers
+        if candidate.name == "early_clipping":
+            start = start_of_clipping(model, candidate, frames, workers)
+            if start is None:
+                return None
+            return start, total(start, frames, workers) - height
+        if candidate.way == "smooth":
+            base = base or Linearisation(model, frames, workers)
+            return one_step(place(model, candidate), base, height)
+        if candidate.way == "flow":
+            start = place(model, candidate, np.array(candidate.starts[0]))
+            start, score = fit_flow(start, candidate.name, frames, workers, quick=True)
+            return start, score - height
+        return fit_patterns(place(model, candidate), frames, workers), 0.0
+
+    def _mean_first(self, trials: Sequence[Trial], needed: float) -> Trial:
+        """Noise absorbs any misfit of the mean: an effect of the mean goes first."""
+        kinds = {candidate.name: candidate for candidate in self.candidates}
+        best = trials[0]
+        if kinds[best.name].absorbs:
+            for trial in trials:
+                known = kinds[trial.name]
+                enough = trial.gain >= needed and trial.gain > MEAN_FIRST * best.gain
+                if known.moves_mean and not known.absorbs and enough:
+                    if trial.name != "noise_reduction":
+                        return trial
+        return best
+
+    def _decide(
+        self, best: Trial, trials: Sequence[Trial], needed: float
+    ) -> tuple[Trial, list[str]]:
+        """Return (the trial to accept, names that are as good); a tie goes to the one
+        with fewer parameters."""
+        tied = []
+        for trial in trials:
+            if trial is best or trial.gain > best.gain:
+                continue
+            lead = best.blocks - trial.blocks
+            error = lead.std() * np.sqrt(lead.size)
+            small = lead.sum() < 2 * error and lead.sum() < CLEAR_SHARE * best.gain
+            if lead.sum() < CLEAR or small:
+                tied.append(trial)
+        if not tied:
+            return best, []
+        able = [best, *(trial for trial in tied if trial.gain >= needed)]
+        simplest = min(able, key=lambda t: (self._cost(t.name), -t.gain))
+        if best.gain - simplest.gain >= CLEAR:
+            simplest = best
+        others = [t.name for t in [best, *tied] if t.name != simplest.name]
+        return simplest, others
+
+    def _cost(self, name: str) -> int:
+        known = next(c for c in self.candidates if c.name == name)
+        return 1000 if known.way == "pattern" else len(known.parameters)
+
+    def _pruned(self, model: Model, newest: str) -> Model:
+        """Drop older effects that are not needed any more."""
+        height = self._select(model).sum()
+        for name in [n for n in model.names if n != newest]:
+            if len(model.terms) < 2:
+                break
+            self.report(f"is {name} still needed")
+            rest = fit(model.without(name), self.fit_frames, self.workers)
+            without = self._select(rest).sum()
+            if height - without < self.threshold:
+                model, height = rest, without
+                self.steps.append(Step("dropped", name, float(height - without)))
+        return model
+
+    def _swap(self, model: Model) -> Model | None:
+        """Exchange an effect for one that looks alike, if held-out frames say so."""
+        if len(model.terms) < 2 or len(self._swapped) >= MOST_SWAPS:
+            return None
+        height = self._select(model).sum()
+        best: tuple[float, str, str, Model] | None = None
+        for term in model.terms:
+            rest = model.without(term.name)
+            loss = height - self._select(rest).sum()
+            for candidate in self.candidates:
+                pair = (term.name, candidate.name)
+                known = pair in self._swapped or pair[::-1] in self._swapped
+                if candidate.name in model.names or known:
+                    continue
+                if not confusable(term.candidate, candidate):
+                    continue
+                trial = self._swapped_model(rest, candidate, height, loss)
+                if trial is None:
+                    continue
+                gain = float(self._select(trial).sum() - height)
+                if gain > CLEAR and (best is None or gain > best[0]):
+                    best = (gain, *pair, trial)
+        if best is None:
+            return None
+        gain, old, new, trial = best
+        self._swapped.add((old, new))
+        self.steps.append(Step("swapped", new, gain, [(old, 0.0)]))
+        return self._settled(trial, new)
+
+    def _swapped_model(
+        self, rest: Model, candidate: Candidate, height: float, loss: float
+    ) -> Model | None:
+        """Return the rest with a candidate fitted; None if it is nowhere near."""
+        self.report(f"would {candidate.name} do as well")
+        before = total(rest, self.fit_frames, self.workers)
+        guess = self._guess(rest, candidate, None, before)
+        if guess is None:
+            return None
+        if self._select(guess[0]).sum() < height - 0.5 * abs(loss) - 50:
+            return None
+        return fit(guess[0], self.fit_frames, self.workers)

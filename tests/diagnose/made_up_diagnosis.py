@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A made-up diagnosis: what a camera with vignetting and row noise might give."""
+
+import json
+
+import numpy as np
+
+from cg2raw.diagnose.diagnosis import (
+    Alternative,
+    Curve,
+    Diagnosis,
+    Estimate,
+    Finding,
+    Gap,
+    Picture,
+    Power,
+    ResidualTest,
+    Rung,
+)
+
+R2, R4 = -0.34, 0.05
+NEUTRAL = (0.52, 1.0, 0.68)
+NOISE = 0.012  # at full signal; of a cell's mean
+SHARE = 0.3  # of the error in noise that a map shows, so that it does not saturate
+
+
+def scene(height, width, rng):
+    """Return (height, width, 3) linear: a sky, hills and coloured spheres."""
+    y, x = np.mgrid[0:height, 0:width] / height
+    image = np.zeros((height, width, 3))
+    image[:] = np.stack([0.35 + 0.3 * y, 0.45 + 0.25 * y, 0.75 - 0.1 * y], axis=-1)
+    for level, tint in ((0.55, (0.10, 0.16, 0.05)), (0.7, (0.22, 0.15, 0.07))):
+        ridge = level + 0.06 * np.sin(7 * x + 20 * level) + 0.03 * np.sin(19 * x)
+        image[y > ridge] = tint
+    for _ in range(7):
+        cx, cy, r = (
+            rng.uniform(0.1, 1.4),
+            rng.uniform(0.45, 0.9),
+            rng.uniform(0.05, 0.14),
+        )
+        d2 = ((x - cx) ** 2 + (y - cy) ** 2) / r**2
+        height_map = np.sqrt(np.clip(1 - d2, 0, 1))
+        light = 0.15 + 0.85 * np.clip(0.6 * height_map - 0.5 * (y - cy) / r, 0, 1)
+        image = np.where(
+            (d2 < 1)[..., None], rng.uniform(0.05, 0.8, 3) * light[..., None], image
+        )
+    return 0.85 * image
+
+
+def radius_squared(height, width):
+    """Return (height, width): 1 in the corners."""
+    y, x = np.mgrid[0:height, 0:width]
+    y, x = (y + 0.5) / height - 0.5, (x + 0.5) / width - 0.5
+    aspect = width / height
+    return (y**2 + (aspect * x) ** 2) / (0.25 * (1 + aspect**2))
+
+
+def picture(name, kind, height, width, seed):
+    """Return a frame whose corners are darker than its simulation before."""
+    rng = np.random.default_rng(seed)
+    light = {"dark": 0.0, "flat": 0.4}.get(kind)
+    signal = scene(height, width, rng) if light is None else np.full((1, 1, 3), light)
+    before = np.broadcast_to(signal * NEUTRAL, (height, width, 3)).copy()
+    r2 = radius_squared(height, width)[..., None]
+    after = before * (1 + R2 * r2 + R4 * r2**2)
+    sigma = NOISE * np.sqrt(before + 0.01)
+    rows = 0.0008 * rng.standard_normal((height, 1, 1))
+    measured = after + rows + sigma * rng.standard_normal(before.shape) / 3
+    level = sigma.mean(axis=-1) / 1.7
+    z_after = rng.standard_normal((height, width))
+    z_rows = 1.6 * rng.standard_normal((height, 1))
+    z_before = z_after + z_rows + SHARE * (after - before).mean(axis=-1) / level
+    z_before[: height // 12, : width // 9] = z_after[: height // 12, : width // 9] = (
+        np.nan
+    )
+    arrays = (np.clip(a, 0, 1).astype(np.float32) for a in (measured, before, after))
+    z = (a.astype(np.float32) for a in (z_before, z_after))
+    return Picture(name, kind, *arrays, *z, neutral=NEUTRAL)
+
+
+def pictures(count=3, height=340, width=512):
+    """Return @count frames: scenes, a flat and a dark in turn."""
+    kinds = ("scene", "flat", "scene", "dark")
+    names = [f"{kinds[n % 4]}_{n}.dng" for n in range(count)]
+    return [
+        picture(name, kinds[n % 4], height, width, n) for n, name in enumerate(names)
+    ]
+
+
+def curves():
+    """Return a fall-off and a photon transfer curve."""
+    rng = np.random.default_rng(3)
+    r, s = np.linspace(0, 1, 60), np.linspace(0, 1, 60)
+    fall = 1 + R2 * r**2 + R4 * r**4
+    at = np.linspace(0.03, 0.99, 24)
+    seen = 1 + R2 * at**2 + R4 * at**4 + 0.006 * rng.standard_normal(24)
+    variance = 3.1e-6 + 2.4e-4 * s
+    points = (3.1e-6 + 2.4e-4 * at) * (1 + 0.03 * rng.standard_normal(24))
+    return [
+        Curve("Relative illumination", "radius (1: corner)", "relative signal",
+              r, fall, fall - 0.004 - 0.01 * r, fall + 0.004 + 0.01 * r, at, seen,
+              "lens_shading"),
+        Curve("Photon transfer", "signal (1: white level)", "variance",
+              s, variance, 0.97 * variance, 1.03 * variance, at, points, "row_noise"),
+    ]  # fmt: skip
+
+
+def residual_tests(scale):
+    """Return 29 tests whose sizes are @scale of those of the made-up camera."""
+    rng = np.random.default_rng(11)
+    families = {
+        "mean by": ("radius", "tile", "row", "level", "channel", "column", "frame"),
+        "variance by": ("row", "level", "radius", "channel", "frame"),
+        "autocorrelation": ("0,1", "1,0", "1,1", "0,2", "2,0", "2,2"),
+        "gradient": ("Laplacian", "radial red", "radial blue", "vertical", "horizontal",
+                     "vertical red", "horizontal blue"),
+    }  # fmt: skip
+    names = [f"{family} {what}" for family, each in families.items() for what in each]
+    names += ["skewness", "kurtosis", "product of frames", "product of repeats"]
+    sizes = 0.3 * np.exp(-0.62 * np.arange(len(names)))
+    tests = []
+    for name, size in zip(names, sizes, strict=True):
+        size = scale * size + 2e-6 * rng.exponential()
+        statistic = np.sqrt(2e5 * size)
+        p_value = float(np.exp(-min(700, statistic**2 / 2)))
+        where = "corners, all channels alike" if "radius" in name else "nowhere special"
+        tests.append(ResidualTest(name, float(statistic), p_value, float(size), where))
+    return tests
+
+
+def histogram(deviation):
+    """Return (edges, counts) of normal residuals with that standard deviation."""
+    edges = np.linspace(-8, 8, 81)
+    draws = np.random.default_rng(5).normal(0, deviation, 400_000)
+    return edges, np.histogram(draws, edges)[0]
+
+
+def findings():
+    """Return the two effects."""
+    shading = Finding(
+        "lens_shading",
+        {"r2": Estimate(-0.3412, "1", (-0.3441, -0.3383)),
+         "r4": Estimate(0.0518, "1", (0.0466, 0.0570)),
+         "r6": Estimate(-0.0004, "1", (-0.0031, 0.0023))},
+        18342.1, 1e300,
+        [Alternative("veiling_glare", 212.0), Alternative("nonlinearity", 96.4)],
+        [], "falls off with radius, all channels, in proportion to signal",
+        "The lens loses 29 % at the corner; adding it brings held-out chi-square from "
+        "3.21 to 1.04.",
+    )  # fmt: skip
+    rows = Finding(
+        "row_noise",
+        {"sigma": Estimate(0.412, "DN", (0.381, 0.447))},
+        31.7, 5.8e13,
+        [Alternative("read_noise", 28.9, "Ten further darks: rows repeat in none.")],
+        ["read_noise"], "whole rows, new in each frame",
+        "Rows jump together by 0.41 DN from frame to frame; adding it brings held-out "
+        "chi-square from 1.04 to 1.00.",
+    )  # fmt: skip
+    return [shading, rows]
+
+
+def power():
+    """Return smallest visible strengths, one of them out of reach."""
+    return [
+        Power("exposure", "gain", 4.2e-4, "1"),
+        Power("white_balance", "red", 7e-4, "1"),
+        Power("white_balance", "blue", 8e-4, "1"),
+        Power("blur", "ring_1", 0.0031, "1"),
+        Power("lateral_chromatic_aberration", "red", 0.008, "px at the corner"),
+        Power("black_level", "offset_00", 0.02, "DN"),
+        Power("dark_current", "per_second", None, "1/s"),
+        Power("prnu", "sigma", 6e-4, "1"),
+        Power("veiling_glare", "uniform", 5e-4, "1"),
+    ]
+
+
+def made_up_diagnosis(**changes):
+    """Return a Diagnosis with every field filled; @changes replace fields."""
+    effects = findings()
+    ladder = [
+        Rung("added", "lens_shading", 18342.1,
+             [Alternative("lens_shading", 18342.1), Alternative("veiling_glare", 212.0),
+              Alternative("nonlinearity", 96.4), Alternative("exposure", 64.0)]),
+        Rung("added", "row_noise", 31.7,
+             [Alternative("row_noise", 31.7), Alternative("read_noise", 28.9),
+              Alternative("dsnu", -2.1)]),
+    ]  # fmt: skip
+    fields = {
+        "verdict": "identified",
+        "sensor_id": "nikon-d40",
+        "effects": effects,
+        "gap": Gap(0.4113, 0.00031, 3.214, 1.0012, 0.0983, 0.00042,
+                   ["scene_0.dng", "flat_1.dng", "scene_2.dng"],
+                   (0.4021, 0.4208), (0.00012, 0.00049)),
+        "tests_before": residual_tests(1.0),
+        "tests_after": residual_tests(1e-5),
+        "unexplained": [ResidualTest("row autocorrelation", 4.1, 2e-5, 2.3e-4,
+                                     "odd rows of the left half")],
+        "ladder": ladder,
+        "power": power(),
+        "next_captures": ["Ten darks of one exposure time would tell row noise from "
+                          "read noise."],
+        "notes": ["The exposure of every set was floated.",
+                  "Lateral chromatic aberration was not tested: no frame has edges."],
+        "groups": {"fit": ["shot_1.dng", "dark_0.dng"], "select": ["shot_4.dng"],
+                   "report": ["scene_0.dng", "flat_1.dng", "scene_2.dng"]},
+        "pictures": pictures(),
+        "curves": curves(),
+        "histogram_before": histogram(1.8),
+        "histogram_after": histogram(1.0),
+        "profile_json": json.dumps({"id": "nikon-d40", "effects": ["lens_shading"]},
+                                   indent=2),
+        "seconds": 12.34,
+    }  # fmt: skip
+    return Diagnosis(**{**fields, **changes})
