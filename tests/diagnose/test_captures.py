@@ -364,6 +364,7 @@ FLAT = "kind: flat, illuminant: A, scene"
         ([f"kind: dark, {LIGHT}"] * 3, ["only darks"]),
         ([f"{FLAT}: 1"], ["one frame only", "no darks", "no scenes", "flats of one"]),
         ([f"{FLAT}: 1", f"{FLAT}: 2"], ["no darks", "no scenes"]),
+        ([f"{FLAT}: unknown"] * 2, ["no darks", "no scenes"]),
         (
             [f"kind: dark, {LIGHT}"] * 2 + [f"{FLAT}: 1"] * 2,
             ["darks of one exposure time", "no scenes", "flats of one level"],

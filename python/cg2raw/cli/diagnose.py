@@ -22,7 +22,6 @@ import argparse
 import difflib
 import sys
 
-from cg2raw import _core
 
 INTERRUPTED = 130
 MODES = ("check", "verify", "hide", "bench")
@@ -134,10 +133,10 @@ def run_diagnosis(arguments):
     from cg2raw.diagnose.capture_set import read_captures
     from cg2raw.diagnose.report_folder import check_folder, write_report_folder
 
-    without = left_out(arguments)
+    choice = {name: names_of(arguments, name) for name in ("without", "only")}
     check_folder(arguments.output, arguments.force)
     captures = read_captures(arguments.captures)
-    found = diagnosed(arguments, captures, most=arguments.max or 6, without=without)
+    found = diagnosed(arguments, captures, most=arguments.max or 6, **choice)
     names = write_report_folder(found, arguments.output, arguments.force)
     if not arguments.quiet:
         from cg2raw.cli._verdict import verdict_text
@@ -146,20 +145,21 @@ def run_diagnosis(arguments):
     return exit_code(arguments, found)
 
 
-def left_out(arguments):
-    """Return the names that are not looked for. Raises ValueError for unknown ones."""
-    known = [effect["name"] for effect in _core.effects()]
-    option = "--only" if arguments.only else "--without"
-    names = [name for name in (arguments.only or arguments.without or "").split(",")]
-    names = [name.strip() for name in names if name.strip()]
+def names_of(arguments, option):
+    """Return the effects that --without or --only lists. Raises ValueError."""
+    from cg2raw.diagnose import vocabulary
+
+    known = vocabulary.names()
+    words = (getattr(arguments, option) or "").split(",")
+    names = tuple(word.strip() for word in words if word.strip())
     for name in names:
         if name not in known:
             close = difflib.get_close_matches(name, known, 1)
-            hint = f"did you mean {close[0]}?" if close else "see cg2raw effects"
-            raise ValueError(f'{option}: no effect is called "{name}"; {hint}')
-    if arguments.only:
-        return tuple(name for name in known if name not in names)
-    return tuple(names)
+            hint = (
+                f"did you mean {close[0]}?" if close else f"they are {', '.join(known)}"
+            )
+            raise ValueError(f'--{option}: no diagnosis names "{name}": {hint}')
+    return names
 
 
 def diagnosed(arguments, captures, **options):

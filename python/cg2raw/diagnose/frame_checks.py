@@ -173,13 +173,13 @@ def what_is_missing(frames: Sequence[Any]) -> list[str]:
             "darks of one exposure time: dark current cannot be told from black level; "
             "add darks of another"
         )
-    flats = [f.entry.scene for f in frames if f.capture.kind == "flat"]
     if not kinds & {"scene", "chart"}:
         notes.append(
             "no scenes: colour matrix, blur, aberration, crosstalk and glare cannot be "
             "told; add scenes with their renders, or a chart"
         )
-        if len(set(map(str, flats))) == 1:
+        flats = [f.entry for f in frames if f.capture.kind == "flat"]
+        if len({(e.scene, e.gain) for e in flats}) == 1 and flats[0].scene != UNKNOWN:
             notes.append(
                 "flats of one level: non-linearity cannot be told from exposure, nor "
                 "PRNU from shot noise; add flats of another"
