@@ -6,7 +6,6 @@ import json
 import sys
 import types
 
-import cg2raw.diagnose
 import pytest
 from cg2raw.diagnose.diagnosis import VERDICTS
 from diagnose import capture_files as files
@@ -33,7 +32,7 @@ def engine(monkeypatch):
     calls_of = types.SimpleNamespace(calls=calls, result=engine_result)
     module = types.ModuleType("cg2raw.diagnose.report")
     module.write_report = write_report
-    monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
+    monkeypatch.setattr("cg2raw.diagnose.engine.diagnose", diagnose)
     monkeypatch.setitem(sys.modules, "cg2raw.diagnose.report", module)
     return calls_of
 
@@ -209,3 +208,9 @@ def test_a_bad_manifest_is_one_line(tmp_path):
     line = fails("diagnose", path, "-o", tmp_path / "r")
     assert line.startswith(f'cg2raw diagnose: {path}:2: frames[0].file is "x.dng"')
     assert not (tmp_path / "r").exists()
+
+
+def test_a_missing_library_is_named(captures, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cg2raw.diagnose.engine", None)
+    line = fails("diagnose", captures, "-o", tmp_path / "r")
+    assert "needs cg2raw.diagnose.engine: pip install 'cg2raw[diagnose]'" in line

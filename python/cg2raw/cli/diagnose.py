@@ -98,6 +98,10 @@ def run(arguments):
         return {"": run_diagnosis, "check": run_check, "verify": run_verify}[mode](
             arguments
         )
+    except ModuleNotFoundError as missing:
+        raise ValueError(
+            f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
+        ) from None
     except MemoryError:
         raise ValueError(
             f"{arguments.captures}: not enough memory; take fewer frames, or a crop"
@@ -164,11 +168,11 @@ def names_of(arguments, option):
 
 def diagnosed(arguments, captures, **options):
     """Return the Diagnosis of captures, with a progress bar."""
-    from cg2raw import diagnose as package
     from cg2raw.cli._progress import stages
+    from cg2raw.diagnose.engine import diagnose
 
     with stages(arguments.quiet) as progress:
-        return package.diagnose(
+        return diagnose(
             captures, alpha=arguments.alpha or 0.01, progress=progress, **options
         )
 
