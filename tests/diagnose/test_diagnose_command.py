@@ -7,9 +7,9 @@ import sys
 import types
 
 import pytest
-from cg2raw.diagnose.diagnosis import VERDICTS
+from cg2raw.diagnose.diagnosis import VERDICTS, ResidualTest
 from diagnose import capture_files as files
-from diagnose.diagnoses import diagnosis
+from diagnose.diagnoses import diagnosis, gap
 from python.commands import fails, run
 
 
@@ -136,6 +136,24 @@ def test_two_sensors_are_verified(engine, captures, tmp_path):
     (first, options), (second, _) = engine.calls
     assert options["most"] == 0
     assert first.sensor.black_level[0] == 64 and second.sensor.black_level[0] == 66
+
+
+@pytest.mark.parametrize(("nats", "code"), [(3e-4, 0), (5e-4, 12)])
+def test_a_trace_of_what_was_closed_is_no_gap(
+    engine, captures, tmp_path, monkeypatch, nats, code
+):
+    profile = tmp_path / "profile.json"
+    profile.write_text(files.other_sensor(black_level=[66] * 4).to_json())
+    test = ResidualTest("kurtosis", 4.1, 1e-5, nats, "tails")
+    results = [
+        diagnosis("unknown structure", gap=gap(before=before), unexplained=[test])
+        for before in (0.41, 0.01)
+    ]
+    monkeypatch.setattr(
+        "cg2raw.diagnose.engine.diagnose", lambda *_, **__: results.pop(0)
+    )
+    words = ("diagnose", "--verify", captures, "--against", profile, "--exit-code")
+    assert run(*words).code == code
 
 
 def test_a_check_looks_at_pixels_alone(tmp_path):

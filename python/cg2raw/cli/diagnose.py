@@ -19,6 +19,7 @@ examples:
 """
 
 import argparse
+import dataclasses
 import difflib
 import sys
 
@@ -221,12 +222,25 @@ def run_verify(arguments):
     after = read_captures(arguments.captures, Sensor(arguments.against))
     first = diagnosed(arguments, before, most=0)
     second = first if first.interrupted else diagnosed(arguments, after, most=0)
+    second = with_closed_share(first, second)
     if not arguments.quiet and not second.interrupted:
         names = (before.sensor.id, arguments.against)
         print(verify_text(names, (first, second), after.notes))
     if second.interrupted:
         return INTERRUPTED
     return VERDICTS[second.verdict] if arguments.exit_code else 0
+
+
+def with_closed_share(first, second):
+    """Return the second Diagnosis without structures that are traces of what it closed.
+
+    A diagnosis that finds effects says so of its rest; here nothing was searched."""
+    from cg2raw.diagnose.engine import SHARE_LEFT
+
+    closed = first.gap.before - second.gap.before
+    left = [t for t in second.unexplained if t.nats_per_pixel > SHARE_LEFT * closed]
+    verdict = second.verdict if left else "no gap"
+    return dataclasses.replace(second, unexplained=left, verdict=verdict)
 
 
 def run_generator(arguments, mode):
