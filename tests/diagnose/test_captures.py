@@ -127,6 +127,17 @@ def test_a_single_frame_is_divided_by_pixels(tmp_path):
     assert any("only darks" in note for note in captures.notes)
 
 
+def test_thirds_of_a_chart_are_of_its_patches(tmp_path):
+    files.frame(tmp_path, "a.dng", files.picture())
+    patch = "{area: [8, 8, 32, 40], rgb: [1, 1, 1]}"
+    line = f"{{file: a.dng, kind: chart, patches: [{patch}]}}"
+    captures = read_captures(files.manifest(tmp_path, [line])).captures
+    masks = np.array([capture.mask() for capture in captures])
+    expected = np.zeros(files.SHAPE, int)
+    expected[14:34, 16:40] = 1  # 60 % of the patch's sides
+    np.testing.assert_array_equal(masks.sum(axis=0), expected)
+
+
 def test_a_third_is_a_third_of_every_row_and_column():
     for group in GROUPS:
         mask = third((240, 480), group)

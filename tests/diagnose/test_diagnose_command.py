@@ -124,6 +124,22 @@ def test_a_failed_report_leaves_the_old_one(engine, captures, tmp_path, monkeypa
     assert (out / "verdict.json").read_bytes() == old
 
 
+def test_a_file_that_comes_while_it_works_is_not_lost(
+    engine, captures, tmp_path, monkeypatch
+):
+    out = tmp_path / "r"
+    run("diagnose", captures, "-o", out)
+
+    def write_report(found, folder):
+        folder.mkdir()
+        (out / "late.txt").write_text("mine")
+
+    module = sys.modules["cg2raw.diagnose.report"]
+    monkeypatch.setattr(module, "write_report", write_report)
+    assert "late.txt" in fails("diagnose", captures, "-o", out)
+    assert (out / "late.txt").read_text() == "mine"
+
+
 def test_two_sensors_are_verified(engine, captures, tmp_path):
     engine.result["verdict"] = "no gap"
     profile = tmp_path / "profile.json"
