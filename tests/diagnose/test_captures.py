@@ -221,13 +221,20 @@ def bad_sets(folder):
     yield (
         "render",
         ["{file: a.dng, kind: scene, scene: small_render.npy}"],
-        ["[0].scene small_render.npy is 8x8, its frame 64x48; render the active area"],
+        ["[0].scene small_render.npy is 8x8, the frames are 64x48; it must"],
     )
     yield (
         "render of another kind",
         ["{file: a.dng, kind: scene, scene: text.nef}"],
         ["frames[0].scene cannot be used"],
     )
+    yield (
+        "mask",
+        [dark("a.npy", ", mask: small.npy")],
+        ["[0].mask small.npy is 8x8, the"],
+    )
+    top = f"{sensor}\nmask: small.npy"
+    yield "mask of all", [a], ["captures.yaml:2: mask small.npy is 8x8, the"], top
     yield "light", [dark("a.npy", ", illuminant: sunny")], ['illuminant is "sunny":']
     yield "ISO", [dark("a.npy", ", iso: 9e6")], ["iso 9e+06, of a.npy:"]
     yield (
@@ -268,7 +275,6 @@ def bad_sets(folder):
          "corners: [[1, 1], [30, 60], [1, 60], [30, 1]]}"],
         ["corners: are no quadrangle"],
     )  # fmt: skip
-    _ = sensor
 
 
 def test_files_that_do_not_belong_together(tmp_path):

@@ -13,6 +13,7 @@ from cg2raw.diagnose.groups import GROUPS
 from cg2raw.diagnose.manifest import UNKNOWN, FrameEntry
 from cg2raw.diagnose.raw_files import RawHeader
 from cg2raw.diagnose.scenes import has_curve, image_size, size_words
+from cg2raw.diagnose.yaml_nodes import Value
 
 CHUNK = 1 << 20  # bytes
 MOST_NAMES = 3  # of files in a note
@@ -66,18 +67,16 @@ def names_of(entries: Sequence[FrameEntry]) -> list[str]:
     ]
 
 
-def check_scene(entry: FrameEntry, path: str, shape: tuple[int, int]) -> None:
-    """Raise ValueError unless a render has the size of its frame."""
+def check_image(value: Value, path: str, shape: tuple[int, int]) -> None:
+    """Raise ValueError at its line unless a render or mask has the frames' size."""
     try:
         size = image_size(path)
     except (ValueError, OSError) as error:
-        entry.fail("scene", f"cannot be used: {error}")
-        raise
+        value.fail(f"cannot be used: {error}")
     if size != shape:
-        entry.fail(
-            "scene",
-            f"{os.path.basename(path)} is {size_words(size)}, its frame "
-            f"{size_words(shape)}; render the active area pixel by pixel",
+        value.fail(
+            f"{os.path.basename(path)} is {size_words(size)}, the frames are "
+            f"{size_words(shape)}; it must be the active area pixel by pixel"
         )
 
 

@@ -68,10 +68,10 @@ class FrameEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """All of captures.yaml; paths are complete."""
+    """All of captures.yaml; paths are complete. at : fields that were given."""
 
     file: str
-    sensor: Value
+    at: dict[str, Value]
     frames: tuple[FrameEntry, ...]
     nuisances: frozenset[str] = frozenset()
     uncertainty: dict[str, float] = field(default_factory=dict)
@@ -98,7 +98,7 @@ def read_manifest(path: str | os.PathLike[str]) -> Manifest:
     )
     return Manifest(
         file=os.fspath(path),
-        sensor=top["sensor"],
+        at=top,
         frames=tuple(entries),
         nuisances=frozenset(value.word(NUISANCES) for value in nuisances),
         uncertainty={
