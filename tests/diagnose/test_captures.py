@@ -57,7 +57,7 @@ def test_an_npy_needs_what_a_dng_says(tmp_path):
     first = captures.captures[0]
     np.testing.assert_array_equal(first.raw(), raw)
     assert (first.scene, first.iso, first.exposure_time) == (None, None, 2.0)
-    assert any("says its ISO" in note for note in captures.notes)
+    assert any("says the ISO" in note for note in captures.notes)
 
 
 def test_the_manifest_outranks_the_file(tmp_path):
@@ -125,6 +125,17 @@ def test_a_single_frame_is_divided_by_pixels(tmp_path):
     assert masks.any(axis=1).all() and masks.any(axis=2).all()
     assert any("divided by pixels" in note for note in captures.notes)
     assert any("only darks" in note for note in captures.notes)
+
+
+def test_thirds_of_a_chart_are_of_its_patches(tmp_path):
+    files.frame(tmp_path, "a.dng", files.picture())
+    patch = "{area: [8, 8, 32, 40], rgb: [1, 1, 1]}"
+    line = f"{{file: a.dng, kind: chart, patches: [{patch}]}}"
+    captures = read_captures(files.manifest(tmp_path, [line])).captures
+    masks = np.array([capture.mask() for capture in captures])
+    expected = np.zeros(files.SHAPE, int)
+    expected[14:34, 16:40] = 1  # 60 % of the patch's sides
+    np.testing.assert_array_equal(masks.sum(axis=0), expected)
 
 
 def test_a_third_is_a_third_of_every_row_and_column():
@@ -210,13 +221,20 @@ def bad_sets(folder):
     yield (
         "render",
         ["{file: a.dng, kind: scene, scene: small_render.npy}"],
-        ["[0].scene small_render.npy is 8x8, its frame 64x48; render the active area"],
+        ["[0].scene small_render.npy is 8x8, the frames are 64x48; it must"],
     )
     yield (
         "render of another kind",
         ["{file: a.dng, kind: scene, scene: text.nef}"],
         ["frames[0].scene cannot be used"],
     )
+    yield (
+        "mask",
+        [dark("a.npy", ", mask: small.npy")],
+        ["[0].mask small.npy is 8x8, the"],
+    )
+    top = f"{sensor}\nmask: small.npy"
+    yield "mask of all", [a], ["captures.yaml:2: mask small.npy is 8x8, the"], top
     yield "light", [dark("a.npy", ", illuminant: sunny")], ['illuminant is "sunny":']
     yield "ISO", [dark("a.npy", ", iso: 9e6")], ["iso 9e+06, of a.npy:"]
     yield (
@@ -257,7 +275,6 @@ def bad_sets(folder):
          "corners: [[1, 1], [30, 60], [1, 60], [30, 1]]}"],
         ["corners: are no quadrangle"],
     )  # fmt: skip
-    _ = sensor
 
 
 def test_files_that_do_not_belong_together(tmp_path):
@@ -352,3 +369,38 @@ def test_another_sensor_in_the_manifests_place(tmp_path):
     assert read_captures(path, other).sensor.black_level[0] == 66
     with pytest.raises(ValueError, match="its CFA is"):
         read_captures(path, cg2raw.Sensor("nikon-d850"))
+
+
+LIGHT = "exposure_time: 1"
+FLAT = "kind: flat, illuminant: A, scene"
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        ([f"kind: dark, {LIGHT}"] * 3, ["only darks"]),
+        ([f"{FLAT}: 1"], ["one frame only", "no darks", "no scenes", "flats of one"]),
+        ([f"{FLAT}: 1", f"{FLAT}: 2"], ["no darks", "no scenes"]),
+        ([f"{FLAT}: unknown"] * 2, ["no darks", "no scenes"]),
+        (
+            [f"kind: dark, {LIGHT}"] * 2 + [f"{FLAT}: 1"] * 2,
+            ["darks of one exposure time", "no scenes", "flats of one level"],
+        ),
+        (
+            ["kind: dark, exposure_time: 9", f"kind: dark, {LIGHT}"]
+            + ["kind: scene, scene: r.npy, illuminant: A"],
+            [],
+        ),
+    ],
+)
+def test_what_captures_cannot_tell_is_said(tmp_path, frames, words):
+    np.save(tmp_path / "r.npy", files.picture())
+    lines = []
+    for index, fields in enumerate(frames):
+        files.frame(tmp_path, f"{index}.npy", frame=index)
+        lines.append(f"{{file: {index}.npy, iso: 100, {fields}}}")
+    notes = read_captures(files.manifest(tmp_path, lines)).notes
+    notes = [n for n in notes if "divided" not in n and "optical centre" not in n]
+    assert len(notes) == len(words)
+    for note, word in zip(notes, words, strict=True):
+        assert note.startswith(word)

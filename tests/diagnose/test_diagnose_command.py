@@ -6,11 +6,10 @@ import json
 import sys
 import types
 
-import cg2raw.diagnose
 import pytest
-from cg2raw.diagnose.diagnosis import VERDICTS
+from cg2raw.diagnose.diagnosis import VERDICTS, ResidualTest
 from diagnose import capture_files as files
-from diagnose.diagnoses import diagnosis
+from diagnose.diagnoses import diagnosis, gap
 from python.commands import fails, run
 
 
@@ -33,7 +32,7 @@ def engine(monkeypatch):
     calls_of = types.SimpleNamespace(calls=calls, result=engine_result)
     module = types.ModuleType("cg2raw.diagnose.report")
     module.write_report = write_report
-    monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
+    monkeypatch.setattr("cg2raw.diagnose.engine.diagnose", diagnose)
     monkeypatch.setitem(sys.modules, "cg2raw.diagnose.report", module)
     return calls_of
 
@@ -59,7 +58,7 @@ def test_a_report_is_written(engine, captures, tmp_path):
     [(found, options)] = engine.calls
     assert found.sensor.id == files.SENSOR and len(found.captures) == 3
     del options["progress"]
-    assert options == {"alpha": 0.01, "most": 6, "without": ()}
+    assert options == {"alpha": 0.01, "most": 6, "without": (), "only": ()}
 
 
 def test_options_reach_the_engine(engine, captures, tmp_path):
@@ -69,9 +68,7 @@ def test_options_reach_the_engine(engine, captures, tmp_path):
     assert (options["alpha"], options["most"]) == (0.05, 2)
     assert options["without"] == ("row_noise", "shot_noise")
     run("diagnose", captures, "-o", tmp_path / "r", "--only", "row_noise,lens_shading")
-    without = engine.calls[1][1]["without"]
-    known = {effect["name"] for effect in cg2raw.effects()}
-    assert set(without) == known - {"row_noise", "lens_shading"}
+    assert engine.calls[1][1]["only"] == ("row_noise", "lens_shading")
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
@@ -127,6 +124,22 @@ def test_a_failed_report_leaves_the_old_one(engine, captures, tmp_path, monkeypa
     assert (out / "verdict.json").read_bytes() == old
 
 
+def test_a_file_that_comes_while_it_works_is_not_lost(
+    engine, captures, tmp_path, monkeypatch
+):
+    out = tmp_path / "r"
+    run("diagnose", captures, "-o", out)
+
+    def write_report(found, folder):
+        folder.mkdir()
+        (out / "late.txt").write_text("mine")
+
+    module = sys.modules["cg2raw.diagnose.report"]
+    monkeypatch.setattr(module, "write_report", write_report)
+    assert "late.txt" in fails("diagnose", captures, "-o", out)
+    assert (out / "late.txt").read_text() == "mine"
+
+
 def test_two_sensors_are_verified(engine, captures, tmp_path):
     engine.result["verdict"] = "no gap"
     profile = tmp_path / "profile.json"
@@ -139,6 +152,24 @@ def test_two_sensors_are_verified(engine, captures, tmp_path):
     (first, options), (second, _) = engine.calls
     assert options["most"] == 0
     assert first.sensor.black_level[0] == 64 and second.sensor.black_level[0] == 66
+
+
+@pytest.mark.parametrize(("nats", "code"), [(3e-4, 0), (5e-4, 12)])
+def test_a_trace_of_what_was_closed_is_no_gap(
+    engine, captures, tmp_path, monkeypatch, nats, code
+):
+    profile = tmp_path / "profile.json"
+    profile.write_text(files.other_sensor(black_level=[66] * 4).to_json())
+    test = ResidualTest("kurtosis", 4.1, 1e-5, nats, "tails")
+    results = [
+        diagnosis("unknown structure", gap=gap(before=before), unexplained=[test])
+        for before in (0.41, 0.01)
+    ]
+    monkeypatch.setattr(
+        "cg2raw.diagnose.engine.diagnose", lambda *_, **__: results.pop(0)
+    )
+    words = ("diagnose", "--verify", captures, "--against", profile, "--exit-code")
+    assert run(*words).code == code
 
 
 def test_a_check_looks_at_pixels_alone(tmp_path):
@@ -171,7 +202,7 @@ def test_a_check_looks_at_pixels_alone(tmp_path):
         (("--hide", "blur=1", "-o", "r"), "--hide: in captures of which sensor?"),
         (("--hide", "blur=1", "-s", "nikon-d40"), "give -o"),
         (("x.yaml", "-o", "r", "--without", "row_nois"), "did you mean row_noise?"),
-        (("x.yaml", "-o", "r", "--only", "fog"), 'no effect is called "fog"'),
+        (("x.yaml", "-o", "r", "--only", "fog"), 'no diagnosis names "fog": they are '),
         (("x.yaml", "-o", "r", "--only", "prnu", "--without", "prnu"), "give one of"),
     ],
 )
@@ -211,3 +242,9 @@ def test_a_bad_manifest_is_one_line(tmp_path):
     line = fails("diagnose", path, "-o", tmp_path / "r")
     assert line.startswith(f'cg2raw diagnose: {path}:2: frames[0].file is "x.dng"')
     assert not (tmp_path / "r").exists()
+
+
+def test_a_missing_library_is_named(captures, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cg2raw.diagnose.engine", None)
+    line = fails("diagnose", captures, "-o", tmp_path / "r")
+    assert "needs cg2raw.diagnose.engine: pip install 'cg2raw[diagnose]'" in line

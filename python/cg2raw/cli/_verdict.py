@@ -5,6 +5,7 @@
 import os
 
 WIDTH = 10  # columns of a line's first word
+HOLES = 0.05  # share of missing codes that is worth a word; small frames have some
 CHECK_HEAD = (
     *("frame", "kind", "ISO", "time", "low", "mean", "high", "clipped", "codes"),
     "registration",
@@ -101,7 +102,7 @@ def integrity_text(sensor, captures, found, notes):
 def code_words(item):
     """Return which codes occur."""
     every = "all" if item.step == 1 else f"every {item.step}th"
-    return every if item.missing < 0.005 else f"{every}, {item.missing:.0%} missing"
+    return every if item.missing < HOLES else f"{every}, {item.missing:.0%} missing"
 
 
 def shift_words(shift):

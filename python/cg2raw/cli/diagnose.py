@@ -19,10 +19,10 @@ examples:
 """
 
 import argparse
+import dataclasses
 import difflib
 import sys
 
-from cg2raw import _core
 
 INTERRUPTED = 130
 MODES = ("check", "verify", "hide", "bench")
@@ -99,6 +99,10 @@ def run(arguments):
         return {"": run_diagnosis, "check": run_check, "verify": run_verify}[mode](
             arguments
         )
+    except ModuleNotFoundError as missing:
+        raise ValueError(
+            f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
+        ) from None
     except MemoryError:
         raise ValueError(
             f"{arguments.captures}: not enough memory; take fewer frames, or a crop"
@@ -134,10 +138,10 @@ def run_diagnosis(arguments):
     from cg2raw.diagnose.capture_set import read_captures
     from cg2raw.diagnose.report_folder import check_folder, write_report_folder
 
-    without = left_out(arguments)
+    choice = {name: names_of(arguments, name) for name in ("without", "only")}
     check_folder(arguments.output, arguments.force)
     captures = read_captures(arguments.captures)
-    found = diagnosed(arguments, captures, most=arguments.max or 6, without=without)
+    found = diagnosed(arguments, captures, most=arguments.max or 6, **choice)
     names = write_report_folder(found, arguments.output, arguments.force)
     if not arguments.quiet:
         from cg2raw.cli._verdict import verdict_text
@@ -146,29 +150,30 @@ def run_diagnosis(arguments):
     return exit_code(arguments, found)
 
 
-def left_out(arguments):
-    """Return the names that are not looked for. Raises ValueError for unknown ones."""
-    known = [effect["name"] for effect in _core.effects()]
-    option = "--only" if arguments.only else "--without"
-    names = [name for name in (arguments.only or arguments.without or "").split(",")]
-    names = [name.strip() for name in names if name.strip()]
+def names_of(arguments, option):
+    """Return the effects that --without or --only lists. Raises ValueError."""
+    from cg2raw.diagnose import vocabulary
+
+    known = vocabulary.names()
+    words = (getattr(arguments, option) or "").split(",")
+    names = tuple(word.strip() for word in words if word.strip())
     for name in names:
         if name not in known:
             close = difflib.get_close_matches(name, known, 1)
-            hint = f"did you mean {close[0]}?" if close else "see cg2raw effects"
-            raise ValueError(f'{option}: no effect is called "{name}"; {hint}')
-    if arguments.only:
-        return tuple(name for name in known if name not in names)
-    return tuple(names)
+            hint = (
+                f"did you mean {close[0]}?" if close else f"they are {', '.join(known)}"
+            )
+            raise ValueError(f'--{option}: no diagnosis names "{name}": {hint}')
+    return names
 
 
 def diagnosed(arguments, captures, **options):
     """Return the Diagnosis of captures, with a progress bar."""
-    from cg2raw import diagnose as package
     from cg2raw.cli._progress import stages
+    from cg2raw.diagnose.engine import diagnose
 
     with stages(arguments.quiet) as progress:
-        return package.diagnose(
+        return diagnose(
             captures, alpha=arguments.alpha or 0.01, progress=progress, **options
         )
 
@@ -217,12 +222,25 @@ def run_verify(arguments):
     after = read_captures(arguments.captures, Sensor(arguments.against))
     first = diagnosed(arguments, before, most=0)
     second = first if first.interrupted else diagnosed(arguments, after, most=0)
+    second = with_closed_share(first, second)
     if not arguments.quiet and not second.interrupted:
         names = (before.sensor.id, arguments.against)
         print(verify_text(names, (first, second), after.notes))
     if second.interrupted:
         return INTERRUPTED
     return VERDICTS[second.verdict] if arguments.exit_code else 0
+
+
+def with_closed_share(first, second):
+    """Return the second Diagnosis without structures that are traces of what it closed.
+
+    A diagnosis that finds effects says so of its rest; here nothing was searched."""
+    from cg2raw.diagnose.engine import SHARE_LEFT
+
+    closed = first.gap.before - second.gap.before
+    left = [t for t in second.unexplained if t.nats_per_pixel > SHARE_LEFT * closed]
+    verdict = second.verdict if left else "no gap"
+    return dataclasses.replace(second, unexplained=left, verdict=verdict)
 
 
 def run_generator(arguments, mode):

@@ -55,7 +55,7 @@ def read_captures(
         nuisances=manifest.nuisances,
         uncertainty=manifest.uncertainty,
         file=manifest.file,
-        notes=(*notes, *more, *frame_checks.what_is_missing(captures)),
+        notes=(*notes, *more, *frame_checks.what_is_missing(frames)),
     )
 
 
@@ -68,24 +68,27 @@ def read_frames(
     frame_checks.check_distinct(manifest.frames)
     headers = [header_of(entry) for entry in manifest.frames]
     frame_checks.check_sizes(manifest.frames, headers)
-    notes: list[str] = []
-    for entry, header in zip(manifest.frames, headers, strict=True):
+    if manifest.mask:
+        frame_checks.check_image(manifest.at["mask"], manifest.mask, headers[0].shape)
+    names = frame_checks.names_of(manifest.frames)
+    said: dict[str, list[str]] = {}
+    for entry, header, name in zip(manifest.frames, headers, names, strict=True):
         try:
-            notes += check_sensor(header, sensor)
+            for note in check_sensor(header, sensor):
+                said.setdefault(note, []).append(name)
         except ValueError as error:
             entry.fail("file", f"{error}")
-    names = frame_checks.names_of(manifest.frames)
     frames = [
         frame_of(manifest, sensor, *item)
         for item in zip(manifest.frames, headers, names, strict=True)
     ]
-    notes += frame_checks.notes_on(frames, sensor)
-    return manifest, sensor, frames, list(dict.fromkeys(notes))
+    notes = [f"{frame_checks.some(files)}: {note}" for note, files in said.items()]
+    return manifest, sensor, frames, notes + frame_checks.notes_on(frames, sensor)
 
 
 def sensor_of(manifest: Manifest) -> Sensor:
     """Return the manifest's sensor: a profile's id or path, or a DNG's metadata."""
-    word = manifest.sensor.text()
+    word = manifest.at["sensor"].text()
     is_path = "/" in word or word.lower().endswith(PROFILE_ENDINGS)
     path = os.path.join(manifest.folder, word) if is_path else word
     try:
@@ -93,7 +96,7 @@ def sensor_of(manifest: Manifest) -> Sensor:
             return Sensor.from_dng(path)
         return Sensor(path)
     except (ValueError, OSError) as error:
-        manifest.sensor.fail(f'is "{word}": {error}')
+        manifest.at["sensor"].fail(f'is "{word}": {error}')
 
 
 def header_of(entry: FrameEntry) -> RawHeader:
@@ -207,7 +210,7 @@ def scene_of(
     if entry.scene == UNKNOWN or entry.scene is None:
         return None, None
     path = entry.scene
-    frame_checks.check_scene(entry, path, shape)
+    frame_checks.check_image(entry.at["scene"], path, shape)
     return lambda: read_scene(path, entry.gain), None
 
 
@@ -218,6 +221,8 @@ def mask_of(
     middles: Callable[[], Any] | None,
 ) -> Callable[[], NDArray[np.bool_]] | None:
     """Return all of a frame's masks as one; None if there is none."""
+    if entry.mask:
+        frame_checks.check_image(entry.at["mask"], entry.mask, shape)
     paths = [path for path in (manifest.mask, entry.mask) if path]
     if not paths and middles is None:
         return None

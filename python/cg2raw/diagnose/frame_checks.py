@@ -13,8 +13,10 @@ from cg2raw.diagnose.groups import GROUPS
 from cg2raw.diagnose.manifest import UNKNOWN, FrameEntry
 from cg2raw.diagnose.raw_files import RawHeader
 from cg2raw.diagnose.scenes import has_curve, image_size, size_words
+from cg2raw.diagnose.yaml_nodes import Value
 
 CHUNK = 1 << 20  # bytes
+MOST_NAMES = 3  # of files in a note
 
 
 def check_distinct(entries: Sequence[FrameEntry]) -> None:
@@ -65,18 +67,16 @@ def names_of(entries: Sequence[FrameEntry]) -> list[str]:
     ]
 
 
-def check_scene(entry: FrameEntry, path: str, shape: tuple[int, int]) -> None:
-    """Raise ValueError unless a render has the size of its frame."""
+def check_image(value: Value, path: str, shape: tuple[int, int]) -> None:
+    """Raise ValueError at its line unless a render or mask has the frames' size."""
     try:
         size = image_size(path)
     except (ValueError, OSError) as error:
-        entry.fail("scene", f"cannot be used: {error}")
-        raise
+        value.fail(f"cannot be used: {error}")
     if size != shape:
-        entry.fail(
-            "scene",
-            f"{os.path.basename(path)} is {size_words(size)}, its frame "
-            f"{size_words(shape)}; render the active area pixel by pixel",
+        value.fail(
+            f"{os.path.basename(path)} is {size_words(size)}, the frames are "
+            f"{size_words(shape)}; it must be the active area pixel by pixel"
         )
 
 
@@ -125,17 +125,16 @@ def notes_on(frames: Sequence[Any], sensor: Any) -> list[str]:
             f"frames are {size_words(shape)}, the active area of {sensor.id} is "
             f"{sensor.width}x{sensor.height}: the optical centre is taken to be theirs"
         )
-    if sensor.noise:
-        notes += [
-            f"{frame.capture.name}: neither manifest nor file says its ISO; add iso, "
-            "which chooses the noise"
-            for frame in frames
-            if frame.capture.iso is None
-        ]
+    without = [f.capture.name for f in frames if f.capture.iso is None]
+    if sensor.noise and without:
+        notes.append(
+            f"{some(without)}: neither manifest nor file says the ISO, which chooses "
+            "the noise; add iso"
+        )
     charts = [frame.capture.name for frame in frames if frame.capture.kind == "chart"]
     if charts:
         notes.append(
-            f"{', '.join(charts)}: the surround of the patches is taken to have their "
+            f"{some(charts)}: the surround of the patches is taken to have their "
             "mean radiance; veiling glare depends on it"
         )
     scenes = dict.fromkeys(frame.entry.scene for frame in frames)
@@ -149,17 +148,46 @@ def notes_on(frames: Sequence[Any], sensor: Any) -> list[str]:
     return notes
 
 
-def what_is_missing(captures: Sequence[Capture]) -> list[str]:
-    """Return sentences on what no diagnosis of these captures can tell."""
+def what_is_missing(frames: Sequence[Any]) -> list[str]:
+    """Return sentences on what no diagnosis of these frames can tell apart."""
+    captures = [capture for f in frames for capture in (f.capture, *f.borders)]
     kinds = {capture.kind for capture in captures}
     if kinds == {"dark"}:
         return [
-            "only darks: gain, optics, colour and everything else that needs light "
-            "cannot be told; add flats at two levels or more, and scenes with a render"
+            "only darks: gain, optics, colour and all else that needs light cannot be "
+            "told; add flats at two levels, and scenes with their renders"
         ]
-    if len({c.set for c in captures if c.kind != "dark"}) == 1 and "dark" not in kinds:
-        return [
-            "one frame only: what repeats (fixed patterns) cannot be told from noise; "
-            "add repeats, and darks"
-        ]
-    return []
+    notes = []
+    if len(frames) == 1:
+        notes.append(
+            "one frame only: fixed patterns cannot be told from noise; add repeats"
+        )
+    if "dark" not in kinds:
+        notes.append(
+            "no darks: black level and dark current cannot be told from glare; add "
+            "darks of two exposure times"
+        )
+    elif len({c.exposure_time for c in captures if c.kind == "dark"}) == 1:
+        notes.append(
+            "darks of one exposure time: dark current cannot be told from black level; "
+            "add darks of another"
+        )
+    if not kinds & {"scene", "chart"}:
+        notes.append(
+            "no scenes: colour matrix, blur, aberration, crosstalk and glare cannot be "
+            "told; add scenes with their renders, or a chart"
+        )
+        flats = [f.entry for f in frames if f.capture.kind == "flat"]
+        if len({(e.scene, e.gain) for e in flats}) == 1 and flats[0].scene != UNKNOWN:
+            notes.append(
+                "flats of one level: non-linearity cannot be told from exposure, nor "
+                "PRNU from shot noise; add flats of another"
+            )
+    return notes
+
+
+def some(names: Sequence[str]) -> str:
+    """Return a few names, and how many more there are."""
+    more = len(names) - MOST_NAMES
+    few = ", ".join(names[:MOST_NAMES])
+    return f"{few} and {more} more" if more > 0 else few

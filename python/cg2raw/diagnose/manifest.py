@@ -17,6 +17,7 @@ FRAME = (
     *("file", "kind", "scene", "gain", "illuminant", "set", "group", "iso"),
     *("exposure_time", "mask", "patches", "chart", "corners"),
 )
+DEFAULTS: tuple[str, ...] = ("iso", "illuminant")  # that the top level may say
 OF_CHARTS = ("patches", "chart", "corners")
 UNCERTAINTY = {"light": 1.0, "radiance": 1.0, "registration": 100.0}  # largest
 COLORS = ("rgb", "xyz", "lab")
@@ -67,10 +68,10 @@ class FrameEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """All of captures.yaml; paths are complete."""
+    """All of captures.yaml; paths are complete. at : fields that were given."""
 
     file: str
-    sensor: Value
+    at: dict[str, Value]
     frames: tuple[FrameEntry, ...]
     nuisances: frozenset[str] = frozenset()
     uncertainty: dict[str, float] = field(default_factory=dict)
@@ -97,7 +98,7 @@ def read_manifest(path: str | os.PathLike[str]) -> Manifest:
     )
     return Manifest(
         file=os.fspath(path),
-        sensor=top["sensor"],
+        at=top,
         frames=tuple(entries),
         nuisances=frozenset(value.word(NUISANCES) for value in nuisances),
         uncertainty={
@@ -114,8 +115,7 @@ def frame_entry(
     own = value.fields(FRAME, required=("file", "kind"))
     kind = own["kind"].word(KINDS)
     check_fields_of_kind(value, own, kind)
-    defaults = {name: top[name] for name in ("iso", "illuminant") if name in top}
-    at: dict[str, Value] = {"": value, **defaults, **own}
+    at = {"": value, **{name: top[name] for name in DEFAULTS if name in top}, **own}
 
     def number(name: str, low: float, unit: str) -> float | None:
         return at[name].number(low, LARGEST[unit]) if name in at else None

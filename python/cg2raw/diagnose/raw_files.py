@@ -178,7 +178,7 @@ def exif_numbers(path: str) -> tuple[float | None, float | None]:
 
 
 def check_sensor(header: RawHeader, sensor: Any) -> list[str]:
-    """Return notes on levels that differ a little from a sensor's.
+    """Return notes on levels that differ a little from a sensor's, without the file.
 
     Raises ValueError for another CFA, bit depth or scale of DN, saying both."""
     name = os.path.basename(header.path)
@@ -199,11 +199,11 @@ def check_sensor(header: RawHeader, sensor: Any) -> list[str]:
         ("black level", np.mean(header.black_level), np.mean(sensor.black_level), 0.02),
         ("white level", header.white_level, sensor.white_level, 0.05),
     ):
-        words = f"{name}: its tags say {what} {read:g} DN, {sensor.id} {model:g} DN"
+        words = f"tags say {what} {read:g} DN, {sensor.id} {model:g} DN"
         if abs(read - model) > most * span:
             raise ValueError(
-                f"{words}; they differ by more than {most:.0%} of the range: give the "
-                "sensor of these frames"
+                f"{name}: {words}; they differ by more than {most:.0%} of the range: "
+                "give the sensor of these frames"
             )
         if abs(read - model) > 1e-6 * span:
             notes.append(f"{words}; the profile's is what is doubted")
