@@ -67,8 +67,8 @@ def camera_transform(profile, illuminant, exposure):
     Raises ValueError for the convention sensor: its light has no white to clip at."""
     if exposure.convention.lower() == "sensor":
         raise ValueError(
-            "convention sensor has no RAW space of its own: take the unbounded space of "
-            "convention dng"
+            "convention sensor has no RAW space of its own: take the unbounded space "
+            "of convention dng"
         )
     return _core.camera_from_scene(
         profile,
