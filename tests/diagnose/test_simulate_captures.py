@@ -314,3 +314,31 @@ def test_command_says_what_is_wrong(tmp_path, capsys, options, message):
     error = capsys.readouterr().err
     assert error.startswith("cg2raw: ") and message in error
     assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "place"), [("prnu", "gain", 0), ("dsnu", "offset", 2)]
+)
+def test_what_is_unknown_of_a_pattern_is_stated(sensor, name, field, place):
+    hidden = draw_hidden(sensor, {name: KINDS[name].high}, seed=12)
+    world = world_of(simulate_captures(sensor, hidden, seed=12, shape=SHAPE))
+    error = getattr(world.patterns, field) - getattr(world.found.mean, field)
+    sure = world.found.covariance[..., place, place]
+    assert np.mean(error**2) == pytest.approx(sure.mean(), rel=0.06)
+    assert sure.mean() < 0.7 * getattr(world.patterns, field).var()
+
+
+def test_density_of_blended_noise_is_the_entropy_of_its_spectrum(camera):
+    shape, blend = (200, 200), 0.35
+    charges = np.full(shape, 800.0)
+    foot = camera.over(camera.black, shape)
+    noise = Noise(blend=blend)
+    raw = read_out(np.random.default_rng(5), charges, foot, noise, camera)
+    gain, read = camera.dn_per_electron[0, 0], camera.read_noise[0, 0]
+    u = np.cos(np.pi * np.arange(100) / 100)
+    v = u[:, None]
+    response = 1 - blend + blend / 4 * (u + v + 2 * u * v)
+    power = gain**2 * (800 + read**2) * response**2 + 1 / 12
+    entropy = 0.5 * np.mean(np.log(2 * np.pi * np.e * power))
+    measured = -log_density(raw, charges, foot, noise, camera).mean()
+    assert measured == pytest.approx(entropy, abs=4.5 * np.sqrt(0.5 / raw.size))

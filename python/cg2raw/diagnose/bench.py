@@ -40,7 +40,9 @@ def run_case(case: Case, alpha: float) -> dict[str, Any]:
     record["parameters"] = hidden
     start = time.perf_counter()
     try:
-        found = diagnose(captures, alpha=alpha, without=case.without)
+        found = diagnose(
+            captures, alpha=alpha, without=case.without, threads=1, details=False
+        )
     except Exception as error:  # one bad case must not end a night's bench
         record["error"] = f"{type(error).__name__}: {error}"
         return record

@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any
 
 from cg2raw import Sensor
-from cg2raw.diagnose.captures import Capture, CaptureSet
+from cg2raw.diagnose.captures import Capture, CaptureSet, Group
 from cg2raw.diagnose.hidden_truth import conditions, disk
 from cg2raw.diagnose.hidden_truth.camera import camera_of
 from cg2raw.diagnose.hidden_truth.sensors import ASSUMED, ISO, with_noise
@@ -35,7 +35,7 @@ def simulate_captures(
     shape: tuple[int, int] = SHAPE,
     illuminant: str = ILLUMINANT,
     iso: float | None = None,
-    groups: tuple[str, ...] = GROUPS,
+    groups: tuple[Group, ...] = GROUPS,
     nuisances: Mapping[str, float] | None = None,
 ) -> CaptureSet:
     """Return frames that a Sensor would take if it had hidden effects.

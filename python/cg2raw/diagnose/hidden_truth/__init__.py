@@ -12,7 +12,12 @@ strengths   the effects that can be hidden, and how strong
 light       colour and optics
 charge      mosaic to electrons, fixed patterns
 readout     noise, clipping, ADC, noise reduction
+photons     the density of counted photons
 density     the true log density of what was read out
-exposures   frames of a set, one after the other
+posterior   what fit frames tell of fixed patterns: the feasible truth
+conditions  what goes wrong with a capture, and not with a camera
+world       a camera with hidden effects, and the frames that it takes
+sensors     sensors with made-up noise
+suites      the cases of the bench
 disk        captures.yaml, DNGs, renders, the sealed truth
 """

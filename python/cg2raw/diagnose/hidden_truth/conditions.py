@@ -4,9 +4,11 @@
 """What goes wrong with a capture, and not with a camera."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 
 from cg2raw.diagnose.hidden_truth.camera import Plane
 from cg2raw.diagnose.hidden_truth.light import Field
@@ -78,8 +80,8 @@ def misregistered(
 
 
 def rendered(
-    rng: Generator, scene: Plane, nuisances: Mapping[str, float]
-) -> np.ndarray:
+    rng: Generator, scene: NDArray[Any], nuisances: Mapping[str, float]
+) -> NDArray[np.float32]:
     """Return the render, (H, W, 3) float32, that is given for a scene."""
     height, width = scene.shape[:2]
     y, x = np.linspace(0, 1, height)[:, None], np.linspace(0, 1, width)[None]

@@ -41,8 +41,8 @@ def photon_density(
     few = few[np.argsort(variance.ravel()[few], kind="stable")]
     for start in range(0, len(few), CHUNK):
         part = few[start : start + CHUNK]
-        one = (a.ravel()[part] for a in (seen, n, variance))
-        result.ravel()[part] = _sum(*one, np.sqrt(excess))
+        y, mean, spread = (a.ravel()[part] for a in (seen, n, variance))
+        result.ravel()[part] = _sum(y, mean, spread, np.sqrt(excess))
     return result - np.log(gain)
 
 

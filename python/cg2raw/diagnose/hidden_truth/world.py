@@ -6,12 +6,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import get_args
 from zlib import crc32
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from cg2raw.diagnose.captures import Group, Kind
 from cg2raw.diagnose.hidden_truth import charge, conditions, light, scenes
 from cg2raw.diagnose.hidden_truth.camera import Camera, Plane
 from cg2raw.diagnose.hidden_truth.charge import Patterns
@@ -28,7 +30,7 @@ from cg2raw.diagnose.hidden_truth.readout import (
 
 # px around a frame that scenes have more: lenses look beyond its edges.
 MARGIN = 12
-GROUPS = ("fit", "select", "report")
+GROUPS: tuple[Group, ...] = get_args(Group)
 
 
 @dataclass(frozen=True)
@@ -37,14 +39,14 @@ class Shot:
     time."""
 
     name: str
-    kind: str
-    group: str
+    kind: Kind
+    group: Group
     set: str
     repeat: int
     seconds: float
 
 
-def plan(seed: int, groups: tuple[str, ...] = GROUPS) -> list[Shot]:
+def plan(seed: int, groups: tuple[Group, ...] = GROUPS) -> list[Shot]:
     """Return the standard set, 8 frames per group: darks of two exposure times, two
     flats, two scenes twice."""
     shots = []
@@ -117,7 +119,8 @@ class World:
 
     def _light_on_sensor(self, kind: str, name: str) -> Plane:
         if kind == "flat":
-            scene = np.broadcast_to(self.flat(name), (*self.field.x.shape, 3))
+            flat = self.flat(name).astype(np.float64)
+            scene = np.broadcast_to(flat, (*self.field.x.shape, 3))
         else:
             rng = stream(self.seed, f"place/{name}")
             scene = conditions.misregistered(
@@ -158,7 +161,8 @@ class World:
 
         Patterns of the sensor are known to it in the fit frames; in others as far as
         the fit frames tell (posterior.py)."""
-        patterns, unsure = self.patterns, 0.0
+        patterns = self.patterns
+        unsure: Plane | float = 0.0
         if shot.group != "fit" and self.has_patterns:
             patterns = self.found.mean
             unsure = self.found.variance(self._slopes(shot, patterns))
