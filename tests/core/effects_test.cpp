@@ -113,12 +113,15 @@ TEST_P(EffectLaws, ABlockInTheCornerIsThatOfTheFrame)
 }
 
 /// What stands for the others while one parameter leaves null: null, unless they are
-/// its strength.
-Values others_of(const Effect& effect)
+/// its strength. Tukey's lambda leaves its null without outliers: with them, the null
+/// is drawn as a normal.
+Values others_of(const Effect& effect, const std::string& parameter)
 {
     Values values = null_values(effect);
     if (effect.name == "hot_pixels" || effect.name == "heavy_tailed_noise")
-        return strong_values(effect);
+        values = strong_values(effect);
+    if (parameter == "tukey_lambda")
+        values[values.size() - 2] = 0.0; // outlier_fraction
     if (effect.name == "blur")
         values[1] = 0.1; // ring_2; the scales are of the rings
     return values;
@@ -128,7 +131,7 @@ Values others_of(const Effect& effect)
 std::vector<double> response(const Effect& effect, bool drawn, std::size_t parameter,
                              double step)
 {
-    Values values = others_of(effect);
+    Values values = others_of(effect, effect.parameters[parameter].name);
     values[parameter] = effect.parameters[parameter].null;
     std::vector<float> before = result(effect, drawn, values);
     values[parameter] += step;

@@ -90,7 +90,7 @@ def test_a_profile_says_how_noise_is_drawn(oiiotool, exr, tmp_path):
         row.update(outlier_fraction=0.02, outlier_variance_ratio=25.0)
     path = tmp_path / "heavy.json"
     path.write_text(json.dumps(profile))
-    rgb = read_image(str(exr)).rgb
+    rgb = read_image(exr).pixels
     run = {"illuminant": "D65", "iso": 800}
     dn = {}
     for noise in (None, "gaussian", "physical"):

@@ -25,7 +25,7 @@ BAD_RUNS = [
     {"iso": "800"},
     {"iso": float("nan")},
     {"noise": "poisson"},
-    {"noise": None},
+    {"noise": 5},
     {"noise": "physical"},
     {"noise": "physical", "iso": 800},
     {"digital_gain": "some"},

@@ -13,7 +13,7 @@ from scipy import fft
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from cg2raw.diagnose.frames import Array, Frame
-from cg2raw.diagnose.prediction import Model, Prediction
+from cg2raw.diagnose.prediction import Model, Prediction, flow_values
 from cg2raw.diagnose.vocabulary import Values
 
 Whitened = tuple[Array, Array | float]
@@ -126,21 +126,25 @@ def whiten(
     read = frame.beta2 * np.exp(excess.values[0] if excess else 0.0)
     cost: Array | float = 0.0
     for name in ORDER:
-        term = model.term(name)
-        if name == "nuisance" and model.nuisance is not None:
+        if name == "nuisance":
+            if model.nuisance is None:
+                continue
             z, more = model.nuisance.whiten(z, p, frame)
-        elif term is None:
+            cost = cost + more
             continue
-        elif name == "noise_reduction":
-            z, more = noise_reduction(z, term.values)
+        values = flow_values(model, frame, name)
+        if values is None:
+            continue
+        if name == "noise_reduction":
+            z, more = noise_reduction(z, values)
         elif name == "row_noise":
-            z, more = row_noise(z, p, term.values, frame)
+            z, more = row_noise(z, p, values, frame)
         elif name == "photon_statistics":
-            z, more = photon_statistics(z, p, term.values, frame)
+            z, more = photon_statistics(z, p, values, frame)
         elif name == "heavy_tailed_noise":
-            z, more = heavy_tailed_noise(z, p, term.values, frame, read)
+            z, more = heavy_tailed_noise(z, p, values, frame, read)
         else:
-            z, more = early_clipping(z, p, term.values, frame, read)
+            z, more = early_clipping(z, p, values, frame, read)
         cost = cost + more
     return z, cost
 

@@ -109,8 +109,8 @@ def _changed_table(profile: dict[str, Any], term: Term) -> bool:
     profile["noise_effects"] = [term.name if name == old else name for name in drawn]
     if term.name == "heavy_tailed_noise":
         for row in rows:
-            row.setdefault("tukey_lambda", NORMAL_LAMBDA)
-            row.setdefault("row_sigma", 0.0)
+            row["tukey_lambda"] = NORMAL_LAMBDA
+            row["row_sigma"] = 0.0
             row["outlier_fraction"] = float(term.values[0])
             row["outlier_variance_ratio"] = float(term.values[1])
     return True

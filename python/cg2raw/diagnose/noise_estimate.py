@@ -3,11 +3,12 @@
 
 """The doubted model's noise; estimated where the profile has none."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.optimize import nnls
 
 from cg2raw.diagnose.captures import Capture, CaptureSet
 
@@ -16,11 +17,16 @@ from cg2raw.diagnose.captures import Capture, CaptureSet
 class NoiseModel:
     """variance(x) = beta1 x + beta2, x in 0..1 above black; one value a CFA site.
 
-    measured : False if it was estimated from the captures, and so proves nothing."""
+    beta2 : without that of rows, where the profile draws them.
+    measured : False if it was estimated from the captures, and so proves nothing.
+    drawn : how the profile says that noise is drawn beyond its variance: values of
+        flows by name, in the units of the vocabulary.
+    """
 
     beta1: tuple[float, ...]
     beta2: tuple[float, ...]
     measured: bool = True
+    drawn: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 def noise_models(capture_set: CaptureSet) -> dict[float | None, NoiseModel]:
@@ -31,12 +37,34 @@ def noise_models(capture_set: CaptureSet) -> dict[float | None, NoiseModel]:
     models: dict[float | None, NoiseModel] = {}
     for iso in {capture.iso for capture in capture_set.captures}:
         if sensor.noise and iso is not None:
-            row = sensor.noise_at(iso)
-            models[iso] = NoiseModel(tuple(row["beta1"]), tuple(row["beta2"]))
+            models[iso] = _of_row(sensor, sensor.noise_at(iso))
         else:
             chosen = [c for c in capture_set.captures if c.iso == iso]
             models[iso] = _estimated(sensor, chosen)
     return models
+
+
+def _of_row(sensor: Any, row: Mapping[str, Any]) -> NoiseModel:
+    """Return the noise of one ISO as the profile draws it."""
+    beta2 = np.asarray(row["beta2"], float)
+    drawn: dict[str, tuple[float, ...]] = {}
+    rows = 0.0
+    if "photon_statistics" in sensor.noise_effects:
+        drawn["photon_statistics"] = (1.0,)
+    if "heavy_tailed_noise" in sensor.noise_effects:
+        rows = row.get("row_sigma", 0.0)
+        beta2 = np.maximum(beta2 - rows**2, 1e-12)
+        if row.get("outlier_fraction", 0.0) > 0:
+            drawn["heavy_tailed_noise"] = (
+                row["outlier_fraction"],
+                row["outlier_variance_ratio"],
+            )
+    for effect in sensor.effects:
+        if effect["name"] == "row_noise":
+            rows = float(np.hypot(rows, effect["parameters"]["sigma"]))
+    if rows:
+        drawn["row_noise"] = (rows / float(np.sqrt(beta2.mean())),)
+    return NoiseModel(tuple(row["beta1"]), tuple(beta2), drawn=drawn)
 
 
 def _estimated(sensor: Any, captures: Sequence[Capture]) -> NoiseModel:
@@ -73,8 +101,6 @@ def _estimated(sensor: Any, captures: Sequence[Capture]) -> NoiseModel:
     x, v = np.maximum(levels, 0), np.array(variances)
     w = np.sqrt(weights) / np.maximum(v, 1e-12)
     design = np.stack([x, np.ones_like(x)], 1)
-    from scipy.optimize import nnls
-
     (slope, offset), _ = nnls(design * w[:, None], v * w)
     return NoiseModel(
         (max(slope, 1e-8),), (max(offset, 1e-10),), measured=False

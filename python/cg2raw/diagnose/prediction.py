@@ -86,6 +86,7 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
     profile = {
         effect["name"]: list(effect["parameters"].values())
         for effect in ordered_effects(model.sensor)
+        if effect["name"] not in _FLOWS
     }
     for term in model.terms:
         name = term.name
@@ -103,12 +104,33 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
     return list(profile.items())
 
 
+def flow_values(model: Model, frame: Frame, name: str) -> Values | None:
+    """Return the values of a flow: a term's, or what the profile has; None if neither.
+
+    A term's clipping and noise reduction come on top of the profile's, as they do in
+    registry_values."""
+    term = model.term(name)
+    if name not in _ADDED:
+        drawn = frame.noise.drawn.get(name)
+        given = None if drawn is None else np.array(drawn)
+        return given if term is None else term.values
+    listed = {e["name"]: e["parameters"] for e in ordered_effects(model.sensor)}
+    given = np.array(list(listed[name].values()), float) if name in listed else None
+    if term is None or given is None:
+        return given if term is None else term.values
+    return given + term.values
+
+
 _NOISE = ("shot_noise", "read_noise")
+_FLOWS = ("row_noise",)
+_ADDED = ("early_clipping", "noise_reduction")
 _OUTPUT = ("noise_reduction",)
 
 
 def ordered_effects(sensor: Any) -> list[dict[str, Any]]:
     """Return the effects of a profile with parameters in the registry's order."""
+    if not sensor.effects:
+        return []
     order = {e["name"]: [p["name"] for p in e["parameters"]] for e in _core.effects()}
     return [
         {
