@@ -30,9 +30,9 @@ on in its `effects`; all its parameters must be given, within their bounds:
 ```
 
 The order in a profile does not matter: effects act in the order of this page, stage by
-stage. Signals are in 0..1 above black, so that 1 is white. `Sensor.apply_effect` applies
-one of them to an array ([python.md](python.md)), and `cg2raw diagnose` finds which of
-them a profile lacks ([diagnose.md](diagnose.md)).
+stage. Signals are in 0..1 above black, so that 1 is white. `Sensor.apply_effect`
+applies one of them to an array ([python.md](python.md)), and `cg2raw diagnose` finds
+which of them a profile lacks ([diagnose.md](diagnose.md)).
 """
 STAGES = {
     "color": "camera RGB, as light that enters the lens",

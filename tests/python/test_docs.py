@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw import diagnose
 
 ROOT = Path(__file__).resolve().parents[2]
 # tests/dataset/test_docs.py and tests/diagnose/test_docs.py run those whose programs
@@ -123,6 +124,12 @@ def test_every_public_name_says_what_it_is(name):
         assert said and len(" ".join(said)) > 10
     page = (ROOT / "docs/python.md").read_text()
     assert f"{name}\n" in page or f"`{name.partition('.')[2]}`" in page
+
+
+@pytest.mark.parametrize("name", diagnose.__all__)
+def test_every_name_of_the_diagnosis_is_on_the_page(name):
+    assert len(inspect.getdoc(getattr(diagnose, name))) > 10
+    assert f"## cg2raw.diagnose.{name}\n" in (ROOT / "docs/python.md").read_text()
 
 
 def test_all_is_sorted_and_whole():
