@@ -108,16 +108,28 @@ def diagnose(
 def _frames(capture_set: CaptureSet, pixels: int, say: Progress) -> list[Frame]:
     noise = noise_models(capture_set)
     repeat = repeat_of(capture_set.sensor.cfa)
-    tiles: dict[tuple[int, int], Any] = {}
+    tiles = {
+        shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))
+        for shape in {capture.shape for capture in capture_set.captures}
+    }
     frames = []
     for number, capture in enumerate(capture_set.captures):
         say(f"reading {capture.name}", 0.25 * number / len(capture_set.captures))
-        if capture.shape not in tiles:
-            tiles[capture.shape] = tiling(capture.shape, pixels, repeat)
         frames.append(
             frame_of(capture_set, capture, tiles[capture.shape], noise[capture.iso])
         )
     return frames
+
+
+def _wanted(capture_set: CaptureSet, shape: tuple[int, int]) -> Any:
+    """Return where any capture of a shape counts; None if one counts everywhere."""
+    captures = [c for c in capture_set.captures if c.shape == shape]
+    wanted = np.zeros(shape, bool)
+    for capture in captures:
+        if capture.mask is None:
+            return None
+        wanted |= capture.mask()
+    return wanted
 
 
 def _groups(frames: Sequence[Frame]) -> dict[str, list[Frame]]:

@@ -20,6 +20,7 @@ Mask = NDArray[np.bool_]
 
 TILE = (96, 128)  # rows, columns of the pieces of a large frame
 MARGIN = 24  # pixels around a tile that blur and aberrations take in
+MOST_MASKED = 6  # tiles' pixels for one that counts
 BORDER = 8  # pixels along the edges of a whole frame that are left out
 
 
@@ -65,21 +66,65 @@ class Tiling:
         return tuple(np.broadcast_arrays(u, v))
 
 
-def tiling(shape: tuple[int, int], pixels: int, repeat: int = 2) -> Tiling:
-    """Return tiles that hold about so many pixels of a frame, corners among them."""
+def tiling(
+    shape: tuple[int, int], pixels: int, repeat: int = 2, wanted: Mask | None = None
+) -> Tiling:
+    """Return tiles that hold about so many pixels of a frame, corners among them.
+
+    wanted : (H, W), where any frame counts; if that is less than half, tiles lie where
+        most of it is."""
     height, width = shape
     if height * width <= 1.5 * pixels or min(shape) < 2 * MARGIN + max(TILE):
         return Tiling(shape, shape, 0, np.zeros((1, 2), np.int32))
-    across = max(2, round(np.sqrt(pixels / (TILE[0] * TILE[1]) * width / height)))
-    down = max(2, round(pixels / (TILE[0] * TILE[1] * across)))
-    size = tuple(n - n % repeat for n in TILE)
-    first = []
-    for length, tile, count in ((height, size[0], down), (width, size[1], across)):
-        places = np.linspace(0, length - tile - 2 * MARGIN, count).astype(int)
-        first.append(places - places % repeat)
-    rows, columns = np.meshgrid(*first, indexing="ij")
-    origins = np.stack([rows.ravel(), columns.ravel()], 1).astype(np.int32)
-    return Tiling(shape, (size[0], size[1]), MARGIN, origins)
+    size = (TILE[0] - TILE[0] % repeat, TILE[1] - TILE[1] % repeat)
+    if wanted is not None and wanted.mean() < 0.5:
+        origins = _where_wanted(wanted, size, pixels, repeat)
+    else:
+        across = max(2, round(np.sqrt(pixels / (size[0] * size[1]) * width / height)))
+        down = max(2, round(pixels / (size[0] * size[1] * across)))
+        origins = np.array(
+            [
+                (row, column)
+                for row in _places(height, size[0], down, repeat)
+                for column in _places(width, size[1], across, repeat)
+            ]
+        )
+    return Tiling(shape, size, MARGIN, origins.astype(np.int32))
+
+
+def _places(length: int, tile: int, count: int, repeat: int) -> NDArray[np.int64]:
+    """Return the first pixels of tiles from one end to the other."""
+    places = np.linspace(0, length - tile - 2 * MARGIN, count).astype(np.int64)
+    return places - places % repeat
+
+
+def _where_wanted(
+    wanted: Mask, size: tuple[int, int], pixels: int, repeat: int
+) -> NDArray[np.int64]:
+    """Return tiles beside each other that hold most of what counts."""
+    rows, columns = (
+        _places(n, tile, (n - 2 * MARGIN) // tile, repeat)
+        for n, tile in zip(wanted.shape, size, strict=True)
+    )
+    held = {
+        (row, column): int(
+            wanted[
+                row + MARGIN : row + MARGIN + size[0],
+                column + MARGIN : column + MARGIN + size[1],
+            ].sum()
+        )
+        for row in rows
+        for column in columns
+    }
+    chosen, sum_ = [], 0
+    for place in sorted(held, key=lambda at: -held[at]):
+        if held[place] == 0 or sum_ > pixels:
+            break
+        if len(chosen) * size[0] * size[1] > MOST_MASKED * pixels:
+            break
+        chosen.append(place)
+        sum_ += held[place]
+    return np.array(sorted(chosen) or [(0, 0)])
 
 
 @dataclass
