@@ -10,7 +10,7 @@ import numpy as np
 from cg2raw import Sensor
 from cg2raw.diagnose.captures import Capture, CaptureSet
 from cg2raw.diagnose.frames import frame_of, tiling
-from cg2raw.diagnose.hidden_truth.sensors import ISO, drawn_sensor, with_noise
+from cg2raw.diagnose.hidden_truth.sensors import ISO, with_noise
 from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.noise_estimate import noise_models
 from cg2raw.diagnose.prediction import Model, place, predict
@@ -21,9 +21,15 @@ ONE = Workers(1)
 BY_NAME = {candidate.name: candidate for candidate in candidates("RGGB")}
 
 
-def sensor_of(full_well=5000.0, read_noise=3.0):
-    """Return a Bayer sensor of 14 bits with the same noise at all sites."""
-    return with_noise(drawn_sensor(3), full_well, read_noise, ISO)
+def sensor_of(full_well=5000.0, read_noise=3.0, **fields):
+    """Return a Bayer sensor of fine DN (9 per read noise), the same at all sites.
+
+    fields : of its profile, in place of what it has."""
+    profile = json.loads(Sensor("canon-70d").to_json())
+    levels = {"bits": 14, "black_level": [256.0] * 4, "white_level": 16383}
+    profile.update({"id": "planted", **levels, "effects": [], **fields})
+    bare = Sensor.from_json(json.dumps(profile), "planted")
+    return with_noise(bare, full_well, read_noise, ISO)
 
 
 def scene_of(seed, shape=SHAPE):
@@ -102,9 +108,7 @@ def drawn(frames, model, seed, extra=0.0):
 def shown(frame, signal):
     """Return the frame as an ADC that rounds, and clips at white, shows a signal."""
     dn = np.minimum(np.round(signal * frame.range), frame.range)
-    return replace(
-        frame, signal=dn / frame.range, at_white=dn >= frame.range, store={}
-    )
+    return replace(frame, signal=dn / frame.range, at_white=dn >= frame.range, store={})
 
 
 def bare(sensor):

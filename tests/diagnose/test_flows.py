@@ -69,9 +69,7 @@ def test_heavy_tails_are_the_mixture_of_two_normals(frame):
     z = np.linspace(-16, 16, SHAPE[1] * SHAPE[2]).reshape(SHAPE)
     share, f, r = 0.7, 0.04, 16.0
     p = prediction(0.1, frame.beta2.mean() / share)
-    white, cost = flows.heavy_tailed_noise(
-        z, p, np.array([f, r]), frame, frame.beta2
-    )
+    white, cost = flows.heavy_tailed_noise(z, p, np.array([f, r]), frame, frame.beta2)
     core = share / (1 + f * (r - 1))
     expected = f * norm.pdf(z, scale=np.sqrt(1 - share + r * core))
     expected += (1 - f) * norm.pdf(z, scale=np.sqrt(1 - share + core))
@@ -224,7 +222,8 @@ def test_early_clipping_is_the_density_of_clipped_photons_and_read_noise(frame, 
     draws = np.minimum(photons, well) + np.sqrt(read) * rng.standard_normal(400_000)
     below = np.searchsorted(np.sort(draws), y) / len(draws)
     assert np.cumsum(density) * step - density * step / 2 == pytest.approx(
-        below, abs=0.02  # of a peak that is two steps wide
+        below,
+        abs=0.02,  # of a peak that is two steps wide
     )
 
 

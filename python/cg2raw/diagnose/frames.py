@@ -93,7 +93,9 @@ def tiling(
 
 
 def _places(length: int, tile: int, count: int, repeat: int) -> NDArray[np.int64]:
-    """Return the first pixels of tiles from one end to the other."""
+    """Return the first pixels of tiles from one end to the other, at most so many and
+    none on another: a pixel counts once."""
+    count = min(count, (length - 2 * MARGIN) // tile)
     places = np.linspace(0, length - tile - 2 * MARGIN, count).astype(np.int64)
     return places - places % repeat
 
