@@ -93,7 +93,7 @@ def _evidence(
 
 
 def _common_shape(frames: Sequence[Frame]) -> tuple[int, ...]:
-    """Return the shape that most pixels have: masked borders have shapes of their own."""
+    """Return the shape of most pixels: masked borders have shapes of their own."""
     pixels: dict[tuple[int, ...], int] = {}
     for frame in frames:
         shape = frame.signal.shape

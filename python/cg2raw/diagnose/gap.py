@@ -54,9 +54,7 @@ def true_loss(frames: Sequence[Frame]) -> float | None:
     return -total / max(pixels, 1)
 
 
-def systematic(
-    model: Model, base: Model, frames: Sequence[Frame]
-) -> float | None:
+def systematic(model: Model, base: Model, frames: Sequence[Frame]) -> float | None:
     """Return E[z1 z2] over pairs of repeats, in noise variances of the base model: the
     squared error of the mean, without a bias by noise. None without repeats."""
     sets: dict[str, list[Frame]] = {}

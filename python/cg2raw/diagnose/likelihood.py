@@ -80,9 +80,7 @@ def total(
     """Return the log-likelihood of frames, nats."""
     if prepared is None:
         return float(
-            sum(
-                workers.map(lambda f: log_density(model, f)[0][f.keep].sum(), frames)
-            )
+            sum(workers.map(lambda f: log_density(model, f)[0][f.keep].sum(), frames))
         )
     known = {id(f): p for f, p in zip(frames, prepared, strict=True)}
     return float(

@@ -203,8 +203,9 @@ def _photon_transfer(
         used = frame.keep & ~frame.censored & (p.mean < 0.95)
         chosen = np.digitize(p.mean[used], edges)
         residual = (frame.signal - p.mean)[used]
-        square += np.bincount(chosen, np.minimum(residual**2, 50 * p.variance[used]),
-                              count + 1)
+        square += np.bincount(
+            chosen, np.minimum(residual**2, 50 * p.variance[used]), count + 1
+        )
         level += np.bincount(chosen, np.maximum(p.mean[used], 0), count + 1)
         expected += np.bincount(chosen, p.variance[used], count + 1)
         weight += np.bincount(chosen, minlength=count + 1)

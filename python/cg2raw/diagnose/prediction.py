@@ -92,7 +92,9 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
         name = term.name
         if term.candidate.way == "smooth" and name not in _NOISE or name in _OUTPUT:
             old = profile.get(name, [0.0] * len(term.values))
-            profile[name] = [a + float(b) for a, b in zip(old, term.values, strict=True)]
+            profile[name] = [
+                a + float(b) for a, b in zip(old, term.values, strict=True)
+            ]
     gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
     sites = len(model.sensor.cfa)
     for name, betas, factor in (
