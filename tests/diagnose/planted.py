@@ -9,11 +9,12 @@ import numpy as np
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures import Capture, CaptureSet
-from cg2raw.diagnose.frames import frame_of, tiling
+from cg2raw.diagnose.frames import frame_of, source_of
 from cg2raw.diagnose.hidden_truth.sensors import ISO, with_noise
 from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.noise_estimate import noise_models
 from cg2raw.diagnose.prediction import Model, place, predict
+from cg2raw.diagnose.tiling import tiling
 from cg2raw.diagnose.vocabulary import candidates
 
 SHAPE = (64, 96)
@@ -77,7 +78,7 @@ def frames_of(sensor, captures, pixels=65536):
     noise = noise_models(capture_set)
     side = round(len(sensor.cfa) ** 0.5)
     return [
-        frame_of(capture_set, c, tiling(c.shape, pixels, side), noise[c.iso])
+        frame_of(source_of(capture_set, c), tiling(c.shape, pixels, side), noise[c.iso])
         for c in captures
     ]
 

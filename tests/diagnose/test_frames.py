@@ -10,15 +10,10 @@ from diagnose.planted import SHAPE, capture_of, frames_of, scene_of, sensor_of
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures import CaptureSet
-from cg2raw.diagnose.frames import (
-    BORDER,
-    MARGIN,
-    frame_of,
-    planes_of_sites,
-    tiling,
-)
+from cg2raw.diagnose.frames import BORDER, frame_of, planes_of_sites, source_of
 from cg2raw.diagnose.groups import third
 from cg2raw.diagnose.noise_estimate import noise_models
+from cg2raw.diagnose.tiling import MARGIN, tiling, whole_tilings
 
 SENSOR = sensor_of()
 LARGE = (3000, 4000)
@@ -129,7 +124,7 @@ def test_a_flat_of_unknown_level_takes_its_own(name):
     capture = capture_of("flat", shape=shape, scene=None, raw=lambda: raw, iso=None)
     captures = CaptureSet(sensor, [capture])
     tiles = tiling(shape, 65536, round(len(sensor.cfa) ** 0.5))
-    frame = frame_of(captures, capture, tiles, noise_models(captures)[None])
+    frame = frame_of(source_of(captures, capture), tiles, noise_models(captures)[None])
     assert frame.level_free
     assert frame.camera[0, :, 30, 30] == pytest.approx(levels, rel=0.01)
 
@@ -156,3 +151,16 @@ def test_a_large_frame_is_kept_as_its_tiles():
     whole = sum(x.nbytes for x in vars(frame).values() if isinstance(x, np.ndarray))
     assert whole < 65536 * 1.6 * 80
     assert frame.camera.base is None or frame.camera.base.nbytes < 4 * 1400 * 1000
+
+
+@pytest.mark.parametrize("repeat", [2, 6])
+@pytest.mark.parametrize("shape", [(260, 400), (700, 177), (1000, 1400)])
+def test_pieces_of_a_whole_frame_cover_it_once(shape, repeat):
+    covered = np.zeros(shape, int)
+    for tiles in whole_tilings(tiling(shape, 16384, repeat), repeat):
+        assert (tiles.origins % repeat == 0).all()
+        for top, bottom, left, right in zip(*inner(tiles), strict=True):
+            covered[top:bottom, left:right] += 1
+    assert covered.max() == 1
+    whole = (shape[0] - 2 * MARGIN) * (shape[1] - 2 * MARGIN)
+    assert covered.sum() > 0.93 * whole

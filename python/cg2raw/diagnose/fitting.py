@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.fixed_patterns import fit_patterns
 from cg2raw.diagnose.flows import row_noise
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.prediction import Model, Prediction, flow_values, place, predict
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values
 
 ENOUGH = 0.3  # nats; a step that promises less is not taken

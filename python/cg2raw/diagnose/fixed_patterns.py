@@ -15,9 +15,10 @@ from scipy.ndimage import gaussian_filter
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
-from cg2raw.diagnose.frames import Array, Frame, Mask
+from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.prediction import Model, Pattern, Term, pattern_bearing, predict
+from cg2raw.diagnose.tiling import Array, Mask
 
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass

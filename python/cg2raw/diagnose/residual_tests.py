@@ -14,7 +14,8 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from cg2raw.diagnose.diagnosis import ResidualTest
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, log_density
 from cg2raw.diagnose.nuisances import of_site
 from cg2raw.diagnose.prediction import Model, Prediction, pattern_bearing
