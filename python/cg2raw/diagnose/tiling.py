@@ -89,7 +89,9 @@ def tiling(
 
 
 def _places(length: int, tile: int, count: int, repeat: int) -> NDArray[np.int64]:
-    """Return the first pixels of tiles from one end to the other."""
+    """Return the first pixels of tiles from one end to the other, at most so many and
+    none on another: a pixel counts once."""
+    count = min(count, (length - 2 * MARGIN) // tile)
     places = np.linspace(0, length - tile - 2 * MARGIN, count).astype(np.int64)
     return places - places % repeat
 
@@ -128,11 +130,10 @@ def whole_tilings(tiles: Tiling, repeat: int = 2) -> Iterator[Tiling]:
     if tiles.margin == 0:
         yield tiles
         return
-    size = [min(WHOLE_TILE, n - 2 * MARGIN) // repeat * repeat for n in tiles.shape]
-    places = [
-        range(0, n - 2 * MARGIN - tile + 1, tile)
-        for n, tile in zip(tiles.shape, size, strict=True)
-    ]
+    inner = [n - 2 * MARGIN for n in tiles.shape]
+    # The fewest pieces, all of one size: their number times the repeat is left over.
+    size = [n // -(-n // WHOLE_TILE) // repeat * repeat for n in inner]
+    places = [range(0, n - tile + 1, tile) for n, tile in zip(inner, size, strict=True)]
     origins = np.array([(r, c) for r in places[0] for c in places[1]], np.int32)
     for first in range(0, len(origins), BATCH):
         batch = origins[first : first + BATCH]
