@@ -93,7 +93,7 @@ class Nuisance:
         Of the prediction asked last it is kept: all derivatives are whitened alike."""
         known = frame.store.get("shrinking")
         if known is not None and known[0] is p and known[1] is self:
-            return known[2]  # type: ignore[no-any-return]
+            return known[2]
         columns = self._columns(frame, p)
         result: tuple[Any, Any, float] = (None, None, 0.0)
         if columns is not None and columns.any():
@@ -117,7 +117,7 @@ def _bumps(frame: Frame) -> tuple[Array, Array]:
             distance = places[..., None] / length * (count - 1) - np.arange(count)
             parts.append(np.exp(-0.5 * (distance / WIDTH_OF_BUMP) ** 2))
         frame.store["bumps"] = tuple(parts)
-    return frame.store["bumps"]  # type: ignore[no-any-return]
+    return frame.store["bumps"]
 
 
 def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
@@ -126,7 +126,7 @@ def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
         camera = frame.camera.astype(float)
         squared = np.gradient(camera, axis=2) ** 2 + np.gradient(camera, axis=3) ** 2
         frame.store["slope"] = (of_site(squared, frame), of_site(camera**2, frame))
-    return frame.store["slope"]  # type: ignore[no-any-return]
+    return frame.store["slope"]
 
 
 def of_site(planes: Array, frame: Frame) -> Array:
@@ -186,7 +186,8 @@ def refitted(
     )
 
     def with_values(values: Any) -> Nuisance:
-        return replace(old, **dict(zip(names, map(float, values), strict=True)))
+        deviations: dict[str, Any] = dict(zip(names, map(float, values), strict=True))
+        return replace(old, **deviations)
 
     def score(values: Any) -> float:
         trial = replace(model, nuisance=with_values(values))
