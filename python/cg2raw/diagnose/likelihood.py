@@ -11,7 +11,8 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from cg2raw.diagnose.flows import whiten
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.prediction import Model, Prediction, predict
 
 LOG_2PI = np.log(2 * np.pi)
@@ -80,9 +81,7 @@ def total(
     """Return the log-likelihood of frames, nats."""
     if prepared is None:
         return float(
-            sum(
-                workers.map(lambda f: log_density(model, f)[0][f.keep].sum(), frames)
-            )
+            sum(workers.map(lambda f: log_density(model, f)[0][f.keep].sum(), frames))
         )
     known = {id(f): p for f, p in zip(frames, prepared, strict=True)}
     return float(

@@ -16,9 +16,10 @@ import numpy as np
 
 from cg2raw.diagnose.captures import CaptureSet
 from cg2raw.diagnose.fitting import ENOUGH, search
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, total
-from cg2raw.diagnose.prediction import Model, Prediction
+from cg2raw.diagnose.prediction import Model, Prediction, predict
 from cg2raw.diagnose.vocabulary import Candidate
 
 FIELD = (5, 6)  # bumps of a smooth error, down and across a frame
@@ -92,7 +93,7 @@ class Nuisance:
         Of the prediction asked last it is kept: all derivatives are whitened alike."""
         known = frame.store.get("shrinking")
         if known is not None and known[0] is p and known[1] is self:
-            return known[2]  # type: ignore[no-any-return]
+            return known[2]
         columns = self._columns(frame, p)
         result: tuple[Any, Any, float] = (None, None, 0.0)
         if columns is not None and columns.any():
@@ -116,7 +117,7 @@ def _bumps(frame: Frame) -> tuple[Array, Array]:
             distance = places[..., None] / length * (count - 1) - np.arange(count)
             parts.append(np.exp(-0.5 * (distance / WIDTH_OF_BUMP) ** 2))
         frame.store["bumps"] = tuple(parts)
-    return frame.store["bumps"]  # type: ignore[no-any-return]
+    return frame.store["bumps"]
 
 
 def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
@@ -125,7 +126,7 @@ def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
         camera = frame.camera.astype(float)
         squared = np.gradient(camera, axis=2) ** 2 + np.gradient(camera, axis=3) ** 2
         frame.store["slope"] = (of_site(squared, frame), of_site(camera**2, frame))
-    return frame.store["slope"]  # type: ignore[no-any-return]
+    return frame.store["slope"]
 
 
 def of_site(planes: Array, frame: Frame) -> Array:
@@ -185,7 +186,8 @@ def refitted(
     )
 
     def with_values(values: Any) -> Nuisance:
-        return replace(old, **dict(zip(names, map(float, values), strict=True)))
+        deviations: dict[str, Any] = dict(zip(names, map(float, values), strict=True))
+        return replace(old, **deviations)
 
     def score(values: Any) -> float:
         trial = replace(model, nuisance=with_values(values))
@@ -210,10 +212,7 @@ def refitted(
     return replace(found, radiance=found.radiance * np.sqrt(2))
 
 
-def without_highlights(frames: Sequence[Frame], model: Model) -> None:
-    """Take what is predicted near white out of the frames that show a scene."""
-    from cg2raw.diagnose.prediction import predict
-
-    for frame in frames:
-        if frame.capture.kind in ("scene", "chart"):
-            frame.keep &= predict(model, frame).mean < HIGHEST
+def hide_highlights(frame: Frame, model: Model) -> None:
+    """Take what is predicted near white out of a frame that shows a scene."""
+    if frame.capture.kind in ("scene", "chart"):
+        frame.keep &= predict(model, frame).mean < HIGHEST

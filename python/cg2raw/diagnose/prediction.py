@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from cg2raw import _core
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values
 
 LEAST_VARIANCE = 1e-12
@@ -24,14 +25,23 @@ class Pattern:
     mean: Array
     variance: Array
 
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the map where it is not known."""
+        return float(np.sqrt(np.mean(self.mean**2 + self.variance)))
+
 
 @dataclass(frozen=True)
 class Term:
-    """One effect of a model and its values; a pattern has its map besides."""
+    """One effect of a model and its values; a pattern has its map besides.
+
+    calibration : it is fitted with all others, and is no finding: nobody had said what
+        its value should be."""
 
     candidate: Candidate
     values: Values
     pattern: Pattern | None = None
+    calibration: bool = False
 
     @property
     def name(self) -> str:
@@ -49,6 +59,11 @@ class Model:
     @property
     def names(self) -> list[str]:
         return [term.name for term in self.terms]
+
+    @property
+    def found_names(self) -> list[str]:
+        """Names of the terms that are findings."""
+        return [term.name for term in self.terms if not term.calibration]
 
     def term(self, name: str) -> Term | None:
         return next((term for term in self.terms if term.name == name), None)
@@ -92,7 +107,9 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
         name = term.name
         if term.candidate.way == "smooth" and name not in _NOISE or name in _OUTPUT:
             old = profile.get(name, [0.0] * len(term.values))
-            profile[name] = [a + float(b) for a, b in zip(old, term.values, strict=True)]
+            profile[name] = [
+                a + float(b) for a, b in zip(old, term.values, strict=True)
+            ]
     gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
     sites = len(model.sensor.cfa)
     for name, betas, factor in (
@@ -167,8 +184,12 @@ def predict(model: Model, frame: Frame) -> Prediction:
     sign = -1.0 if frame.capture.group == "fit" else 1.0
     doubt = 0.0
     for term in model.terms:
-        if term.pattern is not None and term.pattern.mean.shape == mean.shape:
-            bearing = pattern_bearing(term.name, frame, photons)
+        if term.pattern is None:
+            continue
+        bearing = pattern_bearing(term.name, frame, photons)
+        if term.pattern.mean.shape != mean.shape:  # elsewhere the map is not known
+            variance = variance + (bearing * term.pattern.spread) ** 2
+        else:
             shift = bearing * term.pattern.mean
             mean = mean + shift
             doubt = doubt + bearing**2 * term.pattern.variance
