@@ -222,7 +222,9 @@ def test_pixels_that_do_not_count_are_not_asked():
 
 def test_a_first_frame_with_another_mask_hides_no_pattern():
     """Pixels that the first frame lacks are compared between the others."""
-    empty = capture_of("dark", 60, group="report", mask=lambda: np.zeros((64, 96), bool))
+    empty = capture_of(
+        "dark", 60, group="report", mask=lambda: np.zeros((64, 96), bool)
+    )
     made = frames_of(SENSOR, [empty, *captures_of()])
     pattern = READ * np.random.default_rng(5).standard_normal(made[0].signal.shape)
     shown = drawn(made, Model(SENSOR), 48, lambda frame, rng: pattern)

@@ -108,7 +108,9 @@ def residual_tests(
     return sorted(tests, key=lambda test: -test.nats_per_pixel)
 
 
-def _collect(c: _Collected, model: Model, frame: Frame, z: Array, p: Prediction) -> None:
+def _collect(
+    c: _Collected, model: Model, frame: Frame, z: Array, p: Prediction
+) -> None:
     # Censored pixels take part: their residuals are drawn. Without them, what is left
     # of a dark whose noise reaches 0 would look lopsided.
     used = frame.keep & (p.mean < HIGHEST)
@@ -141,7 +143,12 @@ def _collect(c: _Collected, model: Model, frame: Frame, z: Array, p: Prediction)
 
 
 def _group_sums(
-    c: _Collected, name: str, labels: Array, size: int, values: Array, doubt: Array | None
+    c: _Collected,
+    name: str,
+    labels: Array,
+    size: int,
+    values: Array,
+    doubt: Array | None,
 ) -> None:
     """Add mean and variance of the groups of one kind.
 
