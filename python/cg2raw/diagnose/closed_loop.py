@@ -98,4 +98,4 @@ def by_plugin(
             command += ["--sattrib", name, value]
         command += ["--attrib:type=float", "ExposureTime", str(capture.exposure_time)]
         subprocess.run([*command, "-o", str(dng)], check=True, capture_output=True)
-        return read_raw(dng, read_header(dng))
+        return read_raw(str(dng), read_header(str(dng)).active)

@@ -113,7 +113,8 @@ class Linearisation:
             return parameters, np.zeros(0), np.zeros((0, 0))
         pairs = list(zip(self._states, self.frames, strict=True))
         parts = self.workers.map(one, pairs)
-        return parameters, sum(p[0] for p in parts), sum(p[1] for p in parts)
+        score = np.sum([part[0] for part in parts], 0)
+        return parameters, score, np.sum([part[1] for part in parts], 0)
 
 
 def free_parameters(model: Model) -> list[Parameter]:

@@ -59,7 +59,8 @@ class Tiling:
         rows, columns = self.rows_and_columns()
         u = (columns + 0.5 - width / 2) / half
         v = (rows + 0.5 - height / 2) / half
-        return tuple(np.broadcast_arrays(u, v))
+        shape = np.broadcast_shapes(u.shape, v.shape)
+        return np.broadcast_to(u, shape), np.broadcast_to(v, shape)
 
 
 def tiling(
@@ -114,7 +115,8 @@ def _where_wanted(
         for row in rows
         for column in columns
     }
-    chosen, sum_ = [], 0
+    chosen: list[tuple[int, int]] = []
+    sum_ = 0
     for place in sorted(held, key=lambda at: -held[at]):
         if held[place] == 0 or sum_ > pixels:
             break
