@@ -3,8 +3,9 @@
 
 """Models, and what they predict of a frame."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -101,15 +102,13 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
     profile = {
         effect["name"]: list(effect["parameters"].values())
         for effect in ordered_effects(model.sensor)
-        if effect["name"] not in _FLOWS
+        if effect["name"] not in _FLOWS and effect["name"] not in PATTERNS
     }
     for term in model.terms:
         name = term.name
         if term.candidate.way == "smooth" and name not in _NOISE or name in _OUTPUT:
-            old = profile.get(name, [0.0] * len(term.values))
-            profile[name] = [
-                a + float(b) for a, b in zip(old, term.values, strict=True)
-            ]
+            old = np.array(profile.get(name, term.candidate.null))
+            profile[name] = within_bounds(name, old + term.values).tolist()
     gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
     sites = len(model.sensor.cfa)
     for name, betas, factor in (
@@ -138,8 +137,28 @@ def flow_values(model: Model, frame: Frame, name: str) -> Values | None:
     return given + term.values
 
 
+def within_bounds(name: str, values: Values) -> Values:
+    """Return values of an effect within the bounds of the registry: a found value and
+    the profile's are each within them, and their sum need not be."""
+    low, high = _bounds()[name]
+    return np.clip(values, low, high)
+
+
+@cache
+def _bounds() -> Mapping[str, tuple[Values, Values]]:
+    return {
+        effect["name"]: (
+            np.array([p["min"] for p in effect["parameters"]], float),
+            np.array([p["max"] for p in effect["parameters"]], float),
+        )
+        for effect in _core.effects()
+    }
+
+
 _NOISE = ("shot_noise", "read_noise")
 _FLOWS = ("row_noise",)
+# The registry draws its own map of these, and no sensor has that one.
+PATTERNS = ("prnu", "dsnu", "column_noise", "hot_pixels")
 _ADDED = ("early_clipping", "noise_reduction")
 _OUTPUT = ("noise_reduction",)
 
