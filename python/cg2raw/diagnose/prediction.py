@@ -16,6 +16,7 @@ from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values
 
 LEAST_VARIANCE = 1e-12
+BAYER = 4  # sites of its repeat
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,10 @@ class Prediction:
 
 
 def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]:
-    """Return all effects that the registry simulates for a model, with values."""
+    """Return all effects that the registry simulates for a model, with values.
+
+    Its noises have one parameter per site of a Bayer CFA; `predict` adds those of
+    others."""
     profile = {
         effect["name"]: list(effect["parameters"].values())
         for effect in ordered_effects(model.sensor)
@@ -109,8 +113,10 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
         if term.candidate.way == "smooth" and name not in _NOISE or name in _OUTPUT:
             old = np.array(profile.get(name, term.candidate.null))
             profile[name] = within_bounds(name, old + term.values).tolist()
-    gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
     sites = len(model.sensor.cfa)
+    if sites != BAYER:
+        return list(profile.items())
+    gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
     for name, betas, factor in (
         ("shot_noise", frame.noise.beta1, gain),
         ("read_noise", frame.noise.beta2, excess),
@@ -200,6 +206,9 @@ def predict(model: Model, frame: Frame) -> Prediction:
     )
     photons = np.maximum(exposed, 0)
     photon_variance = np.exp(_value(model, "shot_noise")) * frame.beta1 * photons
+    if len(model.sensor.cfa) != BAYER:
+        read_variance = np.exp(_value(model, "read_noise")) * frame.beta2
+        variance = variance + photon_variance + read_variance
     sign = -1.0 if frame.capture.group == "fit" else 1.0
     doubt = 0.0
     for term in model.terms:
