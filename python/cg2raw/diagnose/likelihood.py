@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from cg2raw.diagnose.flows import whiten
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Array, Frame, Mask
 from cg2raw.diagnose.prediction import Model, Prediction, predict
 
 LOG_2PI = np.log(2 * np.pi)
@@ -46,12 +46,18 @@ def residuals(p: Prediction, frame: Frame) -> Array:
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
         if not hit.any():
             continue
-        end = sign * (frame.signal[hit] - p.mean[hit]) / spread[hit]
+        end = _first_censored(frame, hit, sign, p) / spread[hit]
         low = ndtr(end)
         drawn = ndtri(low + frame.uniform[hit] * (1 - low))
         drawn = np.clip(drawn, -LARGEST_Z, LARGEST_Z)
         z[hit] = sign * np.where(low > 1 - 1e-14, end, drawn)
     return z
+
+
+def _first_censored(frame: Frame, hit: Mask, sign: float, p: Prediction) -> Array:
+    """Return the way from the mean to what is rounded to the ADC's end."""
+    half = 0.5 / np.broadcast_to(frame.range, hit.shape)[hit]
+    return sign * (frame.signal[hit] - p.mean[hit]) - half
 
 
 def log_density(
@@ -65,8 +71,8 @@ def log_density(
     density = density - np.log(frame.range)
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
         if hit.any():
-            end = sign * (frame.signal[hit] - p.mean[hit])
-            beyond = log_ndtr(-end / np.sqrt(p.variance[hit]))
+            end = _first_censored(frame, hit, sign, p) / np.sqrt(p.variance[hit])
+            beyond = log_ndtr(-end)
             density[hit] = np.maximum(beyond, LEAST_LOG)
     return density, z, p
 
@@ -80,9 +86,7 @@ def total(
     """Return the log-likelihood of frames, nats."""
     if prepared is None:
         return float(
-            sum(
-                workers.map(lambda f: log_density(model, f)[0][f.keep].sum(), frames)
-            )
+            sum(workers.map(lambda f: log_density(model, f)[0][f.keep].sum(), frames))
         )
     known = {id(f): p for f, p in zip(frames, prepared, strict=True)}
     return float(

@@ -90,7 +90,7 @@ def residual_tests(
 def _collect(
     c: _Collected, model: Model, frame: Frame, z: Array, p: Prediction
 ) -> None:
-    used = frame.keep & ~frame.censored & (p.mean < HIGHEST)
+    used = frame.keep & ~frame.at_white & (p.mean < HIGHEST)
     z = np.clip(z, -LARGEST, LARGEST)
     values = z[used]
     if not values.size:
