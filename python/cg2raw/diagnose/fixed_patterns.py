@@ -67,21 +67,24 @@ def _common_shape(frames: Sequence[Frame]) -> tuple[int, ...]:
     return max(set(shapes), key=shapes.count)
 
 
-def _high_pass(image: Array) -> Array:
-    """What is left of each CFA site's plane without its smooth part."""
-    rest = image.copy()
+def _high_pass(image: Array, keep: Array) -> Array:
+    """What is left of each CFA site's plane without its smooth part, that of the pixels
+    which are kept; others are 0."""
+    rest = np.zeros_like(image)
+    width = (0, SMOOTH, SMOOTH)
     for row in (0, 1):
         for col in (0, 1):
-            plane = image[:, row::2, col::2]
-            slow = gaussian_filter(plane, (0, SMOOTH, SMOOTH))
-            rest[:, row::2, col::2] = plane - slow
+            site = np.s_[:, row::2, col::2]
+            plane, used = np.where(keep[site], image[site], 0), keep[site].astype(float)
+            near = np.maximum(gaussian_filter(used, width), 1e-6)
+            rest[site] = (plane - gaussian_filter(plane, width) / near) * used
     return rest
 
 
 def _pixels(term: Term, information: Array, score: Array, keep: Array) -> Term:
     raw = np.where(keep, score / information, 0)
     raw = np.where(information > 1e-200, raw, 0)
-    estimate = _high_pass(raw)
+    estimate = _high_pass(raw, keep)
     error = 1 / information
     square, known = (estimate**2)[keep], error[keep]
     prior = max(np.median(square / MEDIAN_OF_SQUARE - known), 0)
