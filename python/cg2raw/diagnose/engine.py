@@ -21,18 +21,20 @@ from cg2raw.diagnose.diagnosis import (
     Rung,
 )
 from cg2raw.diagnose.found_profile import found_profile
-from cg2raw.diagnose.frames import Frame, frame_of, repeat_of, tiling
-from cg2raw.diagnose.gap import gap_of
+from cg2raw.diagnose.frames import Frame, frame_of, repeat_of, source_of
+from cg2raw.diagnose.gap import gap_of, systematic
 from cg2raw.diagnose.intervals import estimates, smallest_visible
 from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.noise_estimate import noise_models
-from cg2raw.diagnose.nuisances import nuisance_of, without_highlights
-from cg2raw.diagnose.pictures import curves_of, histogram, picture_of
+from cg2raw.diagnose.nuisances import hide_highlights, nuisance_of
+from cg2raw.diagnose.pictures import curves_of, histogram
 from cg2raw.diagnose.prediction import Model
 from cg2raw.diagnose.registration import Registration
 from cg2raw.diagnose.residual_tests import residual_tests
 from cg2raw.diagnose.search import Search, Step
+from cg2raw.diagnose.tiling import tiling
 from cg2raw.diagnose.vocabulary import Candidate, candidates, confusable
+from cg2raw.diagnose.whole_frames import look_at
 
 Progress = Callable[[str, float], None]
 
@@ -97,7 +99,16 @@ def diagnose(
     model = search.run(base)
     say("writing down what was found", 0.92)
     found = _concluded(
-        base, model, search, groups, workers, alpha, vocabulary, capture_set, details
+        base,
+        model,
+        search,
+        groups,
+        workers,
+        alpha,
+        vocabulary,
+        capture_set,
+        registration,
+        details,
     )
     found.interrupted = search.interrupted
     found.seconds = time.monotonic() - started
@@ -108,16 +119,27 @@ def diagnose(
 def _frames(capture_set: CaptureSet, pixels: int, say: Progress) -> list[Frame]:
     noise = noise_models(capture_set)
     repeat = repeat_of(capture_set.sensor.cfa)
-    tiles: dict[tuple[int, int], Any] = {}
+    tiles = {
+        shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))
+        for shape in {capture.shape for capture in capture_set.captures}
+    }
     frames = []
     for number, capture in enumerate(capture_set.captures):
         say(f"reading {capture.name}", 0.25 * number / len(capture_set.captures))
-        if capture.shape not in tiles:
-            tiles[capture.shape] = tiling(capture.shape, pixels, repeat)
-        frames.append(
-            frame_of(capture_set, capture, tiles[capture.shape], noise[capture.iso])
-        )
+        source = source_of(capture_set, capture)
+        frames.append(frame_of(source, tiles[capture.shape], noise[capture.iso]))
     return frames
+
+
+def _wanted(capture_set: CaptureSet, shape: tuple[int, int]) -> Any:
+    """Return where any capture of a shape counts; None if one counts everywhere."""
+    captures = [c for c in capture_set.captures if c.shape == shape]
+    wanted = np.zeros(shape, bool)
+    for capture in captures:
+        if capture.mask is None:
+            return None
+        wanted |= capture.mask()
+    return wanted
 
 
 def _groups(frames: Sequence[Frame]) -> dict[str, list[Frame]]:
@@ -154,7 +176,8 @@ def _base_model(
 ) -> Model:
     model = Model(capture_set.sensor)
     if capture_set.nuisances:
-        without_highlights(frames, model)
+        for frame in frames:
+            hide_highlights(frame, model)
     return replace(model, nuisance=nuisance_of(capture_set, fit_frames, workers))
 
 
@@ -200,7 +223,8 @@ def _findings(
         step = next(s for s in reversed(steps) if s.name == term.name)
         gain = step.gain - step.null_gain
         others = [
-            Alternative(name, height) for name, height in step.ranking
+            Alternative(name, height)
+            for name, height in step.ranking
             if name != term.name
         ]
         findings.append(
@@ -264,10 +288,17 @@ def _concluded(
     alpha: float,
     vocabulary: Sequence[Candidate],
     capture_set: CaptureSet,
+    registration: Registration | None,
     details: bool,
 ) -> Diagnosis:
     report = groups["report"]
-    gap = gap_of(base, model, report, workers)
+    look = look_at(capture_set, report, base, model, registration, workers, details)
+    gap = gap_of(
+        look.before,
+        look.after,
+        (systematic(base, base, report), systematic(model, base, report)),
+        sorted({frame.capture.name for frame in report}),
+    )
     before = residual_tests(base, groups["select"], workers)
     after = residual_tests(model, report, workers)
     left, traces = _structure(after, gap.before - gap.after)
@@ -292,7 +323,7 @@ def _concluded(
         ],
         notes=[*_notes(capture_set, report, traces), *shapes],
         groups={n: [f.capture.name for f in fs] for n, fs in groups.items()},
-        pictures=[picture_of(base, model, frame) for frame in shown],
+        pictures=list(look.pictures),
         curves=curves_of(model, values, shown) if details else [],
         histogram_before=histogram(base, report, workers),
         histogram_after=histogram(model, report, workers),

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.fixed_patterns import fit_patterns
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.prediction import Model, Prediction, place, predict
 from cg2raw.diagnose.vocabulary import Candidate, Values
@@ -39,9 +40,7 @@ class Linearisation:
 
     Those of the model's own terms are kept while candidates come and go."""
 
-    def __init__(
-        self, model: Model, frames: Sequence[Frame], workers: Workers
-    ) -> None:
+    def __init__(self, model: Model, frames: Sequence[Frame], workers: Workers) -> None:
         self.model, self.frames, self.workers = model, frames, workers
         self._states = workers.map(self._state, frames)
 
@@ -146,9 +145,7 @@ def moved(model: Model, parameters: Sequence[Parameter], step: Array) -> Model:
     return model
 
 
-def one_step(
-    model: Model, base: Linearisation, current: float
-) -> tuple[Model, float]:
+def one_step(model: Model, base: Linearisation, current: float) -> tuple[Model, float]:
     """Return (model after one damped step, actual gain in nats)."""
     parameters, score, information = base.system(model)
     if not parameters:
@@ -221,7 +218,9 @@ def search(
     return values, highest
 
 
-def fit(model: Model, frames: Sequence[Frame], workers: Workers, rounds: int = 7) -> Model:
+def fit(
+    model: Model, frames: Sequence[Frame], workers: Workers, rounds: int = 7
+) -> Model:
     """Return the model of maximum likelihood near a model, all terms together."""
     current = total(model, frames, workers)
     for _ in range(2):
@@ -298,4 +297,3 @@ def information_of(
     """Return (parameters, Fisher information) of a model on frames."""
     parameters, _, information = Linearisation(model, frames, workers).system(model)
     return parameters, information
-

@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.prediction import Model, Pattern, Term, pattern_bearing, predict
 
@@ -35,9 +36,7 @@ def fit_patterns(model: Model, frames: Sequence[Frame], workers: Workers) -> Mod
     return model
 
 
-def _fitted(
-    term: Term, rest: Model, frames: Sequence[Frame], workers: Workers
-) -> Term:
+def _fitted(term: Term, rest: Model, frames: Sequence[Frame], workers: Workers) -> Term:
     """Weighted least squares per pixel, then shrinkage."""
     shape = _common_shape(frames)
     chosen = [f for f in frames if f.signal.shape == shape]
@@ -112,7 +111,9 @@ def _columns(term: Term, information: Array, score: Array, keep: Array) -> Term:
     return replace(term, values=np.array([np.sqrt(prior)]), pattern=pattern)
 
 
-def _hot(term: Term, information: Array, score: Array, seen: Array, keep: Array) -> Term:
+def _hot(
+    term: Term, information: Array, score: Array, seen: Array, keep: Array
+) -> Term:
     estimate = score / information
     estimate = estimate - np.median(estimate[keep])
     z = np.where(keep, estimate * np.sqrt(information), 0)

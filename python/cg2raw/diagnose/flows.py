@@ -12,7 +12,8 @@ import numpy as np
 from scipy import fft
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.prediction import Model, Prediction, flow_values
 from cg2raw.diagnose.vocabulary import Values
 

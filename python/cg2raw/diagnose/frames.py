@@ -14,72 +14,9 @@ from numpy.typing import NDArray
 from cg2raw import _core
 from cg2raw.diagnose.captures import Capture, CaptureSet
 from cg2raw.diagnose.noise_estimate import NoiseModel
+from cg2raw.diagnose.tiling import Array, Mask, Tiling
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-TILE = (96, 128)  # rows, columns of the pieces of a large frame
-MARGIN = 24  # pixels around a tile that blur and aberrations take in
 BORDER = 8  # pixels along the edges of a whole frame that are left out
-
-
-@dataclass(frozen=True)
-class Tiling:
-    """Where the tiles of a frame lie; the same in all frames of one shape.
-
-    origins : (T, 2) row and column of each tile's first pixel, margin included; a
-        multiple of the CFA's repeat.
-    size : rows and columns of a tile without its margin.
-    """
-
-    shape: tuple[int, int]
-    size: tuple[int, int]
-    margin: int
-    origins: NDArray[np.int32]
-
-    def cut(self, image: NDArray[Any], with_margin: bool = False) -> NDArray[Any]:
-        """Return the tiles (T, h, w, ...) of an image (H, W, ...)."""
-        inset = 0 if with_margin else self.margin
-        height, width = (n + 2 * (self.margin - inset) for n in self.size)
-        return np.stack(
-            [
-                image[r + inset : r + inset + height, c + inset : c + inset + width]
-                for r, c in self.origins
-            ]
-        )
-
-    def rows_and_columns(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return the row (T, h, 1) and column (T, 1, w) of every pixel."""
-        first = self.origins.astype(np.int64) + self.margin
-        rows = first[:, :1, None] + np.arange(self.size[0])[None, :, None]
-        columns = first[:, 1:, None] + np.arange(self.size[1])[None, None, :]
-        return rows, columns
-
-    def field(self) -> tuple[Array, Array]:
-        """Return (u, v): offset from the centre in half diagonals; (T, h, w) each."""
-        height, width = self.shape
-        half = np.hypot(height, width) / 2
-        rows, columns = self.rows_and_columns()
-        u = (columns + 0.5 - width / 2) / half
-        v = (rows + 0.5 - height / 2) / half
-        return tuple(np.broadcast_arrays(u, v))
-
-
-def tiling(shape: tuple[int, int], pixels: int, repeat: int = 2) -> Tiling:
-    """Return tiles that hold about so many pixels of a frame, corners among them."""
-    height, width = shape
-    if height * width <= 1.5 * pixels or min(shape) < 2 * MARGIN + max(TILE):
-        return Tiling(shape, shape, 0, np.zeros((1, 2), np.int32))
-    across = max(2, round(np.sqrt(pixels / (TILE[0] * TILE[1]) * width / height)))
-    down = max(2, round(pixels / (TILE[0] * TILE[1] * across)))
-    size = tuple(n - n % repeat for n in TILE)
-    first = []
-    for length, tile, count in ((height, size[0], down), (width, size[1], across)):
-        places = np.linspace(0, length - tile - 2 * MARGIN, count).astype(int)
-        first.append(places - places % repeat)
-    rows, columns = np.meshgrid(*first, indexing="ij")
-    origins = np.stack([rows.ravel(), columns.ravel()], 1).astype(np.int32)
-    return Tiling(shape, (size[0], size[1]), MARGIN, origins)
 
 
 @dataclass
@@ -156,90 +93,102 @@ def planes_of_sites(
     return site, color, spread[site]
 
 
-def _keep(capture: Capture, tiles: Tiling) -> Mask:
+@dataclass(frozen=True)
+class Source:
+    """A capture whose files were read: DN, and camera RGB, (H, W, 3) or (3,)."""
+
+    capture: Capture
+    sensor: Any
+    raw: NDArray[np.uint16]
+    camera: NDArray[np.float32]
+    surround: Any
+    neutral: tuple[float, ...]
+    mask: Mask | None
+
+
+def source_of(capture_set: CaptureSet, capture: Capture) -> Source:
+    """Read one capture. Raises ValueError for a file that cannot be read."""
+    matrix, light = camera_of(capture_set, capture)
+    scene = np.zeros(3) if capture.scene is None else np.asarray(capture.scene())
+    camera = np.maximum(scene @ matrix.T.astype(scene.dtype), 0).astype(np.float32)
+    whole = camera if camera.ndim == 3 else np.broadcast_to(camera, (64, 64, 3))
+    neutral = np.asarray(light.neutral, float)
+    return Source(
+        capture=capture,
+        sensor=capture_set.sensor,
+        raw=capture.raw(),
+        camera=camera,
+        surround=_core.surround(np.ascontiguousarray(whole)),
+        neutral=tuple(neutral / neutral.max()),
+        mask=None if capture.mask is None else capture.mask(),
+    )
+
+
+def _camera_tiles(camera: NDArray[np.float32], tiles: Tiling) -> NDArray[np.float32]:
+    """Return camera RGB as (T, 3, h + 2 margin, w + 2 margin)."""
+    if camera.ndim == 3:
+        cut = np.moveaxis(tiles.cut(camera, with_margin=True), -1, 1)
+        return np.ascontiguousarray(cut)
+    height, width = (n + 2 * tiles.margin for n in tiles.size)
+    shape = (len(tiles.origins), 3, height, width)
+    return np.broadcast_to(camera[None, :, None, None], shape).copy()
+
+
+def _keep(source: Source, tiles: Tiling) -> Mask:
     height, width = tiles.size
     keep = np.ones((len(tiles.origins), height, width), bool)
     if tiles.margin == 0 and min(height, width) > 4 * BORDER:
         edge = np.zeros_like(keep)
         edge[:, BORDER:-BORDER, BORDER:-BORDER] = True
         keep &= edge
-    if capture.mask is not None:
-        keep &= tiles.cut(capture.mask())
+    if source.mask is not None:
+        keep &= tiles.cut(source.mask)
     return keep
 
 
-def _light(
-    capture: Capture, tiles: Tiling, matrix: Any
-) -> tuple[NDArray[np.float32], Any, bool]:
-    """Return (camera tiles, surround, whether the level is unknown)."""
-    count = len(tiles.origins)
-    height, width = (n + 2 * tiles.margin for n in tiles.size)
-    scene = np.zeros(3) if capture.scene is None else capture.scene()
-    if np.ndim(scene) == 1:
-        color = np.maximum(matrix @ np.asarray(scene, float), 0).astype(np.float32)
-        whole = np.broadcast_to(color, (64, 64, 3))
-        camera = np.broadcast_to(
-            color[None, :, None, None], (count, 3, height, width)
-        ).copy()
-    else:
-        whole = np.maximum(scene @ matrix.T.astype(np.float32), 0)
-        camera = np.ascontiguousarray(
-            np.moveaxis(tiles.cut(whole, with_margin=True), -1, 1)
-        )
-    surround = _core.surround(np.ascontiguousarray(whole, np.float32))
-    return camera.astype(np.float32), surround, capture.scene is None
-
-
-def frame_of(
-    capture_set: CaptureSet, capture: Capture, tiles: Tiling, noise: NoiseModel
-) -> Frame:
-    """Read one capture. Raises ValueError for a file that cannot be read."""
-    sensor = capture_set.sensor
-    matrix, light = camera_of(capture_set, capture)
-    raw = capture.raw()
-    cut = tiles.cut(raw)
-    signal = tiles.cut(np.asarray(sensor.signal_from_raw(raw))).astype(float)
-    camera, surround, unknown = _light(capture, tiles, matrix)
+def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
+    """Return the tiles of a capture."""
+    sensor, capture = source.sensor, source.capture
+    cut = tiles.cut(source.raw)
     site, color, black = planes_of_sites(sensor.cfa, tiles.size, sensor.black_level)
-    neutral = np.asarray(light.neutral, float)
+    range_ = sensor.white_level - black
     beta1, beta2 = (
         planes_of_sites(sensor.cfa, tiles.size, beta)[2]
         for beta in (noise.beta1, noise.beta2)
     )
-    key = zlib.crc32(f"{capture.name}/{capture.set}/{capture.group}".encode())
+    place = "/".join(map(str, tiles.origins[0]))
+    key = f"{capture.name}/{capture.set}/{capture.group}/{place}"
     frame = Frame(
         capture=capture,
         tiles=tiles,
-        signal=signal,
+        signal=(cut.astype(float) - black) / range_,
         at_white=cut >= sensor.white_level,
         at_zero=cut == 0,
-        keep=_keep(capture, tiles),
-        camera=camera,
-        surround=surround,
-        neutral=tuple(neutral / neutral.max()),
+        keep=_keep(source, tiles),
+        camera=_camera_tiles(source.camera, tiles),
+        surround=source.surround,
+        neutral=source.neutral,
         noise=noise,
         beta1=beta1,
         beta2=beta2,
-        range=sensor.white_level - black,
-        uniform=np.random.default_rng(key).random(signal.shape),
+        range=range_,
+        uniform=np.random.default_rng(zlib.crc32(key.encode())).random(cut.shape),
         site=site,
         color=color,
-        level_free=unknown and capture.kind != "dark",
+        level_free=capture.scene is None and capture.kind != "dark",
     )
     if frame.level_free:
-        _take_level_from(frame)
+        take_level_from(frame, frame)
     return frame
 
 
-def _take_level_from(frame: Frame) -> None:
-    """The light of a flat that nobody measured: what its middle shows."""
+def take_level_from(frame: Frame, known: Frame) -> None:
+    """The light of a flat that nobody measured: what another frame of it shows."""
     middle = [
-        np.median(frame.signal[:, frame.color == c][frame.keep[:, frame.color == c]])
+        np.median(known.signal[:, known.color == c][known.keep[:, known.color == c]])
         for c in range(3)
     ]
     color = np.maximum(np.array(middle, np.float32), 0)
-    frame.camera = np.broadcast_to(
-        color[None, :, None, None], frame.camera.shape
-    ).copy()
+    frame.camera = _camera_tiles(color, frame.tiles)
     whole = np.ascontiguousarray(np.broadcast_to(color, (64, 64, 3)))
     frame.surround = _core.surround(whole)

@@ -10,53 +10,53 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Gap
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.likelihood import Workers, log_density
-from cg2raw.diagnose.prediction import Model, predict
+from cg2raw.diagnose.likelihood import log_density
+from cg2raw.diagnose.prediction import Model, Prediction, predict
+from cg2raw.diagnose.tiling import Array
 
 LARGEST = 50.0  # standard deviations that count in chi-square
 HIGHEST = 0.95  # of white, for repeats
 
 
-@dataclass(frozen=True)
-class Fit:
-    """How a model fits frames: means per pixel."""
+@dataclass
+class Sums:
+    """Of the pixels of report frames: negative log density, squares of residuals."""
 
-    loss: float  # negative log density, nats
-    chi2: float
-    pixels: int
+    loss: float = 0.0
+    squares: float = 0.0
+    true_loss: float | None = 0.0
+    pixels: int = 0
 
-
-def fit_of(model: Model, frames: Sequence[Frame], workers: Workers) -> Fit:
-    """Return the mean loss and chi-square of frames under a model."""
-
-    def sums(frame: Frame) -> tuple[float, float, int]:
-        density, z, _ = log_density(model, frame)
+    def add(self, model: Model, frame: Frame) -> tuple[Array, Prediction]:
+        """Count a frame; return its residuals and prediction."""
+        density, z, p = log_density(model, frame)
         used = frame.keep & ~frame.censored
-        square = np.minimum(np.abs(z[used]), LARGEST) ** 2
-        return float(density[used].sum()), float(square.sum()), int(used.sum())
+        self.loss -= float(density[used].sum())
+        self.squares += float((np.minimum(np.abs(z[used]), LARGEST) ** 2).sum())
+        self.pixels += int(used.sum())
+        truth = frame.capture.log_density
+        if truth is None or self.true_loss is None:
+            self.true_loss = None
+        else:
+            true_density = frame.tiles.cut(truth())
+            self.true_loss -= float(np.nansum(true_density[used]))
+        return z, p
 
-    parts = workers.map(sums, frames)
-    pixels = max(sum(part[2] for part in parts), 1)
-    loss = -sum(part[0] for part in parts) / pixels
-    return Fit(loss, sum(part[1] for part in parts) / pixels, pixels)
+    def __add__(self, other: "Sums") -> "Sums":
+        known = self.true_loss is not None and other.true_loss is not None
+        return Sums(
+            self.loss + other.loss,
+            self.squares + other.squares,
+            self.true_loss + other.true_loss if known else None,  # type: ignore[operator]
+            self.pixels + other.pixels,
+        )
+
+    @property
+    def chi2(self) -> float:
+        return self.squares / max(self.pixels, 1)
 
 
-def true_loss(frames: Sequence[Frame]) -> float | None:
-    """Return the loss of the true model, where simulated captures know it."""
-    total, pixels = 0.0, 0
-    for frame in frames:
-        if frame.capture.log_density is None:
-            return None
-        density = frame.tiles.cut(frame.capture.log_density())
-        used = frame.keep & ~frame.censored
-        total += float(np.nansum(density[used]))
-        pixels += int(used.sum())
-    return -total / max(pixels, 1)
-
-
-def systematic(
-    model: Model, base: Model, frames: Sequence[Frame]
-) -> float | None:
+def systematic(model: Model, base: Model, frames: Sequence[Frame]) -> float | None:
     """Return E[z1 z2] over pairs of repeats, in noise variances of the base model: the
     squared error of the mean, without a bias by noise. None without repeats."""
     sets: dict[str, list[Frame]] = {}
@@ -78,19 +78,24 @@ def systematic(
     return products / pixels if pixels else None
 
 
-def gap_of(base: Model, model: Model, frames: Sequence[Frame], workers: Workers) -> Gap:
+def gap_of(
+    before: Sums,
+    after: Sums,
+    systematic_errors: tuple[float | None, float | None],
+    held_out: Sequence[str],
+) -> Gap:
     """Return the gap of the report frames before and after."""
-    before, after = (fit_of(m, frames, workers) for m in (base, model))
-    truth = true_loss(frames)
-    if truth is None:
-        rest = max(0.0, 0.5 * (after.chi2 - 1))
-        truth = after.loss - rest
+    pixels = max(after.pixels, 1)
+    if after.true_loss is None:
+        truth = after.loss / pixels - max(0.0, 0.5 * (after.chi2 - 1))
+    else:
+        truth = after.true_loss / pixels
     return Gap(
-        before=before.loss - truth,
-        after=after.loss - truth,
+        before=before.loss / pixels - truth,
+        after=after.loss / pixels - truth,
         chi2_before=before.chi2,
         chi2_after=after.chi2,
-        systematic_before=systematic(base, base, frames),
-        systematic_after=systematic(model, base, frames),
-        held_out=sorted({frame.capture.name for frame in frames}),
+        systematic_before=systematic_errors[0],
+        systematic_after=systematic_errors[1],
+        held_out=sorted(held_out),
     )

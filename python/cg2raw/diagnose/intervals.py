@@ -105,7 +105,9 @@ def smallest_visible(
         known = float(information[strongest, strongest])
         index = parameters[strongest][1]
         strength = (
-            float(np.sqrt(2 * (needed + len(own) / 2) / known)) if known > 1e-6 else None
+            float(np.sqrt(2 * (needed + len(own) / 2) / known))
+            if known > 1e-6
+            else None
         )
         if strength is not None and strength > candidate.high[index]:
             strength = None

@@ -11,8 +11,9 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from cg2raw.diagnose.flows import whiten
-from cg2raw.diagnose.frames import Array, Frame, Mask
+from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.prediction import Model, Prediction, predict
+from cg2raw.diagnose.tiling import Array, Mask
 
 LOG_2PI = np.log(2 * np.pi)
 LEAST_LOG = -200.0  # of a censored pixel, so that one cannot outweigh all

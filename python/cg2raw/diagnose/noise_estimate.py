@@ -102,6 +102,4 @@ def _estimated(sensor: Any, captures: Sequence[Capture]) -> NoiseModel:
     w = np.sqrt(weights) / np.maximum(v, 1e-12)
     design = np.stack([x, np.ones_like(x)], 1)
     (slope, offset), _ = nnls(design * w[:, None], v * w)
-    return NoiseModel(
-        (max(slope, 1e-8),), (max(offset, 1e-10),), measured=False
-    )
+    return NoiseModel((max(slope, 1e-8),), (max(offset, 1e-10),), measured=False)

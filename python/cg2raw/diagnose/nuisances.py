@@ -16,9 +16,10 @@ import numpy as np
 
 from cg2raw.diagnose.captures import CaptureSet
 from cg2raw.diagnose.fitting import ENOUGH, search
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, total
-from cg2raw.diagnose.prediction import Model, Prediction
+from cg2raw.diagnose.prediction import Model, Prediction, predict
 from cg2raw.diagnose.vocabulary import Candidate
 
 FIELD = (5, 6)  # bumps of a smooth error, down and across a frame
@@ -210,10 +211,7 @@ def refitted(
     return replace(found, radiance=found.radiance * np.sqrt(2))
 
 
-def without_highlights(frames: Sequence[Frame], model: Model) -> None:
-    """Take what is predicted near white out of the frames that show a scene."""
-    from cg2raw.diagnose.prediction import predict
-
-    for frame in frames:
-        if frame.capture.kind in ("scene", "chart"):
-            frame.keep &= predict(model, frame).mean < HIGHEST
+def hide_highlights(frame: Frame, model: Model) -> None:
+    """Take what is predicted near white out of a frame that shows a scene."""
+    if frame.capture.kind in ("scene", "chart"):
+        frame.keep &= predict(model, frame).mean < HIGHEST

@@ -10,52 +10,78 @@ import numpy as np
 
 from cg2raw.cfa import demosaic
 from cg2raw.diagnose.diagnosis import Curve, Estimate, Picture
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame, repeat_of
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, log_density
 from cg2raw.diagnose.prediction import Model, Prediction
 
 LARGEST_SIDE = 512
+FARTHEST_Z = 20.0
 CELL = 4  # pixels a side of a cell of the residual map, at least
 EDGES = np.linspace(-6, 6, 97)
 POINTS = 60
 
 
-def _mounted(tiles: Array, frame: Frame, scale: int) -> Array:
-    """Return the tiles in their places on the frame, in cells of scale pixels; NaN
-    between them."""
-    height, width = (-(-n // scale) for n in frame.tiles.shape)
-    canvas = np.full((height, width, *tiles.shape[3:]), np.nan)
+class Canvas:
+    """A picture of one frame that grows piece by piece; NaN where none was mounted."""
+
+    def __init__(self, frame: Frame, cfa: str) -> None:
+        self._frame, self._cfa = frame, cfa
+        repeat = repeat_of(cfa)
+        side = max(frame.tiles.shape)
+        scale = max(1, -(-side // LARGEST_SIDE))
+        self._scale = -(-scale // repeat) * repeat if scale > 1 else 1
+        self._cell = max(CELL, self._scale)
+        colors = self._shape(self._scale)
+        cells = self._shape(self._cell)
+        self._images = [np.full((*colors, 3), np.nan, np.float32) for _ in range(3)]
+        self._maps = [np.full(cells, np.nan, np.float32) for _ in range(2)]
+
+    def _shape(self, scale: int) -> tuple[int, int]:
+        height, width = self._frame.tiles.shape
+        return -(-height // scale), -(-width // scale)
+
+    def mount(
+        self, piece: Frame, before: Array, after: Array, *residuals: Array
+    ) -> None:
+        """Put the tiles of a piece in their places.
+
+        before, after : predicted means. residuals : standardised, before and after."""
+        signals = (piece.signal, np.clip(before, 0, 1), np.clip(after, 0, 1))
+        for image, signal in zip(self._images, signals, strict=True):
+            planes = [
+                np.asarray(demosaic(np.ascontiguousarray(tile, "f4"), self._cfa))
+                for tile in signal
+            ]
+            _mount(image, np.stack(planes), piece, self._scale)
+        used = piece.keep & ~piece.censored
+        for canvas, z in zip(self._maps, residuals, strict=True):
+            shown = np.where(used, np.clip(z, -FARTHEST_Z, FARTHEST_Z), 0)
+            _mount(canvas, shown * self._cell, piece, self._cell)
+
+    def picture(self) -> Picture:
+        """Return the picture as it is."""
+        capture, neutral = self._frame.capture, np.array(self._frame.neutral)
+        return Picture(
+            capture.name,
+            capture.kind,
+            *self._images,
+            *self._maps,
+            neutral=tuple(neutral / neutral[1]),
+        )
+
+
+def _mount(canvas: Array, tiles: Array, frame: Frame, scale: int) -> None:
+    """Write the means of cells of scale pixels into a canvas."""
     rows, columns = frame.tiles.rows_and_columns()
     for tile, row, col in zip(tiles, rows[:, 0, 0], columns[:, 0, 0], strict=True):
-        h, w = (n // scale * scale for n in tile.shape[:2])
-        cells = tile[:h, :w].reshape(h // scale, scale, w // scale, scale, -1)
-        mean = cells.mean((1, 3)).reshape(h // scale, w // scale, *tile.shape[2:])
-        top, left = row // scale, col // scale
-        canvas[top : top + h // scale, left : left + w // scale] = mean
-    return canvas
-
-
-def _colors(signal: Array, cfa: str, frame: Frame, scale: int) -> Array:
-    planes = [
-        np.asarray(demosaic(np.ascontiguousarray(tile, np.float32), cfa))
-        for tile in signal
-    ]
-    return _mounted(np.stack(planes).astype(float), frame, scale).astype(np.float32)
-
-
-def picture_of(base: Model, model: Model, frame: Frame) -> Picture:
-    """Return one frame as measured and as simulated before and after."""
-    cfa = model.sensor.cfa
-    scale = max(1, -(-max(frame.tiles.shape) // LARGEST_SIDE))
-    cell = max(CELL, 2 * scale)
-    images: list[Any] = [_colors(frame.signal, cfa, frame, scale)]
-    maps = []
-    for each in (base, model):
-        _, z, p = log_density(each, frame)
-        images.append(_colors(np.clip(p.mean, 0, 1), cfa, frame, scale))
-        used = np.where(frame.keep & ~frame.censored, np.clip(z, -20, 20), 0)
-        maps.append(_mounted(used, frame, cell).astype(np.float32) * cell)
-    return Picture(frame.capture.name, frame.capture.kind, *images, *maps)
+        # Whole cells of the canvas that lie in the tile.
+        top, left = -(-row // scale), -(-col // scale)
+        inner = tile[top * scale - row :, left * scale - col :]
+        h, w = (n // scale for n in inner.shape[:2])
+        cells = inner[: h * scale, : w * scale].reshape(h, scale, w, scale, -1)
+        mean = cells.mean((1, 3)).reshape(h, w, *tile.shape[2:])
+        canvas[top : top + h, left : left + w] = mean
 
 
 def histogram(
@@ -203,8 +229,9 @@ def _photon_transfer(
         used = frame.keep & ~frame.censored & (p.mean < 0.95)
         chosen = np.digitize(p.mean[used], edges)
         residual = (frame.signal - p.mean)[used]
-        square += np.bincount(chosen, np.minimum(residual**2, 50 * p.variance[used]),
-                              count + 1)
+        square += np.bincount(
+            chosen, np.minimum(residual**2, 50 * p.variance[used]), count + 1
+        )
         level += np.bincount(chosen, np.maximum(p.mean[used], 0), count + 1)
         expected += np.bincount(chosen, p.variance[used], count + 1)
         weight += np.bincount(chosen, minlength=count + 1)

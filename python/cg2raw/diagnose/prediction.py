@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from cg2raw import _core
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values
 
 LEAST_VARIANCE = 1e-12
@@ -23,6 +24,11 @@ class Pattern:
 
     mean: Array
     variance: Array
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the map where it is not known."""
+        return float(np.sqrt(np.mean(self.mean**2 + self.variance)))
 
 
 @dataclass(frozen=True)
@@ -92,7 +98,9 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
         name = term.name
         if term.candidate.way == "smooth" and name not in _NOISE or name in _OUTPUT:
             old = profile.get(name, [0.0] * len(term.values))
-            profile[name] = [a + float(b) for a, b in zip(old, term.values, strict=True)]
+            profile[name] = [
+                a + float(b) for a, b in zip(old, term.values, strict=True)
+            ]
     gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
     sites = len(model.sensor.cfa)
     for name, betas, factor in (
@@ -167,8 +175,12 @@ def predict(model: Model, frame: Frame) -> Prediction:
     sign = -1.0 if frame.capture.group == "fit" else 1.0
     doubt = 0.0
     for term in model.terms:
-        if term.pattern is not None and term.pattern.mean.shape == mean.shape:
-            bearing = pattern_bearing(term.name, frame, photons)
+        if term.pattern is None:
+            continue
+        bearing = pattern_bearing(term.name, frame, photons)
+        if term.pattern.mean.shape != mean.shape:  # elsewhere the map is not known
+            variance = variance + (bearing * term.pattern.spread) ** 2
+        else:
             shift = bearing * term.pattern.mean
             mean = mean + shift
             doubt = doubt + bearing**2 * term.pattern.variance

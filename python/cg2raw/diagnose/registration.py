@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.ndimage import map_coordinates
 
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.nuisances import of_site
 from cg2raw.diagnose.prediction import Model, predict
 
@@ -65,6 +66,13 @@ class Registration:
             name: (one.affine[0, 0], one.affine[1, 0], one.gain)
             for name, one in self._sets.items()
         }
+
+    def place(self, frame: Frame) -> None:
+        """Move the camera RGB of one more frame as that of its set was moved."""
+        one = self._sets.get(frame.capture.set)
+        if one is not None and not frame.level_free:
+            moved = one.gain * _warped(frame.camera, frame, one.affine)
+            frame.camera = moved.astype("f4")
 
     def first(self, model: Model) -> None:
         """Move the camera RGB of all frames to where and how bright they were seen."""

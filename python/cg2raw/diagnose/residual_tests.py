@@ -14,7 +14,8 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from cg2raw.diagnose.diagnosis import ResidualTest
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, log_density
 from cg2raw.diagnose.nuisances import of_site
 from cg2raw.diagnose.prediction import Model, Prediction, pattern_bearing
@@ -160,16 +161,15 @@ def _correlations(c: _Collected, z: Array, used: Array) -> None:
     height, width = z.shape[-2:]
     for down, right in LAGS:
         a, b = (
-            image[:, down:, right:] for image in (z, used)
-        ), (image[:, : height - down, : width - right] for image in (z, used))
+            (image[:, down:, right:] for image in (z, used)),
+            (image[:, : height - down, : width - right] for image in (z, used)),
+        )
         (za, ka), (zb, kb) = a, b
         name = f"autocorrelation ({down}, {right})"
         c.add(name, (za * zb).sum(), (ka & kb).sum(), False)
 
 
-def _edges(
-    c: _Collected, frame: Frame, z: Array, p: Prediction, used: Array
-) -> None:
+def _edges(c: _Collected, frame: Frame, z: Array, p: Prediction, used: Array) -> None:
     camera = frame.camera.astype(float)
     green = camera[:, 1:2].repeat(3, 1)
     down, right = np.gradient(green, axis=2), np.gradient(green, axis=3)
@@ -228,4 +228,3 @@ def _fixed(c: _Collected, frames: Sequence[Frame], pixels: int) -> ResidualTest:
     p_value, nats = float(2 * norm.sf(abs(size))), 0.5 * (size**2 - 1)
     name = "fixed pattern: the same pixel in all frames"
     return ResidualTest(name, size, p_value, nats / max(pixels, 1), WHERE["fixed"])
-

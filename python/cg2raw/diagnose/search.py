@@ -23,7 +23,8 @@ from cg2raw.diagnose.fitting import (
     start_of_clipping,
 )
 from cg2raw.diagnose.fixed_patterns import fit_patterns
-from cg2raw.diagnose.frames import Array, Frame
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, in_blocks, total
 from cg2raw.diagnose.nuisances import refitted
 from cg2raw.diagnose.prediction import Model, place
@@ -132,9 +133,7 @@ class Search:
             self.realign(model)
         if model.nuisance is not None:
             better = refitted(model, self.fit_frames, self.workers)
-            model = fit(
-                replace(model, nuisance=better), self.fit_frames, self.workers
-            )
+            model = fit(replace(model, nuisance=better), self.fit_frames, self.workers)
         return self._pruned(model, newest)
 
     def _null_gain(self, model: Model) -> float:

@@ -72,10 +72,14 @@ DECIDES = {
     frozenset({"hot_pixels", "heavy_tailed_noise"}): "repeated darks at two times",
     frozenset({"crosstalk", "color_matrix"}): "a scene with sharp coloured edges",
     frozenset({"crosstalk", "blur"}): "a flat of strong colour",
-    frozenset({"blur", "noise_reduction"}): "flats and darks, whose noise is not blurred",
+    frozenset(
+        {"blur", "noise_reduction"}
+    ): "flats and darks, whose noise is not blurred",
     frozenset({"row_noise", "dsnu"}): "repeated darks",
     frozenset({"black_level", "dark_current"}): "darks at two exposure times",
-    frozenset({"black_level", "veiling_glare"}): "darks, and a scene of few bright parts",
+    frozenset(
+        {"black_level", "veiling_glare"}
+    ): "darks, and a scene of few bright parts",
     frozenset({"white_balance", "color_matrix"}): "a chart of greys and colours",
     frozenset({"white_balance", "color_shading"}): "flats that fill the frame",
     frozenset({"exposure", "nonlinearity"}): "flats at three levels",
