@@ -31,7 +31,10 @@ class ReadNoise:
     def draw(self, rng: Generator, shape: tuple[int, int]) -> Plane:
         """Return (H, W) of one frame, in read noises of the profile."""
         u = rng.random(shape)
-        quantiles = (u**self.shape - (1 - u) ** self.shape) / self.shape
+        if self.shape == 0:  # the limit: a logistic distribution
+            quantiles = np.log(u / (1 - u))
+        else:
+            quantiles = (u**self.shape - (1 - u) ** self.shape) / self.shape
         pixels = self.sigma / np.sqrt(tukeylambda.var(self.shape)) * quantiles
         return pixels + self.row_sigma * rng.standard_normal((shape[0], 1))
 
