@@ -235,7 +235,7 @@ def with_closed_share(first, second):
     """Return the second Diagnosis without structures that are traces of what it closed.
 
     A diagnosis that finds effects says so of its rest; here nothing was searched."""
-    from cg2raw.diagnose.engine import SHARE_LEFT
+    from cg2raw.diagnose.conclusion import SHARE_LEFT
 
     closed = first.gap.before - second.gap.before
     left = [t for t in second.unexplained if t.nats_per_pixel > SHARE_LEFT * closed]

@@ -54,6 +54,7 @@ def __getattr__(name: str) -> Any:
         return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
     except ModuleNotFoundError as missing:
         raise ModuleNotFoundError(
-            f'{missing}: the diagnosis needs more packages: pip install "cg2raw[diagnose]"',
+            f"{missing}: the diagnosis needs more packages: "
+            'pip install "cg2raw[diagnose]"',
             name=missing.name,
         ) from missing

@@ -47,8 +47,27 @@ def run_case(case: Case, alpha: float) -> dict[str, Any]:
         record["error"] = f"{type(error).__name__}: {error}"
         return record
     record.update(score(list(case.strengths), found))
+    if case.suite == "closed-loop":
+        record.update(_again(captures, found, alpha))
     record["seconds"] = time.perf_counter() - start
     return record
+
+
+def _again(captures: Any, found: Any, alpha: float) -> dict[str, Any]:
+    """Diagnose frames of the found profile by that profile: there must be no gap."""
+    from cg2raw import Sensor
+    from cg2raw.diagnose import diagnose
+    from cg2raw.diagnose.closed_loop import simulated
+
+    sensor = Sensor.from_json(found.profile_json)
+    second = diagnose(
+        simulated(captures, sensor), alpha=alpha, threads=1, details=False
+    )
+    return {
+        "again_verdict": second.verdict,
+        "again_named": [one.name for one in second.effects],
+        "again_unexplained": [one.name for one in second.unexplained],
+    }
 
 
 def _job(work: tuple[Case, float]) -> dict[str, Any]:

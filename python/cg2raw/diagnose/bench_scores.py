@@ -116,6 +116,9 @@ def bounds(suite: str, good: Sequence[Record]) -> list[tuple[str, float, str]]:
         ]
     if suite == "power":
         return [("named first", _share(right), "see the 50 % points")]
+    if suite == "closed-loop":
+        again = [one["again_verdict"] == "no gap" for one in good]
+        return [("no gap against the found profile", _share(again), ">= 95 %")]
     if suite == "nuisance":
         return [
             ("named first", _share(right), ">= 93 %"),

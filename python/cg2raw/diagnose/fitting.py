@@ -14,14 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.fixed_patterns import fit_patterns
+from cg2raw.diagnose.flows import row_noise
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, total
-from cg2raw.diagnose.prediction import Model, Prediction, place, predict
+from cg2raw.diagnose.prediction import Model, Prediction, flow_values, place, predict
+from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values
 
 ENOUGH = 0.3  # nats; a step that promises less is not taken
 FULL_STEP, FLOW_SHARE = 1.0, 0.4
+FARTHEST = 4.0  # steps, of the top of a parabola
+MOST_RIDGE = 3  # steps along the way that coordinates led
 Parameter = tuple[str, int]  # name of a term, index of its value
 
 
@@ -56,6 +59,10 @@ class Linearisation:
         return _State(p, used, self._white(z, p, frame), {})
 
     def _white(self, z: Array, p: Prediction, frame: Frame) -> Array:
+        """Whiten by what is Gaussian and linear: offsets of rows, and the nuisance."""
+        rows = flow_values(self.model, frame, "row_noise")
+        if rows is not None:
+            z = row_noise(z, p, rows, frame)[0]
         nuisance = self.model.nuisance
         return z if nuisance is None else nuisance.whiten(z, p, frame)[0]
 
@@ -106,7 +113,8 @@ class Linearisation:
             return parameters, np.zeros(0), np.zeros((0, 0))
         pairs = list(zip(self._states, self.frames, strict=True))
         parts = self.workers.map(one, pairs)
-        return parameters, sum(p[0] for p in parts), sum(p[1] for p in parts)
+        score = np.sum([part[0] for part in parts], 0)
+        return parameters, score, np.sum([part[1] for part in parts], 0)
 
 
 def free_parameters(model: Model) -> list[Parameter]:
@@ -198,24 +206,48 @@ def search(
     score: Callable[[Values], float],
 ) -> tuple[Values, float]:
     """Return (values, their score): parabolas along one coordinate after the other,
-    ever smaller."""
+    then along where these led, ever smaller.
+
+    Source: M. J. D. Powell, The Computer Journal 7(2), 1964."""
     scale = np.maximum(np.abs(values) * FLOW_SHARE, candidate.first_scale)
     for _ in range(4):
+        start = values
         for index in range(len(values)):
             unit = np.zeros(len(values))
             unit[index] = scale[index]
-            points = [candidate.clipped(values + d * unit) for d in (-1, 1)]
-            heights = [score(point) for point in points]
-            bend = heights[0] - 2 * highest + heights[1]
-            if bend < 0:
-                top = np.clip(0.5 * (heights[0] - heights[1]) / bend, -2, 2)
-                points.append(candidate.clipped(values + top * unit))
-                heights.append(score(points[-1]))
-            best = int(np.argmax(heights))
-            if heights[best] > highest:
-                values, highest = points[best], heights[best]
+            values, highest = _climbed(candidate, values, highest, score, unit)
+        for _ in range(MOST_RIDGE if len(values) > 1 else 0):
+            led = values - start
+            if np.count_nonzero(led) < 2:
+                break
+            start, before = values, highest
+            values, highest = _climbed(candidate, values, highest, score, led)
+            if highest - before < ENOUGH / 3:
+                break
         scale = scale * 0.35
     return values, highest
+
+
+def _climbed(
+    candidate: Candidate,
+    values: Values,
+    highest: float,
+    score: Callable[[Values], float],
+    unit: Values,
+) -> tuple[Values, float]:
+    """Return (values, score) of the best of a step to either side, and of the top of
+    the parabola through them."""
+    points = [candidate.clipped(values + d * unit) for d in (-1, 1)]
+    heights = [score(point) for point in points]
+    bend = heights[0] - 2 * highest + heights[1]
+    if bend < 0:
+        top = np.clip(0.5 * (heights[0] - heights[1]) / bend, -FARTHEST, FARTHEST)
+        points.append(candidate.clipped(values + top * unit))
+        heights.append(score(points[-1]))
+    best = int(np.argmax(heights))
+    return (
+        (points[best], heights[best]) if heights[best] > highest else (values, highest)
+    )
 
 
 def fit(

@@ -8,18 +8,24 @@ and the map is the posterior mean. What is uncertain of it goes into the varianc
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.prediction import Model, Pattern, Term, pattern_bearing, predict
+from cg2raw.diagnose.tiling import Array, Mask
 
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
-MEDIAN_OF_SQUARE = 0.4549  # of a standard normal
+KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
+FARTHEST = 2.5  # standard deviations that a pixel counts for in the prior
+LONGEST_TAIL = 6.0
+LEAST_SHARE = 1e-6  # of the best pixel's information; a pixel with less is not known
+LEAST_INFORMATION = 1e-200
 HOT = 5.5  # standard deviations above the others
 CERTAIN = 8.0
 SEEN = 3.5  # standard deviations in a single frame
@@ -36,90 +42,144 @@ def fit_patterns(model: Model, frames: Sequence[Frame], workers: Workers) -> Mod
     return model
 
 
+@dataclass(frozen=True)
+class _Evidence:
+    """What frames tell of a map, (T, h, w): information (its inverse is the variance of
+    an estimate), score (information times estimate), in how many frames a pixel stands
+    out. known : pixels that any frame tells of."""
+
+    information: Array
+    score: Array
+    seen: Array
+    known: Mask
+
+    @property
+    def estimate(self) -> Array:
+        return np.where(self.known, self.score / self.information, 0)
+
+
 def _fitted(term: Term, rest: Model, frames: Sequence[Frame], workers: Workers) -> Term:
     """Weighted least squares per pixel, then shrinkage."""
+    evidence = _evidence(term, rest, frames, workers)
+    if term.name == "column_noise":
+        return _columns(term, evidence)
+    if term.name == "hot_pixels":
+        return _hot(term, evidence)
+    return _pixels(term, evidence)
+
+
+def _evidence(
+    term: Term, rest: Model, frames: Sequence[Frame], workers: Workers
+) -> _Evidence:
     shape = _common_shape(frames)
     chosen = [f for f in frames if f.signal.shape == shape]
 
-    def evidence(frame: Frame) -> tuple[Array, Array, Array]:
+    def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
         p = predict(rest, frame)
         bearing = pattern_bearing(term.name, frame, np.maximum(p.exposed, 0))
-        residual = np.where(frame.censored, 0, frame.signal - p.mean)
-        weight = np.where(frame.censored, 1e-9, 1 / p.variance)
+        used = frame.keep & ~frame.censored
+        residual = np.where(used, frame.signal - p.mean, 0)
+        weight = used / p.variance
         hit = residual / np.sqrt(p.variance) > SEEN
         return bearing**2 * weight, bearing * residual * weight, hit
 
-    parts = workers.map(evidence, chosen)
-    information = sum(part[0] for part in parts) + 1e-300
-    score = sum(part[1] for part in parts)
-    seen = sum(part[2].astype(int) for part in parts)
-    keep = np.logical_or.reduce([f.keep for f in chosen])
-    if term.name == "column_noise":
-        return _columns(term, information, score, keep)
-    if term.name == "hot_pixels":
-        return _hot(term, information, score, seen, keep)
-    return _pixels(term, information, score, keep)
+    information, score, seen = np.zeros((3, *shape))
+    for part in workers.map(of_frame, chosen):
+        information += part[0]
+        score += part[1]
+        seen += part[2]
+    known = information > max(LEAST_SHARE * information.max(), LEAST_INFORMATION)
+    information = np.where(known, information, LEAST_INFORMATION)
+    return _Evidence(information, score, seen, known)
 
 
 def _common_shape(frames: Sequence[Frame]) -> tuple[int, ...]:
-    shapes = [f.signal.shape for f in frames]
-    return max(set(shapes), key=shapes.count)
+    """Return the shape of most pixels: masked borders have shapes of their own."""
+    pixels: dict[tuple[int, ...], int] = {}
+    for frame in frames:
+        shape = frame.signal.shape
+        pixels[shape] = pixels.get(shape, 0) + int(frame.keep.sum())
+    return max(pixels, key=lambda shape: pixels[shape])
 
 
-def _high_pass(image: Array, keep: Array) -> Array:
-    """What is left of each CFA site's plane without its smooth part, that of the pixels
-    which are kept; others are 0."""
+def _high_pass(image: Array, known: Mask) -> Array:
+    """What is left of each CFA site's plane without its smooth part, where known."""
     rest = np.zeros_like(image)
-    width = (0, SMOOTH, SMOOTH)
-    for row in (0, 1):
-        for col in (0, 1):
-            site = np.s_[:, row::2, col::2]
-            plane, used = np.where(keep[site], image[site], 0), keep[site].astype(float)
-            near = np.maximum(gaussian_filter(used, width), 1e-6)
-            rest[site] = (plane - gaussian_filter(plane, width) / near) * used
-    return rest
+    for site in ((row, col) for row in (0, 1) for col in (0, 1)):
+        at = np.s_[:, site[0] :: 2, site[1] :: 2]
+        width = (0, SMOOTH, SMOOTH)
+        weight = gaussian_filter(known[at].astype(float), width)
+        slow = gaussian_filter(np.where(known[at], image[at], 0), width)
+        rest[at] = image[at] - slow / np.maximum(weight, 1e-9)
+    return np.where(known, rest, 0)
 
 
-def _pixels(term: Term, information: Array, score: Array, keep: Array) -> Term:
-    raw = np.where(keep, score / information, 0)
-    raw = np.where(information > 1e-200, raw, 0)
-    estimate = _high_pass(raw, keep)
-    error = 1 / information
-    square, known = (estimate**2)[keep], error[keep]
-    prior = max(np.median(square / MEDIAN_OF_SQUARE - known), 0)
-    limit = 6 * np.sqrt(known + prior)
-    bounded = np.clip(estimate[keep], -limit, limit) ** 2
-    prior = max(prior, 0.5 * max(np.mean(bounded - known), 0))
+def _prior(square: Array, error: Array) -> float:
+    """Return the variance of a map from squares of estimates and their errors.
+
+    Each square counts at most FARTHEST**2 times its variance: a few pixels that are
+    hot, or wrong, are no map. Source: P. J. Huber, Ann. Math. Stat. 35(1), 1964,
+    proposal 2."""
+    if not square.size:
+        return 0.0
+    density = np.exp(-0.5 * FARTHEST**2) / np.sqrt(2 * np.pi)
+    beyond = ndtr(-FARTHEST)
+    expected = 1 - 2 * beyond - 2 * FARTHEST * density + 2 * FARTHEST**2 * beyond
+
+    def excess(prior: float) -> float:
+        scaled = square / (error + prior)
+        return float(np.minimum(scaled, FARTHEST**2).mean() - expected)
+
+    high = float(square.mean()) + 1e-30
+    if excess(0.0) <= 0:
+        return 0.0
+    while excess(high) > 0:
+        high *= 2
+    return float(brentq(excess, 0.0, high, rtol=1e-6, xtol=1e-30))
+
+
+def _pixels(term: Term, evidence: _Evidence) -> Term:
+    known, error = evidence.known, 1 / evidence.information
+    estimate = _high_pass(evidence.estimate, known)
+    square, of_known = (estimate**2)[known] / KEPT, error[known]
+    prior = _prior(square, of_known)
+    # A map with long tails: half of what they add.
+    bounded = np.minimum(square, LONGEST_TAIL**2 * (of_known + prior))
+    weight = 1 / (of_known + prior + 1e-300)
+    mean = ((bounded - of_known) * weight).sum() / max(weight.sum(), 1e-300)
+    prior = max(prior, 0.5 * float(mean))
     share = prior / (prior + error)
-    pattern = Pattern(np.where(keep, estimate * share, 0), error * share)
+    pattern = Pattern(estimate * share, np.where(known, error * share, prior))
     return replace(term, values=np.array([np.sqrt(prior)]), pattern=pattern)
 
 
-def _columns(term: Term, information: Array, score: Array, keep: Array) -> Term:
-    a = (information * keep).sum(1, keepdims=True)
-    b = (score * keep).sum(1, keepdims=True)
-    used = a > 1e-200
-    estimate = np.where(used, b / np.maximum(a, 1e-300), 0)
-    error = 1 / np.maximum(a, 1e-300)
-    prior = max(np.mean((estimate**2 - error)[used]), 0)
+def _columns(term: Term, evidence: _Evidence) -> Term:
+    """One offset per column of a tile."""
+    used = evidence.known.any(1, keepdims=True)
+    a = np.where(evidence.known, evidence.information, 0).sum(1, keepdims=True)
+    b = np.where(evidence.known, evidence.score, 0).sum(1, keepdims=True)
+    estimate = np.where(used, b / np.maximum(a, LEAST_INFORMATION), 0)
+    error = 1 / np.maximum(a, LEAST_INFORMATION)
+    prior = _prior((estimate**2)[used], error[used])
     share = prior / (prior + error)
-    shape = information.shape
+    shape = evidence.known.shape
     pattern = Pattern(
-        np.broadcast_to(np.where(used, estimate * share, 0), shape),
+        np.broadcast_to(estimate * share, shape),
         np.broadcast_to(np.where(used, error * share, prior), shape),
     )
     return replace(term, values=np.array([np.sqrt(prior)]), pattern=pattern)
 
 
-def _hot(
-    term: Term, information: Array, score: Array, seen: Array, keep: Array
-) -> Term:
-    estimate = score / information
-    estimate = estimate - np.median(estimate[keep])
-    z = np.where(keep, estimate * np.sqrt(information), 0)
-    spread = 1.4826 * np.median(np.abs(z[keep] - np.median(z[keep])))
+def _hot(term: Term, evidence: _Evidence) -> Term:
+    known, information = evidence.known, evidence.information
+    if not known.any():
+        nothing = np.zeros(known.shape)
+        return replace(term, values=np.zeros(1), pattern=Pattern(nothing, nothing))
+    estimate = evidence.estimate - np.median(evidence.estimate[known])
+    z = np.where(known, estimate * np.sqrt(information), 0)
+    spread = 1.4826 * np.median(np.abs(z[known] - np.median(z[known])))
     hot = z > HOT * max(1.0, spread)
-    hot &= (seen >= 2) | (z > CERTAIN)
-    share = hot[keep].mean()
+    hot &= (evidence.seen >= 2) | (z > CERTAIN)
+    share = hot[known].mean()
     pattern = Pattern(np.where(hot, estimate, 0), np.where(hot, 1 / information, 0))
     return replace(term, values=np.array([share]), pattern=pattern)

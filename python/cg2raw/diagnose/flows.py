@@ -77,10 +77,11 @@ def photon_statistics(
     z: Array, p: Prediction, values: Values, frame: Frame
 ) -> Whitened:
     """Poisson's third and fourth cumulants, by the Cornish-Fisher series."""
-    photons = np.maximum(p.exposed, 0)
-    beta1 = frame.beta1
-    skew = np.minimum(values[0] * beta1**2 * photons / p.variance**1.5, 0.35)
-    excess = np.minimum(values[0] * beta1**3 * photons / p.variance**2, 0.12)
+    photons = np.maximum(p.exposed, 1e-12)
+    third = values[0] * p.photon_variance**2 / photons
+    fourth = third * p.photon_variance / photons
+    skew = np.minimum(third / p.variance**1.5, 0.35)
+    excess = np.minimum(fourth / p.variance**2, 0.12)
     c = np.clip(z, -FAR, FAR)
     square = c * c
     white = c - skew / 6 * (square - 1) - excess / 24 * (square - 3) * c

@@ -6,6 +6,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Estimate, Power
 from cg2raw.diagnose.fitting import Linearisation, information_of
@@ -30,32 +31,58 @@ def standard_errors(
         spread = np.sqrt(np.maximum(np.diag(inverse), 0)) / scale
         errors = dict(zip(parameters, map(float, spread), strict=True))
     for term in model.terms:
-        for index in range(len(term.values)):
-            if (term.name, index) not in errors:
-                error = _error_by_likelihood(model, term, index, frames, workers)
-                errors[term.name, index] = error
+        if (term.name, 0) in errors:
+            continue
+        if term.pattern is not None:
+            errors[term.name, 0] = _error_of_prior(term)
+            continue
+        of_term = _errors_by_likelihood(model, term, frames, workers)
+        errors.update({(term.name, i): e for i, e in enumerate(of_term)})
     return errors
 
 
-def _error_by_likelihood(
-    model: Model, term: Term, index: int, frames: Sequence[Frame], workers: Workers
-) -> float:
-    """From the bend of the likelihood; of a map's strength, from its pixels' number."""
-    value = float(term.values[index])
-    if term.pattern is not None:
-        prior = max(value, 1e-12) ** 2
-        doubt = float(np.mean(term.pattern.variance))
-        share = min(max(1 - doubt / prior, 1e-3), 1.0)
-        return value / np.sqrt(2 * term.pattern.mean.size) / share
-    step = max(0.1 * abs(value), 1e-3)
-    heights = []
-    for delta in (-step, 0.0, step):
-        values = term.values.copy()
-        values[index] += delta
-        values = term.candidate.clipped(values)
-        heights.append(total(model.with_values(term.name, values), frames, workers))
-    bend = (2 * heights[1] - heights[0] - heights[2]) / step**2
-    return float(1 / np.sqrt(bend)) if bend > 0 else abs(value)
+def _error_of_prior(term: Term) -> float:
+    """Of a map's standard deviation, from its pixels' number and what is known of each;
+    of a share of pixels, from their number."""
+    assert term.pattern is not None
+    value, count = float(term.values[0]), term.pattern.mean.size
+    if term.name == "column_noise":
+        count = term.pattern.mean[:, 0].size
+    if term.name == "hot_pixels":
+        return float(np.sqrt(max(value * (1 - value), 1 / count) / count))
+    prior = max(value, 1e-12) ** 2
+    share = min(max(1 - float(np.mean(term.pattern.variance)) / prior, 1e-3), 1.0)
+    return float(value / np.sqrt(2 * count) / share)
+
+
+def _errors_by_likelihood(
+    model: Model, term: Term, frames: Sequence[Frame], workers: Workers
+) -> list[float]:
+    """Errors of a flow's values from the bend of the likelihood in all of them."""
+    low, high = term.candidate.low, term.candidate.high
+    steps = np.maximum(0.1 * np.abs(term.values), 1e-3)
+    steps = np.minimum(steps, (high - low) / 4)
+    centre = np.clip(term.values, low + steps, high - steps)
+
+    def height(shift: NDArray[np.float64]) -> float:
+        values = centre + shift * steps
+        return total(model.with_values(term.name, values), frames, workers)
+
+    axes = np.eye(len(steps))
+    bend = np.zeros((len(steps), len(steps)))
+    middle = height(0 * steps)
+    ends = [(height(axis), height(-axis)) for axis in axes]
+    for i, (above, below) in enumerate(ends):
+        bend[i, i] = 2 * middle - above - below
+        for j in range(i):
+            both = height(axes[i] + axes[j]) + height(-axes[i] - axes[j])
+            both -= above + below + sum(ends[j]) - 2 * middle
+            bend[i, j] = bend[j, i] = -0.5 * both
+    values, vectors = np.linalg.eigh(bend)
+    if values[0] <= 0:
+        return [float(max(abs(value), 1e-3)) for value in term.values]
+    spread = np.sqrt(np.diag(vectors / values @ vectors.T))
+    return [float(error) for error in spread * steps]
 
 
 def estimates(
@@ -84,6 +111,19 @@ def scale_of(name: str, frames: Sequence[Frame]) -> float:
     return float(np.sqrt(np.mean([frame.beta2.mean() for frame in frames])))
 
 
+def _beside(information: NDArray[np.float64], one: int, own: Sequence[int]) -> float:
+    """Return what is known of one parameter when those of other effects are fitted."""
+    others = [i for i in range(len(information)) if i not in own]
+    if not others or information[one, one] <= 0:
+        return float(information[one, one])
+    cross = information[one, others]
+    scale = np.sqrt(np.maximum(np.diag(information)[others], 1e-30))
+    inner = information[np.ix_(others, others)] / np.outer(scale, scale)
+    taken = cross / scale @ np.linalg.pinv(inner, 1e-9, True) @ (cross / scale)
+    rest = float(information[one, one] - taken)
+    return rest if rest > 1e-6 * information[one, one] else 0.0
+
+
 def smallest_visible(
     model: Model,
     candidates: Sequence[Candidate],
@@ -102,13 +142,11 @@ def smallest_visible(
         parameters, _, information = base.system(place(model, candidate))
         own = [i for i, (name, _) in enumerate(parameters) if name == candidate.name]
         strongest = max(own, key=lambda i: information[i, i])
-        known = float(information[strongest, strongest])
+        known = _beside(information, strongest, own)
         index = parameters[strongest][1]
-        strength = (
-            float(np.sqrt(2 * (needed + len(own) / 2) / known))
-            if known > 1e-6
-            else None
-        )
+        strength = None
+        if known > 1e-6:
+            strength = float(np.sqrt(2 * (needed + len(own) / 2) / known))
         if strength is not None and strength > candidate.high[index]:
             strength = None
         powers.append(

@@ -60,7 +60,7 @@ class Nuisance:
         if frame.capture.kind == "dark":
             return None
         bearing = np.maximum(p.exposed, 0) / np.sqrt(p.variance)
-        bearing = np.where(frame.keep & ~frame.censored, bearing, 0)
+        bearing = np.where(frame.keep & ~frame.censored, bearing, 0).astype("f4")
         columns = []
         apart = frame.level_free or "white_balance" in self.floating
         unknown = UNKNOWN_LEVEL if frame.level_free else AFTER_ALIGNMENT
@@ -74,7 +74,7 @@ class Nuisance:
             down, across = _bumps(frame)
             rows = [self.radiance * bearing * down[..., i] for i in range(FIELD[0])]
             columns += [row * across[..., j] for row in rows for j in range(FIELD[1])]
-        return np.array([column.ravel() for column in columns])
+        return np.array([column.ravel() for column in columns], "f4")
 
     def whiten(
         self, z: Array, p: Prediction, frame: Frame
@@ -84,8 +84,9 @@ class Nuisance:
         if columns is None:
             return z, 0.0
         flat = z.ravel()
-        along = shrink @ (columns @ flat)
-        return (flat - along @ columns).reshape(z.shape), cost * frame.keep
+        along = shrink @ (columns @ flat.astype("f4"))
+        shrunk = flat - along.astype("f4") @ columns
+        return shrunk.reshape(z.shape), cost * frame.keep
 
     def _shrinking(self, frame: Frame, p: Prediction) -> tuple[Any, Any, float]:
         """Return (columns, what shrinks along them, cost per pixel).
@@ -93,12 +94,12 @@ class Nuisance:
         Of the prediction asked last it is kept: all derivatives are whitened alike."""
         known = frame.store.get("shrinking")
         if known is not None and known[0] is p and known[1] is self:
-            return known[2]  # type: ignore[no-any-return]
+            return known[2]
         columns = self._columns(frame, p)
         result: tuple[Any, Any, float] = (None, None, 0.0)
         if columns is not None and columns.any():
-            values, vectors = np.linalg.eigh(columns @ columns.T)
-            used = values > 1e-9
+            values, vectors = np.linalg.eigh((columns @ columns.T).astype(float))
+            used = values > 1e-6 * max(values[-1], 1e-3)
             weight = (1 - (1 + values[used]) ** -0.5) / values[used]
             shrink = (vectors[:, used] * weight) @ vectors[:, used].T
             cost = -0.5 * np.log1p(values[used]).sum() / max(frame.keep.sum(), 1)
@@ -115,9 +116,10 @@ def _bumps(frame: Frame) -> tuple[Array, Array]:
             frame.tiles.rows_and_columns(), frame.tiles.shape, FIELD, strict=True
         ):
             distance = places[..., None] / length * (count - 1) - np.arange(count)
-            parts.append(np.exp(-0.5 * (distance / WIDTH_OF_BUMP) ** 2))
+            bump = np.exp(-0.5 * (distance / WIDTH_OF_BUMP) ** 2)
+            parts.append(bump.astype("f4"))
         frame.store["bumps"] = tuple(parts)
-    return frame.store["bumps"]  # type: ignore[no-any-return]
+    return frame.store["bumps"]
 
 
 def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
@@ -126,7 +128,7 @@ def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
         camera = frame.camera.astype(float)
         squared = np.gradient(camera, axis=2) ** 2 + np.gradient(camera, axis=3) ** 2
         frame.store["slope"] = (of_site(squared, frame), of_site(camera**2, frame))
-    return frame.store["slope"]  # type: ignore[no-any-return]
+    return frame.store["slope"]
 
 
 def of_site(planes: Array, frame: Frame) -> Array:
@@ -186,7 +188,8 @@ def refitted(
     )
 
     def with_values(values: Any) -> Nuisance:
-        return replace(old, **dict(zip(names, map(float, values), strict=True)))
+        deviations: dict[str, Any] = dict(zip(names, map(float, values), strict=True))
+        return replace(old, **deviations)
 
     def score(values: Any) -> float:
         trial = replace(model, nuisance=with_values(values))

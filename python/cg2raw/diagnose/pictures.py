@@ -62,11 +62,16 @@ class Canvas:
     def picture(self) -> Picture:
         """Return the picture as it is."""
         capture, neutral = self._frame.capture, np.array(self._frame.neutral)
+        measured, before, after = self._images
+        z_before, z_after = self._maps
         return Picture(
-            capture.name,
-            capture.kind,
-            *self._images,
-            *self._maps,
+            name=capture.name,
+            kind=capture.kind,
+            measured=measured,
+            before=before,
+            after=after,
+            z_before=z_before,
+            z_after=z_after,
             neutral=tuple(neutral / neutral[1]),
         )
 

@@ -33,11 +33,15 @@ class Pattern:
 
 @dataclass(frozen=True)
 class Term:
-    """One effect of a model and its values; a pattern has its map besides."""
+    """One effect of a model and its values; a pattern has its map besides.
+
+    calibration : it is fitted with all others, and is no finding: nobody had said what
+        its value should be."""
 
     candidate: Candidate
     values: Values
     pattern: Pattern | None = None
+    calibration: bool = False
 
     @property
     def name(self) -> str:
@@ -55,6 +59,11 @@ class Model:
     @property
     def names(self) -> list[str]:
         return [term.name for term in self.terms]
+
+    @property
+    def found_names(self) -> list[str]:
+        """Names of the terms that are findings."""
+        return [term.name for term in self.terms if not term.calibration]
 
     def term(self, name: str) -> Term | None:
         return next((term for term in self.terms if term.name == name), None)

@@ -103,7 +103,7 @@ def _collect(
         if name in ("row", "tile"):
             squares = (mean**2 / np.maximum(count, 1)).sum()
             c.add(f"{name} mean, each frame", squares, (count > 0).sum(), True)
-        doubt = 0.0
+        doubt: Array | float = 0.0
         if name == "column":
             doubt = _column_doubt(model, chosen, p, used, size)
         c.add(f"{name} mean", mean, count + doubt, False)
@@ -220,7 +220,7 @@ def _tested(name: str, sums: _Sums, pixels: int) -> ResidualTest:
 
 def _fixed(c: _Collected, frames: Sequence[Frame], pixels: int) -> ResidualTest:
     """The product of a pixel's residuals over frames, without what a map explains."""
-    known = sum(a * a - b for a, b in c.posterior.values())  # type: ignore[operator]
+    known = sum(a * a - b for a, b in c.posterior.values())
     used = frames[0].keep & (np.asarray(c.counts) > 1)
     counts = np.asarray(c.counts, float)
     excess = (np.asarray(c.fixed) ** 2 - counts - known)[used].sum()

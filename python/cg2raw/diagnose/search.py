@@ -101,9 +101,9 @@ class Search:
 
     def _add(self, model: Model) -> Model | None:
         """Return the model with the best candidate that passes; None if none does."""
-        if len(model.terms) >= self.most:
+        if len(model.found_names) >= self.most:
             return None
-        self.report(f"looking for effect {len(model.terms) + 1}")
+        self.report(f"looking for effect {len(model.found_names) + 1}")
         current = self._select(model)
         trials = self._trials(model, current)
         if not trials:
@@ -246,8 +246,10 @@ class Search:
     def _pruned(self, model: Model, newest: str) -> Model:
         """Drop older effects that are not needed any more."""
         height = self._select(model).sum()
-        for name in [n for n in model.names if n != newest]:
-            if len(model.terms) < 2:
+        for name in model.found_names:
+            if name == newest:
+                continue
+            if len(model.found_names) < 2:
                 break
             self.report(f"is {name} still needed")
             rest = fit(model.without(name), self.fit_frames, self.workers)
@@ -259,11 +261,13 @@ class Search:
 
     def _swap(self, model: Model) -> Model | None:
         """Exchange an effect for one that looks alike, if held-out frames say so."""
-        if len(model.terms) < 2 or len(self._swapped) >= MOST_SWAPS:
+        if len(model.found_names) < 2 or len(self._swapped) >= MOST_SWAPS:
             return None
         height = self._select(model).sum()
         best: tuple[float, str, str, Model] | None = None
         for term in model.terms:
+            if term.calibration:
+                continue
             rest = model.without(term.name)
             loss = height - self._select(rest).sum()
             for candidate in self.candidates:

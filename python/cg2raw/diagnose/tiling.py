@@ -59,7 +59,8 @@ class Tiling:
         rows, columns = self.rows_and_columns()
         u = (columns + 0.5 - width / 2) / half
         v = (rows + 0.5 - height / 2) / half
-        return tuple(np.broadcast_arrays(u, v))
+        shape = np.broadcast_shapes(u.shape, v.shape)
+        return np.broadcast_to(u, shape), np.broadcast_to(v, shape)
 
 
 def tiling(
@@ -89,7 +90,9 @@ def tiling(
 
 
 def _places(length: int, tile: int, count: int, repeat: int) -> NDArray[np.int64]:
-    """Return the first pixels of tiles from one end to the other."""
+    """Return the first pixels of tiles from one end to the other, at most so many and
+    none on another: a pixel counts once."""
+    count = min(count, (length - 2 * MARGIN) // tile)
     places = np.linspace(0, length - tile - 2 * MARGIN, count).astype(np.int64)
     return places - places % repeat
 
@@ -112,7 +115,8 @@ def _where_wanted(
         for row in rows
         for column in columns
     }
-    chosen, sum_ = [], 0
+    chosen: list[tuple[int, int]] = []
+    sum_ = 0
     for place in sorted(held, key=lambda at: -held[at]):
         if held[place] == 0 or sum_ > pixels:
             break
@@ -128,11 +132,10 @@ def whole_tilings(tiles: Tiling, repeat: int = 2) -> Iterator[Tiling]:
     if tiles.margin == 0:
         yield tiles
         return
-    size = [min(WHOLE_TILE, n - 2 * MARGIN) // repeat * repeat for n in tiles.shape]
-    places = [
-        range(0, n - 2 * MARGIN - tile + 1, tile)
-        for n, tile in zip(tiles.shape, size, strict=True)
-    ]
+    inner = [n - 2 * MARGIN for n in tiles.shape]
+    # The fewest pieces, all of one size: their number times the repeat is left over.
+    size = [n // -(-n // WHOLE_TILE) // repeat * repeat for n in inner]
+    places = [range(0, n - tile + 1, tile) for n, tile in zip(inner, size, strict=True)]
     origins = np.array([(r, c) for r in places[0] for c in places[1]], np.int32)
     for first in range(0, len(origins), BATCH):
         batch = origins[first : first + BATCH]

@@ -122,8 +122,8 @@ def _one(name: str, way: Way, parameters: str, low: Any, high: Any, **more: Any)
     names = tuple(parameters.split())
     steps = np.full(len(names), more.pop("step", 0.01))
     units = tuple("1" for _ in names)
-    bounds = (np.atleast_1d(np.asarray(x, float)) for x in (low, high))
-    return Candidate(name, way, names, units, *bounds, steps, **more)
+    low, high = (np.atleast_1d(np.asarray(x, float)) for x in (low, high))
+    return Candidate(name, way, names, units, low, high, steps, **more)
 
 
 def _noises() -> list[Candidate]:

@@ -3,7 +3,7 @@
 
 """Report frames from edge to edge: their sums and their pictures, piece by piece."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cg2raw.diagnose.captures import CaptureSet
@@ -73,12 +73,12 @@ def _look_at_one(
     return before, after, None if canvas is None else canvas.picture()
 
 
-def _pieces(  # type: ignore[no-untyped-def]
+def _pieces(
     capture_set: CaptureSet,
     frame: Frame,
     base: Model,
     registration: Registration | None,
-):
+) -> Iterator[Frame]:
     """Yield all of a frame; a small one as it is."""
     if frame.tiles.margin == 0:
         yield frame

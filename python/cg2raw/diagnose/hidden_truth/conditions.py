@@ -55,12 +55,10 @@ def declared(nuisances: Mapping[str, float]) -> frozenset[str]:
 
 
 def uncertainty(nuisances: Mapping[str, float]) -> dict[str, float]:
-    """Return the lower bounds that a captures.yaml declares."""
-    bounds = {
-        "light": nuisances["light"],
-        "radiance": nuisances["radiance"],
-        "registration": nuisances["residual"],
-    }
+    """Return the lower bounds that a captures.yaml declares.
+
+    None for registration: what is turned and scaled is affine, and found."""
+    bounds = {"light": nuisances["light"], "radiance": nuisances["radiance"]}
     return {name: value for name, value in bounds.items() if value}
 
 

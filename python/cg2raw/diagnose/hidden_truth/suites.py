@@ -27,8 +27,16 @@ SUITES = {
     "nuisance": 2,
     "nuisance-none": 200,
     "power": 12,
+    "closed-loop": 2,
 }
-PER_EFFECT = ("single", "unknown", "leave-one-out", "nuisance", "power")
+PER_EFFECT = (
+    "single",
+    "unknown",
+    "leave-one-out",
+    "nuisance",
+    "power",
+    "closed-loop",
+)
 # The suite power goes down to this share of an effect's range of strengths.
 WEAKEST = 0.02
 

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Conclusion: a model and its search become a Diagnosis."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cg2raw.diagnose import words
+from cg2raw.diagnose.captures import CaptureSet
+from cg2raw.diagnose.diagnosis import (
+    Alternative,
+    Diagnosis,
+    Finding,
+    Gap,
+    ResidualTest,
+    Rung,
+)
+from cg2raw.diagnose.found_profile import found_profile
+from cg2raw.diagnose.frames import Frame
+from cg2raw.diagnose.gap import gap_of, systematic
+from cg2raw.diagnose.intervals import estimates, smallest_visible
+from cg2raw.diagnose.likelihood import Workers
+from cg2raw.diagnose.pictures import curves_of, histogram
+from cg2raw.diagnose.prediction import Model
+from cg2raw.diagnose.registration import Registration
+from cg2raw.diagnose.residual_tests import residual_tests
+from cg2raw.diagnose.search import Search, Step
+from cg2raw.diagnose.vocabulary import Candidate, confusable
+from cg2raw.diagnose.whole_frames import look_at
+
+STRUCTURE = 1e-3  # chance of one false alarm among all residual tests
+LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
+SHARE_LEFT = 1e-3  # of what was closed, likewise
+SHAPE = 0.01  # of the gain of an effect that looks alike
+# Nothing else makes the pixels of a row differ together from frame to frame.
+UNLIKE_ALL = frozenset({"row_noise"})
+CERTAIN_E = 690.0  # log of the largest e-value that is written
+
+
+def _structure(
+    tests: Sequence[ResidualTest], gained: float
+) -> tuple[list[ResidualTest], list[ResidualTest]]:
+    """Return (tests that say that something is left, traces too small to matter)."""
+    least = max(LEAST_NATS, SHARE_LEFT * gained)
+    alarms = [test for test in tests if test.p_value < STRUCTURE / len(tests)]
+    return (
+        [test for test in alarms if test.nats_per_pixel > least],
+        [test for test in alarms if test.nats_per_pixel <= least],
+    )
+
+
+def _findings(
+    model: Model, steps: Sequence[Step], values: Any, gap: Gap, provisional: bool
+) -> list[Finding]:
+    findings = []
+    for term in model.terms:
+        if term.calibration:
+            continue
+        step = next(s for s in reversed(steps) if s.name == term.name)
+        gain = step.gain - step.null_gain
+        others = [
+            Alternative(name, height)
+            for name, height in step.ranking
+            if name != term.name
+        ]
+        findings.append(
+            Finding(
+                name=term.name,
+                parameters=values[term.name],
+                gain_nats=step.gain,
+                e_value=float(np.exp(min(gain, CERTAIN_E))),
+                alternatives=others,
+                ambiguous_with=list(step.ambiguous),
+                where=words.where(term.name),
+                sentence=words.sentence(term.name, values[term.name], gap),
+                provisional=provisional,
+            )
+        )
+    return findings
+
+
+def _without_shapes(
+    findings: Sequence[Finding], vocabulary: Sequence[Candidate]
+) -> tuple[list[Finding], list[str]]:
+    """Return (findings, notes on those that are no findings): an effect's model has a
+    shape, and what the true one has beside it is taken up by an effect that looks
+    alike. It stays in the model, and is not called an effect of its own."""
+    known = {candidate.name: candidate for candidate in vocabulary}
+    kept, notes = [], []
+    for finding in findings:
+        larger = [
+            other.name
+            for other in findings
+            if confusable(known[finding.name], known[other.name])
+            and finding.gain_nats < SHAPE * other.gain_nats
+            and finding.name not in UNLIKE_ALL
+        ]
+        if not larger:
+            kept.append(finding)
+            continue
+        share = finding.gain_nats / sum(f.gain_nats for f in findings)
+        notes.append(
+            f"{words.title(finding.name).capitalize()} takes up what the model of "
+            f"{words.title(larger[0])} does not describe ({share:.1%} of the gain): it "
+            "is in the profile, and is no finding of its own."
+        )
+    return kept, notes
+
+
+def _verdict(findings: Sequence[Finding], left: Sequence[ResidualTest]) -> str:
+    if not findings:
+        return "unknown structure" if left else "no gap"
+    if left:
+        return "identified, rest unexplained"
+    ambiguous = any(finding.ambiguous_with for finding in findings)
+    return "ambiguous" if ambiguous else "identified"
+
+
+def concluded(
+    base: Model,
+    model: Model,
+    search: Search,
+    groups: dict[str, list[Frame]],
+    workers: Workers,
+    alpha: float,
+    vocabulary: Sequence[Candidate],
+    capture_set: CaptureSet,
+    registration: Registration | None,
+    details: bool,
+) -> Diagnosis:
+    report = groups["report"]
+    look = look_at(capture_set, report, base, model, registration, workers, details)
+    gap = gap_of(
+        look.before,
+        look.after,
+        (systematic(base, base, report), systematic(model, base, report)),
+        sorted({frame.capture.name for frame in report}),
+    )
+    before = residual_tests(base, groups["select"], workers)
+    after = residual_tests(model, report, workers)
+    left, traces = _structure(after, gap.before - gap.after)
+    values = estimates(model, groups["fit"], workers)
+    every = _findings(model, search.steps, values, gap, bool(left))
+    findings, shapes = _without_shapes(every, vocabulary)
+    shown = report if details else []
+    return Diagnosis(
+        verdict=_verdict(findings, left),
+        sensor_id=capture_set.sensor.id,
+        effects=findings,
+        gap=gap,
+        tests_before=before,
+        tests_after=after,
+        unexplained=left,
+        ladder=[_rung(step) for step in search.steps],
+        power=smallest_visible(model, vocabulary, groups["select"], workers, alpha),
+        next_captures=[
+            text
+            for finding in findings
+            for text in words.deciding_captures(finding.name, finding.ambiguous_with)
+        ],
+        notes=[*_notes(capture_set, report, traces), *shapes],
+        groups={n: [f.capture.name for f in fs] for n, fs in groups.items()},
+        pictures=list(look.pictures),
+        curves=curves_of(model, values, shown) if details else [],
+        histogram_before=histogram(base, report, workers),
+        histogram_after=histogram(model, report, workers),
+        profile_json=found_profile(model, groups["fit"], findings, values),
+    )
+
+
+def _rung(step: Step) -> Rung:
+    ranking = [Alternative(name, gain) for name, gain in step.ranking]
+    return Rung(step.action, step.name, step.gain, ranking)
+
+
+def _notes(
+    capture_set: CaptureSet, frames: Sequence[Frame], traces: Sequence[ResidualTest]
+) -> list[str]:
+    notes = list(getattr(capture_set, "notes", ()))
+    if capture_set.nuisances:
+        words_ = ", ".join(sorted(capture_set.nuisances))
+        notes.append(f"Floated without being called an effect: {words_}.")
+    if any(not frame.noise.measured for frame in frames):
+        notes.append(
+            "The profile has no noise at these ISOs: its level was fitted to the "
+            "captures, and is no finding."
+        )
+    for test in traces:
+        notes.append(
+            f"A trace, too small to matter: {test.name} "
+            f"({test.nats_per_pixel:.2g} nats/pixel)."
+        )
+    return notes

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Frames drawn from a model's own prediction, so that its values are known."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+
+from cg2raw import Sensor
+from cg2raw.diagnose.captures import Capture, CaptureSet
+from cg2raw.diagnose.frames import frame_of, source_of
+from cg2raw.diagnose.hidden_truth.sensors import ISO, with_noise
+from cg2raw.diagnose.likelihood import Workers
+from cg2raw.diagnose.noise_estimate import noise_models
+from cg2raw.diagnose.prediction import Model, place, predict
+from cg2raw.diagnose.tiling import tiling
+from cg2raw.diagnose.vocabulary import candidates
+
+SHAPE = (64, 96)
+ONE = Workers(1)
+BY_NAME = {candidate.name: candidate for candidate in candidates("RGGB")}
+
+
+def sensor_of(full_well=5000.0, read_noise=3.0, **fields):
+    """Return a Bayer sensor of fine DN (9 per read noise), the same at all sites.
+
+    fields : of its profile, in place of what it has."""
+    profile = json.loads(Sensor("canon-70d").to_json())
+    levels = {"bits": 14, "black_level": [256.0] * 4, "white_level": 16383}
+    profile.update({"id": "planted", **levels, "effects": [], **fields})
+    bare = Sensor.from_json(json.dumps(profile), "planted")
+    return with_noise(bare, full_well, read_noise, ISO)
+
+
+def scene_of(seed, shape=SHAPE):
+    """Return (H, W, 3) float32, 0.02..0.8: blobs and edges in many colours."""
+    rng = np.random.default_rng(seed)
+    rows, cols = np.mgrid[: shape[0], : shape[1]].astype(float)
+    scene = np.full((*shape, 3), 0.1)
+    for _ in range(60):
+        row, col = rng.uniform(0, shape[0]), rng.uniform(0, shape[1])
+        far = np.hypot(rows - row, cols - col)
+        inside = 0.5 - 0.5 * np.tanh((far - rng.uniform(3, 14)) / rng.uniform(0.7, 2))
+        color = rng.uniform(0.02, 0.55, 3)
+        scene = scene * (1 - inside[..., None]) + color * inside[..., None]
+    return scene.astype(np.float32)
+
+
+def capture_of(kind="scene", seed=1, **more):
+    """Return a capture without pixels of its own; a flat shows a grey of 0.3."""
+    shape, level = more.pop("shape", SHAPE), more.pop("level", 0.3)
+    scenes = {
+        "dark": lambda: np.zeros(3, np.float32),
+        "flat": lambda: np.full(3, level, np.float32),
+        "scene": lambda: scene_of(seed, shape),
+    }
+    return Capture(
+        **{
+            "name": f"{kind}-{seed}",
+            "kind": kind,
+            "shape": shape,
+            "group": "fit",
+            "set": f"{kind}-{seed}",
+            "illuminant": "D65",
+            "iso": ISO,
+            "exposure_time": 1.0,
+            "raw": lambda: np.full(shape, 300, np.uint16),
+            "scene": scenes[kind],
+            **more,
+        }
+    )
+
+
+def frames_of(sensor, captures, pixels=65536):
+    """Return the frames of captures, as the engine makes them."""
+    capture_set = CaptureSet(sensor, captures)
+    noise = noise_models(capture_set)
+    side = round(len(sensor.cfa) ** 0.5)
+    return [
+        frame_of(source_of(capture_set, c), tiling(c.shape, pixels, side), noise[c.iso])
+        for c in captures
+    ]
+
+
+def model_of(sensor, **terms):
+    """Return a model with terms at values, in the order of their parameters."""
+    model = Model(sensor)
+    for name, values in terms.items():
+        model = place(model, BY_NAME[name], values)
+    return model
+
+
+def drawn(frames, model, seed, extra=0.0):
+    """Return frames whose pixels are drawn from a model's mean and variance.
+
+    extra : is added to the signal of every frame, or (frame, rng) -> what is."""
+    result = []
+    for number, frame in enumerate(frames):
+        rng = np.random.default_rng([seed, number])
+        p = predict(model, replace(frame, store={}))
+        spread = np.sqrt(np.maximum(p.variance - 1 / 12 / frame.range**2, 0))
+        signal = p.mean + spread * rng.standard_normal(p.mean.shape)
+        more = extra(frame, rng) if callable(extra) else extra
+        result.append(shown(frame, signal + more))
+    return result
+
+
+def shown(frame, signal):
+    """Return the frame as an ADC that rounds, and clips at white, shows a signal."""
+    dn = np.minimum(np.round(signal * frame.range), frame.range)
+    return replace(frame, signal=dn / frame.range, at_white=dn >= frame.range, store={})
+
+
+def bare(sensor):
+    """Return the sensor with no noise of its own."""
+    profile = json.loads(sensor.to_json())
+    profile.pop("noise", None)
+    return Sensor.from_json(json.dumps(profile), "bare")

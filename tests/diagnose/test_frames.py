@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Frames: where tiles lie, and what is known of a capture."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnose.planted import SHAPE, capture_of, frames_of, scene_of, sensor_of
+
+from cg2raw import Sensor
+from cg2raw.diagnose.captures import CaptureSet
+from cg2raw.diagnose.frames import BORDER, frame_of, planes_of_sites, source_of
+from cg2raw.diagnose.groups import third
+from cg2raw.diagnose.noise_estimate import noise_models
+from cg2raw.diagnose.tiling import MARGIN, tiling, whole_tilings
+
+SENSOR = sensor_of()
+LARGE = (3000, 4000)
+
+
+def inner(tiles):
+    """Return (top, bottom, left, right) of the tiles without margins."""
+    rows, columns = tiles.rows_and_columns()
+    return rows[:, 0, 0], rows[:, -1, 0] + 1, columns[:, 0, 0], columns[:, 0, -1] + 1
+
+
+@pytest.mark.parametrize("repeat", [2, 6])
+@pytest.mark.parametrize("shape", [LARGE, (260, 400), (700, 177), (400, 3000)])
+def test_tiles_lie_inside_start_a_repeat_and_do_not_overlap(shape, repeat):
+    tiles = tiling(shape, 65536, repeat)
+    assert (tiles.origins % repeat == 0).all() and tiles.margin % repeat == 0
+    height, width = (n + 2 * tiles.margin for n in tiles.size)
+    assert (tiles.origins >= 0).all()
+    assert (tiles.origins[:, 0] + height <= shape[0]).all()
+    assert (tiles.origins[:, 1] + width <= shape[1]).all()
+    covered = np.zeros(shape, int)
+    for top, bottom, left, right in zip(*inner(tiles), strict=True):
+        covered[top:bottom, left:right] += 1
+    assert covered.max() == 1
+    assert covered.sum() >= 0.3 * min(65536, shape[0] * shape[1])
+
+
+def test_tiles_are_in_all_corners_and_hold_what_was_asked():
+    tiles = tiling(LARGE, 65536)
+    top, bottom, left, right = inner(tiles)
+    ends = MARGIN + 2
+    assert top.min() <= ends and bottom.max() >= LARGE[0] - ends
+    assert left.min() <= ends and right.max() >= LARGE[1] - ends
+    corners = {(t, s) for t, s in zip(top, left, strict=True)}
+    assert (top.min(), left.min()) in corners and (top.max(), left.max()) in corners
+    count = len(tiles.origins) * tiles.size[0] * tiles.size[1]
+    assert 0.6 * 65536 < count < 1.6 * 65536
+    again = tiling(LARGE, 65536)
+    assert (again.origins == tiles.origins).all()
+
+
+def test_a_small_frame_is_one_tile():
+    tiles = tiling(SHAPE, 65536)
+    assert (tiles.size, tiles.margin, len(tiles.origins)) == (SHAPE, 0, 1)
+
+
+@pytest.mark.parametrize("group", ["fit", "select", "report"])
+def test_tiles_lie_where_a_mask_counts(group):
+    wanted = np.zeros((1200, 1600), bool)
+    wanted[500:620, 700:900] = third((120, 200), group)
+    tiles = tiling(wanted.shape, 8192, 2, wanted)
+    assert tiles.cut(wanted).sum() > 0.5 * min(8192, wanted.sum())
+    assert tiles.cut(wanted).mean() > 1 / 9
+
+
+def test_cut_and_field_agree_with_the_frame():
+    tiles = tiling((600, 900), 32768)
+    rows, columns = np.mgrid[:600, :900]
+    u, v = tiles.field()
+    half = np.hypot(600, 900) / 2
+    assert tiles.cut((columns + 0.5 - 450) / half) == pytest.approx(u)
+    assert tiles.cut((rows + 0.5 - 300) / half) == pytest.approx(v)
+    wide = tiles.cut(rows, with_margin=True)
+    inside = wide[:, MARGIN:-MARGIN, MARGIN:-MARGIN]
+    assert (inside == tiles.cut(rows)).all()
+
+
+def test_planes_of_sites():
+    site, color, values = planes_of_sites("GBRG", (4, 6), [1, 2, 3, 4])
+    assert site[:2, :2].tolist() == [[0, 1], [2, 3]]
+    assert color[:2, :2].tolist() == [[1, 2], [0, 1]]
+    assert (values == site + 1).all()
+    assert (planes_of_sites("GBRG", (4, 6), [7])[2] == 7).all()
+    per_color = planes_of_sites("GBRG", (4, 6), [1, 2, 3])
+    assert (per_color[2] == per_color[1] + 1).all()
+
+
+def test_borders_of_a_whole_frame_and_masks_do_not_count():
+    mask = np.ones(SHAPE, bool)
+    mask[30:34, 40:44] = False
+    (frame,) = frames_of(SENSOR, [capture_of(mask=lambda: mask)])
+    assert not frame.keep[0, :BORDER].any() and not frame.keep[0, :, -BORDER:].any()
+    assert not frame.keep[0, 30:34, 40:44].any()
+    assert frame.keep.sum() == (SHAPE[0] - 16) * (SHAPE[1] - 16) - 16
+
+
+def test_signal_and_ends_of_the_adc():
+    raw = np.full(SHAPE, 1000, np.uint16)
+    raw[10, 10], raw[10, 11] = 0, SENSOR.white_level
+    (frame,) = frames_of(SENSOR, [capture_of(raw=lambda: raw)])
+    black, white = SENSOR.black_level[0], SENSOR.white_level
+    assert frame.signal[0, 20, 20] == pytest.approx((1000 - black) / (white - black))
+    assert frame.at_zero.sum() == 1 and frame.at_zero[0, 10, 10]
+    assert frame.at_white.sum() == 1 and frame.at_white[0, 10, 11]
+    assert frame.range == pytest.approx(white - black)
+
+
+@pytest.mark.parametrize("name", ["sony-a57", "fujifilm-x-m1"])
+def test_a_flat_of_unknown_level_takes_its_own(name):
+    sensor = Sensor(name)
+    shape = (72, 108)
+    rng = np.random.default_rng(3)
+    color = planes_of_sites(sensor.cfa, shape, [0])[1]
+    span = sensor.white_level - np.mean(sensor.black_level)
+    levels = np.array([0.2, 0.4, 0.3])
+    dn = levels[color] * span + np.mean(sensor.black_level)
+    raw = (dn + rng.normal(0, 5, shape)).astype(np.uint16)
+    capture = capture_of("flat", shape=shape, scene=None, raw=lambda: raw, iso=None)
+    captures = CaptureSet(sensor, [capture])
+    tiles = tiling(shape, 65536, round(len(sensor.cfa) ** 0.5))
+    frame = frame_of(source_of(captures, capture), tiles, noise_models(captures)[None])
+    assert frame.level_free
+    assert frame.camera[0, :, 30, 30] == pytest.approx(levels, rel=0.01)
+
+
+def test_frames_of_one_capture_are_the_same_and_of_another_are_not():
+    captures = [capture_of(), capture_of(), capture_of(name="b")]
+    a, b, c = frames_of(SENSOR, captures)
+    assert (a.uniform == b.uniform).all() and (a.uniform != c.uniform).any()
+
+
+def test_exposure_time_that_is_not_known_makes_rates_per_frame():
+    (frame,) = frames_of(SENSOR, [capture_of(exposure_time=None)])
+    assert frame.seconds == 1.0
+    (frame,) = frames_of(SENSOR, [capture_of(exposure_time=0.25)])
+    assert frame.seconds == 0.25
+
+
+def test_a_large_frame_is_kept_as_its_tiles():
+    shape = (1000, 1400)
+    scene = scene_of(2, shape)
+    (frame,) = frames_of(
+        SENSOR, [replace(capture_of(shape=shape), scene=lambda: scene)]
+    )
+    whole = sum(x.nbytes for x in vars(frame).values() if isinstance(x, np.ndarray))
+    assert whole < 65536 * 1.6 * 80
+    assert frame.camera.base is None or frame.camera.base.nbytes < 4 * 1400 * 1000
+
+
+@pytest.mark.parametrize("repeat", [2, 6])
+@pytest.mark.parametrize("shape", [(260, 400), (700, 177), (1000, 1400)])
+def test_pieces_of_a_whole_frame_cover_it_once(shape, repeat):
+    covered = np.zeros(shape, int)
+    for tiles in whole_tilings(tiling(shape, 16384, repeat), repeat):
+        assert (tiles.origins % repeat == 0).all()
+        for top, bottom, left, right in zip(*inner(tiles), strict=True):
+            covered[top:bottom, left:right] += 1
+    assert covered.max() == 1
+    whole = (shape[0] - 2 * MARGIN) * (shape[1] - 2 * MARGIN)
+    assert covered.sum() > 0.93 * whole

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The likelihood of frames: censored pixels, residuals, sums."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnose.planted import (
+    ONE,
+    capture_of,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
+from scipy.stats import kstest, norm
+
+from cg2raw.diagnose.likelihood import (
+    LARGEST_Z,
+    Workers,
+    in_blocks,
+    log_density,
+    residuals,
+    total,
+)
+from cg2raw.diagnose.prediction import Model, predict
+
+SENSOR = sensor_of()
+
+
+@pytest.fixture(scope="module")
+def frames():
+    captures = [capture_of(kind) for kind in ("dark", "flat", "scene")]
+    made = drawn(frames_of(SENSOR, captures), Model(SENSOR), 1)
+    return [without_steps(frame) for frame in made]
+
+
+def without_steps(frame):
+    """Return a frame whose DN are spread over their step: normal distributions are
+    tested to less than that."""
+    rng = np.random.default_rng(9)
+    more = (rng.random(frame.signal.shape) - 0.5) / frame.range
+    return replace(frame, signal=frame.signal + more)
+
+
+def clipped(frame, black, white):
+    """Return a frame whose ADC ends at two signals."""
+    signal = np.clip(frame.signal, black, white)
+    return replace(
+        frame, signal=signal, at_zero=signal <= black, at_white=signal >= white
+    )
+
+
+def test_residuals_of_drawn_frames_are_standard_normal(frames):
+    for frame in frames:
+        _, z, _ = log_density(Model(SENSOR), frame)
+        assert kstest(z[frame.keep], norm.cdf).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("end", ["black", "white"])
+def test_residuals_of_censored_pixels_are_standard_normal(frames, end):
+    """Half of a dark's, or a third of a flat's pixels reach an end of the ADC."""
+    frame = frames[0] if end == "black" else frames[1]
+    p = predict(Model(SENSOR), frame)
+    level = p.mean.mean() + (0 if end == "black" else 0.5) * np.sqrt(p.variance.mean())
+    cut = clipped(frame, level, 9) if end == "black" else clipped(frame, -9, level)
+    assert 0.15 < cut.censored.mean() < 0.7
+    z = residuals(p, cut)
+    assert kstest(z[cut.keep], norm.cdf).pvalue > 1e-3
+    unlike = np.where(cut.censored, (cut.signal - p.mean) / np.sqrt(p.variance), z)
+    assert kstest(unlike[cut.keep], norm.cdf).pvalue < 1e-9
+
+
+def test_probabilities_of_a_censored_pixel_add_up_to_one(frames):
+    """Density between the ends, in DN, and what lies beyond them."""
+    frame = frames[1]
+    p = predict(Model(SENSOR), frame)
+    spread = np.sqrt(p.variance)
+    ends = p.mean - 0.7 * spread, p.mean + 1.1 * spread
+    points = np.linspace(0, 1, 201)
+    inside = []
+    for point in points:
+        signal = ends[0] + point * (ends[1] - ends[0])
+        nowhere = np.zeros(signal.shape, bool)
+        one = replace(frame, signal=signal, at_white=nowhere, at_zero=nowhere)
+        inside.append(np.exp(log_density(Model(SENSOR), one)[0]))
+    width = (ends[1] - ends[0]) * frame.range
+    middle = np.trapezoid(inside, points, axis=0) * width
+    beyond = 0.0
+    for end, name in zip(ends, ("at_zero", "at_white"), strict=True):
+        flags = {"at_zero": nowhere, "at_white": nowhere, name: ~nowhere}
+        one = replace(frame, signal=end, **flags)
+        beyond = beyond + np.exp(log_density(Model(SENSOR), one)[0])
+    assert (middle + beyond)[frame.keep] == pytest.approx(1, abs=1e-4)
+
+
+def test_an_impossible_pixel_has_a_bounded_weight(frames):
+    frame = frames[0]
+    signal = frame.signal.copy()
+    signal[0, 20, 20] = 1.0
+    white = np.zeros(signal.shape, bool)
+    white[0, 20, 20] = True
+    density, z, _ = log_density(
+        Model(SENSOR), replace(frame, signal=signal, at_white=white)
+    )
+    assert density[0, 20, 20] == -200
+    assert np.isfinite(z).all()
+    assert z[0, 20, 20] > LARGEST_Z
+
+
+def test_density_is_in_dn(frames):
+    """A pixel's density is that of its DN: the normal's over the range."""
+    frame = frames[1]
+    density, _, p = log_density(Model(SENSOR), frame)
+    dn = frame.signal * frame.range
+    expected = norm.logpdf(dn, p.mean * frame.range, np.sqrt(p.variance) * frame.range)
+    assert density == pytest.approx(expected, abs=1e-9)
+
+
+def test_sums_count_what_is_kept_alone(frames):
+    model = model_of(SENSOR, row_noise=[0.2])
+    whole = total(model, frames, ONE)
+    keep = [f.keep.copy() for f in frames]
+    keep[2][:, 20:30, 40:60] = False
+    masked = [replace(f, keep=k) for f, k in zip(frames, keep, strict=True)]
+    wild = frames[2].signal.copy()
+    wild[:, 20:30, 40:60] = 0.9
+    spoilt = [*masked[:2], replace(masked[2], signal=wild)]
+    assert total(model, masked, ONE) != whole
+    assert total(model, spoilt, ONE) == pytest.approx(total(model, masked, ONE))
+
+
+def test_blocks_and_threads_add_up(frames):
+    model = model_of(SENSOR, row_noise=[0.2])
+    whole = total(model, frames, ONE)
+    assert in_blocks(model, frames, ONE).sum() == pytest.approx(whole)
+    assert total(model, frames, Workers(3)) == whole
+    known = [predict(model, frame) for frame in frames]
+    assert total(model, frames, ONE, known) == whole
+
+
+def test_the_true_model_is_the_best(frames):
+    best = total(Model(SENSOR), frames, ONE)
+    others = (
+        {"read_noise": [0.2]},
+        {"shot_noise": [-0.2]},
+        {"exposure": [0.01]},
+        {"black_level": [1e-3] * 4},
+        {"row_noise": [0.3]},
+        {"heavy_tailed_noise": [0.05, 9.0]},
+        {"noise_reduction": [0.1, 0.0]},
+    )
+    for terms in others:
+        assert total(model_of(SENSOR, **terms), frames, ONE) < best - 3, terms
