@@ -60,7 +60,7 @@ class Nuisance:
         if frame.capture.kind == "dark":
             return None
         bearing = np.maximum(p.exposed, 0) / np.sqrt(p.variance)
-        bearing = np.where(frame.keep & ~frame.censored, bearing, 0)
+        bearing = np.where(frame.keep & ~frame.censored, bearing, 0).astype("f4")
         columns = []
         apart = frame.level_free or "white_balance" in self.floating
         unknown = UNKNOWN_LEVEL if frame.level_free else AFTER_ALIGNMENT
@@ -74,7 +74,7 @@ class Nuisance:
             down, across = _bumps(frame)
             rows = [self.radiance * bearing * down[..., i] for i in range(FIELD[0])]
             columns += [row * across[..., j] for row in rows for j in range(FIELD[1])]
-        return np.array([column.ravel() for column in columns])
+        return np.array([column.ravel() for column in columns], "f4")
 
     def whiten(
         self, z: Array, p: Prediction, frame: Frame
@@ -84,8 +84,9 @@ class Nuisance:
         if columns is None:
             return z, 0.0
         flat = z.ravel()
-        along = shrink @ (columns @ flat)
-        return (flat - along @ columns).reshape(z.shape), cost * frame.keep
+        along = shrink @ (columns @ flat.astype("f4"))
+        shrunk = flat - along.astype("f4") @ columns
+        return shrunk.reshape(z.shape), cost * frame.keep
 
     def _shrinking(self, frame: Frame, p: Prediction) -> tuple[Any, Any, float]:
         """Return (columns, what shrinks along them, cost per pixel).
@@ -97,8 +98,8 @@ class Nuisance:
         columns = self._columns(frame, p)
         result: tuple[Any, Any, float] = (None, None, 0.0)
         if columns is not None and columns.any():
-            values, vectors = np.linalg.eigh(columns @ columns.T)
-            used = values > 1e-9
+            values, vectors = np.linalg.eigh((columns @ columns.T).astype(float))
+            used = values > 1e-6 * max(values[-1], 1e-3)
             weight = (1 - (1 + values[used]) ** -0.5) / values[used]
             shrink = (vectors[:, used] * weight) @ vectors[:, used].T
             cost = -0.5 * np.log1p(values[used]).sum() / max(frame.keep.sum(), 1)
@@ -115,7 +116,8 @@ def _bumps(frame: Frame) -> tuple[Array, Array]:
             frame.tiles.rows_and_columns(), frame.tiles.shape, FIELD, strict=True
         ):
             distance = places[..., None] / length * (count - 1) - np.arange(count)
-            parts.append(np.exp(-0.5 * (distance / WIDTH_OF_BUMP) ** 2))
+            bump = np.exp(-0.5 * (distance / WIDTH_OF_BUMP) ** 2)
+            parts.append(bump.astype("f4"))
         frame.store["bumps"] = tuple(parts)
     return frame.store["bumps"]
 
