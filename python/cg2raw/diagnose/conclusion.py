@@ -35,6 +35,8 @@ STRUCTURE = 1e-3  # chance of one false alarm among all residual tests
 LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
 SHARE_LEFT = 1e-3  # of what was closed, likewise
 SHAPE = 0.01  # of the gain of an effect that looks alike
+# Nothing else makes the pixels of a row differ together from frame to frame.
+UNLIKE_ALL = frozenset({"row_noise"})
 CERTAIN_E = 690.0  # log of the largest e-value that is written
 
 
@@ -94,6 +96,7 @@ def _without_shapes(
             for other in findings
             if confusable(known[finding.name], known[other.name])
             and finding.gain_nats < SHAPE * other.gain_nats
+            and finding.name not in UNLIKE_ALL
         ]
         if not larger:
             kept.append(finding)

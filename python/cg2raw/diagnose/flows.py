@@ -20,6 +20,7 @@ from cg2raw.diagnose.vocabulary import Values
 Whitened = tuple[Array, Array | float]
 
 FAR = 7.0  # standard deviations beyond which a series is not trusted
+MOST_AT_ZERO = 0.02  # share of pixels that may be cut at 0 where rows are looked at
 NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
 
 
@@ -57,7 +58,11 @@ def early_clipping(
 
 
 def row_noise(z: Array, p: Prediction, values: Values, frame: Frame) -> Whitened:
-    """Shrinks each row's common offset: a covariance of rank one a row."""
+    """Shrinks each row's common offset: a covariance of rank one a row.
+
+    Rows that the ADC cuts at 0 do not show their offset: residuals there are drawn."""
+    if (frame.at_zero & frame.keep).sum() > MOST_AT_ZERO * frame.keep.sum():
+        return z, np.zeros_like(z)
     share = (values[0] ** 2 * frame.beta2.mean()) / p.variance * frame.keep
     total = share.sum(-1, keepdims=True) + 1e-300
     eigenvalue = 1 + total

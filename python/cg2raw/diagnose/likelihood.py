@@ -12,8 +12,8 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from cg2raw.diagnose.flows import whiten
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.prediction import Model, Prediction, predict
+from cg2raw.diagnose.tiling import Array, Mask
 
 LOG_2PI = np.log(2 * np.pi)
 LEAST_LOG = -200.0  # of a censored pixel, so that one cannot outweigh all
@@ -47,12 +47,18 @@ def residuals(p: Prediction, frame: Frame) -> Array:
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
         if not hit.any():
             continue
-        end = sign * (frame.signal[hit] - p.mean[hit]) / spread[hit]
+        end = _first_censored(frame, hit, sign, p) / spread[hit]
         low = ndtr(end)
         drawn = ndtri(low + frame.uniform[hit] * (1 - low))
         drawn = np.clip(drawn, -LARGEST_Z, LARGEST_Z)
         z[hit] = sign * np.where(low > 1 - 1e-14, end, drawn)
     return z
+
+
+def _first_censored(frame: Frame, hit: Mask, sign: float, p: Prediction) -> Array:
+    """Return the way from the mean to what is rounded to the ADC's end."""
+    half = 0.5 / np.broadcast_to(frame.range, hit.shape)[hit]
+    return sign * (frame.signal[hit] - p.mean[hit]) - half
 
 
 def log_density(
@@ -66,8 +72,8 @@ def log_density(
     density = density - np.log(frame.range)
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
         if hit.any():
-            end = sign * (frame.signal[hit] - p.mean[hit])
-            beyond = log_ndtr(-end / np.sqrt(p.variance[hit]))
+            end = _first_censored(frame, hit, sign, p) / np.sqrt(p.variance[hit])
+            beyond = log_ndtr(-end)
             density[hit] = np.maximum(beyond, LEAST_LOG)
     return density, z, p
 

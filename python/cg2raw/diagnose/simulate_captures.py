@@ -17,6 +17,7 @@ from cg2raw import Sensor
 from cg2raw.diagnose.captures import Capture, CaptureSet, Group
 from cg2raw.diagnose.hidden_truth import conditions, disk
 from cg2raw.diagnose.hidden_truth.camera import camera_of
+from cg2raw.diagnose.hidden_truth.measured import Measured
 from cg2raw.diagnose.hidden_truth.sensors import ASSUMED, ISO, with_noise
 from cg2raw.diagnose.hidden_truth.strengths import KINDS, UNKNOWN_KINDS, draw_effect
 from cg2raw.diagnose.hidden_truth.world import GROUPS, World, plan, stream
@@ -37,6 +38,7 @@ def simulate_captures(
     iso: float | None = None,
     groups: tuple[Group, ...] = GROUPS,
     nuisances: Mapping[str, float] | None = None,
+    measured: Measured | None = None,
 ) -> CaptureSet:
     """Return frames that a Sensor would take if it had hidden effects.
 
@@ -46,11 +48,13 @@ def simulate_captures(
     iso : of the profile's noise; None for the first it has.
     groups : of GROUPS, 8 frames each.
     nuisances : of conditions.STUDIO: what else is wrong with the captures.
+    measured : a real lens or read noise that is hidden too.
 
     log_density of the captures is that of the model that drew them, which knows the
-    nuisances too. Raises ValueError."""
+    nuisances too; None where its read noise was measured. Raises ValueError."""
     iso = noise_iso(sensor, iso)
-    world = world_of(sensor, hidden, seed, shape, illuminant, iso, nuisances)
+    world = world_of(sensor, hidden, seed, shape, illuminant, iso, nuisances, measured)
+    known = not (measured and measured.read_noise)
     captures = [
         Capture(
             name=shot.name,
@@ -63,7 +67,7 @@ def simulate_captures(
             exposure_time=shot.seconds,
             raw=partial(world.raw, shot),
             scene=partial(world.render, shot),
-            log_density=partial(world.log_density, shot),
+            log_density=partial(world.log_density, shot) if known else None,
         )
         for shot in plan(seed, groups)
     ]
@@ -83,6 +87,7 @@ def world_of(
     illuminant: str,
     iso: float,
     nuisances: Mapping[str, float] | None,
+    measured: Measured | None = None,
 ) -> World:
     """Return the world that draws the frames; arguments as of simulate_captures."""
     if min(shape) < 48 or shape[0] % 2 or shape[1] % 2:
@@ -96,7 +101,14 @@ def world_of(
                 f"{', '.join(values)}"
             )
     given = conditions.checked(nuisances)
-    return World(camera, hidden, seed, (int(shape[0]), int(shape[1])), given)
+    field = None if measured is None else measured.transmission
+    if field is not None and (field.shape != tuple(shape) or not (field >= 0).all()):
+        raise ValueError(
+            f"measured transmission, {field.shape}, must have the frames' shape "
+            f"{tuple(shape)} and no value below 0"
+        )
+    size = (int(shape[0]), int(shape[1]))
+    return World(camera, hidden, seed, size, given, measured)
 
 
 def noise_iso(sensor: Any, iso: float | None) -> float:

@@ -13,6 +13,7 @@ light       colour and optics
 charge      mosaic to electrons, fixed patterns
 readout     noise, clipping, ADC, noise reduction
 photons     the density of counted photons
+measured    lenses and read noise as others measured them
 density     the true log density of what was read out
 posterior   what fit frames tell of fixed patterns: the feasible truth
 conditions  what goes wrong with a capture, and not with a camera

@@ -12,6 +12,7 @@ from scipy import fft
 
 from cg2raw.diagnose.hidden_truth.camera import Camera, Plane
 from cg2raw.diagnose.hidden_truth.light import Hidden
+from cg2raw.diagnose.hidden_truth.measured import ReadNoise
 
 SHARES_OF_TRAPS = (0.7, 0.3)  # of the noisy pixels: one trap, or a strong one
 STRONG_TRAP = 1.7  # times the noise of one trap
@@ -63,9 +64,16 @@ def noise_of(hidden: Hidden) -> Noise:
 
 
 def read_out(
-    rng: Generator, charge: Plane, pedestal: Plane, noise: Noise, camera: Camera
+    rng: Generator,
+    charge: Plane,
+    pedestal: Plane,
+    noise: Noise,
+    camera: Camera,
+    measured: ReadNoise | None = None,
 ) -> NDArray[np.uint16]:
     """Return one frame, (H, W) DN, of an expected charge.
+
+    measured : what is read with in place of a mixture of Gaussians.
 
     Charge is drawn, clipped at the full well, read; the ADC clips at white and rounds;
     noise reduction mixes before it rounds."""
@@ -77,9 +85,12 @@ def read_out(
     else:
         drawn = charge + spread * np.sqrt(charge) * normal
     drawn = np.minimum(drawn, noise.well * camera.over(camera.full_well, shape))
-    kind = rng.choice(len(noise.weights), size=shape, p=noise.weights)
-    read = camera.over(camera.read_noise, shape) * np.sqrt(noise.variances)[kind]
-    drawn = drawn + read * rng.standard_normal(shape)
+    if measured:
+        drawn = drawn + camera.over(camera.read_noise, shape) * measured.draw(
+            rng, shape
+        )
+    else:
+        drawn = drawn + _mixture(rng, shape, noise, camera)
     level = pedestal + camera.over(camera.dn_per_electron, shape) * drawn
     half = noise.row * row_unit(camera)
     level = level + rng.uniform(-1, 1, (shape[0], 1)) * half
@@ -87,6 +98,14 @@ def read_out(
     if noise.blend:
         level = blended(level, noise.blend)
     return np.clip(np.floor(level + 0.5), 0, camera.white).astype(np.uint16)
+
+
+def _mixture(
+    rng: Generator, shape: tuple[int, int], noise: Noise, camera: Camera
+) -> Plane:
+    kind = rng.choice(len(noise.weights), size=shape, p=noise.weights)
+    read = camera.over(camera.read_noise, shape) * np.sqrt(noise.variances)[kind]
+    return read * rng.standard_normal(shape)
 
 
 def row_unit(camera: Camera) -> float:

@@ -19,6 +19,7 @@ from cg2raw.diagnose.hidden_truth.camera import Camera, Plane
 from cg2raw.diagnose.hidden_truth.charge import Patterns
 from cg2raw.diagnose.hidden_truth.density import log_density
 from cg2raw.diagnose.hidden_truth.light import Field, Hidden
+from cg2raw.diagnose.hidden_truth.measured import Measured
 from cg2raw.diagnose.hidden_truth.photons import ROUNDING
 from cg2raw.diagnose.hidden_truth.posterior import Observation, Posterior, posterior
 from cg2raw.diagnose.hidden_truth.readout import (
@@ -84,8 +85,10 @@ class World:
         seed: int,
         shape: tuple[int, int],
         nuisances: Mapping[str, float],
+        measured: Measured | None = None,
     ) -> None:
         self.camera, self.hidden = camera, hidden
+        self.measured = measured or Measured()
         self.seed, self.shape, self.nuisances = seed, shape, nuisances
         self.field = Field(shape, MARGIN)
         self.noise = noise_of(hidden)
@@ -145,6 +148,8 @@ class World:
             on_sensor = self._on_sensor(shot.kind, shot.set) * self.brightness(shot)
             phase = stream(self.seed, f"flicker/{shot.name}").random()
             x = charge.mosaic_light(on_sensor, self.hidden, self.camera, phase)
+            if self.measured.transmission is not None:
+                x = x * self.measured.transmission
         return (
             charge.electrons(x, self.hidden, self.camera, patterns, shot.seconds),
             foot,
@@ -154,7 +159,8 @@ class World:
         """Return the frame, (H, W) DN."""
         rng = stream(self.seed, f"noise/{shot.name}")
         expected = self.expected(shot, self.patterns)
-        return read_out(rng, *expected, self.noise, self.camera)
+        reader = self.measured.read_noise
+        return read_out(rng, *expected, self.noise, self.camera, reader)
 
     def log_density(self, shot: Shot) -> NDArray[np.float32]:
         """Return (H, W) nats per pixel, 1 DN the unit, of the model that drew a frame.
