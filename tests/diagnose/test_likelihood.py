@@ -90,7 +90,8 @@ def test_probabilities_of_a_censored_pixel_add_up_to_one(frames):
     beyond = 0.0
     for end, name in zip(ends, ("at_zero", "at_white"), strict=True):
         flags = {"at_zero": nowhere, "at_white": nowhere, name: ~nowhere}
-        one = replace(frame, signal=end, **flags)
+        half = (0.5 if name == "at_white" else -0.5) / frame.range  # what is rounded
+        one = replace(frame, signal=end + half, **flags)
         beyond = beyond + np.exp(log_density(Model(SENSOR), one)[0])
     assert (middle + beyond)[frame.keep] == pytest.approx(1, abs=1e-4)
 

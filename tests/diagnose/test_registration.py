@@ -10,7 +10,7 @@ from diagnose.planted import capture_of, drawn, frames_of, scene_of, sensor_of
 from scipy.ndimage import map_coordinates
 
 from cg2raw.diagnose.prediction import Model, predict
-from cg2raw.diagnose.registration import Registration
+from cg2raw.diagnose.registration import Registration, _first_guess
 
 SENSOR = sensor_of()
 SHAPE = (96, 128)
@@ -105,3 +105,10 @@ def test_a_further_piece_of_a_frame_is_moved_alike():
     registration.first(Model(SENSOR))
     registration.place(fresh)
     assert fresh.camera == pytest.approx(frames[0].camera, abs=1e-6)
+
+
+@pytest.mark.parametrize("shift", [(2, -2), (-4, 0), (0, 4)])
+def test_the_first_guess_is_the_nearest_pair_of_pixels(shift):
+    row, col = shift
+    (frame,) = misplaced([[row, 0, 0], [col, 0, 0]], 1.1, repeats=1)
+    assert _first_guess(frame, Model(SENSOR)).tolist() == [row, col]

@@ -48,6 +48,20 @@ def test_p_values_of_frames_without_a_gap_are_uniform(frames):
     assert kstest(together, "uniform").pvalue > 1e-3
 
 
+def test_statistics_without_a_gap_have_the_variance_they_say(frames):
+    """Those that are in standard deviations, of 60 sets: within 5 errors of 1."""
+    scalar = ("skewness", "kurtosis", "autocorrelation", "edge", "fixed")
+    found = {}
+    for seed in range(60):
+        shown = drawn(frames, Model(SENSOR), 100 + seed)
+        for test in residual_tests(Model(SENSOR), shown, ONE):
+            if test.name.startswith(scalar):
+                found.setdefault(test.name, []).append(test.statistic)
+    assert len(found) == 15
+    for name, statistics in found.items():
+        assert np.var(statistics) == pytest.approx(1, abs=0.85), name
+
+
 def site(frame, wanted):
     return (frame.site == wanted)[None]
 

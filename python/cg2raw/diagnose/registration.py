@@ -13,15 +13,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import gaussian_filter, map_coordinates
 
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.tiling import Array
+from cg2raw.diagnose.tiling import Array, Mask
 from cg2raw.diagnose.nuisances import of_site
 from cg2raw.diagnose.prediction import Model, predict
 
 ROUNDS = 30
 FARTHEST = 4  # pixels of the first guess
+SLOW = 3.0  # pairs of pixels; what is slower does not say where edges lie
 LONGEST_STEP = 0.5  # px
 CLOSE_ENOUGH = 1e-3  # px
 SAME_BRIGHTNESS = 1e-5  # relative
@@ -135,8 +136,7 @@ def _first_guess(frame: Frame, model: Model) -> Array:
     correlation: Array | float = 0.0
     for tile in range(len(p.mean)):
         measured, expected = (
-            _halved(np.where(usable[tile], image[tile], 0))
-            for image in (frame.signal, p.mean)
+            _edges_of(image[tile], usable[tile]) for image in (frame.signal, p.mean)
         )
         product = fft.rfft2(measured) * np.conj(fft.rfft2(expected))
         correlation = correlation + fft.irfft2(product, measured.shape)
@@ -148,11 +148,16 @@ def _first_guess(frame: Frame, model: Model) -> Array:
     return -2.0 * np.array([near[row], near[col]], float)
 
 
-def _halved(image: Array) -> Array:
+def _edges_of(image: Array, usable: Mask) -> Array:
+    """Return an image halved, its slow part taken out: that and the borders of what is
+    usable would lie best on each other where they are."""
     height, width = (n // 2 * 2 for n in image.shape)
-    parts = image[:height, :width].reshape(height // 2, 2, width // 2, 2)
-    small = parts.mean((1, 3))
-    return small - small.mean()
+    shape = (height // 2, 2, width // 2, 2)
+    small = image[:height, :width].reshape(shape).mean((1, 3))
+    inner = usable[:height, :width].reshape(shape).all((1, 3))
+    weight = gaussian_filter(inner.astype(float), SLOW)
+    slow = gaussian_filter(np.where(inner, small, 0), SLOW) / np.maximum(weight, 1e-9)
+    return np.where(inner, small - slow, 0)
 
 
 def _step(
