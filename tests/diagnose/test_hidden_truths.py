@@ -23,6 +23,7 @@ from cg2raw.diagnose.simulate_captures import simulate_captures
 
 SHAPE = (112, 144)
 EDGE = 8  # pixels along the edges of a frame that the diagnosis leaves out
+LEAST_FALL_OFF = 0.002  # rms over the frame, that small frames must show
 HERO6 = "real/Hero6_GOPR0024.dng"
 # Cameras of Wei et al., CVPR 2020: their profiles hold lambda and the row noise.
 ELD = ("canon-5d-mark-iv", "canon-70d", "canon-700d", "nikon-d850", "sony-a7s-ii")
@@ -108,12 +109,12 @@ def test_fall_offs_of_lensfun(camera_data, number):
         sensor, {}, seed=number, shape=SHAPE, measured=Measured(transmission=hidden)
     )
     found = diagnose(captures, details=False)
-    loss = 1 - hidden[0, 0]
-    if abs(loss) < 0.005:
-        pytest.skip(f"a corner loss of {loss:.2%} is too small to ask for")
+    if hidden.std() < LEAST_FALL_OFF:  # may be missed, not misnamed
+        assert names_of(found) <= {"lens_shading"}
+        return
     assert (found.verdict, names_of(found)) == ("identified", {"lens_shading"})
     seen, whole = rms_errors(found, sensor, hidden)
-    print(f"corner loss {loss:.3f}: rms {seen:.5f}, {whole:.5f} in all")
+    print(f"corner loss {1 - hidden[0, 0]:.3f}: rms {seen:.5f}, {whole:.5f} in all")
     assert whole < 0.01
 
 
