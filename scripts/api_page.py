@@ -15,6 +15,8 @@ import textwrap
 from pathlib import Path
 
 import cg2raw
+from cg2raw import diagnose
+from cg2raw.diagnose import diagnosis, simulate_captures
 
 ROOT = Path(__file__).resolve().parent.parent
 STUB = ROOT / "python" / "cg2raw" / "_core.pyi"
@@ -63,6 +65,14 @@ Once `cg2raw` is imported, the `OpenImageIO` of the same Python writes DNGs too:
 `import cg2raw` puts the plugin of the same installation on OpenImageIO's search path,
 before or after `import OpenImageIO`. `cg2raw doctor` tells if there is none that fits.
 """
+DIAGNOSE = """\
+# cg2raw.diagnose
+
+What a profile lacks to explain measured frames: [diagnose.md](diagnose.md) has an
+example. It is imported by itself, and needs `pip install "cg2raw[diagnose]"`.
+"""
+# What a Diagnosis is made of, beside its public name.
+PARTS = ("Finding", "Estimate", "Alternative", "Gap", "ResidualTest", "Power")
 
 
 def stub_classes():
@@ -136,6 +146,32 @@ def class_page(name, cls):
     return page + "".join("\n" + function_page(3, n, v, name) for n, v in methods)
 
 
+def fields_page(name, cls):
+    """Return the lines on a dataclass: what it is, and its fields as they stand."""
+    node = ast.parse(inspect.getsource(cls)).body[0]
+    lines = inspect.getsource(cls).splitlines()[node.body[0].end_lineno :]
+    fields = textwrap.dedent("\n".join(lines)).strip()
+    return f"## {name}\n\n" + block(f"{doc_of(cls)}\n\n{fields}")
+
+
+def diagnose_page():
+    """Return the parts of the page on cg2raw.diagnose."""
+    parts = [DIAGNOSE]
+    for name in sorted(diagnose.__all__, key=str.lower):
+        value = getattr(diagnose, name)
+        if inspect.isclass(value):
+            parts.append(fields_page(f"cg2raw.diagnose.{name}", value))
+        else:
+            parts.append(function_page(2, name, value, "cg2raw.diagnose"))
+    home = "cg2raw.diagnose.diagnosis"
+    parts += [fields_page(f"{home}.{name}", getattr(diagnosis, name)) for name in PARTS]
+    home = "cg2raw.diagnose.simulate_captures"
+    for name in ("draw_hidden", "simulate_captures"):
+        value = getattr(simulate_captures, name)
+        parts.append(function_page(2, name, value, home))
+    return parts
+
+
 def is_class_method(value):
     return isinstance(value, classmethod)
 
@@ -157,6 +193,7 @@ def page():
             parts.append(function_page(2, name, value))
         else:
             parts.append(value_page(name, value))
+    parts += diagnose_page()
     return "\n".join(part.rstrip("\n") + "\n" for part in parts)
 
 

@@ -173,7 +173,12 @@ def worker_memory(source, name, changed):
 
     worker.use_one_thread()
     fields = {"illuminants": ("A",), "digital_gains": (1.0,), "isos": (None, 400.0)}
-    fields |= {"noise": "gaussian", "convention": "dng", "method": "graphics2raw"}
+    fields |= {
+        "exposure_time": None,
+        "noise": "gaussian",
+        "convention": "dng",
+        "method": "graphics2raw",
+    }
     fields |= {"format": "dng", "element_type": "float32", "compression": "ljpeg"}
     fields |= {"crop": None, "patches": 1, "seed": 0}
     sensors = [cg2raw.Sensor("samsung-s20fe")]

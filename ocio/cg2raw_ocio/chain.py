@@ -7,6 +7,7 @@ The chains compute what `CameraTransform` of the core says:
 
     balanced = clip(second clip(first scene)), camera = highlights(balanced, gains)
 
+and then, where the sensor has effects of stage color, (3, 3) color_effects camera.
 They drop alpha (it comes out 1): on the way they keep a colour channel there."""
 
 import numpy as np
@@ -25,7 +26,7 @@ HIGHLIGHT_START = 0.9
 LEAK = 2.0**-29
 
 
-def camera_from_scene(transform):
+def camera_from_scene(transform, color_effects=None):
     """Linear Rec.709 -> camera RGB, highlights kept white.
 
     A pixel with NaN in any channel becomes black; +inf becomes white."""
@@ -36,23 +37,27 @@ def camera_from_scene(transform):
         ops = ops[:-1] + unbalanced(transform.gains)
     else:
         ops += [matrix(np.diag(transform.gains))]
-    return ops + ([clip()] if transform.clip_result else [])
+    ops += [clip()] if transform.clip_result else []
+    return ops + ([] if color_effects is None else [matrix(color_effects)])
 
 
-def scene_from_camera(transform):
+def scene_from_camera(transform, color_effects=None):
     """Camera RGB -> linear Rec.709, as a camera's image processor does it: white
-    balance, clip at white, colour matrix. Highlights come out white, not brighter."""
-    ops = [matrix(np.diag(1.0 / np.asarray(transform.gains))), clip()]
+    balance, clip at white, colour matrix; after the inverse of the effects. Highlights
+    come out white, not brighter."""
+    ops = [] if color_effects is None else [matrix(np.linalg.inv(color_effects))]
+    ops += [matrix(np.diag(1.0 / np.asarray(transform.gains))), clip()]
     if transform.two_steps:
         ops += clipped_product(np.linalg.inv(transform.second))
     return ops + [matrix(np.linalg.inv(transform.first))]
 
 
-def camera_from_scene_unbounded(transform):
+def camera_from_scene_unbounded(transform, color_effects=None):
     """The same colours as one matrix, which never clips and has an exact inverse.
     Highlights take the colour of the light."""
     balanced = transform.second @ transform.first
-    return [matrix(np.diag(transform.gains) @ balanced)]
+    camera = np.diag(transform.gains) @ balanced
+    return [matrix(camera if color_effects is None else color_effects @ camera)]
 
 
 def matrix(rows, offset=(0.0, 0.0, 0.0, 0.0)):

@@ -6,7 +6,7 @@ import PyOpenColorIO as ocio
 
 from cg2raw import _core
 
-from . import chain, names
+from . import chain, color_effects, names
 from .fixed_spaces import DATA, DISPLAY, TEXTURE
 from .fixed_spaces import display_spaces, picture_spaces, scene_spaces
 from .spaces import all_raw_spaces
@@ -28,6 +28,7 @@ def make_config(profiles, illuminants, exposure=None, version="2.1"):
     spaces, inactive = all_raw_spaces(profiles, illuminants, exposure)
     for space in spaces:
         add_space(config, space)
+    config.setDescription(config.getDescription() + left_to_the_writer(profiles))
     config.setInactiveColorSpaces(", ".join(inactive))
     config.validate()
     return config
@@ -55,7 +56,8 @@ def base_config(version="2.1"):
     config.setName("cg2raw")
     config.setDescription(
         "Camera RAW as colour spaces: convert a linear render to one of RAW/* and "
-        "write a .dng (cg2raw)."
+        "write a .dng (cg2raw). They have the colour effects of their sensors; all "
+        "other effects, such as lens shading and noise, are the RAW writer's."
     )
     config.setFamilySeparator("/")
     config.setStrictParsingEnabled(True)
@@ -68,6 +70,17 @@ def base_config(version="2.1"):
     _set_roles(config)
     _set_file_rules(config)
     return config
+
+
+def left_to_the_writer(profiles):
+    """Return in words, from a space on, which effects of which sensors the RAW writer
+    has to add; nothing if there are none."""
+    listed = [
+        f"{profile.id} ({', '.join(left)})"
+        for profile in profiles
+        if (left := color_effects.left_to_the_writer(profile))
+    ]
+    return f" Those of the profiles: {', '.join(listed)}." if listed else ""
 
 
 def add_space(config, space):

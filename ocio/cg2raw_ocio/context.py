@@ -9,7 +9,7 @@ Linux and macOS, and is not allowed in names of Windows."""
 
 import PyOpenColorIO as ocio
 
-from . import chain, export, names
+from . import chain, color_effects, export, names
 from .config import add_space, base_config
 from .spaces import Exposure, camera_transform, raw_space, seen_by
 
@@ -56,12 +56,13 @@ def chain_files(profile, illuminant, exposure=None):
     """Return {file name: text} of one pair: to RAW, to the scene, unbounded."""
     exposure = exposure or Exposure()
     transform = camera_transform(profile, illuminant, exposure)
+    effects = color_effects.matrix(profile, illuminant)
     seen = seen_by(profile, illuminant, exposure)
     stem = f"{profile.id}_{illuminant}"
     chains = {
-        "": chain.camera_from_scene(transform),
-        TO_SCENE: chain.scene_from_camera(transform),
-        UNBOUNDED: chain.camera_from_scene_unbounded(transform),
+        "": chain.camera_from_scene(transform, effects),
+        TO_SCENE: chain.scene_from_camera(transform, effects),
+        UNBOUNDED: chain.camera_from_scene_unbounded(transform, effects),
     }
     return {
         f"{stem}{suffix}.ctf": export.chain_text(

@@ -12,7 +12,7 @@ import uuid
 import numpy as np
 import PyOpenColorIO as ocio
 
-from . import chain, cube, measure, names
+from . import chain, color_effects, cube, measure, names
 from .spaces import camera_transform, group, seen_by
 
 FORMATS = {
@@ -26,7 +26,9 @@ SAME_DN = 0.02
 
 def ctf(profile, illuminant, exposure):
     """Return (text, findings) of a CTF: scene-linear Rec.709 -> camera RGB, exact."""
-    ops = chain.camera_from_scene(camera_transform(profile, illuminant, exposure))
+    transform = camera_transform(profile, illuminant, exposure)
+    effects = color_effects.matrix(profile, illuminant)
+    ops = chain.camera_from_scene(transform, effects)
     space = (profile.id, illuminant)
     text = chain_text(ops, ".ctf", space, seen_by(profile, illuminant, exposure))
     pixels = measure.random_pixels()
@@ -40,7 +42,7 @@ def ctf(profile, illuminant, exposure):
 def clf(profile, illuminant, exposure):
     """Return (text, findings) of a CLF: the same without protected highlights."""
     transform = camera_transform(profile, illuminant, exposure)
-    ops = plain_chain(transform)
+    ops = plain_chain(transform, color_effects.matrix(profile, illuminant))
     seen = seen_by(profile, illuminant, exposure)
     if transform.keep_highlights:
         seen += " Highlights are not protected: they take the colour of the light."
@@ -80,13 +82,14 @@ def preview(profile, illuminant, exposure, size, encoding):
     return text, findings
 
 
-def plain_chain(transform):
+def plain_chain(transform, effects=None):
     """Return matrices and clips alone: a chain without protected highlights."""
     ops = chain.legal() + chain.clipped_product(transform.first)
     if transform.two_steps:
         ops += chain.clipped_product(transform.second)
     ops.append(chain.matrix(np.diag(transform.gains)))
-    return ops + ([chain.clip()] if transform.clip_result else [])
+    ops += [chain.clip()] if transform.clip_result else []
+    return ops + ([] if effects is None else [chain.matrix(effects)])
 
 
 def chain_text(transforms, ending, space, description, to_scene=False):

@@ -9,7 +9,7 @@ import PyOpenColorIO as ocio
 
 from cg2raw import _core
 
-from . import chain, spaces
+from . import chain, color_effects, spaces
 
 WHITE_DN = 65535
 PIXELS = 200_000
@@ -47,7 +47,9 @@ def exact_camera(profile, illuminant, exposure, pixels):
     """Return (n, 3) float32 camera RGB of (n, 3) linear Rec.709, by the core."""
     transform = spaces.camera_transform(profile, illuminant, exposure)
     row = np.ascontiguousarray(pixels, np.float32)[None]
-    return _core.to_camera(transform, row)[0]
+    return color_effects.applied(
+        profile, illuminant, _core.to_camera(transform, row)[0]
+    )
 
 
 def below_highlights(transform, pixels):

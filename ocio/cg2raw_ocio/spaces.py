@@ -8,7 +8,7 @@ import PyOpenColorIO as ocio
 
 from cg2raw import _core
 
-from . import chain, names
+from . import chain, color_effects, names
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,20 +28,21 @@ def raw_spaces(profile, illuminant, exposure):
     """Return the RAW space of a sensor (a core profile) under an illuminant (a word of
     the grammar) and its unbounded twin. Raises ValueError."""
     transform = camera_transform(profile, illuminant, exposure)
+    effects = color_effects.matrix(profile, illuminant)
     seen = seen_by(profile, illuminant, exposure)
     bounded = raw_space(
         *names.raw_space(profile.id, illuminant),
         names.family(profile),
         f"RAW of the {seen} Clipped at white as the sensor clips, highlights kept "
         "white. To the scene: white balance, clip, colour matrix, as in a camera.",
-        chain.camera_from_scene(transform),
-        chain.scene_from_camera(transform),
+        chain.camera_from_scene(transform, effects),
+        chain.scene_from_camera(transform, effects),
     )
     unbounded = raw_space(
         *names.unbounded_space(profile.id, illuminant),
         names.family(profile),
         f"One matrix, never clipped, for work on HDR: camera RGB of the {seen}",
-        chain.camera_from_scene_unbounded(transform),
+        chain.camera_from_scene_unbounded(transform, effects),
     )
     return [bounded, unbounded]
 
@@ -92,7 +93,19 @@ def seen_by(profile, illuminant, exposure):
         text += f", digital gain {exposure.digital_gain:g}"
     if not exposure.highlights:
         text += ", highlights not protected"
-    return text + "."
+    effects = [setting["name"] for setting in color_effects.settings_of(profile)]
+    if effects:
+        text += f", with the sensor's {', '.join(effects)}"
+    return text + "." + left_out(profile)
+
+
+def left_out(profile):
+    """Return a sentence on the effects of a sensor that no RAW space has, with a space
+    before it; nothing if it has none."""
+    names_left = color_effects.left_to_the_writer(profile)
+    if not names_left:
+        return ""
+    return f" Effects left to the RAW writer: {', '.join(names_left)}."
 
 
 def raw_space(name, alias, family, description, from_scene, to_scene=None):

@@ -102,6 +102,20 @@ void check_exposure_time(const std::vector<ActiveEffect>& active,
                           "the image its Exif (oiiotool --attrib ExposureTime 0.01)");
 }
 
+/// A RAW space of OpenColorIO holds the profile's effects of stage color, and they
+/// cannot be taken out of its pixels.
+void check_color_effects(const SensorProfile& profile, const Run& run)
+{
+    if (run.color_effects || run.effects)
+        return;
+    for (const EffectSetting& setting : profile.effects)
+        if (effect_of(setting.name, profile).stage == Stage::color)
+            throw Error("sensor " + profile.id + ": without effects is asked for, and"
+                        + " the pixels are in a RAW space, which has effect "
+                        + setting.name + " in it: convert from the scene, or keep the"
+                        + " effects");
+}
+
 } // namespace
 
 NoiseModel noise_model_from_name(std::string_view name)
@@ -117,6 +131,7 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
                                          const std::optional<NoiseAtIso>& noise)
 {
     std::vector<ActiveEffect> active;
+    check_color_effects(profile, run);
     if (!run.effects)
         return active;
     const auto add = [&](const Effect& effect, Values values) {
@@ -128,6 +143,8 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
     };
     for (const EffectSetting& setting : profile.effects) {
         const Effect& known = effect_of(setting.name, profile);
+        if (known.stage == Stage::color && !run.color_effects)
+            continue;
         check_sites(known, profile.cfa, "sensor " + profile.id);
         add(known, values_of(known, setting.parameters, "sensor " + profile.id));
     }

@@ -67,7 +67,8 @@ void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string&
             throw Error(file + ": effect " + effect.name + ": parameter "
                         + parameter.name + " is of a 2 x 2 CFA, and this one is "
                         + std::to_string(cfa.height) + " x " + std::to_string(cfa.width)
-                        + ": give its noise per site in the profile's noise table");
+                        + ": leave the effect out; a profile of any CFA can give noise"
+                          " per site in its noise table, and black_level per site");
 }
 
 void check_values(const Effect& effect, const Values& values, const std::string& file)

@@ -175,6 +175,7 @@ Request request_of(const ImageSpec& spec)
     const auto space = raw_space_of(spec, attributes, sensor);
     if (space) {
         request.run.camera_input = true;
+        request.run.color_effects = false;
         request.run.illuminant = space->illuminant;
         if (!sensor)
             sensor = load_profile(space->sensor);

@@ -69,8 +69,21 @@ std::vector<NoisePair> noise_profile(const NoiseAtIso& noise, const CfaPattern& 
     return pairs;
 }
 
-/// Reciprocals of the fall-off; the first and last node lie on the frame's edges.
-GainMap gains_against(const Values& falloff, Size frame)
+/// What light of the colours R, G, B loses on its way: of the active effects.
+struct Shading {
+    std::optional<Values> lens, color;
+
+    explicit operator bool() const { return lens || color; }
+    double at(int plane, double u, double v) const
+    {
+        return (lens ? lens_shading_at(*lens, u, v) : 1.0)
+            * (color ? color_shading_at(*color, plane, u, v) : 1.0);
+    }
+};
+
+/// Reciprocals of a colour's fall-off; the first and last node lie on the frame's
+/// edges.
+GainMap gains_against(const Shading& shading, int plane, Size frame)
 {
     const double half_diagonal = 0.5 * std::hypot(frame.width, frame.height);
     GainMap map { map_rows, map_cols, {} };
@@ -83,7 +96,7 @@ GainMap gains_against(const Values& falloff, Size frame)
             // Where nothing is left, nothing can be restored.
             constexpr double darkest = 1e-3;
             map.gains.push_back(
-                float(1.0 / std::max(lens_shading_at(falloff, u, v), darkest)));
+                float(1.0 / std::max(shading.at(plane, u, v), darkest)));
         }
     return map;
 }
@@ -118,8 +131,12 @@ DngDescription describe(const Simulation& simulation, const DngOptions& options,
         description.noise_profile = noise_profile(*simulation.noise(), profile.cfa);
     else if (const auto noise = noise_of_effects(simulation))
         description.noise_profile = noise_profile(*noise, profile.cfa);
-    if (const std::optional<Values> falloff = simulation.active("lens_shading"))
-        description.lens_shading = gains_against(*falloff, simulation.frame());
+    const Shading shading { simulation.active("lens_shading"),
+                            simulation.active("color_shading") };
+    if (shading)
+        description.shading_gains = { gains_against(shading, 0, simulation.frame()),
+                                      gains_against(shading, 1, simulation.frame()),
+                                      gains_against(shading, 2, simulation.frame()) };
     return description;
 }
 

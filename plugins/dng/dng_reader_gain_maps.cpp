@@ -60,23 +60,55 @@ SiteGains site_gains(const DngMetadata& file, Place at)
     return gains;
 }
 
+Place place_on(const GainMapAt& grid, int row, int col)
+{
+    return { grid.origin_v + row * grid.spacing_v,
+             grid.origin_h + col * grid.spacing_h };
+}
+
+std::array<int, 3> color_counts(const CfaPattern& cfa)
+{
+    std::array<int, 3> counts {};
+    for (int site = 0; site < cfa.sites(); ++site)
+        ++counts[cfa.colors[std::size_t(site)]];
+    return counts;
+}
+
 /// Calls @p visit with each point of @p map that lies in the frame.
 template <class Visit> void each_point(const GainMapAt& map, const Visit& visit)
 {
     constexpr double rounding = 1e-9;
     for (int row = 0; row < map.map.rows; ++row)
         for (int col = 0; col < map.map.cols; ++col) {
-            const Place at { map.origin_v + row * map.spacing_v,
-                             map.origin_h + col * map.spacing_h };
+            const Place at = place_on(map, row, col);
             if (at.v >= -rounding && at.v <= 1 + rounding && at.h >= -rounding
                 && at.h <= 1 + rounding)
-                visit(at);
+                visit(row, col, at);
         }
 }
 
-/// Mean over the sites, 0 where one is hopeless; adds the squares of their departures
-/// to @p squares.
-double mean_shading(const DngMetadata& file, Place at, double& squares)
+/// Means over the sites of R, G, B; sums of none are 0.
+Vec3 color_means(const CfaPattern& cfa, const SiteGains& values)
+{
+    Vec3 means {};
+    const std::array<int, 3> counts = color_counts(cfa);
+    for (int site = 0; site < cfa.sites(); ++site) {
+        const std::size_t color = cfa.colors[std::size_t(site)];
+        means[color] += values[std::size_t(site)] / counts[color];
+    }
+    return means;
+}
+
+/// What one file's maps say at a place.
+struct FileShading {
+    double mean; ///< over the sites
+    double red, blue; ///< over green
+};
+
+/// Means over the sites, nothing where one is hopeless; adds the squares of their
+/// departures to @p squares.
+std::optional<FileShading> mean_shading(const DngMetadata& file, Place at,
+                                        double& squares)
 {
     const int sites = file.cfa.sites();
     const SiteGains gains = site_gains(file, at);
@@ -85,7 +117,7 @@ double mean_shading(const DngMetadata& file, Place at, double& squares)
     for (int site = 0; site < sites; ++site) {
         const double gain = gains[std::size_t(site)];
         if (gain >= hopeless_gain)
-            return 0.0;
+            return std::nullopt;
         shading[std::size_t(site)] = 1.0 / gain;
         mean += shading[std::size_t(site)] / sites;
     }
@@ -93,27 +125,49 @@ double mean_shading(const DngMetadata& file, Place at, double& squares)
         const double departure = shading[std::size_t(site)] / mean - 1.0;
         squares += departure * departure / sites;
     }
-    return mean;
+    const Vec3 colors = color_means(file.cfa, shading);
+    return FileShading { mean, colors[0] / colors[1], colors[2] / colors[1] };
 }
 
 } // namespace
+
+Place place_of(const GainMapSamples& samples, const ShadingAt& point)
+{
+    return place_on(*samples.grid, point.row, point.col);
+}
+
+double green_shading(const GainMapSamples& samples, const ShadingAt& point)
+{
+    const auto [reds, greens, blues] = color_counts(samples.cfa);
+    const double over_green
+        = (reds * double(point.red) + greens + blues * double(point.blue))
+        / samples.cfa.sites();
+    return point.shading / over_green;
+}
 
 GainMapSamples gain_map_samples(const std::vector<const DngMetadata*>& files)
 {
     const GainMapAt& grid = files.front()->gain_maps.front();
     GainMapSamples samples;
+    samples.grid = &grid;
+    samples.cfa = files.front()->cfa;
     samples.points.reserve(grid.map.gains.size());
     double site_squares = 0.0, file_squares = 0.0;
-    std::vector<double> shading(files.size());
-    each_point(grid, [&](Place at) {
-        for (std::size_t i = 0; i < files.size(); ++i)
-            shading[i] = mean_shading(*files[i], at, site_squares);
-        if (std::find(shading.begin(), shading.end(), 0.0) != shading.end())
-            return;
+    std::vector<double> shading(files.size()), red = shading, blue = shading;
+    each_point(grid, [&](int row, int col, Place at) {
+        for (std::size_t i = 0; i < files.size(); ++i) {
+            const auto one = mean_shading(*files[i], at, site_squares);
+            if (!one)
+                return;
+            shading[i] = one->mean;
+            red[i] = one->red;
+            blue[i] = one->blue;
+        }
         const double mean = mean_of(shading);
         for (double value : shading)
             file_squares += (value / mean - 1.0) * (value / mean - 1.0);
-        samples.points.push_back({ at, mean });
+        samples.points.push_back(
+            { row, col, mean, float(mean_of(red)), float(mean_of(blue)) });
     });
     const double count = double(std::max<std::size_t>(1, samples.points.size()))
         * double(files.size());

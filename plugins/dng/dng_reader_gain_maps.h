@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Shading, the reciprocal of GainMaps, where the maps have their points.
+/// @file Shading, the reciprocal of GainMaps, where the maps have their points, and how
+/// it differs between colours.
 #pragma once
 
 #include "cg2raw/dng_reader.h"
@@ -13,20 +14,46 @@ struct Place {
     double v, h;
 };
 
+/// As little as there are points: a file may have as many as it has bytes.
 struct ShadingAt {
-    Place at;
+    int row, col; ///< of the grid
     double shading; ///< mean over CFA sites and files
+    float red, blue; ///< such means over these sites, as fractions of green's
 };
 
 struct GainMapSamples {
     /// Those of the first file's first map that lie in the frame, without any at which
     /// a gain is hopeless.
     std::vector<ShadingAt> points;
+    const GainMapAt* grid; ///< that first map
+    CfaPattern cfa;
     /// Rms of the ratio to the mean, less 1: over the sites, over the files.
     double between_sites = 0.0, between_files = 0.0;
 };
 
 /// Of @p files, one or more, with one or more maps each.
 GainMapSamples gain_map_samples(const std::vector<const DngMetadata*>& files);
+
+Place place_of(const GainMapSamples& samples, const ShadingAt& point);
+/// A place as the effects know it: from the centre, in half diagonals of the frame.
+struct FieldOffset {
+    double u, v;
+};
+FieldOffset field_offset(Place at, Size size);
+/// The mean over the sites of green and files.
+double green_shading(const GainMapSamples& samples, const ShadingAt& point);
+
+/// What color_shading makes of the maps.
+struct ColorShadingFit {
+    std::vector<double> values; ///< in the effect's order
+    /// Rms over red and blue: of their ratio to green over its mean, less 1; and what
+    /// the effect leaves of it.
+    double departure = 0.0, rms = 0.0;
+};
+
+/// Nothing if the points do not determine the parameters, if red and blue are shaded as
+/// green is, or if they differ from it in another way than the effect can.
+std::optional<ColorShadingFit> color_shading_fit(const GainMapSamples& samples,
+                                                 Size size);
 
 } // namespace cg2raw

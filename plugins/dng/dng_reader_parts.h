@@ -34,9 +34,9 @@ std::vector<NoiseAtIso> merged_noise(const std::vector<DngMetadata>& files,
 NeutralDistribution merged_neutrals(const std::vector<DngMetadata>& files,
                                     Notes& notes);
 
-/// The effect lens_shading that fits the files' GainMaps best; nothing if there are
-/// none, or none that the effect can be.
-std::optional<EffectSetting> lens_shading_of(const std::vector<DngMetadata>& files,
-                                             Notes& notes);
+/// The effects lens_shading and color_shading that fit the files' GainMaps best;
+/// without one that is null or that the maps cannot be.
+std::vector<EffectSetting> shading_of(const std::vector<DngMetadata>& files,
+                                      Notes& notes);
 
 } // namespace cg2raw

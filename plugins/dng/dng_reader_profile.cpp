@@ -144,8 +144,7 @@ ProfileOfDngs profile_from_dngs(const std::vector<DngMetadata>& files,
     profile.calibrations = first.calibrations;
     profile.illuminants = merged_neutrals(files, notes);
     profile.noise = merged_noise(files, notes);
-    if (const auto shading = lens_shading_of(files, notes))
-        profile.effects.push_back(*shading);
+    profile.effects = shading_of(files, notes);
     profile.sources = sources_of(profile, names_of_files(files), notes);
     check(profile, first.file);
     return { profile, notes };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file From the GainMaps of real files to the parameters of the effect lens_shading.
+/// @file From the GainMaps of real files to the parameters of the effect lens_shading,
+/// and of color_shading where the colours' maps differ.
 ///
 /// A GainMap undoes the shading: shading = 1 / gain. The effect's polynomial is linear
 /// in its parameters, so least squares over the points of the maps find them. A factor
@@ -10,6 +11,7 @@
 /// it.
 #include "dng_reader_gain_maps.h"
 #include "dng_reader_parts.h"
+#include "least_squares.h"
 
 #include "cg2raw/effect.h"
 
@@ -21,8 +23,8 @@ namespace cg2raw {
 namespace {
 
 /// Unknowns: the factor for the frame, then the parameters of the effect in its order.
-constexpr std::size_t unknowns = 8;
-using Row = std::array<double, unknowns>;
+using Equations = LeastSquares<8>;
+using Row = Equations::Row;
 
 /// What is smaller than this is called negligible: half of the photon noise of a pixel
 /// that holds 10000 electrons.
@@ -33,41 +35,10 @@ constexpr double null_parameter = 1e-6;
 /// The terms of lens_shading_at() at a place, each times its unknown.
 Row terms_at(Place at, Size size)
 {
-    const double half = std::hypot(size.width, size.height) / 2.0;
-    const double u = (at.h - 0.5) * size.width / half;
-    const double v = (at.v - 0.5) * size.height / half;
+    const auto [u, v] = field_offset(at, size);
     const double square = u * u + v * v;
     return { 1.0, square, square * square, square * square * square,
              u,   v,      square * u,      square * v };
-}
-
-/// Solves the normal equations by Cholesky; nothing if the points do not determine all
-/// unknowns. @p normal is overwritten.
-std::optional<Row> solved(std::array<Row, unknowns>& normal, Row right)
-{
-    constexpr double singular = 1e-10;
-    for (std::size_t j = 0; j < unknowns; ++j) {
-        const double whole = normal[j][j];
-        for (std::size_t k = 0; k < j; ++k)
-            normal[j][j] -= normal[j][k] * normal[j][k];
-        if (!(normal[j][j] > singular * whole))
-            return std::nullopt;
-        normal[j][j] = std::sqrt(normal[j][j]);
-        for (std::size_t i = j + 1; i < unknowns; ++i) {
-            for (std::size_t k = 0; k < j; ++k)
-                normal[i][j] -= normal[i][k] * normal[j][k];
-            normal[i][j] /= normal[j][j];
-        }
-        for (std::size_t k = 0; k < j; ++k)
-            right[j] -= normal[j][k] * right[k];
-        right[j] /= normal[j][j];
-    }
-    for (std::size_t j = unknowns; j-- > 0;) {
-        for (std::size_t i = j + 1; i < unknowns; ++i)
-            right[j] -= normal[i][j] * right[i];
-        right[j] /= normal[j][j];
-    }
-    return right;
 }
 
 struct Fit {
@@ -80,10 +51,10 @@ struct Fit {
 void measure(Fit& fit, const GainMapSamples& samples, Size size)
 {
     double squares = 0.0;
-    for (const auto& [at, shading] : samples.points) {
-        const Row terms = terms_at(at, size);
-        double residual = shading / fit.scale - 1.0;
-        for (std::size_t i = 1; i < unknowns; ++i)
+    for (const ShadingAt& point : samples.points) {
+        const Row terms = terms_at(place_of(samples, point), size);
+        double residual = point.shading / fit.scale - 1.0;
+        for (std::size_t i = 1; i < terms.size(); ++i)
             residual -= terms[i] * fit.values[i - 1];
         squares += residual * residual;
         fit.largest = std::max(fit.largest, std::abs(residual));
@@ -94,21 +65,14 @@ void measure(Fit& fit, const GainMapSamples& samples, Size size)
 /// Nothing if the points do not determine the parameters.
 std::optional<Fit> fit_of(const GainMapSamples& samples, Size size)
 {
-    std::array<Row, unknowns> normal {};
-    Row right {};
-    for (const auto& [at, shading] : samples.points) {
-        const Row terms = terms_at(at, size);
-        for (std::size_t i = 0; i < unknowns; ++i) {
-            right[i] += terms[i] * shading;
-            for (std::size_t j = 0; j < unknowns; ++j)
-                normal[i][j] += terms[i] * terms[j];
-        }
-    }
-    const auto solution = solved(normal, right);
+    Equations equations;
+    for (const ShadingAt& point : samples.points)
+        equations.add(terms_at(place_of(samples, point), size), point.shading);
+    const auto solution = equations.solved();
     if (!solution || !((*solution)[0] > 0.0))
         return std::nullopt;
     Fit fit { (*solution)[0], {} };
-    for (std::size_t i = 1; i < unknowns; ++i)
+    for (std::size_t i = 1; i < solution->size(); ++i)
         fit.values.push_back((*solution)[i] / fit.scale);
     measure(fit, samples, size);
     return fit;
@@ -141,36 +105,40 @@ void note_differences(const std::vector<const DngMetadata*>& files,
                         + " % rms: lens_shading is fitted to their mean");
 }
 
-void note_costs(const Fit& fit, const GainMapSamples& samples, Notes& notes)
+void note_costs(const Fit& fit, const GainMapSamples& samples, bool colored,
+                Notes& notes)
 {
     if (fit.rms > negligible || fit.largest > 4 * negligible)
         notes.push_back("lens_shading leaves " + rounded_text(100 * fit.rms)
                         + " % rms of the GainMaps, " + rounded_text(100 * fit.largest)
                         + " % at most: this much of the shading is not simulated");
-    if (samples.between_sites > negligible)
+    if (samples.between_sites > negligible && !colored)
         notes.push_back("GainMaps of the CFA's sites differ by "
                         + rounded_text(100 * samples.between_sites)
                         + " % rms: colour shading is not simulated, lens_shading is the"
                           " mean of the sites");
 }
 
-/// True if the effect can be what was fitted, and is more than nothing.
-bool usable(const Fit& fit, const Effect& effect, Notes& notes)
+/// What a fit may become.
+enum class Use { effect, nothing, impossible };
+
+/// Nothing if all is null; impossible, noted, if it is beyond the effect's bounds.
+Use use_of(const Values& values, const Effect& effect, Notes& notes)
 {
     bool null = true;
-    for (std::size_t i = 0; i < fit.values.size(); ++i) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
         const Parameter& parameter = effect.parameters[i];
-        const double value = fit.values[i];
+        const double value = values[i];
         null = null && std::abs(value) < null_parameter;
         if (!(value >= parameter.min && value <= parameter.max)) {
-            notes.push_back(
-                "GainMaps would need " + parameter.name + " " + rounded_text(value)
-                + " of lens_shading, which is " + rounded_text(parameter.min) + " to "
-                + rounded_text(parameter.max) + ": shading is not simulated");
-            return false;
+            notes.push_back("GainMaps would need " + parameter.name + " "
+                            + rounded_text(value) + " of " + effect.name + ", which is "
+                            + rounded_text(parameter.min) + " to "
+                            + rounded_text(parameter.max) + ": it is not simulated");
+            return Use::impossible;
         }
     }
-    return !null;
+    return null ? Use::nothing : Use::effect;
 }
 
 std::string json_number(double value)
@@ -179,8 +147,8 @@ std::string json_number(double value)
     return { text, std::to_chars(text, text + sizeof text, value).ptr };
 }
 
-std::string evidence_of(const std::vector<const DngMetadata*>& files, const Fit& fit,
-                        const GainMapSamples& samples)
+/// Which maps of which files, as JSON has it between quotes.
+std::string source_of(const std::vector<const DngMetadata*>& files)
 {
     std::vector<DngMetadata> named;
     for (const DngMetadata* file : files) {
@@ -191,47 +159,90 @@ std::string evidence_of(const std::vector<const DngMetadata*>& files, const Fit&
     std::string source;
     for (char c : names_of_files(named))
         source += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
-    return "{\"evidence\": {\"source\": \"" + source + ": "
-        + std::to_string(files.front()->gain_maps.size()) + " GainMaps of "
-        + std::to_string(map.rows) + " x " + std::to_string(map.cols)
-        + " (OpcodeList2)\", \"rms_residual\": " + json_number(fit.rms)
+    return source + ": " + std::to_string(files.front()->gain_maps.size())
+        + " GainMaps of " + std::to_string(map.rows) + " x " + std::to_string(map.cols)
+        + " (OpcodeList2)";
+}
+
+std::string evidence_of(const std::vector<const DngMetadata*>& files, const Fit& fit,
+                        const GainMapSamples& samples)
+{
+    return "{\"evidence\": {\"source\": \"" + source_of(files)
+        + "\", \"rms_residual\": " + json_number(fit.rms)
         + ", \"largest_residual\": " + json_number(fit.largest)
         + ", \"rms_between_sites\": " + json_number(samples.between_sites)
         + ", \"rms_between_files\": " + json_number(samples.between_files)
         + ", \"shading_at_centre\": " + json_number(fit.scale) + "}}";
 }
 
+std::string evidence_of(const std::vector<const DngMetadata*>& files,
+                        const ColorShadingFit& fit)
+{
+    return "{\"evidence\": {\"source\": \"" + source_of(files)
+        + "\", \"rms_residual\": " + json_number(fit.rms)
+        + ", \"rms_between_colors\": " + json_number(fit.departure) + "}}";
+}
+
+EffectSetting setting_of(const Effect& effect, const Values& values,
+                         const std::string& evidence)
+{
+    EffectSetting setting { effect.name, {}, evidence };
+    for (std::size_t i = 0; i < values.size(); ++i)
+        setting.parameters[effect.parameters[i].name] = values[i];
+    return setting;
+}
+
+/// color_shading if the maps are of it; the points' shading becomes that of green,
+/// which lens_shading is then.
+std::optional<EffectSetting>
+color_shading_of(const std::vector<const DngMetadata*>& files, GainMapSamples& samples,
+                 Notes& notes)
+{
+    const Effect& color_shading = effect("color_shading");
+    const auto fit = color_shading_fit(samples, files.front()->active_area);
+    if (!fit || use_of(fit->values, color_shading, notes) != Use::effect)
+        return std::nullopt;
+    for (ShadingAt& point : samples.points)
+        point.shading = green_shading(samples, point);
+    notes.push_back("GainMaps of the colours differ by "
+                    + rounded_text(100 * fit->departure)
+                    + " % rms: this became the effect color_shading, which leaves "
+                    + rounded_text(100 * fit->rms) + " %");
+    return setting_of(color_shading, fit->values, evidence_of(files, *fit));
+}
+
 } // namespace
 
-std::optional<EffectSetting> lens_shading_of(const std::vector<DngMetadata>& files,
-                                             Notes& notes)
+std::vector<EffectSetting> shading_of(const std::vector<DngMetadata>& files,
+                                      Notes& notes)
 {
     std::vector<const DngMetadata*> with_maps;
     for (const DngMetadata& file : files)
         if (!file.gain_maps.empty())
             with_maps.push_back(&file);
     if (with_maps.empty())
-        return std::nullopt;
-    const GainMapSamples samples = gain_map_samples(with_maps);
+        return {};
+    GainMapSamples samples = gain_map_samples(with_maps);
     note_differences(with_maps, files.size(), samples, notes);
+    const auto of_colors = color_shading_of(with_maps, samples, notes);
+    std::vector<EffectSetting> found;
+    if (of_colors)
+        found.push_back(*of_colors);
     const auto fit = fit_of(samples, with_maps.front()->active_area);
     if (!fit) {
         notes.push_back("GainMaps have too few points in the frame for the parameters"
                         " of lens_shading: shading is not simulated");
-        return std::nullopt;
+        return found;
     }
     const Effect& lens_shading = effect("lens_shading");
-    if (!usable(*fit, lens_shading, notes))
-        return std::nullopt;
+    if (use_of(fit->values, lens_shading, notes) != Use::effect)
+        return found;
     notes.push_back("GainMaps of OpcodeList2 (51009) became the effect lens_shading:"
                     " frames are shaded as the camera's mosaics are");
-    note_costs(*fit, samples, notes);
-    EffectSetting setting { lens_shading.name,
-                            {},
-                            evidence_of(with_maps, *fit, samples) };
-    for (std::size_t i = 0; i < fit->values.size(); ++i)
-        setting.parameters[lens_shading.parameters[i].name] = fit->values[i];
-    return setting;
+    note_costs(*fit, samples, of_colors.has_value(), notes);
+    found.push_back(
+        setting_of(lens_shading, fit->values, evidence_of(with_maps, *fit, samples)));
+    return found;
 }
 
 } // namespace cg2raw

@@ -184,10 +184,11 @@ Tags mosaic_tags(const DngDescription& description)
             pairs.insert(pairs.end(), { pair.scale, pair.offset });
         tags.push_back({ noise_profile, pairs });
     }
-    if (description.lens_shading)
-        tags.push_back({ opcode_list_2,
-                         Undefined { gain_map_opcodes(*description.lens_shading,
-                                                      description.size) } });
+    if (description.shading_gains)
+        tags.push_back(
+            { opcode_list_2,
+              Undefined { gain_map_opcodes(*description.shading_gains, description.cfa,
+                                           description.size) } });
     return tags;
 }
 

@@ -12,15 +12,17 @@ namespace cg2raw {
 
 /// Make, model, colour and texts: IFD 0, whatever its pixels are.
 Tags camera_tags(const DngDescription& description, const DngOptions& options);
-/// CFA, levels, crop, noise, lens shading: the IFD of the mosaic.
+/// CFA, levels, crop, noise, shading: the IFD of the mosaic.
 Tags mosaic_tags(const DngDescription& description);
 /// What makes IFD 0 a preview.
 Tags preview_tags();
 /// The Exif IFD; only fields that are known.
 Tags exif_tags(const Shot& shot);
 
-/// OpcodeList2 with the gain map. Throws Error if the map's size is not rows x cols.
-Bytes gain_map_opcodes(const GainMap& map, Size size);
+/// OpcodeList2 with the gain maps of the colours R, G, B. Throws Error if a map's size
+/// is not rows x cols.
+Bytes gain_map_opcodes(const std::array<GainMap, 3>& maps, const CfaPattern& cfa,
+                       Size size);
 
 /// Throws Error, which @p path leads, for a description that no DNG can express.
 void check(const DngDescription& description, const std::string& path);

@@ -10,24 +10,30 @@
 
 #include <algorithm>
 
-namespace cg2raw::effects {
-namespace {
+namespace cg2raw {
 
-/// Parameters of a colour.
-constexpr std::size_t terms = 4;
+double color_shading_at(const Values& values, int color, double u, double v)
+{
+    constexpr std::size_t terms = 4; // of a colour
+    if (color == 1)
+        return 1.0;
+    const double* const term = values.data() + std::size_t(color) / 2 * terms;
+    const double square = u * u + v * v;
+    const double gain
+        = 1.0 + square * (term[0] + square * term[1]) + term[2] * u + term[3] * v;
+    return std::max(0.0, gain);
+}
+
+namespace effects {
+namespace {
 
 void expect(Signal& signal, const Values& values)
 {
     each_field_row(signal, [&](int row, const double* u, double v) {
         for (std::size_t plane : { 0, 2 }) {
-            const double* const term = values.data() + plane / 2 * terms;
             float* const pixels = signal.mean[plane].row(row);
-            for (int col = 0; col < signal.mean[plane].width; ++col) {
-                const double square = u[col] * u[col] + v * v;
-                const double gain = 1.0 + square * (term[0] + square * term[1])
-                    + term[2] * u[col] + term[3] * v;
-                pixels[col] *= float(std::max(0.0, gain));
-            }
+            for (int col = 0; col < signal.mean[plane].width; ++col)
+                pixels[col] *= float(color_shading_at(values, int(plane), u[col], v));
         }
     });
 }
@@ -57,4 +63,5 @@ Effect color_shading()
              expect };
 }
 
-} // namespace cg2raw::effects
+} // namespace effects
+} // namespace cg2raw

@@ -63,6 +63,7 @@ py::dict dict_of(const Effect& effect)
                                    "meaning"_a = p.meaning));
     return py::dict("name"_a = effect.name, "stage"_a = name_of(effect.stage),
                     "pattern"_a = name_of(effect.pattern), "parameters"_a = parameters,
+                    "needs_exposure_time"_a = effect.needs_exposure_time,
                     "meaning"_a = effect.meaning, "source"_a = effect.source);
 }
 
@@ -143,7 +144,7 @@ void bind_search(py::module_& m)
     m.def(
         "effects", [] { return dicts_of(all_effects()); },
         "Every effect that a profile may list: name, stage, parameters, meaning, "
-        "source.");
+        "source,\nneeds_exposure_time.");
 }
 
 void bind_numbers(py::class_<SensorProfile>& c)

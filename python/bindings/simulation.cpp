@@ -22,7 +22,7 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
            std::uint64_t frame, double digital_gain, const std::string& convention,
            bool highlights, bool effects, bool camera_input,
            const std::optional<Vec3>& as_shot, bool sample_digital_gain,
-           std::optional<double> exposure_time)
+           std::optional<double> exposure_time, bool color_effects)
 {
     Run run;
     run.illuminant = illuminant;
@@ -39,6 +39,7 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
     run.as_shot = as_shot;
     run.sample_digital_gain = sample_digital_gain;
     run.exposure_time = exposure_time;
+    run.color_effects = color_effects;
     return run;
 }
 
@@ -130,7 +131,7 @@ void bind_simulation(py::module_& m)
         .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
              "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
              "camera_input"_a, "as_shot"_a, "sample_digital_gain"_a = false,
-             "exposure_time"_a = std::nullopt);
+             "exposure_time"_a = std::nullopt, "color_effects"_a = true);
     py::class_<Simulation>(
         m, "Simulation", "A sensor, a light and an exposure, decided before any pixel.")
         .def(py::init([](const SensorProfile& profile, std::array<int, 2> shape,

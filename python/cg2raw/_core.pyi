@@ -107,6 +107,7 @@ class Run:
         as_shot: Sequence[float] | None,
         sample_digital_gain: bool = False,
         exposure_time: float | None = None,
+        color_effects: bool = True,
     ) -> None: ...
 
 class Simulation:

@@ -92,7 +92,8 @@ def exposure_of(image, request):
     if space:
         sensor, illuminant = space
         sensor = request.sensor or Sensor(sensor)
-        return sensor, {**run, "illuminant": illuminant, "camera_input": True}
+        run |= {"camera_input": True, "color_effects": False}
+        return sensor, {**run, "illuminant": illuminant}
     if request.sensor is None and request.reference is None:
         raise ValueError("which sensor? Add --sensor ID (cg2raw sensors lists them)")
     image_file.check_rec709(image)

@@ -24,6 +24,7 @@ def run_of(
     camera_input: bool = False,
     as_shot: Sequence[float] | None = None,
     exposure_time: float | None = None,
+    color_effects: bool = True,
 ) -> _core.Run:
     """Return what one exposure is asked to be. Raises ValueError for other types."""
     sampled = isinstance(digital_gain, str) and digital_gain == "sample"
@@ -42,6 +43,7 @@ def run_of(
             camera_input=camera_input,
             as_shot=as_shot,
             exposure_time=exposure_time,
+            color_effects=color_effects,
         )
     except TypeError:
         raise ValueError(
@@ -49,8 +51,9 @@ def run_of(
             f"{digital_gain!r} must be numbers (or digital_gain sample), "
             f"seed {seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
             f"noise {noise!r} and convention {convention!r} texts, highlights "
-            f"{highlights!r}, effects {effects!r} and camera_input "
-            f"{camera_input!r} True or False, and as_shot {as_shot!r} three numbers"
+            f"{highlights!r}, effects {effects!r}, color_effects {color_effects!r} and "
+            f"camera_input {camera_input!r} True or False, and as_shot {as_shot!r} "
+            "three numbers"
         ) from None
 
 

@@ -142,6 +142,7 @@ class Sensor:
         camera_input: bool = False,
         as_shot: Sequence[float] | None = None,
         exposure_time: float | None = None,
+        color_effects: bool = True,
     ) -> _core.Simulation:
         """Return what decides every pixel of an exposure.
 
@@ -163,6 +164,8 @@ class Sensor:
         camera_input : the image already is camera RGB under this illuminant.
         as_shot : (3,) neutral that the word as-shot stands for.
         exposure_time : seconds; effects of dark current need it.
+        color_effects : False if the image has the profile's effects of stage color
+            already, as pixels in a RAW space of OpenColorIO have.
 
         Raises ValueError naming what is wrong and what is allowed."""
         run = run_of(
@@ -178,6 +181,7 @@ class Sensor:
             camera_input=camera_input,
             as_shot=as_shot,
             exposure_time=exposure_time,
+            color_effects=color_effects,
         )
         height, width = shape
         return _core.Simulation(self._profile, (height, width), run)

@@ -42,6 +42,7 @@ def again(row, images):
         illuminant=row["illuminant"],
         iso=row["iso"],
         noise=row["noise"],
+        exposure_time=row["exposure_time"],
         seed=row["seed"],
         frame=row["frame"],
         digital_gain=row["digital_gain"],

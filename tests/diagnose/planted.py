@@ -4,6 +4,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -33,6 +34,7 @@ def sensor_of(full_well=5000.0, read_noise=3.0, **fields):
     return with_noise(bare, full_well, read_noise, ISO)
 
 
+@cache
 def scene_of(seed, shape=SHAPE):
     """Return (H, W, 3) float32, 0.02..0.8: blobs and edges in many colours."""
     rng = np.random.default_rng(seed)

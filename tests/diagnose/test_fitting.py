@@ -274,7 +274,7 @@ def test_the_smallest_visible_strength_gains_what_a_name_needs(frames):
 
 
 def test_strengths_that_the_model_takes_up_are_not_visible():
-    """In flats of one level alone, brightness that is fitted hides a fall-off's mean."""
+    """In a flat of one level, brightness that is fitted hides a curved response."""
     (flat,) = frames_of(SENSOR, [capture_of("flat", 1)])
     known = [BY_NAME["nonlinearity"]]
     (alone,) = smallest_visible(Model(SENSOR), known, [flat], ONE, 0.01)

@@ -10,6 +10,7 @@ import pytest
 import cg2raw
 from cg2raw import _core
 from dng import dng_files
+from oracles import cameras
 
 REAL = (
     "Hero6_GOPR0024.dng",
@@ -32,6 +33,14 @@ PLANTED = {
     "tilt_y_r2": 0.04,
 }
 LENS = {"name": "lens_shading", "parameters": PLANTED}
+
+COLORS = {
+    "name": "color_shading",
+    "parameters": {
+        "red_r2": -0.11, "red_r4": 0.04, "red_x": 0.02, "red_y": -0.03,
+        "blue_r2": 0.07, "blue_r4": -0.05, "blue_x": -0.01, "blue_y": 0.04,
+    },
+}  # fmt: skip
 
 
 def sensor_of(fields):
@@ -135,6 +144,30 @@ def test_all_neutrals_isos_and_shading_come_back(shape, tmp_path):
     assert evidence["rms_residual"] < 1e-6
     assert evidence["rms_between_files"] == evidence["rms_between_sites"] == 0
     assert not [note for note in notes if "GainMaps of the" in note]
+
+
+@pytest.mark.parametrize("listed", [[COLORS, LENS], [COLORS]])
+@pytest.mark.parametrize("cfa", ["RGGB", "BGGR", cameras.X_TRANS])
+def test_color_shading_comes_back(cfa, listed, tmp_path):
+    fields = {
+        **dng_files.fields_of("nikon-d40"),
+        "id": "my-camera",
+        "cfa": cfa,
+        "black_level": 512,
+        "illuminants": {"neutrals": [[0.41, 0.83], [0.7, 0.5]]},
+        "effects": listed,
+    }
+    written = write_all(tmp_path, fields, (66, 96))
+    assert {len(file.gain_maps) for file in written} == {len(cfa)}
+    profile, notes = _core.profile_from_dngs(written, id="my-camera")
+    again = json.loads(profile.to_json())["effects"]
+    assert [one["name"] for one in again] == [one["name"] for one in listed]
+    for one, other in zip(again, listed, strict=True):
+        assert one["parameters"] == pytest.approx(other["parameters"], abs=SHADING)
+    evidence = again[0]["evidence"]
+    assert evidence["rms_residual"] < 1e-6 < 0.01 < evidence["rms_between_colors"]
+    assert any("became the effect color_shading" in note for note in notes)
+    assert not [note for note in notes if "not simulated" in note]
 
 
 def test_evidence_and_notes_say_what_the_effect_leaves(camera_data):

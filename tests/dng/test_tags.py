@@ -7,6 +7,7 @@ import struct
 import numpy as np
 import pytest
 import tifffile
+from scipy import ndimage
 
 from dng import dng_files
 from oracles import cameras
@@ -240,6 +241,73 @@ def test_gain_map_undoes_lens_shading(path, cfa):
         radial = 1 - 0.6 * r2 + 0.1 * r2**2 - 0.05 * r2**3
         tilt = 0.1 * u - 0.05 * v + r2 * (0.04 * u - 0.02 * v)
         np.testing.assert_allclose(gains, 1 / (radial + tilt), rtol=1e-6)
+
+
+COLOR_SHADING = {
+    "red_r2": -0.12,
+    "red_r4": 0.05,
+    "red_x": 0.03,
+    "red_y": -0.02,
+    "blue_r2": 0.08,
+    "blue_r4": -0.1,
+    "blue_x": -0.04,
+    "blue_y": 0.01,
+}
+
+
+def color_shaded_sensor(cfa, *more):
+    listed = [("color_shading", COLOR_SHADING), *more]
+    effects = [{"name": n, "parameters": p, "evidence": {}} for n, p in listed]
+    return dng_files.sensor(cfa=cfa, black_level=512, noise=None, effects=effects)
+
+
+@pytest.mark.parametrize("cfa", ["RGGB", "GBRG", cameras.X_TRANS])
+def test_gain_maps_undo_color_shading(path, cfa):
+    """A map per site of the CFA, of its colour; green has none of it."""
+    height, width = 301, 403
+    dng_files.write(path, color_shaded_sensor(cfa), shape=(height, width))
+    maps = gain_maps(tags(path)[OPCODE_LIST_2])
+    side = 2 if len(cfa) == 4 else 6
+    sites = [(row, col) for row in range(side) for col in range(side)]
+    assert [m[0] for m in maps] == [(*site, height, width) for site in sites]
+    assert {m[1] for m in maps} == {(side, side)}
+    half = np.hypot(height, width) / 2
+    values = {"G": [0.0] * 4}
+    values["R"], values["B"] = np.reshape(list(COLOR_SHADING.values()), (2, 4))
+    for letter, (_, _, gains) in zip(cfa, maps, strict=True):
+        rows, cols = gains.shape
+        v = (np.linspace(0, 1, rows)[:, None] - 0.5) * height / half
+        u = (np.linspace(0, 1, cols)[None, :] - 0.5) * width / half
+        r2 = u * u + v * v
+        of_r2, of_r4, of_x, of_y = values[letter]
+        left = 1 + of_r2 * r2 + of_r4 * r2**2 + of_x * u + of_y * v
+        np.testing.assert_allclose(gains, 1 / left, rtol=1e-6)
+
+
+@pytest.mark.parametrize("cfa", ["RGGB", cameras.X_TRANS])
+def test_gain_maps_make_a_frame_flat(path, cfa):
+    """Both effects as they are simulated, times the maps as a reader applies them."""
+    height, width = 120, 180
+    sensor = color_shaded_sensor(cfa, ("lens_shading", SHADING | {"r2": -0.3}))
+    grey = np.full((height, width, 3), 0.4, np.float32)
+    light = {"illuminant": "D65", "highlights": False}
+    flat = sensor.signal(grey, effects=False, **light)
+    shaded = sensor.signal(grey, **light)
+    dng_files.write(path, sensor, shape=(height, width))
+    undone = shaded.copy()
+    for area, pitch, gains in gain_maps(tags(path)[OPCODE_LIST_2]):
+        top, left, bottom, right = area
+        rows, cols = np.arange(top, bottom, pitch[0]), np.arange(left, right, pitch[1])
+        at = np.meshgrid(
+            (rows + 0.5) / height * (gains.shape[0] - 1),
+            (cols + 0.5) / width * (gains.shape[1] - 1),
+            indexing="ij",
+        )
+        undone[np.ix_(rows, cols)] *= ndimage.map_coordinates(
+            gains.astype(float), at, order=1
+        )
+    assert np.abs(shaded / flat - 1).max() > 0.3
+    np.testing.assert_allclose(undone, flat, rtol=1e-3)
 
 
 def test_no_gain_map_without_the_effect(path):

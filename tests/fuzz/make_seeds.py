@@ -216,7 +216,8 @@ def profiles():
     shape = {"tukey_lambda": -0.1, "row_sigma": 5e-4}
     outliers = {"outlier_fraction": 0.01, "outlier_variance_ratio": 9.0}
     neutrals = [[0.9, 0.3], [0.5, 0.6], [0.7, 0.35], [0.45, 0.75], [0.6, 0.5]]
-    shading = {"r2": -0.3, "r4": 0.1, "r6": 0.0, "x": 0.01, "y": 0.0}
+    shading = {"r2": -0.3, "r4": 0.1, "r6": 0.0, "tilt_x": 0.01, "tilt_y": 0.0}
+    shading |= {"tilt_x_r2": 0.0, "tilt_y_r2": -0.02}
     x_trans = {"cfa": X_TRANS, "black_level": [512, 513, 514]}
     return {
         "one_matrix": profile(),

@@ -2,10 +2,11 @@
 # Copyright Contributors to the cg2raw Project.
 """Seeds with a name are synthetic: make_seeds.py writes each byte of them."""
 
+import json
 import re
 from pathlib import Path
 
-
+import cg2raw
 import pytest
 
 from fuzz import make_seeds
@@ -24,3 +25,13 @@ def test_seeds_are_those_of_the_script(tmp_path, kind):
         if not OTHERS.fullmatch(path.name)
     }
     assert kept == made
+
+
+def test_effects_of_seeds_are_those_of_the_registry():
+    """Parameters under other names would be refused before they are looked at."""
+    known = {e["name"]: {p["name"] for p in e["parameters"]} for e in cg2raw.effects()}
+    listed = json.loads(make_seeds.profiles()["effects"])["effects"]
+    assert {"lens_shading", "row_noise"} <= {effect["name"] for effect in listed}
+    for effect in listed:
+        parameters = set(effect.get("parameters", {}))
+        assert parameters in (known[effect["name"]], set()), effect["name"]

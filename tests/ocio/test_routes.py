@@ -2,12 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """A DNG by way of OCIO is the DNG that the plugin converts by itself."""
 
+import json
+
 import numpy as np
 import pytest
 from cg2raw_ocio.config import config_text, make_config
 from images import attributes, read_dn
 
 from cg2raw import _core
+from cg2raw.cli import main
 
 # Bits of a sensor, and the share of words that may differ by 1.
 SHARES = {10: 0.0005, 12: 0.001, 14: 0.003}
@@ -17,6 +20,10 @@ RUNS = [
     ("nikon-d40", "D65", "night_street"),
     ("canon-600d", "sample:1", "interior"),
 ]
+
+COLOR_MATRIX = {"rg": 0.1, "rb": 0.0, "gr": -0.05, "gb": 0.05, "br": 0.0, "bg": 0.08}
+FALL_OFF = dict.fromkeys(("r4", "r6", "tilt_x", "tilt_y", "tilt_x_r2", "tilt_y_r2"), 0)
+FALL_OFF["r2"] = -0.3
 
 
 def check(oiiotool, repository, folder, sensor, light, picture):
@@ -49,6 +56,63 @@ def test_both_routes(oiiotool, repository, tmp_path, sensor, light, picture):
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_both_routes_in_depth(oiiotool, repository, tmp_path, sensor, light, picture):
     check(oiiotool, repository, tmp_path, sensor, light, picture)
+
+
+@pytest.fixture
+def departed(repository, tmp_path):
+    """Return a profile (.json) with colour effects, one before the mosaic, and noise
+    that does not hide them."""
+    effects = [
+        {"name": "exposure", "parameters": {"gain": -0.2}},
+        {"name": "white_balance", "parameters": {"red": 0.1, "blue": -0.15}},
+        {"name": "color_matrix", "parameters": COLOR_MATRIX},
+        {"name": "lens_shading", "parameters": FALL_OFF},
+    ]
+    text = (repository / "plugins/profiles/nikon-d40.json").read_text()
+    fields = json.loads(text) | {"id": "departed", "effects": effects}
+    path = tmp_path / "departed.json"
+    path.write_text(json.dumps(fields))
+    return path
+
+
+def test_color_effects_are_not_applied_twice(oiiotool, repository, tmp_path, departed):
+    """By the plugin and by cg2raw convert, of pixels in the sensor's RAW space."""
+    scene = repository / "tests" / "data" / "interior.exr"
+    config = tmp_path / "config.ocio"
+    profile = _core.load_profile(str(departed))
+    config.write_text(config_text(make_config([profile], ["D65"])))
+    raw, direct, by_ocio, converted = (
+        tmp_path / name for name in ("raw.exr", "direct.dng", "ocio.dng", "convert.dng")
+    )
+    space, env = "RAW - departed - D65", {"OCIO": str(config)}
+    to_space = ["--tocolorspace", space]
+    exact = ["-d", "float", "--compression", "zip"]  # the scene's is lossy
+    oiiotool(scene, *to_space, *exact, "-o", raw, env=env)
+    given = attributes(sensor=departed)
+    oiiotool(raw, "--iscolorspace", space, *given, "-o", by_ocio, env=env)
+    oiiotool(scene, *given, *attributes(illuminant="D65"), "-o", direct)
+    convert = ["convert", raw, "--sensor", departed, "--iscolorspace", space]
+    assert main([*map(str, convert), "--quiet", "-o", str(converted)]) == 0
+    expected = read_dn(direct).astype(int)
+    for path in (by_ocio, converted):
+        difference = np.abs(read_dn(path) - expected)
+        assert difference.max() <= 1
+        assert (difference > 0).mean() <= SHARES[12]
+    plain = tmp_path / "plain.dng"
+    oiiotool(scene, *given, *attributes(illuminant="D65", effects="none"), "-o", plain)
+    assert np.abs(read_dn(plain) - expected).max() > 300
+
+
+def test_color_effects_of_a_raw_space_cannot_be_left_out(
+    oiiotool, repository, tmp_path, departed
+):
+    scene = repository / "tests" / "data" / "interior.exr"
+    out = tmp_path / "out.dng"
+    space = ["--iscolorspace", "RAW - departed - D65"]
+    given = attributes(sensor=departed, effects="none")
+    done = oiiotool(scene, *space, *given, "-o", out, check=False)
+    assert done.returncode != 0 and not out.exists()
+    assert "RAW space, which has effect exposure in it" in done.stdout + done.stderr
 
 
 def test_the_sensors_have_the_bits_of_the_table(repository):

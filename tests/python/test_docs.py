@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw import diagnose
 
 ROOT = Path(__file__).resolve().parents[2]
-# tests/dataset/test_docs.py runs dataset.md, whose programs need its data sets.
+# tests/dataset/test_docs.py and tests/diagnose/test_docs.py run those whose programs
+# need the files that their commands write.
+APART = ("dataset", "diagnose")
 PAGES = [
     ROOT / "README.md",
-    *(page for page in sorted((ROOT / "docs").glob("*.md")) if page.stem != "dataset"),
+    *(page for page in sorted((ROOT / "docs").glob("*.md")) if page.stem not in APART),
 ]
 FENCED = re.compile(r"^( *)```python\n(.*?)^\1```", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?:^    .*\n|^\n(?=    ))+", re.MULTILINE)
@@ -65,24 +68,37 @@ def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch, request):
         assert cg2raw.read_dng_metadata(str(written)).bits >= 8
 
 
-def api_page(*arguments):
-    command = [sys.executable, ROOT / "scripts/api_page.py", *arguments]
+# Pages that scripts write, and by which.
+WRITTEN = {"python.md": "scripts/api_page.py", "effects.md": "scripts/effects_page.py"}
+
+
+def write_page(script, *arguments):
+    command = [sys.executable, ROOT / script, *arguments]
     return subprocess.run(command, capture_output=True, text=True)
 
 
-def test_the_api_page_is_up_to_date():
-    done = api_page("--check")
+@pytest.mark.parametrize("script", WRITTEN.values())
+def test_a_written_page_is_up_to_date(script):
+    done = write_page(script, "--check")
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_a_page_that_is_not_up_to_date_is_told(tmp_path):
-    page = tmp_path / "python.md"
-    assert api_page("--check", page).returncode == 1
-    assert api_page(page).returncode == 0
-    assert page.read_text() == (ROOT / "docs/python.md").read_text()
+@pytest.mark.parametrize(("name", "script"), WRITTEN.items())
+def test_a_page_that_is_not_up_to_date_is_told(tmp_path, name, script):
+    page = tmp_path / name
+    assert write_page(script, "--check", page).returncode == 1
+    assert write_page(script, page).returncode == 0
+    assert page.read_text() == (ROOT / "docs" / name).read_text()
     page.write_text(page.read_text() + "more")
-    done = api_page("--check", page)
-    assert done.returncode == 1 and "run scripts/api_page.py" in done.stdout
+    done = write_page(script, "--check", page)
+    assert done.returncode == 1 and f"run {script}" in done.stdout
+
+
+def test_every_effect_has_its_section():
+    page = (ROOT / "docs/effects.md").read_text()
+    sections = re.findall(r"^## (\w+)$", page, re.MULTILINE)
+    assert sections == [effect["name"] for effect in cg2raw.effects()]
+    assert sections == re.findall(r"^\| \[`(\w+)`\]\(#", page, re.MULTILINE)
 
 
 def public_things():
@@ -108,6 +124,12 @@ def test_every_public_name_says_what_it_is(name):
         assert said and len(" ".join(said)) > 10
     page = (ROOT / "docs/python.md").read_text()
     assert f"{name}\n" in page or f"`{name.partition('.')[2]}`" in page
+
+
+@pytest.mark.parametrize("name", diagnose.__all__)
+def test_every_name_of_the_diagnosis_is_on_the_page(name):
+    assert len(inspect.getdoc(getattr(diagnose, name))) > 10
+    assert f"## cg2raw.diagnose.{name}\n" in (ROOT / "docs/python.md").read_text()
 
 
 def test_all_is_sorted_and_whole():

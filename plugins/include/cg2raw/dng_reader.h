@@ -54,9 +54,9 @@ struct DngMetadata {
 DngMetadata read_dng_metadata(const std::string& path);
 
 /// A profile as one reference DNG defines it: id from the model, one neutral, noise at
-/// the file's ISO where NoiseProfile says it, lens_shading where GainMaps do; notes are
-/// among its sources. Throws Error if the file has no neutral, or if what it says is no
-/// profile that check() lets pass.
+/// the file's ISO where NoiseProfile says it, lens_shading and color_shading where
+/// GainMaps do; notes are among its sources. Throws Error if the file has no neutral,
+/// or if what it says is no profile that check() lets pass.
 SensorProfile profile_from_dng(const DngMetadata& metadata);
 
 /// The profile of a reference DNG with what only a measured profile knows: illuminants,

@@ -73,13 +73,14 @@ struct DngDescription {
     Vec3 as_shot_neutral; ///< G = 1
     std::string make, model, unique_camera_model;
     std::vector<NoisePair> noise_profile; ///< empty, or one per colour plane R, G, B
-    std::optional<GainMap> lens_shading;
+    /// Against lens_shading and color_shading, per colour R, G, B.
+    std::optional<std::array<GainMap, 3>> shading_gains;
     Mat3 srgb_from_balanced; ///< for the preview
     Shot shot;
 };
 
-/// What the file of a simulation says: matrices per @p options, noise and lens shading
-/// of the active effects.
+/// What the file of a simulation says: matrices per @p options, noise and shading of
+/// the active effects.
 DngDescription describe(const Simulation& simulation, const DngOptions& options,
                         const Shot& shot);
 

@@ -139,5 +139,8 @@ FieldPosition field_position(const Signal& signal, int row, int col);
 /// Relative illumination at (u, v) for the values of the effect lens_shading; never
 /// below 0.
 double lens_shading_at(const Values& values, double u, double v);
+/// That of colour @p color (0 = R, 2 = B) over green's for the values of the effect
+/// color_shading; never below 0, and 1 for green.
+double color_shading_at(const Values& values, int color, double u, double v);
 
 } // namespace cg2raw

@@ -32,6 +32,8 @@ struct Run {
     bool keep_highlights = true;
     bool effects = true; ///< false: neither the profile's effects nor noise
     bool camera_input = false; ///< pixels already are camera RGB under this illuminant
+    bool color_effects
+        = true; ///< false: those of stage color already are in the pixels
     std::optional<Vec3> as_shot; ///< neutral that the word as-shot stands for
     std::optional<double> exposure_time; ///< s; some effects need it
 };

@@ -61,6 +61,12 @@ def add_content(group):
     add("--gains", default="1", help='digital gains as 1,0.8, or "sample" (default 1)')
     add("--iso", default="clean", help="as clean,100,3200 (default clean)")
     add("--noise", choices=["gaussian", "physical"], help="default: the profile's")
+    add(
+        "--exposure-time",
+        type=seconds,
+        metavar="SECONDS",
+        help="of dark current and hot pixels (default: each image's Exif)",
+    )
     add("--convention", default="dng", choices=["dng", "paper", "sensor"])
     add(
         "--method",
@@ -92,6 +98,14 @@ def positive(text):
     if not text.isdecimal() or int(text) < 1:
         raise ValueError
     return int(text)
+
+
+def seconds(text):
+    """Return a time above 0, in seconds."""
+    value = float(text)
+    if not value > 0:
+        raise ValueError
+    return value
 
 
 def run(arguments):
@@ -140,6 +154,7 @@ def plan_of(arguments):
         digital_gains=tuple(options.numbers("--gains", arguments.gains, "sample")),
         isos=tuple(None if iso == "clean" else iso for iso in isos),
         noise=arguments.noise,
+        exposure_time=arguments.exposure_time,
         convention=arguments.convention,
         method=arguments.method,
         crop=crop_of(arguments),

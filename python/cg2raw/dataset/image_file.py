@@ -29,10 +29,13 @@ INTEGERS = ("uint8", "uint16")
 
 @dataclass
 class Image:
-    """(H, W, 3) float32, scene-linear Rec.709, and the curve that made it so."""
+    """(H, W, 3) float32, scene-linear Rec.709, and the curve that made it so.
+
+    exposure_time : seconds, as Exif says it; None if it does not."""
 
     rgb: np.ndarray
     transfer: str
+    exposure_time: float | None
 
 
 def read_image(path):
@@ -54,7 +57,9 @@ def read_image(path):
             part[...] = linear(read_rows(file, spec, row, len(part), first), curve)
     finally:
         file.close()
-    return Image(rgb, {None: "linear", "srgb": "srgb"}.get(curve, f"g{curve}"))
+    name = {None: "linear", "srgb": "srgb"}.get(curve, f"g{curve}")
+    shot = _core.Shot(exposure_time=spec.get_float_attribute("ExposureTime"))
+    return Image(rgb, name, shot.exposure_time)
 
 
 def rows_at_once(spec):

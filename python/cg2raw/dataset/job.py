@@ -182,10 +182,11 @@ def make_variants(target, header, todo):
             target.plan.crop_at(target.job.image, patch, width, height)
             for patch in range(target.plan.patches)
         ]
+        seconds = target.plan.seconds(image.exposure_time)
     except (ValueError, MemoryError) as error:
         raise BadImage(str(error) or "needs more memory than there is") from None
     journal.start(target.journal, header, target.rows.values())
-    header = {**header, "transfer": image.transfer}
+    header = {**header, "transfer": image.transfer, "exposure_time": seconds}
     patch, scene = -1, image.rgb
     for order, variant in todo:
         if variant.patch != patch:
@@ -198,11 +199,11 @@ def make_variants(target, header, todo):
 
 def make_variant(target, variant, scene, about):
     """Make one file; its pixels are gone before the next one's are there."""
-    write, row = simulated(target.plan, variant, scene)
+    write, row = simulated(target.plan, variant, scene, about["exposure_time"])
     target.publish(write, variant, {**about, **row})
 
 
-def simulated(plan, variant, scene):
+def simulated(plan, variant, scene, seconds):
     """Return (write(path), what the manifest says of the simulation)."""
     camera = METHODS[plan.method](
         plan.cameras[variant.sensor], variant.scene, plan.seed
@@ -218,10 +219,11 @@ def simulated(plan, variant, scene):
         frame=variant.frame,
         digital_gain=gain,
         convention=plan.convention,
+        exposure_time=seconds,
     )
     shape = raw.shape
     if plan.format == "dng":
-        write = dng_writer(plan, raw)
+        write = dng_writer(plan, raw, seconds)
     else:
         planes = packed.packed(
             raw, sensor.cfa, sensor.black_level, sensor.white_level, plan.element_type
@@ -236,11 +238,13 @@ def simulated(plan, variant, scene):
     return write, drawn | truth(plan, sensor, raw.simulation.illuminant, gain, shape)
 
 
-def dng_writer(plan, raw):
-    """Return write(path) of a DNG."""
+def dng_writer(plan, raw, seconds):
+    """Return write(path) of a DNG, whose Exif says the exposure time if it is known."""
+    shot = None if seconds is None else {"exposure_time": seconds}
+    how = {"compression": plan.compression, "preview": False, "threads": 1}
 
     def write(path):
-        write_dng(path, raw, compression=plan.compression, preview=False, threads=1)
+        write_dng(path, raw, shot=shot, **how)
 
     return write
 
@@ -282,6 +286,7 @@ def described(header, plan, variant, crop):
         "digital_gain_drawn": variant.asked_gain == "sample",
         "iso": variant.iso,
         "noise": plan.noise if variant.iso is not None else None,
+        "exposure_time": header["exposure_time"],
         "seed": plan.seed,
         "frame": variant.frame,
         "patch": variant.patch,

@@ -38,6 +38,7 @@ COLUMNS = (
     ("digital_gain_drawn", "bool"),
     ("iso", "double"),
     ("noise", "string"),
+    ("exposure_time", "double"),
     ("seed", "uint64"),
     ("frame", "uint64"),
     ("patch", "int32"),

@@ -12,6 +12,7 @@ from cg2raw.dataset.plan import Plan, short
 OPTIONS = {
     "digital_gains": "--gains",
     "isos": "--iso",
+    "exposure_time": "--exposure-time",
     "element_type": "--type",
     "profiles": "--sensors (the profiles)",
 }
@@ -102,6 +103,8 @@ def check_runs(plan, sensor):
             noise=plan.noise if iso is not None else None,
             seed=plan.seed,
             convention=plan.convention,
+            # Of images that do not say theirs, Plan.seconds tells later.
+            exposure_time=plan.exposure_time or 1.0,
         )
 
 

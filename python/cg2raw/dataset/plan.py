@@ -8,11 +8,13 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
 
-from cg2raw import Sensor, __version__
+from cg2raw import Sensor, __version__, effects
 from cg2raw.dataset.keys import hashed
 from cg2raw.dataset.methods import Scene
 
 ENDINGS = {"dng": ".dng", "npy": ".npy", "exr": ".exr"}
+# Effects that need an exposure time.
+TIMED = {effect["name"] for effect in effects() if effect["needs_exposure_time"]}
 
 
 @dataclass(frozen=True)
@@ -25,12 +27,14 @@ class Plan:
     isos : numbers; None is clean.
     crop : (width, height) of the random crops, or None; patches : how many per image.
     element_type : "float32" or "uint16", of packed files.
+    exposure_time : seconds; None for what each image's Exif says.
     profiles : {id: JSON text}, as Sensor.to_json gives it."""
 
     sensors: tuple
     illuminants: tuple | int
     digital_gains: tuple
     isos: tuple
+    exposure_time: float | None
     noise: str | None
     convention: str
     method: str
@@ -74,6 +78,28 @@ class Plan:
             id: [iso for iso in self.isos if self.why_not(camera, iso) is None]
             for id, camera in self.cameras.items()
         }
+
+    @cached_property
+    def timed(self):
+        """Return {id: effects of the sensor that need an exposure time}, if any."""
+        listed = {
+            id: [e["name"] for e in camera.effects if e["name"] in TIMED]
+            for id, camera in self.cameras.items()
+        }
+        return {id: names for id, names in listed.items() if names}
+
+    def seconds(self, of_image):
+        """Return the exposure time of an image whose Exif says @of_image, or None.
+
+        Raises ValueError if there is none and a sensor needs it."""
+        found = of_image if self.exposure_time is None else self.exposure_time
+        if found is None and self.timed:
+            id, names = next(iter(self.timed.items()))
+            raise ValueError(
+                f"has no exposure time, and {', '.join(names)} of {id} need one: "
+                "--exposure-time SECONDS, or oiiotool --attrib ExposureTime SECONDS"
+            )
+        return found
 
     @cached_property
     def profile_sha256(self):

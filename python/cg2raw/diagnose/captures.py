@@ -57,7 +57,7 @@ class Capture:
 class CaptureSet:
     """The frames of one sensor, and what of their capture is not to be trusted.
 
-    profile : the doubted model, a Sensor.
+    sensor : the doubted model, a Sensor.
     nuisances : what may float without being called an effect: "exposure" (each set's
         brightness), "white_balance" (each set's), "registration" (affine, each set),
         "light" (brightness from frame to frame), "radiance" (smooth error of a render).

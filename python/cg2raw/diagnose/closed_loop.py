@@ -5,12 +5,9 @@
 
 With the profile as its own model there must be no gap."""
 
-import subprocess
-import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,7 +39,8 @@ def simulated(
     )
 
 
-def _scene(capture: Capture) -> Any:
+def scene_of(capture: Capture) -> Any:
+    """Return what a capture shows, (H, W, 3) float32; zeros where it is unknown."""
     scene = np.zeros(3) if capture.scene is None else np.asarray(capture.scene())
     if scene.ndim == 3:
         return np.ascontiguousarray(scene, np.float32)
@@ -53,7 +51,7 @@ def by_registry(sensor: Sensor, capture: Capture, number: int) -> Any:
     """Return a frame as Sensor.simulate draws it."""
     return np.asarray(
         sensor.simulate(
-            _scene(capture),
+            scene_of(capture),
             illuminant=capture.illuminant,
             iso=capture.iso,
             exposure_time=capture.exposure_time,
@@ -62,40 +60,3 @@ def by_registry(sensor: Sensor, capture: Capture, number: int) -> Any:
             threads=1,
         )
     )
-
-
-def by_plugin(
-    oiiotool: Sequence[str],
-    profile: Path,
-    sensor: Sensor,
-    capture: Capture,
-    number: int,
-) -> Any:
-    """Return a frame as OpenImageIO's plugin writes it, read back by LibRaw.
-
-    oiiotool : command, with the plugin on its path. profile : file of the sensor."""
-    import OpenImageIO as oiio
-
-    from cg2raw.diagnose.raw_files import read_header, read_raw
-
-    with tempfile.TemporaryDirectory() as folder:
-        scene, dng = Path(folder) / "scene.exr", Path(folder) / "frame.dng"
-        pixels = _scene(capture)
-        spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "float")
-        image = oiio.ImageBuf(spec)
-        image.set_pixels(spec.roi, pixels)
-        if not image.write(str(scene)):
-            raise OSError(f"{scene}: {image.geterror()}")
-        words = {
-            "dng:sensor": str(profile),
-            "dng:illuminant": capture.illuminant,
-            "dng:convention": "sensor",
-            "dng:iso": str(capture.iso),
-            "dng:frame": str(number),
-        }
-        command = [*oiiotool, str(scene)]
-        for name, value in words.items():
-            command += ["--sattrib", name, value]
-        command += ["--attrib:type=float", "ExposureTime", str(capture.exposure_time)]
-        subprocess.run([*command, "-o", str(dng)], check=True, capture_output=True)
-        return read_raw(str(dng), read_header(str(dng)).active)

@@ -20,7 +20,7 @@ from cg2raw.diagnose.frames import Frame, frame_of, repeat_of, source_of
 from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.noise_estimate import noise_models
 from cg2raw.diagnose.nuisances import hide_highlights, nuisance_of
-from cg2raw.diagnose.prediction import Model, Term, predict
+from cg2raw.diagnose.prediction import PATTERNS, Model, Term, predict
 from cg2raw.diagnose.registration import Registration
 from cg2raw.diagnose.search import Search
 from cg2raw.diagnose.tiling import tiling
@@ -170,12 +170,14 @@ def _base_model(
     _check_correspondence(model, frames)
     nuisance = nuisance_of(capture_set, fit_frames, workers)
     model = replace(model, nuisance=nuisance)
-    if all(frame.noise.measured for frame in frames):
-        return model
+    # A profile says how strong a fixed pattern is; its map is each camera's own.
+    fitted = {effect["name"] for effect in capture_set.sensor.effects} & {*PATTERNS}
+    if not all(frame.noise.measured for frame in frames):
+        fitted |= {"shot_noise", "read_noise"}
     for candidate in candidates(capture_set.sensor.cfa):
-        if candidate.name in ("shot_noise", "read_noise"):
+        if candidate.name in fitted:
             model = model.with_term(Term(candidate, candidate.null, calibration=True))
-    return fit(model, fit_frames, workers)
+    return fit(model, fit_frames, workers) if fitted else model
 
 
 def _check_correspondence(model: Model, frames: Sequence[Frame]) -> None:

@@ -11,7 +11,13 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Estimate, Finding
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.prediction import Model, Term, ordered_effects
+from cg2raw.diagnose.prediction import (
+    PATTERNS,
+    Model,
+    Term,
+    ordered_effects,
+    within_bounds,
+)
 from cg2raw.sensor import Sensor
 
 NORMAL_LAMBDA = 0.14  # Tukey's lambda that is nearest to a normal
@@ -29,13 +35,15 @@ def found_profile(
     effects = {effect["name"]: effect for effect in profile.get("effects", [])}
     order = {e["name"]: e["parameters"] for e in ordered_effects(model.sensor)}
     for term in model.terms:
-        if _changed_table(profile, term):
+        if _changed_table(profile, term) or term.calibration:
             continue
-        old = order.get(term.name, {})
-        parameters = {
-            name: estimate.value + old.get(name, 0.0)
-            for name, estimate in _of_registry(term, estimates, frames).items()
-        }
+        # Patterns and rows were fitted whole, and all else on top of the profile's.
+        whole = term.name in PATTERNS or term.name == "row_noise"
+        old = {} if whole else order.get(term.name, {})
+        found = _of_registry(term, estimates, frames)
+        sums = [found[name].value + old.get(name, 0.0) for name in found]
+        bounded = within_bounds(term.name, np.array(sums))
+        parameters = dict(zip(found, map(float, bounded), strict=True))
         effects[term.name] = {
             "name": term.name,
             "parameters": parameters,

@@ -10,7 +10,7 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Gap
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.likelihood import log_density
+from cg2raw.diagnose.likelihood import log_density, residuals
 from cg2raw.diagnose.prediction import Model, Prediction, predict
 from cg2raw.diagnose.tiling import Array
 
@@ -68,11 +68,11 @@ def systematic(model: Model, base: Model, frames: Sequence[Frame]) -> float | No
         if len(members) < 2:
             continue
         first, second = members[:2]
-        mean = predict(model, first).mean
-        spread = np.sqrt(predict(base, first).variance)
-        used = first.keep & second.keep & ~first.censored & ~second.censored
-        used &= mean < HIGHEST
-        product = (first.signal - mean) * (second.signal - mean) / spread**2
+        p = predict(model, first)
+        used = first.keep & second.keep & (p.mean < HIGHEST)
+        # Residuals of censored pixels are drawn: without them noise near 0 is biased.
+        product = residuals(p, first) * residuals(p, second) * p.variance
+        product = product / predict(base, first).variance
         products += float(product[used].sum())
         pixels += int(used.sum())
     return products / pixels if pixels else None

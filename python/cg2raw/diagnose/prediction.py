@@ -3,8 +3,9 @@
 
 """Models, and what they predict of a frame."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values
 
 LEAST_VARIANCE = 1e-12
+BAYER = 4  # sites of its repeat
 
 
 @dataclass(frozen=True)
@@ -97,21 +99,24 @@ class Prediction:
 
 
 def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]:
-    """Return all effects that the registry simulates for a model, with values."""
+    """Return all effects that the registry simulates for a model, with values.
+
+    Its noises have one parameter per site of a Bayer CFA; `predict` adds those of
+    others."""
     profile = {
         effect["name"]: list(effect["parameters"].values())
         for effect in ordered_effects(model.sensor)
-        if effect["name"] not in _FLOWS
+        if effect["name"] not in _FLOWS and effect["name"] not in PATTERNS
     }
     for term in model.terms:
         name = term.name
         if term.candidate.way == "smooth" and name not in _NOISE or name in _OUTPUT:
-            old = profile.get(name, [0.0] * len(term.values))
-            profile[name] = [
-                a + float(b) for a, b in zip(old, term.values, strict=True)
-            ]
-    gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
+            old = np.array(profile.get(name, term.candidate.null))
+            profile[name] = within_bounds(name, old + term.values).tolist()
     sites = len(model.sensor.cfa)
+    if sites != BAYER:
+        return list(profile.items())
+    gain, excess = (np.exp(_value(model, name)) for name in _NOISE)
     for name, betas, factor in (
         ("shot_noise", frame.noise.beta1, gain),
         ("read_noise", frame.noise.beta2, excess),
@@ -138,8 +143,28 @@ def flow_values(model: Model, frame: Frame, name: str) -> Values | None:
     return given + term.values
 
 
+def within_bounds(name: str, values: Values) -> Values:
+    """Return values of an effect within the bounds of the registry: a found value and
+    the profile's are each within them, and their sum need not be."""
+    low, high = _bounds()[name]
+    return np.clip(values, low, high)
+
+
+@cache
+def _bounds() -> Mapping[str, tuple[Values, Values]]:
+    return {
+        effect["name"]: (
+            np.array([p["min"] for p in effect["parameters"]], float),
+            np.array([p["max"] for p in effect["parameters"]], float),
+        )
+        for effect in _core.effects()
+    }
+
+
 _NOISE = ("shot_noise", "read_noise")
 _FLOWS = ("row_noise",)
+# The registry draws its own map of these, and no sensor has that one.
+PATTERNS = ("prnu", "dsnu", "column_noise", "hot_pixels")
 _ADDED = ("early_clipping", "noise_reduction")
 _OUTPUT = ("noise_reduction",)
 
@@ -181,6 +206,9 @@ def predict(model: Model, frame: Frame) -> Prediction:
     )
     photons = np.maximum(exposed, 0)
     photon_variance = np.exp(_value(model, "shot_noise")) * frame.beta1 * photons
+    if len(model.sensor.cfa) != BAYER:
+        read_variance = np.exp(_value(model, "read_noise")) * frame.beta2
+        variance = variance + photon_variance + read_variance
     sign = -1.0 if frame.capture.group == "fit" else 1.0
     doubt = 0.0
     for term in model.terms:

@@ -9,16 +9,17 @@ gap they are independent N(0, 1), and each statistic has a known distribution.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.stats import chi2, norm
 
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.likelihood import Workers, log_density
 from cg2raw.diagnose.nuisances import of_site
 from cg2raw.diagnose.prediction import Model, Prediction, pattern_bearing
+from cg2raw.diagnose.tiling import Array, Mask
 
 LEVELS = (0.003, 0.01, 0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6, 0.8)
 RINGS = 10
@@ -47,86 +48,122 @@ WHERE = {
 
 @dataclass
 class _Sums:
-    """Sufficient sums of one test: score and its variance, per group."""
+    """Sufficient sums of one test: score and its variance, per group.
 
-    score: Array | float = 0.0
-    variance: Array | float = 0.0
-    squared: bool = False  # score already is a sum of squares over groups
+    squared : score already is a sum of squares over groups."""
 
-    def add(self, score: Array | float, variance: Array | float) -> None:
-        self.score = self.score + score
-        self.variance = self.variance + variance
+    score: Any = 0.0
+    variance: Any = 0.0
+    squared: bool = False
+
+
+@dataclass
+class _Fixed:
+    """Per pixel, of frames of one shape: sums of residuals and of their squares, number
+    of frames; and what uncertain maps add to the products, by map: sums of shares and
+    of their squares."""
+
+    residuals: Any = 0.0
+    squares: Any = 0.0
+    counts: Any = 0
+    posterior: dict[str, tuple[Any, Any]] = field(default_factory=dict)
 
 
 @dataclass
 class _Collected:
-    sums: dict[str, _Sums] = field(default_factory=dict)
-    fixed: Array | float = 0.0
-    counts: Array | float = 0.0
-    posterior: dict[str, list[Array | float]] = field(default_factory=dict)
-    columns: Array | float = 0.0
+    """Sums of all tests. Frames of another shape have rows, columns and pixels of their
+    own; what both have, such as the sites of the CFA, they share."""
 
-    def add(
-        self, name: str, score: Array | float, variance: Array | float, squared: bool
-    ) -> None:
-        self.sums.setdefault(name, _Sums(squared=squared)).add(score, variance)
+    sums: dict[tuple[str, tuple[int, ...]], _Sums] = field(default_factory=dict)
+    fixed: dict[tuple[int, ...], _Fixed] = field(default_factory=dict)
+    pixels: int = 0
+
+    def add(self, name: str, score: Any, variance: Any, squared: bool = False) -> None:
+        key = (name, np.shape(score))
+        sums = self.sums.setdefault(key, _Sums(squared=squared))
+        sums.score = sums.score + score
+        sums.variance = sums.variance + variance
+
+    def of_test(self, name: str) -> _Sums:
+        """Return the sums of a test over frames of all shapes."""
+        parts = [sums for (one, _), sums in self.sums.items() if one == name]
+        if len(parts) == 1:
+            return parts[0]
+        score = np.concatenate([np.atleast_1d(part.score) for part in parts])
+        variance = np.concatenate([np.atleast_1d(part.variance) for part in parts])
+        return _Sums(score, variance)
 
 
 def residual_tests(
     model: Model, frames: Sequence[Frame], workers: Workers
 ) -> list[ResidualTest]:
     """Return all tests, those that explain most nats first."""
-    shape = frames[0].signal.shape
-    chosen = [frame for frame in frames if frame.signal.shape == shape]
     collected = _Collected()
-    computed = workers.map(lambda f: log_density(model, f)[1:], chosen)
-    for frame, (z, p) in zip(chosen, computed, strict=True):
+    computed = workers.map(lambda f: log_density(model, f)[1:], frames)
+    for frame, (z, p) in zip(frames, computed, strict=True):
         _collect(collected, model, frame, z, p)
-    pixels = sum(int((f.keep & ~f.censored).sum()) for f in chosen)
-    tests = [_tested(name, sums, pixels) for name, sums in collected.sums.items()]
-    tests.append(_fixed(collected, chosen, pixels))
+    names = dict.fromkeys(name for name, _ in collected.sums)
+    tests = [_tested(n, collected.of_test(n), collected.pixels) for n in names]
+    tests.append(_fixed(collected))
     return sorted(tests, key=lambda test: -test.nats_per_pixel)
 
 
 def _collect(
     c: _Collected, model: Model, frame: Frame, z: Array, p: Prediction
 ) -> None:
-    used = frame.keep & ~frame.at_white & (p.mean < HIGHEST)
+    # Censored pixels take part: their residuals are drawn. Without them, what is left
+    # of a dark whose noise reaches 0 would look lopsided.
+    used = frame.keep & (p.mean < HIGHEST)
     z = np.clip(z, -LARGEST, LARGEST)
     values = z[used]
     if not values.size:
         return
+    n = values.size
+    c.pixels += n
     for name, labels, size in _groups(frame, p):
         chosen = np.broadcast_to(labels, z.shape)[used]
-        count = np.bincount(chosen, minlength=size)
-        mean = np.bincount(chosen, values, size)
-        if name in ("row", "tile"):
-            squares = (mean**2 / np.maximum(count, 1)).sum()
-            c.add(f"{name} mean, each frame", squares, (count > 0).sum(), True)
-        doubt: Array | float = 0.0
-        if name == "column":
-            doubt = _column_doubt(model, chosen, p, used, size)
-        c.add(f"{name} mean", mean, count + doubt, False)
-        if name in ("channel", "radius", "level", "row"):
-            spread = np.bincount(chosen, values**2 - 1, size)
-            c.add(f"{name} variance", spread, 2 * count, False)
-    n = values.size
+        _group_sums(c, name, chosen, size, values, _column_doubt(model, p, used))
     c.add("frame mean", values.sum() ** 2 / n, 1, True)
     c.add("frame variance", (values**2 - 1).sum() ** 2 / (2 * n), 1, True)
-    c.add("skewness", (values**3 - 3 * values).sum(), 6 * n, False)
-    fourth = (values**4 - 6 * values**2 + 3).sum()
-    c.add("kurtosis", fourth, 24 * n, False)
+    c.add("skewness", (values**3 - 3 * values).sum(), 6 * n)
+    c.add("kurtosis", (values**4 - 6 * values**2 + 3).sum(), 24 * n)
     _correlations(c, np.where(used, z, 0), used)
     if frame.capture.kind == "scene":
         _edges(c, frame, z, p, used)
-    c.fixed = c.fixed + np.where(used, z, 0)
-    c.counts = c.counts + used
+    fixed = c.fixed.setdefault(z.shape, _Fixed())
+    fixed.residuals = fixed.residuals + np.where(used, z, 0)
+    fixed.squares = fixed.squares + np.where(used, z * z, 0)
+    fixed.counts = fixed.counts + used
     for term in model.terms:
         if term.pattern is not None and term.pattern.mean.shape == z.shape:
             bearing = pattern_bearing(term.name, frame, np.maximum(p.exposed, 0))
             share = bearing * np.sqrt(term.pattern.variance / p.variance) * used
-            sums = c.posterior.setdefault(term.name, [0.0, 0.0])
-            sums[0], sums[1] = sums[0] + share, sums[1] + share**2
+            linear, square = fixed.posterior.get(term.name, (0.0, 0.0))
+            fixed.posterior[term.name] = (linear + share, square + share**2)
+
+
+def _group_sums(
+    c: _Collected,
+    name: str,
+    labels: Array,
+    size: int,
+    values: Array,
+    doubt: Array | None,
+) -> None:
+    """Add mean and variance of the groups of one kind.
+
+    labels, values : (n,), of the pixels that are used."""
+    count = np.bincount(labels, minlength=size)
+    mean = np.bincount(labels, values, size)
+    if name in ("row", "tile"):
+        squares = (mean**2 / np.maximum(count, 1)).sum()
+        c.add(f"{name} mean, each frame", squares, int((count > 0).sum()), True)
+    of_mean = count.astype(float)
+    if name == "column" and doubt is not None:
+        of_mean += np.bincount(labels, doubt, size) ** 2
+    c.add(f"{name} mean", mean, of_mean)
+    if name in ("channel", "radius", "level", "row"):
+        c.add(f"{name} variance", np.bincount(labels, values**2 - 1, size), 2 * count)
 
 
 def _groups(frame: Frame, p: Prediction) -> Iterator[tuple[str, Array, int]]:
@@ -144,20 +181,18 @@ def _groups(frame: Frame, p: Prediction) -> Iterator[tuple[str, Array, int]]:
     yield "column", columns, width
 
 
-def _column_doubt(
-    model: Model, labels: Array, p: Prediction, used: Array, size: int
-) -> Array | float:
-    """Variance of a column's sum that a map of columns leaves uncertain."""
+def _column_doubt(model: Model, p: Prediction, used: Mask) -> Array | None:
+    """Standard deviation of the pixels that are used by what a map of columns leaves
+    uncertain, all alike in a column."""
     term = model.term("column_noise")
     if term is None or term.pattern is None:
-        return 0.0
+        return None
     if term.pattern.mean.shape != p.mean.shape:
-        return 0.0
-    share = np.sqrt(term.pattern.variance / p.variance)[used]
-    return np.bincount(labels, share, size) ** 2
+        return None
+    return np.sqrt(term.pattern.variance / p.variance)[used]
 
 
-def _correlations(c: _Collected, z: Array, used: Array) -> None:
+def _correlations(c: _Collected, z: Array, used: Mask) -> None:
     height, width = z.shape[-2:]
     for down, right in LAGS:
         a, b = (
@@ -166,10 +201,10 @@ def _correlations(c: _Collected, z: Array, used: Array) -> None:
         )
         (za, ka), (zb, kb) = a, b
         name = f"autocorrelation ({down}, {right})"
-        c.add(name, (za * zb).sum(), (ka & kb).sum(), False)
+        c.add(name, (za * zb).sum(), int((ka & kb).sum()))
 
 
-def _edges(c: _Collected, frame: Frame, z: Array, p: Prediction, used: Array) -> None:
+def _edges(c: _Collected, frame: Frame, z: Array, p: Prediction, used: Mask) -> None:
     camera = frame.camera.astype(float)
     green = camera[:, 1:2].repeat(3, 1)
     down, right = np.gradient(green, axis=2), np.gradient(green, axis=3)
@@ -189,7 +224,7 @@ def _edges(c: _Collected, frame: Frame, z: Array, p: Prediction, used: Array) ->
                 continue
             chosen = used if color is None else used & (frame.color == color)
             score = (pull * z)[chosen].sum()
-            c.add(f"edge: {name}{letter}", score, (pull**2)[chosen].sum(), False)
+            c.add(f"edge: {name}{letter}", score, (pull**2)[chosen].sum())
 
 
 def _where(name: str) -> str:
@@ -218,13 +253,16 @@ def _tested(name: str, sums: _Sums, pixels: int) -> ResidualTest:
     return ResidualTest(name, size, p_value, nats / max(pixels, 1), _where(name))
 
 
-def _fixed(c: _Collected, frames: Sequence[Frame], pixels: int) -> ResidualTest:
+def _fixed(c: _Collected) -> ResidualTest:
     """The product of a pixel's residuals over frames, without what a map explains."""
-    known = sum(a * a - b for a, b in c.posterior.values())
-    used = frames[0].keep & (np.asarray(c.counts) > 1)
-    counts = np.asarray(c.counts, float)
-    excess = (np.asarray(c.fixed) ** 2 - counts - known)[used].sum()
-    size = float(excess / np.sqrt(max(2 * (counts[used] ** 2).sum(), 1)))
+    excess, variance = 0.0, 0.0
+    for one in c.fixed.values():
+        known = sum(a * a - b for a, b in one.posterior.values())
+        counts = np.asarray(one.counts, float)
+        used = counts > 1
+        excess += float((one.residuals**2 - one.squares - known)[used].sum())
+        variance += float((2 * counts[used] * (counts[used] - 1)).sum())
+    size = excess / np.sqrt(max(variance, 1.0))
     p_value, nats = float(2 * norm.sf(abs(size))), 0.5 * (size**2 - 1)
     name = "fixed pattern: the same pixel in all frames"
-    return ResidualTest(name, size, p_value, nats / max(pixels, 1), WHERE["fixed"])
+    return ResidualTest(name, size, p_value, nats / max(c.pixels, 1), WHERE["fixed"])

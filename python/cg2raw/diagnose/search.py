@@ -255,8 +255,8 @@ class Search:
             rest = fit(model.without(name), self.fit_frames, self.workers)
             without = self._select(rest).sum()
             if height - without < self.threshold:
+                self.steps.append(Step("dropped", name, float(without - height)))
                 model, height = rest, without
-                self.steps.append(Step("dropped", name, float(height - without)))
         return model
 
     def _swap(self, model: Model) -> Model | None:

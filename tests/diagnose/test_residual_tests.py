@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Residual tests: silent without a gap, and each rings for what it asks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnose.planted import ONE, capture_of, drawn, frames_of, model_of, sensor_of
+from scipy.stats import kstest
+
+from cg2raw.diagnose.fixed_patterns import fit_patterns
+from cg2raw.diagnose.groups import third
+from cg2raw.diagnose.prediction import Model
+from cg2raw.diagnose.residual_tests import residual_tests
+
+SENSOR = sensor_of()
+READ = 3.0 / 5000.0
+ALARM = 1e-3 / 36
+
+
+def captures_of(group="report", **more):
+    kinds = ("dark", "dark", "flat", "flat", "scene", "scene")
+    return [
+        capture_of(kind, n, name=f"{kind}{n}{group}", group=group, **more)
+        for n, kind in enumerate(kinds)
+    ]
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return frames_of(SENSOR, captures_of())
+
+
+def p_values(frames, model=None):
+    tests = residual_tests(model or Model(SENSOR), frames, ONE)
+    return {test.name: test.p_value for test in tests}
+
+
+def test_p_values_of_frames_without_a_gap_are_uniform(frames):
+    """All tests of 12 sets; the few that share pixels hardly depend on each other."""
+    every = [p_values(drawn(frames, Model(SENSOR), seed)) for seed in range(12)]
+    for name in every[0]:
+        several = [one[name] for one in every]
+        assert min(several) > 1e-5, name
+        assert kstest(several, "uniform").pvalue > 1e-4, name
+    together = np.concatenate([list(one.values()) for one in every])
+    assert kstest(together, "uniform").pvalue > 1e-3
+
+
+def site(frame, wanted):
+    return (frame.site == wanted)[None]
+
+
+def blobs(frame, rng):
+    rows, cols = frame.tiles.rows_and_columns()
+    return ((rows // 16 + cols // 24) % 2 - 0.5) * np.ones(frame.signal.shape)
+
+
+def coarse(frame, rng):
+    """Noise of same-colour neighbours: (z + its neighbour) without new variance."""
+    noise = rng.standard_normal(frame.signal.shape)
+    return noise + np.roll(noise, 2, -1)
+
+
+def skewed(frame, rng):
+    return rng.exponential(1.0, frame.signal.shape) - 1.0
+
+
+def tails(frame, rng):
+    return rng.standard_t(5, frame.signal.shape)
+
+
+def radial(frame, rng):
+    u, v = frame.tiles.field()
+    return u * u + v * v
+
+
+def edge(axis):
+    def slope(frame, rng):
+        green = frame.camera[:, 1].astype(float)
+        return np.gradient(green, axis=axis) / READ
+
+    return slope
+
+
+def bend(frame, rng):
+    green = frame.camera[:, 1].astype(float)
+    down, right = np.gradient(green, axis=1), np.gradient(green, axis=2)
+    return (np.gradient(down, axis=1) + np.gradient(right, axis=2)) / READ
+
+
+def towards_the_corner(frame, rng):
+    u, v = frame.tiles.field()
+    return edge(1)(frame, rng) * v + edge(2)(frame, rng) * u
+
+
+def one_pattern(shape_of):
+    def fixed(frame, rng):
+        same = np.random.default_rng(77)
+        return same.standard_normal(shape_of(frame))
+
+    return fixed
+
+
+def anew(shape_of):
+    return lambda frame, rng: rng.standard_normal(shape_of(frame))
+
+
+# What is added, in read noises, and the tests that ring for it.
+STRUCTURES = {
+    "channel mean": (lambda f, r: site(f, 2) * 1.0, 0.3),
+    "radius mean": (radial, 0.5),
+    "level mean": (lambda f, r: f.camera[:, 1] > 0.2, 0.5),
+    "tile mean": (blobs, 0.4),
+    "tile mean, each frame": (lambda f, r: blobs(f, r) * r.choice([-1, 1]), 0.5),
+    "row mean": (one_pattern(lambda f: (1, f.tiles.size[0], 1)), 0.3),
+    "row mean, each frame": (anew(lambda f: (1, f.tiles.size[0], 1)), 0.3),
+    "column mean": (one_pattern(lambda f: (1, 1, f.tiles.size[1])), 0.3),
+    "frame mean": (anew(lambda f: ()), 0.2),
+    "channel variance": (lambda f, r: site(f, 1) * r.normal(size=f.signal.shape), 1.0),
+    "radius variance": (lambda f, r: radial(f, r) * r.normal(size=f.signal.shape), 2.0),
+    "level variance": (
+        lambda f, r: (f.camera[:, 1] < 0.01) * r.normal(size=f.signal.shape),
+        0.7,
+    ),
+    "row variance": (
+        lambda f, r: (np.arange(64)[:, None] % 16 == 5) * r.normal(size=f.signal.shape),
+        2.0,
+    ),
+    "frame variance": (
+        lambda f, r: (f.capture.kind == "dark") * r.normal(size=f.signal.shape),
+        0.7,
+    ),
+    "autocorrelation (0, 2)": (coarse, 0.7),
+    "skewness": (skewed, 1.5),
+    "kurtosis": (tails, 1.5),
+    "edge: vertical": (edge(1), 0.02),
+    "edge: horizontal": (edge(2), 0.02),
+    "edge: Laplacian": (bend, 0.05),
+    "edge: radial": (towards_the_corner, 0.08),
+    "fixed pattern: the same pixel in all frames": (
+        one_pattern(lambda f: f.signal.shape),
+        0.5,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_a_structure_rings_its_test(frames, name):
+    structure, size = STRUCTURES[name]
+
+    def extra(frame, rng):
+        return size * READ * structure(frame, rng)
+
+    ringing = p_values(drawn(frames, Model(SENSOR), 40, extra))
+    assert ringing[name] < ALARM
+
+
+def test_every_autocorrelation_has_its_lag(frames):
+    for down, right in ((0, 1), (1, 0), (1, 1), (2, 0), (2, 2)):
+
+        def shifted(frame, rng, down=down, right=right):
+            noise = rng.standard_normal(frame.signal.shape)
+            return 0.7 * READ * (noise + np.roll(noise, (down, right), (1, 2)))
+
+        found = p_values(drawn(frames, Model(SENSOR), 41, shifted))
+        name = f"autocorrelation ({down}, {right})"
+        assert found[name] < ALARM
+        others = [n for n in found if n.startswith("autocorrelation") and n != name]
+        assert min(found[n] for n in others) > 1e-4
+
+
+def test_a_map_explains_the_fixed_pattern():
+    both = frames_of(SENSOR, captures_of("fit") + captures_of())
+    pattern = READ * np.random.default_rng(3).standard_normal(both[0].signal.shape)
+    shown = drawn(both, Model(SENSOR), 42, lambda frame, rng: pattern)
+    name = "fixed pattern: the same pixel in all frames"
+    assert p_values(shown[6:])[name] < 1e-9
+    model = fit_patterns(model_of(SENSOR, dsnu=[0.0]), shown[:6], ONE)
+    after = p_values(shown[6:], model)
+    assert after[name] > 1e-3
+    assert min(after.values()) > ALARM / 10
+
+
+def test_row_noise_that_the_model_has_is_silent(frames):
+    def rows(frame, rng):
+        return 0.5 * READ * rng.standard_normal((1, frame.tiles.size[0], 1))
+
+    shown = drawn(frames, Model(SENSOR), 43, rows)
+    assert min(p_values(shown).values()) < 1e-9
+    assert min(p_values(shown, model_of(SENSOR, row_noise=[0.5])).values()) > ALARM
+
+
+def test_frames_of_another_shape_are_tested_too(frames):
+    """Masked borders come first in a list; their frames are not all there is."""
+    border = capture_of("dark", 9, shape=(64, 20), group="report")
+    mixed = [*frames_of(SENSOR, [border]), *frames]
+
+    def at_site(frame, rng):
+        wide = frame.tiles.shape[1] > 20
+        return 0.3 * READ * wide * site(frame, 2)
+
+    assert p_values(drawn(mixed, Model(SENSOR), 44, at_site))["channel mean"] < ALARM
+
+    def in_border(frame, rng):
+        narrow = frame.tiles.shape[1] == 20
+        return 1.5 * READ * narrow * site(frame, 2)
+
+    assert p_values(drawn(mixed, Model(SENSOR), 45, in_border))["channel mean"] < ALARM
+    assert min(p_values(drawn(mixed, Model(SENSOR), 46)).values()) > ALARM
+
+
+def test_pixels_that_do_not_count_are_not_asked():
+    mask = third((64, 96), "report")
+    made = frames_of(SENSOR, captures_of(mask=lambda: mask))
+    shown = drawn(made, Model(SENSOR), 47)
+    spoilt = [replace(f, signal=np.where(f.keep, f.signal, 0.4)) for f in shown]
+    assert p_values(spoilt) == pytest.approx(p_values(shown), rel=1e-9)
+    assert min(p_values(shown).values()) > ALARM
+
+
+def test_a_first_frame_with_another_mask_hides_no_pattern():
+    """Pixels that the first frame lacks are compared between the others."""
+    empty = capture_of(
+        "dark", 60, group="report", mask=lambda: np.zeros((64, 96), bool)
+    )
+    made = frames_of(SENSOR, [empty, *captures_of()])
+    pattern = READ * np.random.default_rng(5).standard_normal(made[0].signal.shape)
+    shown = drawn(made, Model(SENSOR), 48, lambda frame, rng: pattern)
+    assert p_values(shown)["fixed pattern: the same pixel in all frames"] < 1e-9
+
+
+@pytest.mark.parametrize("black", [0.0, 4.0])
+def test_darks_that_are_clipped_at_zero_are_no_structure(black):
+    """A camera without a pedestal shows half of a dark's noise."""
+    sensor = sensor_of(black_level=[black] * 4)
+    made = frames_of(sensor, captures_of())
+    shown = []
+    for frame in drawn(made, Model(sensor), 49):
+        lowest = -black / frame.range
+        signal = np.maximum(frame.signal, lowest)
+        shown.append(replace(frame, signal=signal, at_zero=signal <= lowest))
+    assert shown[0].at_zero.mean() > 0.2
+    tests = residual_tests(Model(sensor), shown, ONE)
+    assert min(test.p_value for test in tests) > ALARM
+
+
+def test_noise_that_is_too_large_is_no_fixed_pattern(frames):
+    def more(frame, rng):
+        return READ * rng.standard_normal(frame.signal.shape)
+
+    found = p_values(drawn(frames, Model(SENSOR), 50, more))
+    assert found["frame variance"] < ALARM
+    assert found["fixed pattern: the same pixel in all frames"] > 1e-4
