@@ -40,6 +40,7 @@ PARTNERS = {
 STRONG = {
     "early_clipping": {"below_white": 0.85},
     "dark_current": {"per_second": 0.05},
+    "hot_pixels": {"rate": 0.01},
 }
 TIMED = ("dark_current", "hot_pixels")
 # Their centre, or their mean, is that of the image.
