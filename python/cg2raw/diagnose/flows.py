@@ -58,18 +58,22 @@ def early_clipping(
 
 
 def row_noise(z: Array, p: Prediction, values: Values, frame: Frame) -> Whitened:
-    """Shrinks each row's common offset: a covariance of rank one a row.
+    """Shrinks each row's common offset: a covariance of rank one a row. Tiles beside
+    each other share their rows."""
+    tops = frame.tiles.origins[:, 0]
+    _, group = np.unique(tops, return_inverse=True)
 
-    Rows that the ADC cuts at 0 do not show their offset: residuals there are drawn."""
-    if (frame.at_zero & frame.keep).sum() > MOST_AT_ZERO * frame.keep.sum():
-        return z, np.zeros_like(z)
+    def over_row(image: Array) -> Array:
+        sums = np.zeros((int(group.max()) + 1, image.shape[1]))
+        np.add.at(sums, group, image.sum(-1))
+        return sums[group][..., None]
+
     share = (values[0] ** 2 * frame.beta2.mean()) / p.variance * frame.keep
-    total = share.sum(-1, keepdims=True) + 1e-300
+    total = over_row(share) + 1e-300
     eigenvalue = 1 + total
     direction = np.sqrt(share / total)
-    along = (direction * z).sum(-1, keepdims=True)
-    white = z - (1 - eigenvalue**-0.5) * direction * along
-    count = np.maximum(frame.keep.sum(-1, keepdims=True), 1)
+    white = z - (1 - eigenvalue**-0.5) * direction * over_row(direction * z)
+    count = np.maximum(over_row(frame.keep.astype(float)), 1)
     return white, -0.5 * np.log(eigenvalue) / count * frame.keep
 
 
