@@ -140,12 +140,35 @@ def test_row_noise_becomes_white(frame):
     p = prediction(0.0, beta2)
     rows = sigma * rng.standard_normal((400, 24, 1))
     z = rows + rng.standard_normal((400, 24, 20))
-    many = replace(frame, keep=np.ones(z.shape, bool))
+    below = np.stack([24 * np.arange(400), np.zeros(400)], 1).astype(np.int32)
+    tiles = replace(frame.tiles, origins=below)
+    many = replace(frame, keep=np.ones(z.shape, bool), tiles=tiles)
     p = Prediction(*(np.broadcast_to(x.mean(), z.shape) for x in vars(p).values()))
     white, _ = flows.row_noise(z, p, np.array([sigma]), many)
     assert z.mean(-1).var() > 1
     assert white.mean(-1).var() * 20 == pytest.approx(1, abs=0.05)
     assert white.var() == pytest.approx(1, abs=0.01)
+
+
+def test_tiles_beside_each_other_share_their_rows(frame):
+    rng = np.random.default_rng(3)
+    beta2 = frame.beta2.mean()
+    rows = rng.standard_normal((1, 400, 1))
+    z = rows + rng.standard_normal((2, 400, 20))
+    tiles = replace(frame.tiles, origins=np.array([[0, 0], [0, 20]], np.int32))
+    pair = replace(frame, keep=np.ones(z.shape, bool), tiles=tiles)
+    p = Prediction(*(np.full(z.shape, x) for x in (0.0, beta2, 0.0, 0.0)))
+    white, _ = flows.row_noise(z, p, np.array([1.0]), pair)
+    left, right = white.mean(-1)
+    assert abs(np.corrcoef(left, right)[0, 1]) < 0.15
+    together, _ = flows.row_noise(
+        z.swapaxes(0, 1).reshape(1, 400, 40),
+        Prediction(*(np.full((1, 400, 40), x) for x in (0.0, beta2, 0.0, 0.0))),
+        np.array([1.0]),
+        replace(frame, keep=np.ones((1, 400, 40), bool)),
+    )
+    both = white.swapaxes(0, 1).reshape(1, 400, 40)
+    np.testing.assert_allclose(both, together, atol=1e-12)
 
 
 def filter_matrix(shape, blend, diagonal):
