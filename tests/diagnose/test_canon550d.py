@@ -10,14 +10,16 @@ import pytest
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.capture_set import read_captures, read_frames
 from cg2raw.diagnose.chart import ColorChecker
+from cg2raw.diagnose.frames import camera_of
 
 CANON = "real/canon550d_colorchart_tinydng.dng"
 GREYS = range(18, 23)  # patches white to neutral 3.5; black has too little light
-PIXELS = 8192  # of the frame: the answer is the same with eight times as many
+PIXELS = 8192  # of the frame, to be quick
 
 
-def neutral_of_greys(frame, black):
-    """Return camera R/G and B/G of the grey patches, weighted by their light.
+def neutral_of_greys(captures, frame, black):
+    """Return camera R/G and B/G of the light: those of the grey patches, weighted by
+    their light, over what the patches' published colours add.
 
     black : (2, 2) DN of the sites of the CFA, RGGB."""
     capture, entry = frame.capture, frame.entry
@@ -31,7 +33,9 @@ def neutral_of_greys(frame, black):
             here = (chosen & (patch == grey))[row::2, col::2]
             light[row, col] += raw[row::2, col::2][here].mean() - black[row, col]
     green = (light[0, 1] + light[1, 0]) / 2
-    return light[0, 0] / green, light[1, 1] / green
+    matrix = np.asarray(camera_of(captures, capture)[0], float)
+    own = (chart.colors[list(GREYS)] @ matrix.T / matrix.sum(1)).sum(0)
+    return light[0, 0] / green * own[1] / own[0], light[1, 1] / green * own[1] / own[2]
 
 
 def optical_black(frame):
@@ -70,7 +74,9 @@ def test_what_the_tags_say_wrong_is_found(camera_data, repository, tmp_path):
         as_shot[0] / as_shot[1] * (1 + balance["red"].value),
         as_shot[2] / as_shot[1] * (1 + balance["blue"].value),
     ]
-    measured = neutral_of_greys(frame, border)
+    measured = neutral_of_greys(captures, frame, border)
     print("neutral", neutral, "greys", measured)
-    assert neutral == pytest.approx(measured, rel=0.02)
+    # B/G differs by 2.4 % among the greys; of so few pixels ci95 is +-1.6 %.
+    assert neutral[0] == pytest.approx(measured[0], rel=0.02)
+    assert neutral[1] == pytest.approx(measured[1], rel=0.03)
     assert found.gap.after < 0.1 * found.gap.before
