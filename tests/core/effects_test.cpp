@@ -166,11 +166,13 @@ double departure_from_a_line(const Effect& effect, bool drawn, std::size_t param
 
 /// Their response is none of the first order: a rounding's variance grows with the
 /// square of its step; a level acts on what is above it; more pixels are hot, each more
-/// so; more draws are outliers.
-const std::set<std::string> not_linear { "quantisation.step",
-                                         "early_clipping.below_white",
-                                         "hot_pixels.fraction",
-                                         "heavy_tailed_noise.outlier_fraction" };
+/// so; more draws are outliers; what lies above white counts as white as soon as any of
+/// it is blended.
+const std::set<std::string> not_linear {
+    "quantisation.step",     "early_clipping.below_white",
+    "hot_pixels.fraction",   "heavy_tailed_noise.outlier_fraction",
+    "noise_reduction.blend", "noise_reduction.diagonal"
+};
 
 TEST_P(EffectLaws, TheResponseIsOfTheFirstOrderAtNull)
 {
