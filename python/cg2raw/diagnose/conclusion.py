@@ -28,15 +28,19 @@ from cg2raw.diagnose.prediction import Model
 from cg2raw.diagnose.registration import Registration
 from cg2raw.diagnose.residual_tests import residual_tests
 from cg2raw.diagnose.search import Search, Step
-from cg2raw.diagnose.vocabulary import Candidate, confusable
+from cg2raw.diagnose.vocabulary import Candidate
 from cg2raw.diagnose.whole_frames import look_at
 
 STRUCTURE = 1e-3  # chance of one false alarm among all residual tests
 LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
 SHARE_LEFT = 1e-3  # of what was closed, likewise
-SHAPE = 0.01  # of the gain of an effect that looks alike
-# Nothing else makes the pixels of a row differ together from frame to frame.
-UNLIKE_ALL = frozenset({"row_noise"})
+SHAPE = 0.01  # of the gain of an effect whose shape another takes up
+# What takes up how a true effect differs from its model: wings of a point spread
+# function; the slow part of a map, which the map leaves out.
+TAKEN_UP_BY = {
+    "blur": ("veiling_glare", "crosstalk", "noise_reduction"),
+    "prnu": ("color_shading", "lens_shading"),
+}
 CERTAIN_E = 690.0  # log of the largest e-value that is written
 
 
@@ -83,20 +87,17 @@ def _findings(
 
 
 def _without_shapes(
-    findings: Sequence[Finding], vocabulary: Sequence[Candidate]
+    findings: Sequence[Finding],
 ) -> tuple[list[Finding], list[str]]:
     """Return (findings, notes on those that are no findings): an effect's model has a
-    shape, and what the true one has beside it is taken up by an effect that looks
-    alike. It stays in the model, and is not called an effect of its own."""
-    known = {candidate.name: candidate for candidate in vocabulary}
+    shape, and what the true one has beside it is taken up by another one. It stays in the model, and is not called an effect of its own."""
     kept, notes = [], []
     for finding in findings:
         larger = [
             other.name
             for other in findings
-            if confusable(known[finding.name], known[other.name])
+            if finding.name in TAKEN_UP_BY.get(other.name, ())
             and finding.gain_nats < SHAPE * other.gain_nats
-            and finding.name not in UNLIKE_ALL
         ]
         if not larger:
             kept.append(finding)
@@ -144,7 +145,7 @@ def concluded(
     left, traces = _structure(after, gap.before - gap.after)
     values = estimates(model, groups["fit"], workers)
     every = _findings(model, search.steps, values, gap, bool(left))
-    findings, shapes = _without_shapes(every, vocabulary)
+    findings, shapes = _without_shapes(every)
     shown = report if details else []
     return Diagnosis(
         verdict=_verdict(findings, left),
