@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import bench_dataset
+import bench_diagnose
 import bench_ocio
 import numpy as np
 
@@ -129,7 +130,10 @@ def main():
     parser.add_argument("--core", action="store_true", help="the core only")
     parser.add_argument("--ocio", action="store_true", help="OCIO in Python only")
     parser.add_argument("--dataset", action="store_true", help="cg2raw dataset only")
+    parser.add_argument("--diagnose", action="store_true", help="diagnosis only")
     options = parser.parse_args()
+    if options.diagnose:
+        return bench_diagnose.bench(FOLDER / "diagnose")
     if options.dataset:
         image = input_image(ROOT / ".venv/bin/oiiotool")
         return bench_dataset.bench(image, FOLDER / "dataset", options.rounds)

@@ -89,8 +89,10 @@ def _findings(
 def _without_shapes(
     findings: Sequence[Finding],
 ) -> tuple[list[Finding], list[str]]:
-    """Return (findings, notes on those that are no findings): an effect's model has a
-    shape, and what the true one has beside it is taken up by another one. It stays in the model, and is not called an effect of its own."""
+    """Return (findings, notes on those that are no findings).
+
+    An effect's model has a shape; what the true one has beside it is taken up by
+    another. That stays in the model, and is not called an effect of its own."""
     kept, notes = [], []
     for finding in findings:
         larger = [
