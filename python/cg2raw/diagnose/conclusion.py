@@ -18,11 +18,12 @@ from cg2raw.diagnose.diagnosis import (
     ResidualTest,
     Rung,
 )
+from cg2raw.diagnose.fitting import fit
 from cg2raw.diagnose.found_profile import found_profile
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.gap import gap_of, systematic
 from cg2raw.diagnose.intervals import estimates, smallest_visible
-from cg2raw.diagnose.likelihood import Workers
+from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.pictures import curves_of, histogram
 from cg2raw.diagnose.prediction import Model
 from cg2raw.diagnose.registration import Registration
@@ -34,11 +35,12 @@ from cg2raw.diagnose.whole_frames import look_at
 STRUCTURE = 1e-3  # chance of one false alarm among all residual tests
 LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
 SHARE_LEFT = 1e-3  # of what was closed, likewise
-SHAPE = 0.01  # of the gain of an effect whose shape another takes up
+SHAPE = 0.025  # of the gain of an effect whose shape another takes up
 # What takes up how a true effect differs from its model: wings of a point spread
-# function; the slow part of a map, which the map leaves out.
+# function, and outliers along its edges; the slow part of a map, which the map leaves
+# out.
 TAKEN_UP_BY = {
-    "blur": ("veiling_glare", "crosstalk", "noise_reduction"),
+    "blur": ("veiling_glare", "crosstalk", "noise_reduction", "heavy_tailed_noise"),
     "prnu": ("color_shading", "lens_shading"),
 }
 CERTAIN_E = 690.0  # log of the largest e-value that is written
@@ -86,8 +88,17 @@ def _findings(
     return findings
 
 
+def _loss_without(name: str, model: Model, search: Search) -> float:
+    """Return what the select frames lose, nats, if all but one effect explain them."""
+    rest = fit(model.without(name), search.fit_frames, search.workers)
+    with_it, without = (
+        total(each, search.select_frames, search.workers) for each in (model, rest)
+    )
+    return with_it - without
+
+
 def _without_shapes(
-    findings: Sequence[Finding],
+    findings: Sequence[Finding], model: Model, search: Search
 ) -> tuple[list[Finding], list[str]]:
     """Return (findings, notes on those that are no findings).
 
@@ -96,19 +107,20 @@ def _without_shapes(
     kept, notes = [], []
     for finding in findings:
         larger = [
-            other.name
+            other
             for other in findings
             if finding.name in TAKEN_UP_BY.get(other.name, ())
-            and finding.gain_nats < SHAPE * other.gain_nats
         ]
-        if not larger:
+        most = max((other.gain_nats for other in larger), default=0.0)
+        # What it gained when it was added may since be explained by others.
+        gain = _loss_without(finding.name, model, search) if larger else np.inf
+        if gain >= SHAPE * most:
             kept.append(finding)
             continue
-        share = finding.gain_nats / sum(f.gain_nats for f in findings)
         notes.append(
             f"{words.title(finding.name).capitalize()} takes up what the model of "
-            f"{words.title(larger[0])} does not describe ({share:.1%} of the gain): it "
-            "is in the profile, and is no finding of its own."
+            f"{words.title(larger[0].name)} does not describe ({gain / most:.1%} of "
+            "its gain): it is in the profile, and is no finding of its own."
         )
     return kept, notes
 
@@ -147,7 +159,7 @@ def concluded(
     left, traces = _structure(after, gap.before - gap.after)
     values = estimates(model, groups["fit"], workers)
     every = _findings(model, search.steps, values, gap, bool(left))
-    findings, shapes = _without_shapes(every)
+    findings, shapes = _without_shapes(every, model, search)
     shown = report if details else []
     return Diagnosis(
         verdict=_verdict(findings, left),
