@@ -35,18 +35,23 @@ def openimageio():
     return OpenImageIO
 
 
-def read_image(path):
-    """Return the Image at @path, its whole display window; black where it has no data.
-
-    Raises ValueError saying what is wrong with the file, OSError."""
+def opened(path):
+    """Return the ImageInput of @path, to be closed. Raises ValueError, OSError."""
     oiio = openimageio()
-    path = str(path)
     with open(path, "rb"):  # OpenImageIO's own messages do not tell why it cannot
         pass
     source = oiio.ImageInput.open(path)
     if source is None:
         raise ValueError(f"{path}: {first_line(oiio.geterror())}")
-    with contextlib.closing(source):
+    return source
+
+
+def read_image(path):
+    """Return the Image at @path, its whole display window; black where it has no data.
+
+    Raises ValueError saying what is wrong with the file, OSError."""
+    path = str(path)
+    with contextlib.closing(opened(path)) as source:
         spec = source.spec()
         check_channels(path, spec)
         if source.seek_subimage(1, 0):

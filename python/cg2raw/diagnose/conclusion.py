@@ -194,7 +194,7 @@ def _rung(step: Step) -> Rung:
 def _notes(
     capture_set: CaptureSet, frames: Sequence[Frame], traces: Sequence[ResidualTest]
 ) -> list[str]:
-    notes = list(getattr(capture_set, "notes", ()))
+    notes = list(capture_set.notes)
     if capture_set.nuisances:
         words_ = ", ".join(sorted(capture_set.nuisances))
         notes.append(f"Floated without being called an effect: {words_}.")

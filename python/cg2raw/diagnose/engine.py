@@ -12,9 +12,7 @@ import numpy as np
 
 from cg2raw.diagnose.conclusion import concluded
 from cg2raw.diagnose.captures import CaptureSet
-from cg2raw.diagnose.diagnosis import (
-    Diagnosis,
-)
+from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.fitting import fit
 from cg2raw.diagnose.frames import Frame, frame_of, repeat_of, source_of
 from cg2raw.diagnose.likelihood import Workers

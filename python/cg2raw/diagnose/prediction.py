@@ -3,7 +3,7 @@
 
 """Models, and what they predict of a frame."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -173,14 +173,20 @@ def ordered_effects(sensor: Any) -> list[dict[str, Any]]:
     """Return the effects of a profile with parameters in the registry's order."""
     if not sensor.effects:
         return []
-    order = {e["name"]: [p["name"] for p in e["parameters"]] for e in _core.effects()}
     return [
         {
             **effect,
-            "parameters": {n: effect["parameters"][n] for n in order[effect["name"]]},
+            "parameters": {
+                n: effect["parameters"][n] for n in _order()[effect["name"]]
+            },
         }
         for effect in sensor.effects
     ]
+
+
+@cache
+def _order() -> Mapping[str, list[str]]:
+    return {e["name"]: [p["name"] for p in e["parameters"]] for e in _core.effects()}
 
 
 def _value(model: Model, name: str) -> float:
@@ -205,7 +211,8 @@ def predict(model: Model, frame: Frame) -> Prediction:
         )
     )
     photons = np.maximum(exposed, 0)
-    photon_variance = np.exp(_value(model, "shot_noise")) * frame.beta1 * photons
+    photon_gain = np.exp(_value(model, "shot_noise")) * frame.beta1
+    photon_variance = photon_gain * photons
     if len(model.sensor.cfa) != BAYER:
         read_variance = np.exp(_value(model, "read_noise")) * frame.beta2
         variance = variance + photon_variance + read_variance
@@ -222,8 +229,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
             mean = mean + shift
             doubt = doubt + bearing**2 * term.pattern.variance
             if term.name == "hot_pixels":  # charge, with the shot noise of charge
-                gain = np.exp(_value(model, "shot_noise"))
-                variance = variance + gain * frame.beta1 * np.maximum(shift, 0)
+                variance = variance + photon_gain * np.maximum(shift, 0)
     # The fit frames made the map: their residuals are too small by its variance.
     variance = np.maximum(variance + sign * doubt, 0.15 * variance)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
@@ -243,8 +249,3 @@ def place(model: Model, candidate: Candidate, values: Values | None = None) -> M
     """Return the model with a candidate at its null, or at given values."""
     start = candidate.null if values is None else np.asarray(values, float)
     return model.with_term(Term(candidate, start))
-
-
-def predictions(model: Model, frames: Iterable[Frame]) -> Sequence[Prediction]:
-    """Return the prediction of each frame."""
-    return [predict(model, frame) for frame in frames]

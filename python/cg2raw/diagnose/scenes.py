@@ -27,13 +27,7 @@ def image_size(path: str) -> tuple[int, int]:
     if npy_file.is_npy(path):
         shape = npy_file.mapped(path).shape
         return shape[0], shape[1]
-    oiio = image_file.openimageio()
-    with open(path, "rb"):  # OpenImageIO's own messages do not tell why it cannot
-        pass
-    source = oiio.ImageInput.open(path)
-    if source is None:
-        raise ValueError(f"{path}: {image_file.first_line(oiio.geterror())}")
-    with contextlib.closing(source):
+    with contextlib.closing(image_file.opened(path)) as source:
         spec = source.spec()
         return spec.full_height, spec.full_width
 
@@ -42,8 +36,7 @@ def has_curve(path: str) -> bool:
     """Return whether an image has integers, which a curve encodes."""
     if npy_file.is_npy(path):
         return False
-    oiio = image_file.openimageio()
-    with contextlib.closing(oiio.ImageInput.open(path)) as source:
+    with contextlib.closing(image_file.opened(path)) as source:
         return str(source.spec().format) not in ("half", "float", "double")
 
 
