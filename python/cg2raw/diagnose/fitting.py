@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.diagnose.cut_rows import with_row_offsets
 from cg2raw.diagnose.fixed_patterns import fit_patterns
 from cg2raw.diagnose.flows import row_noise
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.likelihood import Workers, total
+from cg2raw.diagnose.likelihood import Workers, scores, total
 from cg2raw.diagnose.prediction import Model, Prediction, flow_values, place, predict
 from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values
@@ -30,11 +31,16 @@ Parameter = tuple[str, int]  # name of a term, index of its value
 
 @dataclass
 class _State:
-    """Of one frame under a model: what every derivative is taken from."""
+    """Of one frame under a model: what every derivative is taken from.
+
+    residual, square : scores of a pixel's mean, in standard deviations, and of the log
+    of its variance. weight : root of what it tells of its mean, 1 but of pixels that
+    are cut at an end of the ADC."""
 
     prediction: Prediction
-    used: NDArray[np.bool_]
-    residual: Array  # standardised; whitened by the nuisance
+    residual: Array
+    square: Array
+    weight: Array
     columns: dict[Parameter, tuple[NDArray[np.float32], NDArray[np.float32]]]
 
 
@@ -49,20 +55,21 @@ class Linearisation:
 
     def _state(self, frame: Frame) -> _State:
         p = predict(self.model, frame)
-        sure_white = frame.at_white & (p.mean > 1)
-        sure_zero = frame.at_zero & (p.mean < 0)
-        used = frame.keep & ~sure_white & ~sure_zero
-        difference = frame.signal - p.mean
-        difference = np.where(frame.at_white, np.maximum(difference, 0), difference)
-        difference = np.where(frame.at_zero, np.minimum(difference, 0), difference)
-        z = np.where(used, difference / np.sqrt(p.variance), 0)
-        return _State(p, used, self._white(z, p, frame), {})
+        rows = self._rows(frame) if frame.is_cut else None
+        at = p if rows is None else with_row_offsets(p, rows, frame)[0]
+        z, square, weight = scores(at, frame)
+        if rows is not None:  # they lack the offsets; in part these are ours to explain
+            z = row_noise(z, p, rows, frame, power=0.5)[0]
+        return _State(p, self._white(z, p, frame, rows is None), square, weight, {})
 
-    def _white(self, z: Array, p: Prediction, frame: Frame) -> Array:
+    def _rows(self, frame: Frame) -> Values | None:
+        return flow_values(self.model, frame, "row_noise")
+
+    def _white(self, z: Array, p: Prediction, frame: Frame, rows: bool = True) -> Array:
         """Whiten by what is Gaussian and linear: offsets of rows, and the nuisance."""
-        rows = flow_values(self.model, frame, "row_noise")
-        if rows is not None:
-            z = row_noise(z, p, rows, frame)[0]
+        sigma = self._rows(frame) if rows else None
+        if sigma is not None:
+            z = row_noise(z, p, sigma, frame)[0]
         nuisance = self.model.nuisance
         return z if nuisance is None else nuisance.whiten(z, p, frame)[0]
 
@@ -80,15 +87,18 @@ class Linearisation:
         p = state.prediction
         moved = predict(model.with_values(name, values), frame)
         mean = (moved.mean - p.mean) / step / np.sqrt(p.variance)
-        mean = self._white(np.where(state.used, mean, 0), p, frame)
+        mean = self._white(state.weight * np.where(frame.keep, mean, 0), p, frame)
         spread = (moved.variance - p.variance) / step * np.sqrt(0.5) / p.variance
-        spread = np.where(state.used, spread, 0)
         return mean[frame.keep].astype("f4"), spread[frame.keep].astype("f4")
 
-    def system(self, model: Model) -> tuple[list[Parameter], Array, Array]:
+    def system(
+        self, model: Model, but: str = ""
+    ) -> tuple[list[Parameter], Array, Array]:
         """Return (parameters, score, Fisher information) of a model that has this one's
-        prediction: the same terms, or one more at its null."""
-        parameters = free_parameters(model)
+        prediction: the same terms, or one more at its null.
+
+        but : name of a term whose parameters rest."""
+        parameters = [one for one in free_parameters(model) if one[0] != but]
 
         def one(pair: tuple[_State, Frame]) -> tuple[Array, Array]:
             state, frame = pair
@@ -100,8 +110,7 @@ class Linearisation:
                     if self.model.term(parameter[0]) is not None:
                         state.columns[parameter] = column
                 rows.append(np.concatenate(column))
-            z = state.residual[frame.keep]
-            square = np.where(state.used[frame.keep], (z * z - 1) * np.sqrt(0.5), 0)
+            z, square = (a[frame.keep] for a in (state.residual, state.square))
             design = np.array(rows)
             right = np.concatenate([z, square]).astype("f4")
             return (
@@ -153,9 +162,13 @@ def moved(model: Model, parameters: Sequence[Parameter], step: Array) -> Model:
     return model
 
 
-def one_step(model: Model, base: Linearisation, current: float) -> tuple[Model, float]:
-    """Return (model after one damped step, actual gain in nats)."""
-    parameters, score, information = base.system(model)
+def one_step(
+    model: Model, base: Linearisation, current: float, but: str = ""
+) -> tuple[Model, float]:
+    """Return (model after one damped step, actual gain in nats).
+
+    but : name of a term that rests."""
+    parameters, score, information = base.system(model, but)
     if not parameters:
         return model, 0.0
     step, promised = solve(score, information)

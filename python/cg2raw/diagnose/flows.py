@@ -20,7 +20,6 @@ from cg2raw.diagnose.vocabulary import Values
 Whitened = tuple[Array, Array | float]
 
 FAR = 7.0  # standard deviations beyond which a series is not trusted
-MOST_AT_ZERO = 0.02  # share of pixels that may be cut at 0 where rows are looked at
 NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
 
 
@@ -57,24 +56,30 @@ def early_clipping(
     return z, extra
 
 
-def row_noise(z: Array, p: Prediction, values: Values, frame: Frame) -> Whitened:
-    """Shrinks each row's common offset: a covariance of rank one a row. Tiles beside
-    each other share their rows."""
+def over_rows(frame: Frame, image: Array) -> Array:
+    """Return sums over the rows of an image (T, h, w), as (T, h, 1). Tiles beside each
+    other share their rows."""
     tops = frame.tiles.origins[:, 0]
     _, group = np.unique(tops, return_inverse=True)
+    sums = np.zeros((int(group.max()) + 1, image.shape[1]))
+    np.add.at(sums, group, image.sum(-1))
+    return np.asarray(sums[group][..., None])
 
-    def over_row(image: Array) -> Array:
-        sums = np.zeros((int(group.max()) + 1, image.shape[1]))
-        np.add.at(sums, group, image.sum(-1))
-        return sums[group][..., None]
 
+def row_noise(
+    z: Array, p: Prediction, values: Values, frame: Frame, power: float = -0.5
+) -> Whitened:
+    """Shrinks each row's common offset: a covariance of rank one a row.
+
+    power : of the covariance that z is multiplied by; -0.5 whitens."""
     share = (values[0] ** 2 * frame.beta2.mean()) / p.variance * frame.keep
-    total = over_row(share) + 1e-300
+    total = over_rows(frame, share) + 1e-300
     eigenvalue = 1 + total
     direction = np.sqrt(share / total)
-    white = z - (1 - eigenvalue**-0.5) * direction * over_row(direction * z)
-    count = np.maximum(over_row(frame.keep.astype(float)), 1)
-    return white, -0.5 * np.log(eigenvalue) / count * frame.keep
+    along = direction * over_rows(frame, direction * z)
+    white = z - (1 - eigenvalue**power) * along
+    count = np.maximum(over_rows(frame, frame.keep.astype(float)), 1)
+    return white, power * np.log(eigenvalue) / count * frame.keep
 
 
 def photon_statistics(
@@ -149,6 +154,8 @@ def whiten(
         if name == "noise_reduction":
             z, more = noise_reduction(z, values)
         elif name == "row_noise":
+            if frame.is_cut:  # then they are part of the prediction: cut_rows
+                continue
             z, more = row_noise(z, p, values, frame)
         elif name == "photon_statistics":
             z, more = photon_statistics(z, p, values, frame)

@@ -6,6 +6,7 @@
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,10 @@ from cg2raw.diagnose.captures import Capture, CaptureSet
 from cg2raw.diagnose.noise_estimate import NoiseModel
 from cg2raw.diagnose.tiling import Array, Mask, Tiling
 
-BORDER = 8  # pixels along the edges of a whole frame that are left out
+# Pixels along the edges of a whole frame that are left out: what lies beyond an image
+# is not known; beyond a uniform frame it is, but for filters of the file.
+BORDER, UNIFORM_BORDER = 8, 4
+MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
 
 
 @dataclass
@@ -56,6 +60,11 @@ class Frame:
     def seconds(self) -> float:
         """Exposure time; 1 where none is known, so that rates are per frame."""
         return self.capture.exposure_time or 1.0
+
+    @cached_property
+    def is_cut(self) -> bool:
+        """Whether the ADC cuts the noise at 0, as that of darks at black level 0."""
+        return bool((self.at_zero & self.keep).sum() > MOST_AT_ZERO * self.keep.sum())
 
     @property
     def censored(self) -> Mask:
@@ -137,9 +146,10 @@ def _camera_tiles(camera: NDArray[np.float32], tiles: Tiling) -> NDArray[np.floa
 def _keep(source: Source, tiles: Tiling) -> Mask:
     height, width = tiles.size
     keep = np.ones((len(tiles.origins), height, width), bool)
+    border = BORDER if source.camera.ndim == 3 else UNIFORM_BORDER
     if tiles.margin == 0 and min(height, width) > 4 * BORDER:
         edge = np.zeros_like(keep)
-        edge[:, BORDER:-BORDER, BORDER:-BORDER] = True
+        edge[:, border:-border, border:-border] = True
         keep &= edge
     if source.mask is not None:
         keep &= tiles.cut(source.mask)

@@ -15,25 +15,32 @@ from cg2raw.diagnose.prediction import Model, Prediction, predict
 from cg2raw.diagnose.tiling import Array
 
 LARGEST = 50.0  # standard deviations that count in chi-square
+BELOW_WHITE = 0.97  # of white: above it residuals are drawn, not measured
 HIGHEST = 0.95  # of white, for repeats
 
 
 @dataclass
 class Sums:
-    """Of the pixels of report frames: negative log density, squares of residuals."""
+    """Of the pixels of report frames: negative log density, squares of residuals.
+
+    pixels : between the ends of the ADC, for densities. residuals : those and pixels at
+    0, whose residuals are drawn: without them, noise that is cut is too narrow."""
 
     loss: float = 0.0
     squares: float = 0.0
     true_loss: float | None = 0.0
     pixels: int = 0
+    residuals: int = 0
 
     def add(self, model: Model, frame: Frame) -> tuple[Array, Prediction]:
         """Count a frame; return its residuals and prediction."""
         density, z, p = log_density(model, frame)
         used = frame.keep & ~frame.censored
         self.loss -= float(density[used].sum())
-        self.squares += float((np.minimum(np.abs(z[used]), LARGEST) ** 2).sum())
         self.pixels += int(used.sum())
+        counted = frame.keep & ~frame.at_white & (p.mean < BELOW_WHITE)
+        self.squares += float((np.minimum(np.abs(z[counted]), LARGEST) ** 2).sum())
+        self.residuals += int(counted.sum())
         truth = frame.capture.log_density
         if truth is None or self.true_loss is None:
             self.true_loss = None
@@ -49,11 +56,12 @@ class Sums:
             self.squares + other.squares,
             self.true_loss + other.true_loss if known else None,  # type: ignore[operator]
             self.pixels + other.pixels,
+            self.residuals + other.residuals,
         )
 
     @property
     def chi2(self) -> float:
-        return self.squares / max(self.pixels, 1)
+        return self.squares / max(self.residuals, 1)
 
 
 def systematic(model: Model, base: Model, frames: Sequence[Frame]) -> float | None:

@@ -10,14 +10,16 @@ from typing import TypeVar
 import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
+from cg2raw.diagnose.cut_rows import with_row_offsets
 from cg2raw.diagnose.flows import whiten
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.prediction import Model, Prediction, predict
+from cg2raw.diagnose.prediction import Model, Prediction, flow_values, predict
 from cg2raw.diagnose.tiling import Array, Mask
 
 LOG_2PI = np.log(2 * np.pi)
 LEAST_LOG = -200.0  # of a censored pixel, so that one cannot outweigh all
 LARGEST_Z = 8.0
+LEAST_TOLD = 1e-6  # of a pixel that was cut, of what one tells that was not
 BLOCK = 16  # pixels; sums over such squares are taken as independent
 
 Item = TypeVar("Item")
@@ -61,13 +63,38 @@ def _first_censored(frame: Frame, hit: Mask, sign: float, p: Prediction) -> Arra
     return sign * (frame.signal[hit] - p.mean[hit]) - half
 
 
+def scores(p: Prediction, frame: Frame) -> tuple[Array, Array, Array]:
+    """Return (score of the mean, of the variance, weight) of every pixel.
+
+    The mean's is its residual, times its weight; the variance's is of its log, times
+    the root of 2. weight : root of what a pixel tells of its mean, 1 but of those that
+    are cut at an end of the ADC: they tell that they lie beyond it, and the score of
+    their mean is the inverse of Mills' ratio."""
+    spread = np.sqrt(p.variance)
+    z = np.where(frame.keep, (frame.signal - p.mean) / spread, 0)
+    square = (z * z - 1) * np.sqrt(0.5)
+    weight = np.ones_like(z)
+    for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
+        if hit.any():
+            end = _first_censored(frame, hit, sign, p) / spread[hit]
+            ratio = np.exp(-0.5 * end**2 - 0.5 * LOG_2PI - log_ndtr(-end))
+            told = np.sqrt(np.clip(ratio * (ratio - end), LEAST_TOLD, 1))
+            z[hit], weight[hit] = sign * ratio / told, told
+            square[hit] = np.sqrt(0.5) * ratio * end
+    return z, square, weight
+
+
 def log_density(
     model: Model, frame: Frame, prediction: Prediction | None = None
 ) -> tuple[Array, Array, Prediction]:
-    """Return (log density per pixel, final residuals, prediction)."""
+    """Return (log density per pixel, final residuals, prediction with the offsets of
+    rows that the ADC cuts)."""
     p = predict(model, frame) if prediction is None else prediction
-    start = residuals(p, frame)
-    z, cost = whiten(start, p, model, frame)
+    rows = flow_values(model, frame, "row_noise") if frame.is_cut else None
+    of_rows: Array | float = 0.0
+    if rows is not None:
+        p, of_rows = with_row_offsets(p, rows, frame)
+    z, cost = whiten(residuals(p, frame), p, model, frame)
     density = -0.5 * z * z - 0.5 * LOG_2PI + cost - 0.5 * np.log(p.variance)
     density = density - np.log(frame.range)
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
@@ -75,7 +102,7 @@ def log_density(
             end = _first_censored(frame, hit, sign, p) / np.sqrt(p.variance[hit])
             beyond = log_ndtr(-end)
             density[hit] = np.maximum(beyond, LEAST_LOG)
-    return density, z, p
+    return density + of_rows, z, p
 
 
 def total(
