@@ -16,7 +16,8 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.likelihood import Workers
+from cg2raw.diagnose.hot_pixels import fit_hot_pixels
+from cg2raw.diagnose.likelihood import Workers, scores
 from cg2raw.diagnose.prediction import Model, Pattern, Term, pattern_bearing, predict
 from cg2raw.diagnose.tiling import Array, Mask
 
@@ -26,9 +27,6 @@ FARTHEST = 2.5  # standard deviations that a pixel counts for in the prior
 LONGEST_TAIL = 6.0
 LEAST_SHARE = 1e-6  # of the best pixel's information; a pixel with less is not known
 LEAST_INFORMATION = 1e-200
-HOT = 5.5  # standard deviations above the others
-CERTAIN = 8.0
-SEEN = 3.5  # standard deviations in a single frame
 
 
 def fit_patterns(model: Model, frames: Sequence[Frame], workers: Workers) -> Model:
@@ -45,12 +43,11 @@ def fit_patterns(model: Model, frames: Sequence[Frame], workers: Workers) -> Mod
 @dataclass(frozen=True)
 class _Evidence:
     """What frames tell of a map, (T, h, w): information (its inverse is the variance of
-    an estimate), score (information times estimate), in how many frames a pixel stands
-    out. known : pixels that any frame tells of."""
+    an estimate), score (information times estimate). known : pixels that any frame
+    tells of."""
 
     information: Array
     score: Array
-    seen: Array
     known: Mask
 
     @property
@@ -60,46 +57,43 @@ class _Evidence:
 
 def _fitted(term: Term, rest: Model, frames: Sequence[Frame], workers: Workers) -> Term:
     """Weighted least squares per pixel, then shrinkage."""
-    evidence = _evidence(term, rest, frames, workers)
+    chosen = _of_common_shape(frames)
+    if term.name == "hot_pixels":
+        return fit_hot_pixels(term, rest, chosen, workers)
+    evidence = _evidence(term, rest, chosen, workers)
     if term.name == "column_noise":
         return _columns(term, evidence)
-    if term.name == "hot_pixels":
-        return _hot(term, evidence)
     return _pixels(term, evidence)
 
 
 def _evidence(
     term: Term, rest: Model, frames: Sequence[Frame], workers: Workers
 ) -> _Evidence:
-    shape = _common_shape(frames)
-    chosen = [f for f in frames if f.signal.shape == shape]
-
-    def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
+    def of_frame(frame: Frame) -> tuple[Array, Array]:
         p = predict(rest, frame)
         bearing = pattern_bearing(term.name, frame, np.maximum(p.exposed, 0))
-        used = frame.keep & ~frame.censored
-        residual = np.where(used, frame.signal - p.mean, 0)
-        weight = used / p.variance
-        hit = residual / np.sqrt(p.variance) > SEEN
-        return bearing**2 * weight, bearing * residual * weight, hit
+        z, _, weight = scores(p, frame)
+        weight = np.where(frame.keep & ~frame.at_white, weight, 0)
+        spread = np.sqrt(p.variance)
+        return (bearing * weight / spread) ** 2, bearing / spread * weight * z
 
-    information, score, seen = np.zeros((3, *shape))
-    for part in workers.map(of_frame, chosen):
+    information, score = np.zeros((2, *frames[0].signal.shape))
+    for part in workers.map(of_frame, frames):
         information += part[0]
         score += part[1]
-        seen += part[2]
     known = information > max(LEAST_SHARE * information.max(), LEAST_INFORMATION)
     information = np.where(known, information, LEAST_INFORMATION)
-    return _Evidence(information, score, seen, known)
+    return _Evidence(information, score, known)
 
 
-def _common_shape(frames: Sequence[Frame]) -> tuple[int, ...]:
-    """Return the shape of most pixels: masked borders have shapes of their own."""
+def _of_common_shape(frames: Sequence[Frame]) -> list[Frame]:
+    """Return the frames of the shape of most pixels: masked borders have their own."""
     pixels: dict[tuple[int, ...], int] = {}
     for frame in frames:
         shape = frame.signal.shape
         pixels[shape] = pixels.get(shape, 0) + int(frame.keep.sum())
-    return max(pixels, key=lambda shape: pixels[shape])
+    most = max(pixels, key=lambda shape: pixels[shape])
+    return [frame for frame in frames if frame.signal.shape == most]
 
 
 def _high_pass(image: Array, known: Mask) -> Array:
@@ -168,18 +162,3 @@ def _columns(term: Term, evidence: _Evidence) -> Term:
         np.broadcast_to(np.where(used, error * share, prior), shape),
     )
     return replace(term, values=np.array([np.sqrt(prior)]), pattern=pattern)
-
-
-def _hot(term: Term, evidence: _Evidence) -> Term:
-    known, information = evidence.known, evidence.information
-    if not known.any():
-        nothing = np.zeros(known.shape)
-        return replace(term, values=np.zeros(1), pattern=Pattern(nothing, nothing))
-    estimate = evidence.estimate - np.median(evidence.estimate[known])
-    z = np.where(known, estimate * np.sqrt(information), 0)
-    spread = 1.4826 * np.median(np.abs(z[known] - np.median(z[known])))
-    hot = z > HOT * max(1.0, spread)
-    hot &= (evidence.seen >= 2) | (z > CERTAIN)
-    share = hot[known].mean()
-    pattern = Pattern(np.where(hot, estimate, 0), np.where(hot, 1 / information, 0))
-    return replace(term, values=np.array([share]), pattern=pattern)

@@ -211,8 +211,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
         )
     )
     photons = np.maximum(exposed, 0)
-    photon_gain = np.exp(_value(model, "shot_noise")) * frame.beta1
-    photon_variance = photon_gain * photons
+    photon_variance = photon_gain(model, frame) * photons
     if len(model.sensor.cfa) != BAYER:
         read_variance = np.exp(_value(model, "read_noise")) * frame.beta2
         variance = variance + photon_variance + read_variance
@@ -227,15 +226,25 @@ def predict(model: Model, frame: Frame) -> Prediction:
         else:
             shift = bearing * term.pattern.mean
             mean = mean + shift
-            doubt = doubt + bearing**2 * term.pattern.variance
+            unsure = bearing**2 * term.pattern.variance
             if term.name == "hot_pixels":  # charge, with the shot noise of charge
-                variance = variance + photon_gain * np.maximum(shift, 0)
-    # The fit frames made the map: their residuals are too small by its variance.
+                variance = variance + photon_gain(model, frame) * np.maximum(shift, 0)
+                if sign > 0:
+                    variance = variance + unsure
+            else:
+                doubt = doubt + unsure
+    # The fit frames made the map: their residuals are too small by its variance. Of a
+    # hot pixel it is mostly not known whether it is one, which makes nothing smaller.
     variance = np.maximum(variance + sign * doubt, 0.15 * variance)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if model.nuisance is not None:
         variance = variance + model.nuisance.pixel_variance(frame, variance)
     return Prediction(mean, variance, exposed, photon_variance)
+
+
+def photon_gain(model: Model, frame: Frame) -> Array:
+    """Return the variance of light per signal, (h, w)."""
+    return np.exp(_value(model, "shot_noise")) * frame.beta1
 
 
 def pattern_bearing(name: str, frame: Frame, photons: Array) -> Any:
