@@ -66,7 +66,6 @@ def _findings(
         if term.calibration:
             continue
         step = next(s for s in reversed(steps) if s.name == term.name)
-        gain = step.gain - step.null_gain
         others = [
             Alternative(name, height)
             for name, height in step.ranking
@@ -77,7 +76,7 @@ def _findings(
                 name=term.name,
                 parameters=values[term.name],
                 gain_nats=step.gain,
-                e_value=float(np.exp(min(gain, CERTAIN_E))),
+                e_value=float(np.exp(min(step.evidence, CERTAIN_E))),
                 alternatives=others,
                 ambiguous_with=list(step.ambiguous),
                 where=words.where(term.name),
@@ -154,8 +153,8 @@ def concluded(
         (systematic(base, base, report), systematic(model, base, report)),
         sorted({frame.capture.name for frame in report}),
     )
-    before = residual_tests(base, groups["select"], workers)
-    after = residual_tests(model, report, workers)
+    before = residual_tests(base, groups["select"], workers, groups["fit"])
+    after = residual_tests(model, report, workers, groups["select"])
     left, traces = _structure(after, gap.before - gap.after)
     values = estimates(model, groups["fit"], workers)
     every = _findings(model, search.steps, values, gap, bool(left))

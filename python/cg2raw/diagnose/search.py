@@ -6,8 +6,10 @@
 A candidate is screened by one step on the fit frames, fitted there by maximum
 likelihood, and accepted if the likelihood of the select frames rises by
 ln(candidates / alpha) over the best that the model without it can do there: the split
-likelihood-ratio test. Source: L. Wasserman, A. Ramdas, S. Balakrishnan, Universal
-inference, PNAS 117(29), 2020.
+likelihood-ratio test. Where that alone is not enough, the parameters that both models
+share may move on the select frames on either side, and the candidate's own may not: the
+profile likelihood of what the fit frames said. Source: L. Wasserman, A. Ramdas, S.
+Balakrishnan, Universal inference, PNAS 117(29), 2020.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,6 +34,7 @@ from cg2raw.diagnose.vocabulary import Candidate, confusable
 
 MOST_FITTED = 6  # candidates that are fitted in full, of those screened
 WORTH_FITTING = 0.05  # of the best screening score
+LEAST_SCORE = 2.0  # nats that screening finds, beyond one for every parameter
 CLEAR = 5.0  # nats between two names: an e-value ratio of 150
 CLEAR_SHARE = 0.05  # of the gain
 MEAN_FIRST = 0.25  # of the gain that an effect of the mean needs to go first
@@ -40,12 +43,15 @@ MOST_SWAPS = 3
 
 @dataclass(frozen=True)
 class Trial:
-    """A candidate that was fitted: what it gains on the select frames, nats."""
+    """A candidate that was fitted: what it gains on the select frames, nats.
+
+    evidence : the gain, less what the model without it gains by moving there."""
 
     name: str
     gain: float
     blocks: Array
     model: Model
+    evidence: float = -np.inf
 
 
 @dataclass(frozen=True)
@@ -55,9 +61,9 @@ class Step:
     action: str
     name: str
     gain: float
+    evidence: float = 0.0
     ranking: Sequence[tuple[str, float]] = ()
     ambiguous: Sequence[str] = ()
-    null_gain: float = 0.0
 
 
 @dataclass
@@ -108,23 +114,33 @@ class Search:
         trials = self._trials(model, current)
         if not trials:
             return None
-        allowance = self._null_gain(model)
-        needed = self.threshold + allowance
-        if trials[0].gain < needed:
+        null_gain = self._null_gain(model)
+        sure = [
+            trial
+            for trial in (self._weighed(trial, null_gain) for trial in trials)
+            if trial.evidence >= self.threshold
+        ]
+        if not sure:
             return None
-        best = self._mean_first(trials, needed)
-        best, ambiguous = self._decide(best, trials, needed)
+        best, ambiguous = self._decide(self._mean_first(sure), trials, sure)
         self.steps.append(
             Step(
                 "added",
                 best.name,
                 best.gain,
+                best.evidence,
                 [(t.name, t.gain) for t in trials],
                 ambiguous,
-                allowance,
             )
         )
         return self._settled(best.model, best.name)
+
+    def _weighed(self, trial: Trial, null_gain: float) -> Trial:
+        """Return the trial with its evidence."""
+        evidence = trial.gain - null_gain
+        if evidence < self.threshold <= 2 * trial.gain:
+            evidence += self._null_gain(trial.model, trial.name)
+        return replace(trial, evidence=evidence)
 
     def _settled(self, model: Model, newest: str) -> Model:
         """Return the model after all that depends on it was looked at again."""
@@ -136,13 +152,15 @@ class Search:
             model = fit(replace(model, nuisance=better), self.fit_frames, self.workers)
         return self._pruned(model, newest)
 
-    def _null_gain(self, model: Model) -> float:
-        """What the model gains on the select frames by fitting itself to them."""
-        if not any(term.candidate.way == "smooth" for term in model.terms):
+    def _null_gain(self, model: Model, but: str = "") -> float:
+        """What the model gains on the select frames by fitting itself to them.
+
+        but : name of a term that stays as it is."""
+        if not any(t.candidate.way == "smooth" and t.name != but for t in model.terms):
             return 0.0
         current = total(model, self.select_frames, self.workers)
         base = Linearisation(model, self.select_frames, self.workers)
-        return one_step(model, base, current)[1]
+        return one_step(model, base, current, but)[1]
 
     def _trials(self, model: Model, current: Array) -> list[Trial]:
         """Screen all candidates, fit the best; sorted by gain on the select frames."""
@@ -150,7 +168,8 @@ class Search:
         best = max((score for score, _, _ in screened), default=0.0)
         trials = []
         for rank, (score, candidate, start) in enumerate(screened[:MOST_FITTED]):
-            if score < 0.8 * self.threshold:
+            chance = 0 if candidate.way == "pattern" else len(candidate.parameters)
+            if score < LEAST_SCORE + chance:
                 continue
             if rank >= 3 and score < WORTH_FITTING * best:
                 continue
@@ -203,27 +222,27 @@ class Search:
             return start, score - height
         return fit_patterns(place(model, candidate), frames, workers), 0.0
 
-    def _mean_first(self, trials: Sequence[Trial], needed: float) -> Trial:
+    def _mean_first(self, trials: Sequence[Trial]) -> Trial:
         """Noise absorbs any misfit of the mean: an effect of the mean goes first."""
         kinds = {candidate.name: candidate for candidate in self.candidates}
         best = trials[0]
         if kinds[best.name].absorbs:
             for trial in trials:
                 known = kinds[trial.name]
-                enough = trial.gain >= needed and trial.gain > MEAN_FIRST * best.gain
+                enough = trial.gain > MEAN_FIRST * best.gain
                 if known.moves_mean and not known.absorbs and enough:
                     if trial.name != "noise_reduction":
                         return trial
         return best
 
     def _decide(
-        self, best: Trial, trials: Sequence[Trial], needed: float
+        self, best: Trial, trials: Sequence[Trial], sure: Sequence[Trial]
     ) -> tuple[Trial, list[str]]:
         """Return (the trial to accept, names that are as good); a tie goes to the one
-        with fewer parameters."""
+        with fewer parameters. sure : trials that may be accepted."""
         tied = []
         for trial in trials:
-            if trial is best or trial.gain > best.gain:
+            if trial.name == best.name or trial.gain > best.gain:
                 continue
             lead = best.blocks - trial.blocks
             error = lead.std() * np.sqrt(lead.size)
@@ -232,7 +251,8 @@ class Search:
                 tied.append(trial)
         if not tied:
             return best, []
-        able = [best, *(trial for trial in tied if trial.gain >= needed)]
+        names = {trial.name for trial in tied}
+        able = [best, *(trial for trial in sure if trial.name in names)]
         simplest = min(able, key=lambda t: (self._cost(t.name), -t.gain))
         if best.gain - simplest.gain >= CLEAR:
             simplest = best
@@ -287,7 +307,7 @@ class Search:
             return None
         gain, old, new, trial = best
         self._swapped.add((old, new))
-        self.steps.append(Step("swapped", new, gain, [(old, 0.0)]))
+        self.steps.append(Step("swapped", new, gain, gain, [(old, 0.0)]))
         return self._settled(trial, new)
 
     def _swapped_model(
