@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.stats import chi2, norm, poisson
 
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.frames import Frame
@@ -29,9 +29,13 @@ HIGHEST = 0.97  # of white; above it residuals are drawn, not measured
 FEWEST = 20.0  # pixels of a group
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (2, 2))
 STEEPEST = 30.0  # of an edge, in standard deviations per pixel
+OUTLYING = 3.5  # standard deviations
 
 WHERE = {
     "channel": "differs between the sites of the CFA",
+    "radius by channel": "changes from the centre to the corners, by site of the CFA",
+    "level by channel": "depends on the level of the signal, by site of the CFA",
+    "tile by channel": "differs between places of the frame, by site of the CFA",
     "radius": "changes from the centre to the corners",
     "level": "depends on the level of the signal",
     "tile": "differs between places of the frame",
@@ -43,6 +47,7 @@ WHERE = {
     "kurtosis": "the noise has heavier or lighter tails than a normal",
     "edge": "lies along edges",
     "fixed": "the same pixels differ in all frames",
+    "outliers": "pixels stand out that stood out in other frames",
 }
 
 
@@ -70,12 +75,25 @@ class _Fixed:
 
 
 @dataclass
+class _Outliers:
+    """Pixels that stand out, and pixels in all: of those that stood out in frames of
+    another group, and of the rest."""
+
+    again: int = 0
+    suspects: int = 0
+    elsewhere: int = 0
+    rest: int = 0
+
+
+@dataclass
 class _Collected:
     """Sums of all tests. Frames of another shape have rows, columns and pixels of their
     own; what both have, such as the sites of the CFA, they share."""
 
     sums: dict[tuple[str, tuple[int, ...]], _Sums] = field(default_factory=dict)
     fixed: dict[tuple[int, ...], _Fixed] = field(default_factory=dict)
+    suspects: dict[tuple[int, ...], Mask] = field(default_factory=dict)
+    outliers: _Outliers = field(default_factory=_Outliers)
     pixels: int = 0
 
     def add(self, name: str, score: Any, variance: Any, squared: bool = False) -> None:
@@ -95,17 +113,36 @@ class _Collected:
 
 
 def residual_tests(
-    model: Model, frames: Sequence[Frame], workers: Workers
+    model: Model,
+    frames: Sequence[Frame],
+    workers: Workers,
+    others: Sequence[Frame] = (),
 ) -> list[ResidualTest]:
-    """Return all tests, those that explain most nats first."""
-    collected = _Collected()
+    """Return all tests, those that explain most nats first.
+
+    others : frames of another group, which only tell which pixels may stand out."""
+    collected = _Collected(suspects=_suspects(model, others, workers))
     computed = workers.map(lambda f: log_density(model, f)[1:], frames)
     for frame, (z, p) in zip(frames, computed, strict=True):
         _collect(collected, model, frame, z, p)
     names = dict.fromkeys(name for name, _ in collected.sums)
     tests = [_tested(n, collected.of_test(n), collected.pixels) for n in names]
     tests.append(_fixed(collected))
+    if collected.outliers.suspects:
+        tests.append(_outliers(collected))
     return sorted(tests, key=lambda test: -test.nats_per_pixel)
+
+
+def _suspects(
+    model: Model, frames: Sequence[Frame], workers: Workers
+) -> dict[tuple[int, ...], Mask]:
+    """Return where any frame of a shape has an outlier."""
+    found: dict[tuple[int, ...], Mask] = {}
+    computed = workers.map(lambda f: log_density(model, f)[1], frames)
+    for frame, z in zip(frames, computed, strict=True):
+        outlying = frame.keep & ~frame.censored & (np.abs(z) > OUTLYING)
+        found[z.shape] = found.get(z.shape, False) | outlying
+    return found
 
 
 def _collect(
@@ -120,9 +157,14 @@ def _collect(
         return
     n = values.size
     c.pixels += n
+    site = np.broadcast_to(frame.site[None], z.shape)[used]
+    sites = int(frame.site.max()) + 1
     for name, labels, size in _groups(frame, p):
         chosen = np.broadcast_to(labels, z.shape)[used]
         _group_sums(c, name, chosen, size, values, _column_doubt(model, p, used))
+        if name in ("radius", "level", "tile"):
+            both = chosen * sites + site
+            _group_sums(c, f"{name} by channel", both, size * sites, values, None)
     c.add("frame mean", values.sum() ** 2 / n, 1, True)
     c.add("frame variance", (values**2 - 1).sum() ** 2 / (2 * n), 1, True)
     c.add("skewness", (values**3 - 3 * values).sum(), 6 * n)
@@ -130,6 +172,7 @@ def _collect(
     _correlations(c, np.where(used, z, 0), used)
     if frame.capture.kind == "scene":
         _edges(c, frame, z, p, used)
+    _count_outliers(c, z, used & ~frame.censored)
     fixed = c.fixed.setdefault(z.shape, _Fixed())
     fixed.residuals = fixed.residuals + np.where(used, z, 0)
     fixed.squares = fixed.squares + np.where(used, z * z, 0)
@@ -140,6 +183,17 @@ def _collect(
             share = bearing * np.sqrt(term.pattern.variance / p.variance) * used
             linear, square = fixed.posterior.get(term.name, (0.0, 0.0))
             fixed.posterior[term.name] = (linear + share, square + share**2)
+
+
+def _count_outliers(c: _Collected, z: Array, used: Mask) -> None:
+    suspect = c.suspects.get(z.shape)
+    if suspect is None:
+        return
+    outlying = used & (np.abs(z) > OUTLYING)
+    c.outliers.again += int((outlying & suspect).sum())
+    c.outliers.suspects += int((used & suspect).sum())
+    c.outliers.elsewhere += int((outlying & ~suspect).sum())
+    c.outliers.rest += int((used & ~suspect).sum())
 
 
 def _group_sums(
@@ -228,8 +282,8 @@ def _edges(c: _Collected, frame: Frame, z: Array, p: Prediction, used: Mask) -> 
 
 
 def _where(name: str) -> str:
-    key = name.split(":")[0].split()[0]
-    text = WHERE.get(key, name)
+    key = name.split(":")[0].removesuffix(" mean").split(" (")[0]
+    text = WHERE.get(key) or WHERE.get(key.split()[0], name)
     if name.endswith("variance"):
         return f"the size of the residuals {text}"
     return f"the residual {text}" if "mean" in name else text
@@ -266,3 +320,17 @@ def _fixed(c: _Collected) -> ResidualTest:
     p_value, nats = float(2 * norm.sf(abs(size))), 0.5 * (size**2 - 1)
     name = "fixed pattern: the same pixel in all frames"
     return ResidualTest(name, size, p_value, nats / max(c.pixels, 1), WHERE["fixed"])
+
+
+def _outliers(c: _Collected) -> ResidualTest:
+    """Pixels that stand out in two groups of frames, against as many anywhere: Poisson
+    by chance."""
+    seen = c.outliers
+    chance = (seen.elsewhere + 1) / max(seen.rest, 1) * seen.suspects
+    p_value = float(poisson.sf(seen.again - 1, chance)) if seen.again else 1.0
+    size = (seen.again - chance) / np.sqrt(max(chance, 1.0))
+    nats = seen.again * np.log(max(seen.again, 1) / max(chance, 1e-9))
+    nats = float(nats) - (seen.again - chance) if seen.again > chance else 0.0
+    per_pixel = nats / max(c.pixels, 1)
+    name = "outliers: the same pixels in other frames"
+    return ResidualTest(name, float(size), p_value, per_pixel, WHERE["outliers"])
