@@ -27,7 +27,7 @@ from cg2raw.diagnose.fitting import (
     solve,
     start_of_clipping,
 )
-from cg2raw.diagnose.intervals import estimates, smallest_visible, standard_errors
+from cg2raw.diagnose.intervals import estimates, standard_errors
 from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.prediction import Model, place, predict
 
@@ -254,33 +254,6 @@ def test_threads_change_nothing(frames):
     start = place(Model(SENSOR), BY_NAME["crosstalk"])
     one, three = (fit(start, shown, workers) for workers in (ONE, Workers(3)))
     assert (one.terms[0].values == three.terms[0].values).all()
-
-
-def test_the_smallest_visible_strength_gains_what_a_name_needs(frames):
-    names = ["exposure", "gr_gb_imbalance", "early_clipping"]
-    known = [BY_NAME[name] for name in names]
-    powers = {
-        p.name: p for p in smallest_visible(Model(SENSOR), known, frames, ONE, 0.01)
-    }
-    assert powers["early_clipping"].strength is None
-    strength = powers["exposure"].strength
-    needed = np.log(len(known) / 0.01) + 0.5
-    gains = []
-    for seed in range(6):
-        shown = planted(frames, 20 + seed, exposure=[strength])
-        best = model_of(SENSOR, exposure=[strength])
-        gains.append(total(best, shown, ONE) - total(Model(SENSOR), shown, ONE))
-    assert np.mean(gains) == pytest.approx(needed, abs=4 * np.sqrt(2 * needed / 6))
-
-
-def test_strengths_that_the_model_takes_up_are_not_visible():
-    """In a flat of one level, brightness that is fitted hides a curved response."""
-    (flat,) = frames_of(SENSOR, [capture_of("flat", 1)])
-    known = [BY_NAME["nonlinearity"]]
-    (alone,) = smallest_visible(Model(SENSOR), known, [flat], ONE, 0.01)
-    model = model_of(SENSOR, exposure=[0.0])
-    (beside,) = smallest_visible(model, known, [flat], ONE, 0.01)
-    assert beside.strength is None or beside.strength > 3 * alone.strength
 
 
 def test_predictions_do_not_depend_on_tiles():

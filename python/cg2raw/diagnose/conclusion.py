@@ -3,7 +3,7 @@
 
 """Conclusion: a model and its search become a Diagnosis."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,26 +22,33 @@ from cg2raw.diagnose.fitting import fit
 from cg2raw.diagnose.found_profile import found_profile
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.gap import gap_of, systematic
-from cg2raw.diagnose.intervals import estimates, smallest_visible
+from cg2raw.diagnose.intervals import estimates
 from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.pictures import curves_of, histogram
 from cg2raw.diagnose.prediction import Model
 from cg2raw.diagnose.registration import Registration
 from cg2raw.diagnose.residual_tests import residual_tests
 from cg2raw.diagnose.search import Search, Step
+from cg2raw.diagnose.visible import smallest_visible
 from cg2raw.diagnose.vocabulary import Candidate
 from cg2raw.diagnose.whole_frames import look_at
 
 STRUCTURE = 1e-3  # chance of one false alarm among all residual tests
 LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
 SHARE_LEFT = 1e-3  # of what was closed, likewise
-SHAPE = 0.025  # of the gain of an effect whose shape another takes up
-# What takes up how a true effect differs from its model: wings of a point spread
-# function, and outliers along its edges; the slow part of a map, which the map leaves
-# out.
-TAKEN_UP_BY = {
-    "blur": ("veiling_glare", "crosstalk", "noise_reduction", "heavy_tailed_noise"),
-    "prnu": ("color_shading", "lens_shading"),
+# What takes up how a true effect differs from its model, and the share of its gain up
+# to which that is no finding: far wings of a point spread function, what is left along
+# edges; how an image is displaced between pixels; the slow part of a map, which the map
+# leaves out. Shares are twice the largest that single hidden effects left.
+TAKEN_UP_BY: Mapping[str, Mapping[str, float]] = {
+    "blur": {
+        "veiling_glare": 0.015,
+        "crosstalk": 0.004,
+        "noise_reduction": 0.004,
+        "heavy_tailed_noise": 0.004,
+    },
+    "lateral_chromatic_aberration": {"blur": 0.01},
+    "prnu": {"color_shading": 0.01, "lens_shading": 0.01, "gr_gb_imbalance": 0.003},
 }
 CERTAIN_E = 690.0  # log of the largest e-value that is written
 
@@ -103,22 +110,23 @@ def _without_shapes(
 
     An effect's model has a shape; what the true one has beside it is taken up by
     another. That stays in the model, and is not called an effect of its own."""
+    gains = {finding.name: finding.gain_nats for finding in findings}
     kept, notes = [], []
     for finding in findings:
-        larger = [
-            other
-            for other in findings
-            if finding.name in TAKEN_UP_BY.get(other.name, ())
-        ]
-        most = max((other.gain_nats for other in larger), default=0.0)
+        enough = {
+            larger: TAKEN_UP_BY[larger][finding.name] * gains[larger]
+            for larger in gains
+            if finding.name in TAKEN_UP_BY.get(larger, {})
+        }
         # What it gained when it was added may since be explained by others.
-        gain = _loss_without(finding.name, model, search) if larger else np.inf
-        if gain >= SHAPE * most:
+        gain = _loss_without(finding.name, model, search) if enough else np.inf
+        larger = next((name for name, least in enough.items() if gain < least), None)
+        if larger is None:
             kept.append(finding)
             continue
         notes.append(
             f"{words.title(finding.name).capitalize()} takes up what the model of "
-            f"{words.title(larger[0].name)} does not describe ({gain / most:.1%} of "
+            f"{words.title(larger)} does not describe ({gain / gains[larger]:.1%} of "
             "its gain): it is in the profile, and is no finding of its own."
         )
     return kept, notes
@@ -169,7 +177,9 @@ def concluded(
         tests_after=after,
         unexplained=left,
         ladder=[_rung(step) for step in search.steps],
-        power=smallest_visible(model, vocabulary, groups["select"], workers, alpha),
+        power=smallest_visible(
+            model, vocabulary, groups["select"], workers, alpha, groups["fit"]
+        ),
         next_captures=[
             text
             for finding in findings

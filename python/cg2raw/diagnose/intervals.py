@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Intervals of what was fitted, and the strengths that could have been seen."""
+"""Intervals of what was fitted."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.diagnose.diagnosis import Estimate, Power
-from cg2raw.diagnose.fitting import Linearisation, information_of
+from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.fitting import information_of
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.likelihood import Workers, total
-from cg2raw.diagnose.prediction import Model, Term, place
-from cg2raw.diagnose.vocabulary import Candidate
+from cg2raw.diagnose.prediction import Model, Term
 
 NORMAL_95 = 1.96
 
@@ -109,52 +108,3 @@ def scale_of(name: str, frames: Sequence[Frame]) -> float:
     if name != "row_noise" or not frames:
         return 1.0
     return float(np.sqrt(np.mean([frame.beta2.mean() for frame in frames])))
-
-
-def _beside(information: NDArray[np.float64], one: int, own: Sequence[int]) -> float:
-    """Return what is known of one parameter when those of other effects are fitted."""
-    others = [i for i in range(len(information)) if i not in own]
-    if not others or information[one, one] <= 0:
-        return float(information[one, one])
-    cross = information[one, others]
-    scale = np.sqrt(np.maximum(np.diag(information)[others], 1e-30))
-    inner = information[np.ix_(others, others)] / np.outer(scale, scale)
-    taken = cross / scale @ np.linalg.pinv(inner, 1e-9, True) @ (cross / scale)
-    rest = float(information[one, one] - taken)
-    return rest if rest > 1e-6 * information[one, one] else 0.0
-
-
-def smallest_visible(
-    model: Model,
-    candidates: Sequence[Candidate],
-    frames: Sequence[Frame],
-    workers: Workers,
-    alpha: float,
-) -> list[Power]:
-    """Return, for the smooth effects that were not named, the strength that would gain
-    what a name has to gain."""
-    base = Linearisation(model, frames, workers)
-    needed = np.log(max(len(candidates), 1) / alpha)
-    powers = []
-    for candidate in candidates:
-        if candidate.way != "smooth" or candidate.name in model.names:
-            continue
-        parameters, _, information = base.system(place(model, candidate))
-        own = [i for i, (name, _) in enumerate(parameters) if name == candidate.name]
-        strongest = max(own, key=lambda i: information[i, i])
-        known = _beside(information, strongest, own)
-        index = parameters[strongest][1]
-        strength = None
-        if known > 1e-6:
-            strength = float(np.sqrt(2 * (needed + len(own) / 2) / known))
-        if strength is not None and strength > candidate.high[index]:
-            strength = None
-        powers.append(
-            Power(
-                candidate.name,
-                candidate.parameters[index],
-                strength,
-                candidate.units[index],
-            )
-        )
-    return powers
