@@ -4,17 +4,18 @@
 """The gap between simulation and measurement, on frames that nothing was fitted to."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Gap
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.likelihood import log_density, residuals
+from cg2raw.diagnose.likelihood import block_sums, log_density, residuals
 from cg2raw.diagnose.prediction import Model, Prediction, predict
 from cg2raw.diagnose.tiling import Array
 
 LARGEST = 50.0  # standard deviations that count in chi-square
+NORMAL_95 = 1.96
 BELOW_WHITE = 0.97  # of white: above it residuals are drawn, not measured
 HIGHEST = 0.95  # of white, for repeats
 
@@ -24,13 +25,17 @@ class Sums:
     """Of the pixels of report frames: negative log density, squares of residuals.
 
     pixels : between the ends of the ADC, for densities. residuals : those and pixels at
-    0, whose residuals are drawn: without them, noise that is cut is too narrow."""
+    0, whose residuals are drawn: without them, noise that is cut is too narrow.
+    blocks : of the loss; beyond : of what it is beyond the truth's, or, where that is
+    not known, beyond that of standard normal residuals; both by squares of pixels."""
 
     loss: float = 0.0
     squares: float = 0.0
     true_loss: float | None = 0.0
     pixels: int = 0
     residuals: int = 0
+    blocks: list[Array] = field(default_factory=list)
+    beyond: list[Array] = field(default_factory=list)
 
     def add(self, model: Model, frame: Frame) -> tuple[Array, Prediction]:
         """Count a frame; return its residuals and prediction."""
@@ -41,12 +46,16 @@ class Sums:
         counted = frame.keep & ~frame.at_white & (p.mean < BELOW_WHITE)
         self.squares += float((np.minimum(np.abs(z[counted]), LARGEST) ** 2).sum())
         self.residuals += int(counted.sum())
+        self.blocks.append(block_sums(np.where(used, -density, 0)))
         truth = frame.capture.log_density
         if truth is None or self.true_loss is None:
             self.true_loss = None
+            beyond = 0.5 * (np.minimum(z * z, LARGEST**2) - 1)
         else:
-            true_density = frame.tiles.cut(truth())
-            self.true_loss -= float(np.nansum(true_density[used]))
+            true_density = np.nan_to_num(frame.tiles.cut(truth()))
+            self.true_loss -= float(true_density[used].sum())
+            beyond = true_density - density
+        self.beyond.append(block_sums(np.where(used, beyond, 0)))
         return z, p
 
     def __add__(self, other: "Sums") -> "Sums":
@@ -57,6 +66,8 @@ class Sums:
             self.true_loss + other.true_loss if known else None,  # type: ignore[operator]
             self.pixels + other.pixels,
             self.residuals + other.residuals,
+            self.blocks + other.blocks,
+            self.beyond + other.beyond,
         )
 
     @property
@@ -98,12 +109,26 @@ def gap_of(
         truth = after.loss / pixels - max(0.0, 0.5 * (after.chi2 - 1))
     else:
         truth = after.true_loss / pixels
+    beyond = np.concatenate([np.zeros(0), *after.beyond])
+    more = np.concatenate([np.zeros(0), *before.blocks])
+    more = beyond + more - np.concatenate([np.zeros(0), *after.blocks])
+    gaps = before.loss / pixels - truth, after.loss / pixels - truth
     return Gap(
-        before=before.loss / pixels - truth,
-        after=after.loss / pixels - truth,
+        before=gaps[0],
+        after=gaps[1],
+        interval_before=_interval(gaps[0], more / pixels),
+        interval_after=_interval(gaps[1], beyond / pixels),
         chi2_before=before.chi2,
         chi2_after=after.chi2,
         systematic_before=systematic_errors[0],
         systematic_after=systematic_errors[1],
         held_out=sorted(held_out),
     )
+
+
+def _interval(value: float, parts: Array) -> tuple[float, float] | None:
+    """Return the 95 % interval of a sum whose parts are independent."""
+    if len(parts) < 2:
+        return None
+    half = NORMAL_95 * float(np.sqrt(len(parts)) * parts.std(ddof=1))
+    return value - half, value + half

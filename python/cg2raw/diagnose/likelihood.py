@@ -130,12 +130,16 @@ def in_blocks(model: Model, frames: Sequence[Frame], workers: Workers) -> Array:
     """Return the log-likelihood in sums over squares of BLOCK pixels."""
 
     def sums(frame: Frame) -> Array:
-        density = np.where(frame.keep, log_density(model, frame)[0], 0)
-        count, height, width = density.shape
-        rows, columns = -(-height // BLOCK), -(-width // BLOCK)
-        padded = np.zeros((count, rows * BLOCK, columns * BLOCK))
-        padded[:, :height, :width] = density
-        shape = (count, rows, BLOCK, columns, BLOCK)
-        return padded.reshape(shape).sum((2, 4)).ravel()
+        return block_sums(np.where(frame.keep, log_density(model, frame)[0], 0))
 
     return np.concatenate(workers.map(sums, frames))
+
+
+def block_sums(image: Array) -> Array:
+    """Return sums over squares of BLOCK pixels of an image (T, h, w)."""
+    count, height, width = image.shape
+    rows, columns = -(-height // BLOCK), -(-width // BLOCK)
+    padded = np.zeros((count, rows * BLOCK, columns * BLOCK))
+    padded[:, :height, :width] = image
+    shape = (count, rows, BLOCK, columns, BLOCK)
+    return np.asarray(padded.reshape(shape).sum((2, 4)).ravel())
