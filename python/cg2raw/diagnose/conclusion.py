@@ -39,17 +39,19 @@ SHARE_LEFT = 1e-3  # of what was closed, likewise
 # What takes up how a true effect differs from its model, and the share of its gain up
 # to which that is no finding: far wings of a point spread function, what is left along
 # edges; how an image is displaced between pixels; the slow part of a map, which the map
-# leaves out. Shares are twice the largest that single hidden effects left.
+# leaves out. Shares are twice the largest that single hidden effects left. Noise that
+# shows where there is no image, in darks and flats, is noise all the same.
 TAKEN_UP_BY: Mapping[str, Mapping[str, float]] = {
     "blur": {
         "veiling_glare": 0.015,
         "crosstalk": 0.004,
-        "noise_reduction": 0.004,
-        "heavy_tailed_noise": 0.004,
+        "noise_reduction": 0.025,
+        "heavy_tailed_noise": 0.025,
     },
     "lateral_chromatic_aberration": {"blur": 0.01},
     "prnu": {"color_shading": 0.01, "lens_shading": 0.01, "gr_gb_imbalance": 0.003},
 }
+NOISES = ("noise_reduction", "heavy_tailed_noise")
 CERTAIN_E = 690.0  # log of the largest e-value that is written
 
 
@@ -94,13 +96,19 @@ def _findings(
     return findings
 
 
-def _loss_without(name: str, model: Model, search: Search) -> float:
-    """Return what the select frames lose, nats, if all but one effect explain them."""
+def _losses_without(name: str, model: Model, search: Search) -> tuple[float, float]:
+    """Return what the select frames lose, nats, if all but one effect explain them;
+    and what the uniform ones of them lose."""
     rest = fit(model.without(name), search.fit_frames, search.workers)
-    with_it, without = (
-        total(each, search.select_frames, search.workers) for each in (model, rest)
-    )
-    return with_it - without
+    uniform = [f for f in search.select_frames if f.capture.kind in ("dark", "flat")]
+
+    def loss(frames: Sequence[Frame]) -> float:
+        with_it, without = (
+            total(each, frames, search.workers) for each in (model, rest)
+        )
+        return with_it - without
+
+    return loss(search.select_frames), loss(uniform)
 
 
 def _without_shapes(
@@ -119,7 +127,11 @@ def _without_shapes(
             if finding.name in TAKEN_UP_BY.get(larger, {})
         }
         # What it gained when it was added may since be explained by others.
-        gain = _loss_without(finding.name, model, search) if enough else np.inf
+        gain, of_uniform = np.inf, 0.0
+        if enough:
+            gain, of_uniform = _losses_without(finding.name, model, search)
+        if finding.name in NOISES and of_uniform > search.threshold:
+            gain = np.inf
         larger = next((name for name, least in enough.items() if gain < least), None)
         if larger is None:
             kept.append(finding)

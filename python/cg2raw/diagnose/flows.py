@@ -10,7 +10,7 @@ skewness: E. A. Cornish, R. A. Fisher, Rev. Inst. Int. Stat. 5(4), 1938.
 
 import numpy as np
 from scipy import fft
-from scipy.special import log_ndtr, ndtr, ndtri
+from scipy.special import log_ndtr, ndtr, ndtri, owens_t
 
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.tiling import Array
@@ -20,18 +20,20 @@ from cg2raw.diagnose.vocabulary import Values
 Whitened = tuple[Array, Array | float]
 
 FAR = 7.0  # standard deviations beyond which a series is not trusted
+LEAST_CHANCE = 1e-15
 NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
 
 
 def early_clipping(
     z: Array, p: Prediction, values: Values, frame: Frame, read_variance: Array
 ) -> Whitened:
-    """The exact density of min(photons, well) + read noise near the well."""
-    extra = np.zeros_like(z)
+    """The exact density of min(photons, well) + read noise near the well, and the
+    normal score of what was measured."""
     well = 1 - values[0]
     shot = np.sqrt(p.photon_variance + 1e-14)
     below = (well - p.exposed) / shot
     near = below < NEAR_WELL
+    extra = np.zeros_like(z)
     if values[0] <= 0 or not near.any():
         return z, extra
     x, s2, a = p.exposed[near], shot[near] ** 2, below[near]
@@ -50,10 +52,28 @@ def early_clipping(
     open_ = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
     open_ += log_ndtr((well - (x * rest + y * s2) / both) / split)
     shut = log_ndtr(-a) - 0.5 * (y - well) ** 2 / rest - 0.5 * np.log(rest)
+    below_y = _both_below(a, (y - x) / np.sqrt(both), sd / np.sqrt(both))
+    below_y += ndtr(-a) * ndtr((y - well) / np.sqrt(rest))
+    white = z.copy()
+    white[near] = ndtri(np.clip(below_y, LEAST_CHANCE, 1 - LEAST_CHANCE))
     extra[near] = (
-        np.logaddexp(open_, shut) + 0.5 * z[near] ** 2 + 0.5 * np.log(p.variance[near])
+        np.logaddexp(open_, shut)
+        + 0.5 * white[near] ** 2
+        + 0.5 * np.log(p.variance[near])
     )
-    return z, extra
+    return white, extra
+
+
+def _both_below(h: Array, k: Array, correlation: Array) -> Array:
+    """Return the chance that two standard normal numbers lie below h and k.
+
+    Source: D. B. Owen, Ann. Math. Stat. 27(4), 1956."""
+    h, k = (np.where(np.abs(v) < 1e-9, 1e-9, v) for v in (h, k))
+    root = np.sqrt(1 - correlation**2)
+    unlike = np.where(h * k < 0, 0.5, 0.0)
+    of_h = owens_t(h, (k / h - correlation) / root)
+    of_k = owens_t(k, (h / k - correlation) / root)
+    return np.asarray(0.5 * (ndtr(h) + ndtr(k)) - of_h - of_k - unlike)
 
 
 def over_rows(frame: Frame, image: Array) -> Array:
