@@ -68,7 +68,7 @@ def fit_hot_pixels(
     leak = _leak(rest, frames, predictions, np.maximum(first.rate, 0))
     if not leak.known.any():
         return replace(term, values=np.zeros(1), pattern=Pattern(cold, cold))
-    hot, rate, variance = _posterior(leak, _tails(rest, frames[0]))
+    hot, rate, variance = _posterior(leak, first, _tails(rest, frames[0]))
     mean = hot * rate
     doubt = hot * (variance + rate**2) - mean**2
     share = float(hot[leak.known].mean())
@@ -109,17 +109,21 @@ def _tails(rest: Model, frame: Frame) -> tuple[float, float]:
     return (0.0, 1.0) if values is None else (float(values[0]), float(values[1]))
 
 
-def _posterior(leak: _Leak, tails: tuple[float, float]) -> tuple[Array, Array, Array]:
-    """Return (probability to be hot, rate if hot, its variance) of every pixel."""
-    z = np.where(leak.known & leak.agreed, leak.rate / leak.deviation, 0.0)
+def _posterior(
+    leak: _Leak, cold: _Leak, tails: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Return (probability to be hot, rate if hot, its variance) of every pixel.
+
+    leak, cold : with and without the shot noise of the rate."""
+    z = np.where(leak.known & leak.agreed, cold.rate / cold.deviation, 0.0)
     likely = z > LEAST
     hot, rate, variance = np.zeros((3, *z.shape))
     if not likely.any():
         return hot, rate, variance
-    e, s = leak.rate[likely], leak.deviation[likely]
-    cold = np.logaddexp(
-        np.log1p(-tails[0]) + _log_normal(e, s),
-        np.log(tails[0] + 1e-300) + _log_normal(e, s * np.sqrt(tails[1])),
+    e, s, narrow = leak.rate[likely], leak.deviation[likely], cold.deviation[likely]
+    spike = np.logaddexp(
+        np.log1p(-tails[0]) + _log_normal(e, narrow),
+        np.log(tails[0] + 1e-300) + _log_normal(e, narrow * np.sqrt(tails[1])),
     )
     pixels = int(leak.known.sum())
     share, mean = max(likely.sum(), 1) / pixels, float(e.mean())
@@ -127,7 +131,7 @@ def _posterior(leak: _Leak, tails: tuple[float, float]) -> tuple[Array, Array, A
     for _ in range(ROUNDS):
         inside = (e - s * s / mean) / s
         slab = 0.5 * (s / mean) ** 2 - e / mean + log_ndtr(inside) - np.log(mean)
-        odds = np.log(share) - np.log1p(-min(share, 0.5)) + slab - cold
+        odds = np.log(share) - np.log1p(-min(share, 0.5)) + slab - spike
         probability = expit(odds)
         before, share = share, max(float(probability.sum()) / pixels, 1e-12)
         mean = float((probability * e).sum() / max(float(probability.sum()), 1e-12))
