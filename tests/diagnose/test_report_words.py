@@ -9,7 +9,7 @@ import pytest
 
 from cg2raw.diagnose.diagnosis import Estimate, Gap
 from cg2raw.diagnose.report import words
-from cg2raw.diagnose.report.separation import GENERAL, known_effects, separation
+from cg2raw.diagnose.separation import GENERAL, known_effects, separation
 
 NAN = float("nan")
 EFFECTS = """

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Estimate, Gap
+from cg2raw.diagnose.separation import separation
 
 Estimates = Mapping[str, Estimate]
 
@@ -65,27 +66,6 @@ WHERE = {
     "noise_reduction": "neighbours of one colour share their noise",
 }
 
-DECIDES = {
-    frozenset({"lens_shading", "exposure"}): "flats that fill the frame",
-    frozenset({"prnu", "shot_noise"}): "repeated flats at two levels",
-    frozenset({"dsnu", "read_noise"}): "repeated darks",
-    frozenset({"hot_pixels", "heavy_tailed_noise"}): "repeated darks at two times",
-    frozenset({"crosstalk", "color_matrix"}): "a scene with sharp coloured edges",
-    frozenset({"crosstalk", "blur"}): "a flat of strong colour",
-    frozenset(
-        {"blur", "noise_reduction"}
-    ): "flats and darks, whose noise is not blurred",
-    frozenset({"row_noise", "dsnu"}): "repeated darks",
-    frozenset({"black_level", "dark_current"}): "darks at two exposure times",
-    frozenset(
-        {"black_level", "veiling_glare"}
-    ): "darks, and a scene of few bright parts",
-    frozenset({"white_balance", "color_matrix"}): "a chart of greys and colours",
-    frozenset({"white_balance", "color_shading"}): "flats that fill the frame",
-    frozenset({"exposure", "nonlinearity"}): "flats at three levels",
-    frozenset({"lens_shading", "veiling_glare"}): "flats at two levels, and darks",
-}
-
 
 def title(name: str) -> str:
     """Return an effect's plain name."""
@@ -109,8 +89,7 @@ def sentence(name: str, values: Estimates, gap: Gap) -> str:
 def deciding_captures(name: str, others: Sequence[str]) -> list[str]:
     """Return what to capture to tell an effect from those that look alike."""
     return [
-        f"To tell {title(name)} from {title(other)}, add "
-        f"{DECIDES.get(frozenset({name, other}), 'more frames of each kind')}."
+        f"To tell {title(name)} from {title(other)}: {separation(name, other)}"
         for other in others
     ]
 

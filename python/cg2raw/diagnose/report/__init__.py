@@ -6,7 +6,6 @@
 page        the file: sections put into the template
 sections    what the template shows, row by row
 words       numbers and sentences
-separation  what tells two effects apart
 frames      measured, simulated and residual pictures
 plots       drawings
 figures     all pictures of a report, with words for those who cannot see them

@@ -16,7 +16,7 @@ from cg2raw.diagnose.diagnosis import (
 )
 from cg2raw.diagnose.report import words
 from cg2raw.diagnose.report.plots import SIGNIFICANT, paired
-from cg2raw.diagnose.report.separation import separation
+from cg2raw.diagnose.separation import separation
 
 BADGES = {  # verdict -> class of the style sheet, sign that does not need colour
     "no gap": ("good", "\N{CHECK MARK}"),
