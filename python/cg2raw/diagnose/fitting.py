@@ -292,24 +292,12 @@ def _scored(
     workers: Workers,
     rounds: int,
 ) -> tuple[Model, float]:
-    """Fisher scoring with halved steps until it gains no more."""
+    """Fisher scoring with damped steps until it gains no more."""
     for _ in range(rounds):
-        parameters, score, information = Linearisation(model, frames, workers).system(
-            model
-        )
-        if not parameters:
-            break
-        step, promised = solve(score, information)
-        for share in (1.0, 0.5, 0.2, 0.05):
-            trial = moved(model, parameters, share * step)
-            height = total(trial, frames, workers)
-            if height > current:
-                break
-        else:
-            break
-        gain = height - current
-        model, current = trial, height
-        if gain < ENOUGH or promised < ENOUGH:
+        base = Linearisation(model, frames, workers)
+        model, gain = one_step(model, base, current)
+        current += gain
+        if gain < ENOUGH:
             break
     return model, current
 
