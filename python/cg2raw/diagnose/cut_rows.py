@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import log_ndtr
 
-from cg2raw.diagnose.flows import over_rows
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.prediction import Prediction
 from cg2raw.diagnose.tiling import Array
@@ -40,7 +39,7 @@ def with_row_offsets(
         offset = offset + (slope - offset / prior) / bend
     _, bend = _derivatives(p, frame, offset)
     of_row = -0.5 * offset**2 / prior - 0.5 * np.log1p(prior * bend)
-    count = np.maximum(over_rows(frame, frame.keep.astype(float)), 1)
+    count = np.maximum(frame.tiles.over_rows(frame.keep.astype(float)), 1)
     return replace(p, mean=p.mean + offset), of_row / count * frame.keep
 
 
@@ -56,4 +55,4 @@ def _derivatives(p: Prediction, frame: Frame, offset: Array) -> tuple[Array, Arr
     bend = np.where(frame.at_zero, ratio * (ratio + end), 1.0) / p.variance
     # Pixels at white would show an offset as little, and are as good as none.
     used = frame.keep & ~frame.at_white
-    return over_rows(frame, slope * used), over_rows(frame, bend * used)
+    return frame.tiles.over_rows(slope * used), frame.tiles.over_rows(bend * used)

@@ -19,7 +19,7 @@ from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.hot_pixels import fit_hot_pixels
 from cg2raw.diagnose.likelihood import Workers, scores
 from cg2raw.diagnose.prediction import Model, Pattern, Term, pattern_bearing, predict
-from cg2raw.diagnose.tiling import Array, Mask
+from cg2raw.diagnose.tiling import Array, Mask, Tiling
 
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
@@ -62,7 +62,7 @@ def _fitted(term: Term, rest: Model, frames: Sequence[Frame], workers: Workers) 
         return fit_hot_pixels(term, rest, chosen, workers)
     evidence = _evidence(term, rest, chosen, workers)
     if term.name == "column_noise":
-        return _columns(term, evidence)
+        return _columns(term, evidence, chosen[0].tiles)
     return _pixels(term, evidence)
 
 
@@ -147,11 +147,11 @@ def _pixels(term: Term, evidence: _Evidence) -> Term:
     return replace(term, values=np.array([np.sqrt(prior)]), pattern=pattern)
 
 
-def _columns(term: Term, evidence: _Evidence) -> Term:
-    """One offset per column of a tile."""
-    used = evidence.known.any(1, keepdims=True)
-    a = np.where(evidence.known, evidence.information, 0).sum(1, keepdims=True)
-    b = np.where(evidence.known, evidence.score, 0).sum(1, keepdims=True)
+def _columns(term: Term, evidence: _Evidence, tiles: Tiling) -> Term:
+    """One offset per column of the frame."""
+    a = tiles.over_columns(np.where(evidence.known, evidence.information, 0))
+    b = tiles.over_columns(np.where(evidence.known, evidence.score, 0))
+    used = a > 0
     estimate = np.where(used, b / np.maximum(a, LEAST_INFORMATION), 0)
     error = 1 / np.maximum(a, LEAST_INFORMATION)
     prior = _prior((estimate**2)[used], error[used])

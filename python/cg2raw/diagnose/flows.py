@@ -76,16 +76,6 @@ def _both_below(h: Array, k: Array, correlation: Array) -> Array:
     return np.asarray(0.5 * (ndtr(h) + ndtr(k)) - of_h - of_k - unlike)
 
 
-def over_rows(frame: Frame, image: Array) -> Array:
-    """Return sums over the rows of an image (T, h, w), as (T, h, 1). Tiles beside each
-    other share their rows."""
-    tops = frame.tiles.origins[:, 0]
-    _, group = np.unique(tops, return_inverse=True)
-    sums = np.zeros((int(group.max()) + 1, image.shape[1]))
-    np.add.at(sums, group, image.sum(-1))
-    return np.asarray(sums[group][..., None])
-
-
 def row_noise(
     z: Array, p: Prediction, values: Values, frame: Frame, power: float = -0.5
 ) -> Whitened:
@@ -93,12 +83,12 @@ def row_noise(
 
     power : of the covariance that z is multiplied by; -0.5 whitens."""
     share = (values[0] ** 2 * frame.beta2.mean()) / p.variance * frame.keep
-    total = over_rows(frame, share) + 1e-300
+    total = frame.tiles.over_rows(share) + 1e-300
     eigenvalue = 1 + total
     direction = np.sqrt(share / total)
-    along = direction * over_rows(frame, direction * z)
+    along = direction * frame.tiles.over_rows(direction * z)
     white = z - (1 - eigenvalue**power) * along
-    count = np.maximum(over_rows(frame, frame.keep.astype(float)), 1)
+    count = np.maximum(frame.tiles.over_rows(frame.keep.astype(float)), 1)
     return white, power * np.log(eigenvalue) / count * frame.keep
 
 

@@ -17,7 +17,6 @@ from scipy.optimize import brentq
 
 from cg2raw.diagnose.diagnosis import Power
 from cg2raw.diagnose.fitting import Linearisation
-from cg2raw.diagnose.flows import over_rows
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.intervals import scale_of
 from cg2raw.diagnose.likelihood import Workers
@@ -136,11 +135,9 @@ def _gain_of(name: str, seen: Seen, learnt: Seen) -> Gain | None:
 def _of_rows(seen: Seen) -> Gain:
     told = []
     for frame, p in seen:
-        _, group, count = np.unique(
-            frame.tiles.origins[:, 0], return_inverse=True, return_counts=True
-        )
-        of_row = over_rows(frame, frame.keep / p.variance)[..., 0]
-        told.append((of_row, np.broadcast_to(1 / count[group][:, None], of_row.shape)))
+        of_row = frame.tiles.over_rows(frame.keep / p.variance)
+        beside = frame.tiles.over_rows(np.ones_like(p.variance)) / p.variance.shape[2]
+        told.append((of_row, 1 / beside))
 
     def gain(sigma: float) -> float:
         return sum(
@@ -153,7 +150,8 @@ def _of_rows(seen: Seen) -> Gain:
 
 def _of_map(name: str, seen: Seen, learnt: Seen) -> Gain:
     """The map is learnt from the fit frames as far as their noise lets it."""
-    shape = seen[0][0].signal.shape
+    shape, tiles = seen[0][0].signal.shape, seen[0][0].tiles
+    of_columns = name == "column_noise"
 
     def told(group: Seen) -> list[Array]:
         parts = []
@@ -161,16 +159,18 @@ def _of_map(name: str, seen: Seen, learnt: Seen) -> Gain:
             if frame.signal.shape == shape:
                 bearing = pattern_bearing(name, frame, np.maximum(p.exposed, 0))
                 used = frame.keep & ~frame.censored
-                parts.append(used * bearing**2 / p.variance)
-        return [p.sum(1) for p in parts] if name == "column_noise" else parts
+                part = used * bearing**2 / p.variance
+                parts.append(tiles.over_columns(part) if of_columns else part)
+        return parts
 
     known, shown = sum(told(learnt)), told(seen)
+    # Columns of tiles above each other count once.
+    once = shape[1] / tiles.over_columns(np.ones(shape)) if of_columns else 1.0
 
     def gain(sigma: float) -> float:
         left = sigma**2 / (1 + sigma**2 * known)
-        return sum(
-            float((sigma**2 * each - np.log1p(left * each)).sum()) / 2 for each in shown
-        )
+        nats = [(sigma**2 * each - np.log1p(left * each)) * once for each in shown]
+        return sum(float(each.sum()) for each in nats) / 2
 
     return gain
 
