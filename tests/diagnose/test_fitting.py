@@ -94,7 +94,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     captures = [capture_of("flat", 1, shape=(40, 48))]
     frames = frames_of(SENSOR, captures)
     inside = []
-    for seed in range(40):
+    for seed in range(24):
         shown = planted(frames, seed, gr_gb_imbalance=true)
         found = fit(place(Model(SENSOR), BY_NAME["gr_gb_imbalance"]), shown, ONE)
         of_term = estimates(found, shown, ONE)["gr_gb_imbalance"]
@@ -267,3 +267,16 @@ def test_predictions_do_not_depend_on_tiles():
         model = model_of(SENSOR, **{name: PLANTED[name]})
         expected = cut.tiles.cut(predict(model, whole).mean[0])
         assert predict(model, cut).mean == pytest.approx(expected, abs=2e-6)
+
+
+def test_noise_reduction_leaves_the_noise_of_a_mean_as_it_was():
+    """Pixels look quieter, and share what they have left."""
+    flats = frames_of(SENSOR, [capture_of("flat", 1)])
+    known = []
+    for more in ({}, {"noise_reduction": [0.3, 0.0]}):
+        parameters, information = information_of(
+            model_of(SENSOR, exposure=[0.0], **more), flats, ONE
+        )
+        at = parameters.index(("exposure", 0))
+        known.append(information[at, at])
+    assert known[1] == pytest.approx(known[0], rel=0.03)

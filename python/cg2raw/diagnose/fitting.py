@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.cut_rows import with_row_offsets
 from cg2raw.diagnose.fixed_patterns import fit_patterns
-from cg2raw.diagnose.flows import row_noise
+from cg2raw.diagnose.flows import noise_reduction, row_noise
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.likelihood import Workers, scores, total
 from cg2raw.diagnose.prediction import Model, Prediction, flow_values, place, predict
@@ -66,7 +66,11 @@ class Linearisation:
         return flow_values(self.model, frame, "row_noise")
 
     def _white(self, z: Array, p: Prediction, frame: Frame, rows: bool = True) -> Array:
-        """Whiten by what is Gaussian and linear: offsets of rows, and the nuisance."""
+        """Whiten by what is Gaussian and linear: filtered noise, offsets of rows, and
+        the nuisance."""
+        blend = flow_values(self.model, frame, "noise_reduction")
+        if blend is not None:
+            z = noise_reduction(z, blend)[0]
         sigma = self._rows(frame) if rows else None
         if sigma is not None:
             z = row_noise(z, p, sigma, frame)[0]
