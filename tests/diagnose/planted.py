@@ -114,6 +114,17 @@ def shown(frame, signal):
     return replace(frame, signal=dn / frame.range, at_white=dn >= frame.range, store={})
 
 
+def cut_at_zero(frames, black=0.0):
+    """Return frames as an ADC shows them that has a pedestal of few DN, or none."""
+    result = []
+    for frame in frames:
+        lowest = -black / frame.range
+        signal = np.maximum(frame.signal, lowest)
+        shows = {"signal": signal, "at_zero": signal <= lowest}
+        result.append(replace(frame, **shows, store={}))
+    return result
+
+
 def bare(sensor):
     """Return the sensor with no noise of its own."""
     profile = json.loads(sensor.to_json())

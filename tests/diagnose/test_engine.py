@@ -22,8 +22,10 @@ from cg2raw.diagnose.captures import CaptureSet
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.engine import diagnose
 from cg2raw.diagnose.groups import GROUPS
+from cg2raw.diagnose.hidden_truth.sensors import ISO, with_noise
 from cg2raw.diagnose.prediction import Model
 from cg2raw.diagnose.search import Search
+from cg2raw.diagnose.simulate_captures import draw_hidden, simulate_captures
 
 SENSOR = sensor_of()
 SHAPE = (64, 84)  # of whole repeats of X-Trans too
@@ -90,6 +92,29 @@ def test_the_verdict_does_not_depend_on_threads():
     values = {name: list(parameters.values()) for name, _, parameters in one[1]}
     assert values["exposure"][0] == pytest.approx(0.03, abs=0.002)
     assert values["read_noise"][0] == pytest.approx(0.4, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "strength", "value"),
+    [
+        ("row_noise", 0.3, 0.3 * 5 / 10000),
+        ("column_noise", 0.3, 0.3 * 5 / 10000),
+        ("dark_current", 2.0, 2 / 10000),
+    ],
+)
+def test_noise_that_is_cut_at_zero_hides_no_effect(name, strength, value):
+    """A camera without a pedestal shows half of a dark's noise: of 5 in 10000 e-."""
+    sensor = with_noise(Sensor("nikon-d40"), 10000, 5, ISO)
+    assert sensor.black_level == [0.0] * 4
+    hidden = draw_hidden(sensor, {name: strength}, seed=1)
+    captures = simulate_captures(sensor, hidden, seed=1, shape=(64, 96))
+    found = diagnose(captures, details=False, threads=2)
+    assert found.verdict == "identified"
+    (effect,) = found.effects
+    (parameter,) = effect.parameters.values()
+    assert effect.name == name
+    assert parameter.value == pytest.approx(value, rel=0.15)
+    assert found.gap.chi2_after == pytest.approx(1, abs=0.015)
 
 
 def test_an_interrupted_search_still_reports(monkeypatch):

@@ -104,30 +104,6 @@ def test_columns_are_recovered():
     assert error.std() < 0.35 * sigma
 
 
-def test_hot_pixels_are_found_and_no_others():
-    rng = np.random.default_rng(9)
-    hot = rng.random(TILE) < 0.004
-    rates = np.where(hot, rng.uniform(0.01, 0.1, TILE), 0)
-    captures = [
-        capture_of("dark", seed, exposure_time=seconds)
-        for seed, seconds in enumerate((0.5, 1.0, 2.0, 2.0))
-    ]
-    frames = planted(captures, 10, lambda frame: frame.seconds, rates)
-    term = fitted("hot_pixels", frames)
-    keep = frames[0].keep
-    assert ((term.pattern.mean > 0) == hot)[keep].all()
-    assert term.pattern.mean[hot & keep] == pytest.approx(rates[hot & keep], rel=0.1)
-    assert term.values[0] == pytest.approx(hot[keep].mean())
-
-
-def test_an_outlier_in_one_frame_is_no_hot_pixel():
-    frames = planted(captures_of(kinds=("dark",), count=6), 11, white, np.zeros(TILE))
-    signal = frames[0].signal.copy()
-    signal[0, 30, 40] += 18 * READ
-    frames[0] = replace(frames[0], signal=signal)
-    assert fitted("hot_pixels", frames).values[0] == 0
-
-
 def test_pixels_that_do_not_count_tell_nothing():
     """Of a frame that is divided by pixels, those of the other groups."""
     rng = np.random.default_rng(12)

@@ -6,7 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnose.planted import capture_of, drawn, frames_of, model_of, sensor_of
+from diagnose.planted import (
+    capture_of,
+    cut_at_zero,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
 
 from cg2raw.diagnose.gap import Sums, gap_of, systematic
 from cg2raw.diagnose.likelihood import log_density
@@ -67,6 +74,33 @@ def sums_of(model, frames):
     return sums
 
 
+@pytest.mark.parametrize("black", [-1.0, 0.0, 2.0])
+def test_chi_square_of_darks_that_are_cut_at_zero_is_one(black):
+    """The ADC has 2 DN per read noise, and ends at some DN below no light."""
+    sensor = sensor_of(white_level=3600, black_level=[0.0] * 4)
+    captures = [capture_of("dark", n, group="report") for n in range(12)]
+    shown = cut_at_zero(drawn(frames_of(sensor, captures), Model(sensor), 8), black)
+    sums = sums_of(Model(sensor), shown)
+    assert sums.residuals == sum(frame.keep.sum() for frame in shown)
+    assert 0.1 < 1 - sums.pixels / sums.residuals < 0.8
+    assert sums.chi2 == pytest.approx(1, abs=4 * np.sqrt(2 / sums.residuals))
+
+
+def test_chi_square_of_darks_with_cut_row_noise_is_one():
+    """Offsets are drawn, or the likeliest would take one residual of 88."""
+    sensor = sensor_of(black_level=[0.0] * 4)
+    captures = [capture_of("dark", n, group="report") for n in range(12)]
+
+    def rows(frame, rng):
+        sigma = 0.5 * np.sqrt(frame.beta2.mean())
+        return sigma * rng.standard_normal((1, frame.tiles.size[0], 1))
+
+    shown = cut_at_zero(drawn(frames_of(sensor, captures), Model(sensor), 9, rows))
+    sums = sums_of(model_of(sensor, row_noise=[0.5]), shown)
+    assert sums.chi2 == pytest.approx(1, abs=3 * np.sqrt(2 / sums.residuals))
+    assert sums_of(Model(sensor), shown).chi2 > 1.1
+
+
 def with_truth(frames, model):
     result = []
     for frame in frames:
@@ -104,6 +138,31 @@ def test_sums_add_up(frames):
     first, second = (sums_of(Model(SENSOR), [frame]) for frame in shown)
     both, one = first + second, sums_of(Model(SENSOR), shown)
     assert both.loss == pytest.approx(one.loss) and both.pixels == one.pixels
+    assert both.chi2 == pytest.approx(one.chi2) and both.residuals == one.residuals
     assert both.true_loss == pytest.approx(one.true_loss)
     unknown = sums_of(Model(SENSOR), drawn(frames, Model(SENSOR), 7)[:1])
     assert unknown.true_loss is None and (unknown + first).true_loss is None
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_intervals_hold_the_gap(known):
+    """Of an exposure that the model lacks; what other draws of the noise say."""
+    gaps = []
+    for seed in range(12):
+        frames = frames_of(SENSOR, [capture_of(n, 1) for n in ("dark", "flat")])
+        true = model_of(SENSOR, **TRUE)
+        frames = drawn(frames, true, seed)
+        if known:
+            for frame in frames:
+                density = log_density(true, frame)[0][0]
+                capture = replace(frame.capture, log_density=lambda d=density: d)
+                frame.capture = capture
+        sums = sums_of(Model(SENSOR), frames), sums_of(true, frames)
+        gaps.append(gap_of(*sums, (None, None), []))
+    truth = np.mean([gap.before for gap in gaps])
+    inside = [g.interval_before[0] < truth < g.interval_before[1] for g in gaps]
+    assert sum(inside) >= 9
+    widths = [g.interval_before[1] - g.interval_before[0] for g in gaps]
+    spread = np.std([gap.before for gap in gaps])
+    assert 3 * spread < np.mean(widths) < 10 * spread
+    assert all(g.interval_after[0] <= 0 <= g.interval_after[1] for g in gaps[:6])

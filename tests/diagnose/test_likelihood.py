@@ -22,6 +22,7 @@ from cg2raw.diagnose.likelihood import (
     in_blocks,
     log_density,
     residuals,
+    scores,
     total,
 )
 from cg2raw.diagnose.prediction import Model, predict
@@ -108,6 +109,62 @@ def test_an_impossible_pixel_has_a_bounded_weight(frames):
     assert density[0, 20, 20] == -200
     assert np.isfinite(z).all()
     assert z[0, 20, 20] > LARGEST_Z
+
+
+@pytest.fixture
+def both_ends(frames):
+    """Return (frame that is cut at both ends, prediction some pixels of which lie up to
+    6 standard deviations from what is shown)."""
+    p = predict(Model(SENSOR), frames[1])
+    spread = np.sqrt(p.variance)
+    cut = clipped(frames[1], *(p.mean.mean() + x * spread.mean() for x in (-0.7, 0.8)))
+    assert cut.at_white.mean() > 0.1 and cut.at_zero.mean() > 0.1
+    far = np.linspace(-6, 6, p.mean.shape[-1])
+    return cut, replace(p, mean=p.mean + far * spread)
+
+
+def densities(frame, p, by_mean=0.0, by_log_variance=0.0):
+    """Return log densities of pixels whose prediction has moved, the mean in standard
+    deviations."""
+    mean = p.mean + by_mean * np.sqrt(p.variance)
+    at = replace(p, mean=mean, variance=p.variance * np.exp(by_log_variance))
+    return log_density(Model(SENSOR), frame, at)[0]
+
+
+def derivative(heights, step):
+    return (heights(step) - heights(-step)) / (2 * step)
+
+
+def test_scores_are_derivatives_of_the_log_density(both_ends):
+    frame, p = both_ends
+    z, square, weight = scores(p, frame)
+    by_mean = derivative(lambda x: densities(frame, p, by_mean=x), 1e-4)
+    by_variance = derivative(lambda x: densities(frame, p, by_log_variance=x), 1e-4)
+    assert (z * weight)[frame.keep] == pytest.approx(by_mean[frame.keep], abs=1e-5)
+    variance = (square / np.sqrt(2))[frame.keep]
+    assert variance == pytest.approx(by_variance[frame.keep], abs=1e-4)
+
+
+def test_the_weight_of_a_pixel_is_the_root_of_its_information(both_ends):
+    frame, p = both_ends
+    weight = scores(p, frame)[2]
+    assert (weight[~frame.censored] == 1).all()
+    middle = densities(frame, p)
+    bend = 2 * middle - densities(frame, p, 1e-3) - densities(frame, p, -1e-3)
+    told = (bend / 1e-6)[frame.censored]
+    assert weight[frame.censored] ** 2 == pytest.approx(told, rel=1e-3, abs=1e-5)
+    assert told.min() < 0.01 and told.max() > 0.9
+
+
+def test_scores_of_drawn_frames_are_as_large_as_their_information(both_ends):
+    """Under the true model their means are 0, and their squares the information."""
+    frame, _ = both_ends
+    p = predict(Model(SENSOR), frame)
+    z, square, weight = (part[frame.keep] for part in scores(p, frame))
+    error = 1 / np.sqrt(z.size)
+    assert (z * weight).mean() == pytest.approx(0, abs=4 * error)
+    assert ((z * weight) ** 2).mean() == pytest.approx((weight**2).mean(), abs=0.06)
+    assert square.mean() == pytest.approx(0, abs=4 * error)
 
 
 def test_density_is_in_dn(frames):

@@ -6,12 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnose.planted import ONE, capture_of, drawn, frames_of, model_of, sensor_of
+from diagnose.planted import (
+    ONE,
+    capture_of,
+    cut_at_zero,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
 from scipy.stats import kstest
 
 from cg2raw.diagnose.fixed_patterns import fit_patterns
 from cg2raw.diagnose.groups import third
-from cg2raw.diagnose.prediction import Model
+from cg2raw.diagnose.prediction import Model, predict
 from cg2raw.diagnose.residual_tests import residual_tests
 
 SENSOR = sensor_of()
@@ -171,6 +179,33 @@ def test_a_structure_rings_its_test(frames, name):
     assert ringing[name] < ALARM
 
 
+def bright(frame, rng):
+    return 2.0 * (predict(Model(SENSOR), frame).exposed > 0.16) - 1
+
+
+@pytest.mark.parametrize(
+    ("name", "structure", "sites"),
+    [("radius", radial, (3, 0)), ("tile", blobs, (3, 0)), ("level", bright, (1, 2))],
+)
+def test_opposite_signs_at_two_sites_ring_by_channel(frames, name, structure, sites):
+    """Such as a red that falls towards the corners and a blue that rises."""
+
+    def extra(frame, rng):
+        sign = 1.0 * site(frame, sites[0]) - site(frame, sites[1])
+        spread = np.sqrt(predict(Model(SENSOR), frame).variance)
+        return 0.3 * spread * sign * structure(frame, rng)
+
+    found = p_values(drawn(frames, Model(SENSOR), 51, extra))
+    assert found[f"{name} by channel mean"] < ALARM
+    assert found[f"{name} mean"] > 1e-3
+
+
+def test_every_test_says_where(frames):
+    for test in residual_tests(Model(SENSOR), frames, ONE):
+        assert test.where != test.name
+        assert ("by site of the CFA" in test.where) == ("by channel" in test.name)
+
+
 def test_every_autocorrelation_has_its_lag(frames):
     for down, right in ((0, 1), (1, 0), (1, 1), (2, 0), (2, 2)):
 
@@ -250,11 +285,7 @@ def test_darks_that_are_clipped_at_zero_are_no_structure(black):
     """A camera without a pedestal shows half of a dark's noise."""
     sensor = sensor_of(black_level=[black] * 4)
     made = frames_of(sensor, captures_of())
-    shown = []
-    for frame in drawn(made, Model(sensor), 49):
-        lowest = -black / frame.range
-        signal = np.maximum(frame.signal, lowest)
-        shown.append(replace(frame, signal=signal, at_zero=signal <= lowest))
+    shown = cut_at_zero(drawn(made, Model(sensor), 49), black)
     assert shown[0].at_zero.mean() > 0.2
     tests = residual_tests(Model(sensor), shown, ONE)
     assert min(test.p_value for test in tests) > ALARM

@@ -8,31 +8,41 @@ that. The offset of each row is integrated out instead, by Laplace's method: pix
 are cut or normal, and a normal prior, are log-concave in it, and nearly normal.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import log_ndtr
+from scipy.special import log_ndtr, ndtri
 
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.prediction import Prediction
 from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Values
 
-NEWTON_STEPS = 5
+NEWTON_STEPS = 10
+LEAST_CHANCE = 1e-12
 LOG_ROOT_2PI = 0.5 * np.log(2 * np.pi)
 
 
-def with_row_offsets(
-    p: Prediction, values: Values, frame: Frame
-) -> tuple[Prediction, Array]:
-    """Return (prediction with each row's likeliest offset, what integrating it out adds
-    to the log density, per pixel).
+@dataclass(frozen=True)
+class CutRows:
+    """A prediction with the offsets of a frame's rows.
 
-    values : of the effect row_noise: sigma, in read noises."""
+    likeliest : for densities. drawn : with offsets from their posterior, for residuals,
+    which are standard normal then. log_density : what integrating the offsets out adds,
+    per pixel."""
+
+    likeliest: Prediction
+    drawn: Prediction
+    log_density: Array
+
+
+def cut_rows(p: Prediction, values: Values, frame: Frame) -> CutRows:
+    """Return a prediction with row offsets. values : of row_noise: sigma, in read
+    noises."""
     prior = values[0] ** 2 * frame.beta2.mean()
     offset = np.zeros((*p.mean.shape[:2], 1))
     if prior <= 0:
-        return p, np.zeros_like(p.mean)
+        return CutRows(p, p, np.zeros_like(p.mean))
     for _ in range(NEWTON_STEPS):
         slope, bend = _derivatives(p, frame, offset)
         bend = bend + 1 / prior
@@ -40,7 +50,16 @@ def with_row_offsets(
     _, bend = _derivatives(p, frame, offset)
     of_row = -0.5 * offset**2 / prior - 0.5 * np.log1p(prior * bend)
     count = np.maximum(frame.tiles.over_rows(frame.keep.astype(float)), 1)
-    return replace(p, mean=p.mean + offset), of_row / count * frame.keep
+    # A sum of uniform numbers is uniform on the circle, and tiles of a row share it.
+    turn = frame.tiles.over_rows(frame.uniform[:, :, :1]) % 1
+    away = ndtri(np.clip(turn, LEAST_CHANCE, 1 - LEAST_CHANCE)) / np.sqrt(
+        bend + 1 / prior
+    )
+    return CutRows(
+        replace(p, mean=p.mean + offset),
+        replace(p, mean=p.mean + offset + away),
+        of_row / count * frame.keep,
+    )
 
 
 def _derivatives(p: Prediction, frame: Frame, offset: Array) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.diagnose.cut_rows import with_row_offsets
+from cg2raw.diagnose.cut_rows import cut_rows
 from cg2raw.diagnose.fixed_patterns import fit_patterns
 from cg2raw.diagnose.flows import noise_reduction, row_noise
 from cg2raw.diagnose.frames import Frame
@@ -56,7 +56,7 @@ class Linearisation:
     def _state(self, frame: Frame) -> _State:
         p = predict(self.model, frame)
         rows = self._rows(frame) if frame.is_cut else None
-        at = p if rows is None else with_row_offsets(p, rows, frame)[0]
+        at = p if rows is None else cut_rows(p, rows, frame).likeliest
         z, square, weight = scores(at, frame)
         if rows is not None:  # they lack the offsets; in part these are ours to explain
             z = row_noise(z, p, rows, frame, power=0.5)[0]

@@ -109,15 +109,17 @@ def gap_of(
         truth = after.loss / pixels - max(0.0, 0.5 * (after.chi2 - 1))
     else:
         truth = after.true_loss / pixels
-    beyond = np.concatenate([np.zeros(0), *after.beyond])
-    more = np.concatenate([np.zeros(0), *before.blocks])
-    more = beyond + more - np.concatenate([np.zeros(0), *after.blocks])
+    beyond = [part / pixels for part in after.beyond]
+    more = [
+        part + (first - last) / pixels
+        for part, first, last in zip(beyond, before.blocks, after.blocks, strict=True)
+    ]
     gaps = before.loss / pixels - truth, after.loss / pixels - truth
     return Gap(
         before=gaps[0],
         after=gaps[1],
-        interval_before=_interval(gaps[0], more / pixels),
-        interval_after=_interval(gaps[1], beyond / pixels),
+        interval_before=_interval(gaps[0], more),
+        interval_after=_interval(gaps[1], beyond),
         chi2_before=before.chi2,
         chi2_after=after.chi2,
         systematic_before=systematic_errors[0],
@@ -126,9 +128,14 @@ def gap_of(
     )
 
 
-def _interval(value: float, parts: Array) -> tuple[float, float] | None:
-    """Return the 95 % interval of a sum whose parts are independent."""
-    if len(parts) < 2:
+def _interval(value: float, parts: Sequence[Array]) -> tuple[float, float] | None:
+    """Return the 95 % interval of a sum of independent parts, per piece of a frame.
+
+    Of their noise alone: neighbours differ by it, and far ones by what they show.
+    Source: J. von Neumann et al., Ann. Math. Stat. 12(2), 1941."""
+    steps = np.concatenate([np.zeros(0), *(np.diff(part) for part in parts)])
+    count = sum(len(part) for part in parts)
+    if not len(steps):
         return None
-    half = NORMAL_95 * float(np.sqrt(len(parts)) * parts.std(ddof=1))
+    half = NORMAL_95 * float(np.sqrt(count * 0.5 * np.mean(steps**2)))
     return value - half, value + half

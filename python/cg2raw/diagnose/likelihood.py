@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from cg2raw.diagnose.cut_rows import with_row_offsets
+from cg2raw.diagnose.cut_rows import cut_rows
 from cg2raw.diagnose.flows import whiten
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.prediction import Model, Prediction, flow_values, predict
@@ -91,9 +91,8 @@ def log_density(
     rows that the ADC cuts)."""
     p = predict(model, frame) if prediction is None else prediction
     rows = flow_values(model, frame, "row_noise") if frame.is_cut else None
-    of_rows: Array | float = 0.0
-    if rows is not None:
-        p, of_rows = with_row_offsets(p, rows, frame)
+    cut = None if rows is None else cut_rows(p, rows, frame)
+    p = p if cut is None else cut.likeliest
     z, cost = whiten(residuals(p, frame), p, model, frame)
     density = -0.5 * z * z - 0.5 * LOG_2PI + cost - 0.5 * np.log(p.variance)
     density = density - np.log(frame.range)
@@ -102,7 +101,10 @@ def log_density(
             end = _first_censored(frame, hit, sign, p) / np.sqrt(p.variance[hit])
             beyond = log_ndtr(-end)
             density[hit] = np.maximum(beyond, LEAST_LOG)
-    return density + of_rows, z, p
+    if cut is not None:
+        density = density + cut.log_density
+        z = whiten(residuals(cut.drawn, frame), cut.drawn, model, frame)[0]
+    return density, z, p
 
 
 def total(
