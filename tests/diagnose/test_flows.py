@@ -143,7 +143,7 @@ def test_row_noise_becomes_white(frame):
     below = np.stack([24 * np.arange(400), np.zeros(400)], 1).astype(np.int32)
     tiles = replace(frame.tiles, origins=below)
     many = replace(frame, keep=np.ones(z.shape, bool), tiles=tiles)
-    p = Prediction(*(np.broadcast_to(x.mean(), z.shape) for x in vars(p).values()))
+    p = Prediction(*(np.broadcast_to(np.mean(x), z.shape) for x in vars(p).values()))
     white, _ = flows.row_noise(z, p, np.array([sigma]), many)
     assert z.mean(-1).var() > 1
     assert white.mean(-1).var() * 20 == pytest.approx(1, abs=0.05)
@@ -214,36 +214,44 @@ def test_noise_that_was_reduced_becomes_white():
     assert abs((z * np.roll(z, 2, 2)).mean()) > 0.1
 
 
-def clipping_density(frame, mean, below_white, read, signal):
-    """Return the flow's density of signals (n,) at a mean, per unit of signal."""
+def clipping_density(frame, mean, below_white, read, signal, light=0.0):
+    """Return the flow's density of signals (n,) at a mean, per unit of signal, and its
+    residuals. light : variance of light that nobody measured."""
     photons = frame.beta1.mean() * mean
     well = 1 - below_white
     a = (well - mean) / photons**0.5
     inside, peak = norm.cdf(a), norm.pdf(a)
     first = mean - photons**0.5 * (peak - a * (1 - inside))
     second = photons * (inside - a * peak) + (a * photons**0.5) ** 2 * (1 - inside)
-    variance = max(second - (first - mean) ** 2, 0) + read
-    p = Prediction(*(np.full(SHAPE, x) for x in (first, variance, mean, photons)))
+    variance = max(second - (first - mean) ** 2, 0) + read + light
+    known = (np.full(SHAPE, x) for x in (first, variance, mean, photons, light))
+    p = Prediction(*known)
     z = ((signal - first) / variance**0.5).reshape(SHAPE)
     values = np.array([below_white])
     white, extra = flows.early_clipping(z, p, values, frame, np.full(SHAPE[1:], read))
-    return np.exp(extra + norm.logpdf(white) - 0.5 * np.log(variance)).ravel()
+    density = np.exp(extra + norm.logpdf(white) - 0.5 * np.log(variance))
+    return density.ravel(), white.ravel()
 
 
+@pytest.mark.parametrize("light", [0.0, 0.03])
 @pytest.mark.parametrize("mean", [0.72, 0.79, 0.80, 0.81, 0.86])
-def test_early_clipping_is_the_density_of_clipped_photons_and_read_noise(frame, mean):
+def test_early_clipping_is_the_density_of_clipped_photons_and_read_noise(
+    frame, mean, light
+):
     """min(photons, well) + read noise: it integrates to 1, and its histogram is that
     of draws."""
     read, well = frame.beta2.mean(), 0.8
-    wide = 8 * np.sqrt(frame.beta1.mean() * mean + read)
-    y = np.linspace(min(mean, well) - wide, max(mean, well) + wide, 480)
-    density = clipping_density(frame, mean, 1 - well, read, y)
+    wide = 8 * np.sqrt(frame.beta1.mean() * mean + read + light**2)
+    y = np.linspace(min(mean, well) - wide, well + 8 * np.sqrt(read), 480)
+    density, white = clipping_density(frame, mean, 1 - well, read, y, light**2)
     step = y[1] - y[0]
     assert density.sum() * step == pytest.approx(1, abs=0.003)
     rng = np.random.default_rng(5)
-    photons = mean + np.sqrt(frame.beta1.mean() * mean) * rng.standard_normal(400_000)
+    spread = np.sqrt(frame.beta1.mean() * mean + light**2)
+    photons = mean + spread * rng.standard_normal(400_000)
     draws = np.minimum(photons, well) + np.sqrt(read) * rng.standard_normal(400_000)
     below = np.searchsorted(np.sort(draws), y) / len(draws)
+    assert norm.cdf(white) == pytest.approx(below, abs=0.004)
     assert np.cumsum(density) * step - density * step / 2 == pytest.approx(
         below,
         abs=0.02,  # of a peak that is two steps wide
@@ -252,7 +260,7 @@ def test_early_clipping_is_the_density_of_clipped_photons_and_read_noise(frame, 
 
 def test_early_clipping_far_below_the_well_is_the_normal(frame):
     y = np.linspace(0.2, 0.4, 480)
-    density = clipping_density(frame, 0.3, 0.2, frame.beta2.mean(), y)
+    density, _ = clipping_density(frame, 0.3, 0.2, frame.beta2.mean(), y)
     variance = frame.beta1.mean() * 0.3 + frame.beta2.mean()
     assert density == pytest.approx(norm.pdf(y, 0.3, variance**0.5), rel=1e-6)
 

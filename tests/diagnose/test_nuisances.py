@@ -112,7 +112,28 @@ def test_highlights_of_scenes_do_not_count():
         hidden = before & ~frame.keep
         bright = predict(brighter, frame).mean >= 0.85
         assert (hidden == (before & bright & (frame.capture.kind == "scene"))).all()
+        assert (frame.counted == before).all()
     assert hidden.sum() == 0
+
+
+def test_highlights_show_what_clips_and_little_else():
+    frames = frames_of(SENSOR, [capture_of("scene", n) for n in range(4)])
+    hidden = nuisance(0.01, 0.02, registration=0.1)
+    bright = replace(model_of(SENSOR, exposure=[1.5]), nuisance=hidden)
+    truth = replace(model_of(SENSOR, exposure=[1.5], early_clipping=[0.08]))
+    seen = drawn(frames, truth, 3)
+    for frame in seen:
+        hide_highlights(frame, bright)
+    assert sum(frame.highlights.sum() for frame in seen) > 100
+
+    def gain(**terms):
+        model = replace(model_of(SENSOR, exposure=[1.5], **terms), nuisance=hidden)
+        return total(model, seen, ONE) - total(bright, seen, ONE)
+
+    clipped = gain(early_clipping=[0.08])
+    assert clipped > 100
+    assert gain(early_clipping=[0.06]) < 0.5 * clipped
+    assert gain(nonlinearity=[0.05, 0.0]) < 0.3 * clipped
 
 
 def test_a_shift_is_variance_on_edges():

@@ -91,9 +91,9 @@ class Linearisation:
         p = state.prediction
         moved = predict(model.with_values(name, values), frame)
         mean = (moved.mean - p.mean) / step / np.sqrt(p.variance)
-        mean = self._white(state.weight * np.where(frame.keep, mean, 0), p, frame)
+        mean = self._white(state.weight * np.where(frame.counted, mean, 0), p, frame)
         spread = (moved.variance - p.variance) / step * np.sqrt(0.5) / p.variance
-        return mean[frame.keep].astype("f4"), spread[frame.keep].astype("f4")
+        return mean[frame.counted].astype("f4"), spread[frame.counted].astype("f4")
 
     def system(
         self, model: Model, but: str = ""
@@ -114,7 +114,7 @@ class Linearisation:
                     if self.model.term(parameter[0]) is not None:
                         state.columns[parameter] = column
                 rows.append(np.concatenate(column))
-            z, square = (a[frame.keep] for a in (state.residual, state.square))
+            z, square = (a[frame.counted] for a in (state.residual, state.square))
             design = np.array(rows)
             right = np.concatenate([z, square]).astype("f4")
             return (
@@ -315,8 +315,10 @@ def start_of_clipping(
 
     def low_ones(frame: Frame) -> Array:
         p = predict(model, frame)
-        low = p.mean - frame.signal > 6 * np.sqrt(p.variance)
-        return frame.signal[frame.keep & ~frame.censored & low & (frame.signal > 0.25)]
+        low = p.mean - frame.signal > 6 * np.sqrt(p.variance - p.light_variance)
+        return frame.signal[
+            frame.counted & ~frame.censored & low & (frame.signal > 0.25)
+        ]
 
     values = np.concatenate(workers.map(low_ones, frames))
     if values.size < 8:

@@ -30,24 +30,20 @@ def early_clipping(
     """The exact density of min(photons, well) + read noise near the well, and the
     normal score of what was measured."""
     well = 1 - values[0]
-    shot = np.sqrt(p.photon_variance + 1e-14)
-    below = (well - p.exposed) / shot
+    light = np.broadcast_to(p.light_variance, z.shape)
+    below = (well - p.exposed) / np.sqrt(p.photon_variance + light + 1e-14)
     near = below < NEAR_WELL
     extra = np.zeros_like(z)
     if values[0] <= 0 or not near.any():
         return z, extra
-    x, s2, a = p.exposed[near], shot[near] ** 2, below[near]
-    sd = shot[near]
-    density = np.exp(-0.5 * np.minimum(a * a, 1400)) / np.sqrt(2 * np.pi)
-    inside = ndtr(a)
-    mean = x - sd * (density - a * (1 - inside))
-    moment = s2 * (inside - a * density) + (a * sd) ** 2 * (1 - inside)
-    clipped = np.maximum(moment - (mean - x) ** 2, 0)
-    rest = np.maximum(
-        p.variance[near] - clipped, 0.2 * np.broadcast_to(read_variance, z.shape)[near]
-    )
+    x, s2, light = p.exposed[near], p.photon_variance[near] + 1e-14, light[near]
+    mean, clipped = _clipped_photons(x, s2, well)
+    known = p.variance[near] - light
+    least = 0.2 * np.broadcast_to(read_variance, z.shape)[near]
+    rest = np.maximum(known - clipped, least)
     y = z[near] * np.sqrt(p.variance[near]) + mean  # before the read-out's offsets
-    both = s2 + rest
+    s2 = s2 + light  # light that nobody measured is clipped too
+    sd, a, both = np.sqrt(s2), below[near], s2 + rest
     split = np.sqrt(s2 * rest / both)
     open_ = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
     open_ += log_ndtr((well - (x * rest + y * s2) / both) / split)
@@ -62,6 +58,17 @@ def early_clipping(
         + 0.5 * np.log(p.variance[near])
     )
     return white, extra
+
+
+def _clipped_photons(x: Array, variance: Array, well: float) -> tuple[Array, Array]:
+    """Return mean and variance of min(N(x, variance), well)."""
+    sd = np.sqrt(variance)
+    a = (well - x) / sd
+    density = np.exp(-0.5 * np.minimum(a * a, 1400)) / np.sqrt(2 * np.pi)
+    inside = ndtr(a)
+    mean = x - sd * (density - a * (1 - inside))
+    moment = variance * (inside - a * density) + (a * sd) ** 2 * (1 - inside)
+    return mean, np.maximum(moment - (mean - x) ** 2, 0)
 
 
 def _both_below(h: Array, k: Array, correlation: Array) -> Array:

@@ -29,7 +29,7 @@ class Frame:
 
     signal : measured, 0..1 above black.
     at_white, at_zero : the ADC's ends were reached: censored.
-    keep : pixels that count.
+    keep : pixels that count. highlights : others, that show what clips and little else.
     camera : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens.
     noise : betas at the CFA's sites, for the registry; beta1, beta2 : (h, w) of them.
     range : (h, w) DN from black to white.
@@ -54,6 +54,7 @@ class Frame:
     site: NDArray[np.int64]
     color: NDArray[np.int64]
     level_free: bool = False
+    highlights: Mask | None = None
     store: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -65,6 +66,11 @@ class Frame:
     def is_cut(self) -> bool:
         """Whether the ADC cuts the noise at 0, as that of darks at black level 0."""
         return bool((self.at_zero & self.keep).sum() > MOST_AT_ZERO * self.keep.sum())
+
+    @property
+    def counted(self) -> Mask:
+        """Pixels whose likelihood counts."""
+        return self.keep if self.highlights is None else self.keep | self.highlights
 
     @property
     def censored(self) -> Mask:

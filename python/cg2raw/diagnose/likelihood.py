@@ -71,7 +71,7 @@ def scores(p: Prediction, frame: Frame) -> tuple[Array, Array, Array]:
     are cut at an end of the ADC: they tell that they lie beyond it, and the score of
     their mean is the inverse of Mills' ratio."""
     spread = np.sqrt(p.variance)
-    z = np.where(frame.keep, (frame.signal - p.mean) / spread, 0)
+    z = np.where(frame.counted, (frame.signal - p.mean) / spread, 0)
     square = (z * z - 1) * np.sqrt(0.5)
     weight = np.ones_like(z)
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
@@ -116,13 +116,16 @@ def total(
     """Return the log-likelihood of frames, nats."""
     if prepared is None:
         return float(
-            sum(workers.map(lambda f: log_density(model, f)[0][f.keep].sum(), frames))
+            sum(
+                workers.map(lambda f: log_density(model, f)[0][f.counted].sum(), frames)
+            )
         )
     known = {id(f): p for f, p in zip(frames, prepared, strict=True)}
     return float(
         sum(
             workers.map(
-                lambda f: log_density(model, f, known[id(f)])[0][f.keep].sum(), frames
+                lambda f: log_density(model, f, known[id(f)])[0][f.counted].sum(),
+                frames,
             )
         )
     )
@@ -132,7 +135,7 @@ def in_blocks(model: Model, frames: Sequence[Frame], workers: Workers) -> Array:
     """Return the log-likelihood in sums over squares of BLOCK pixels."""
 
     def sums(frame: Frame) -> Array:
-        return block_sums(np.where(frame.keep, log_density(model, frame)[0], 0))
+        return block_sums(np.where(frame.counted, log_density(model, frame)[0], 0))
 
     return np.concatenate(workers.map(sums, frames))
 

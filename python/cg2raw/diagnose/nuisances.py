@@ -26,6 +26,8 @@ FIELD = (5, 6)  # bumps of a smooth error, down and across a frame
 WIDTH_OF_BUMP = 0.7  # of their distance, standard deviation
 BUMPS_THAT_ADD = 1.6  # how many of their variances a pixel sees
 HIGHEST = 0.85  # of white; above it errors of the capture decide what clips
+UNSURE = 0.15  # relative, of light there
+CLIPPED = 3.0  # standard deviations below its light that a pixel is clipped
 LEAST = {"light": 0.005, "radiance": 0.01, "registration": 0.0, "texture": 0.0}
 MOST = {"light": 0.2, "radiance": 0.2, "registration": 0.5, "texture": 0.1}
 UNKNOWN_LEVEL = 0.3  # relative, of what nobody measured
@@ -53,14 +55,18 @@ class Nuisance:
         slope, light = _slope_and_light(frame)
         extra = self.registration**2 * slope + self.texture**2 * light
         whole = self.light**2 + BUMPS_THAT_ADD * self.radiance**2
+        if frame.highlights is not None:
+            extra = extra + frame.highlights * UNSURE**2 * light
         return extra + frame.censored * whole * light
 
     def _columns(self, frame: Frame, p: Prediction) -> Array | None:
         """(k, pixels) of the fields, in standard deviations of a pixel."""
         if frame.capture.kind == "dark":
             return None
-        bearing = np.maximum(p.exposed, 0) / np.sqrt(p.variance)
-        bearing = np.where(frame.keep & ~frame.censored, bearing, 0).astype("f4")
+        spread = np.sqrt(p.variance)
+        bearing = np.maximum(p.exposed, 0) / spread
+        clipped = frame.censored | (p.exposed > p.mean + CLIPPED * spread)
+        bearing = np.where(frame.keep & ~clipped, bearing, 0).astype("f4")
         columns = []
         apart = frame.level_free or "white_balance" in self.floating
         unknown = UNKNOWN_LEVEL if frame.level_free else AFTER_ALIGNMENT
@@ -215,6 +221,9 @@ def refitted(
 
 
 def hide_highlights(frame: Frame, model: Model) -> None:
-    """Take what is predicted near white out of a frame that shows a scene."""
+    """Take what is predicted near white out of a frame that shows a scene. It counts as
+    light that hardly anything is known of: enough to show a well that clips it."""
     if frame.capture.kind in ("scene", "chart"):
-        frame.keep &= predict(model, frame).mean < HIGHEST
+        bright = predict(model, frame).mean >= HIGHEST
+        frame.highlights = frame.keep & bright
+        frame.keep &= ~bright

@@ -90,12 +90,14 @@ class Model:
 class Prediction:
     """Mean and variance over frames of every pixel, (T, h, w), signal units.
 
-    exposed : the mean before noise; photons, and variance of the photons."""
+    exposed : the mean before noise; photons, and variance of the photons.
+    light_variance : of light that nobody measured, part of the variance."""
 
     mean: Array
     variance: Array
     exposed: Array
     photon_variance: Array
+    light_variance: Array | float = 0.0
 
 
 def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]:
@@ -237,9 +239,10 @@ def predict(model: Model, frame: Frame) -> Prediction:
     # hot pixel it is mostly not known whether it is one, which makes nothing smaller.
     variance = np.maximum(variance + sign * doubt, 0.15 * variance)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
+    unknown: Array | float = 0.0
     if model.nuisance is not None:
-        variance = variance + model.nuisance.pixel_variance(frame, variance)
-    return Prediction(mean, variance, exposed, photon_variance)
+        unknown = model.nuisance.pixel_variance(frame, variance)
+    return Prediction(mean, variance + unknown, exposed, photon_variance, unknown)
 
 
 def photon_gain(model: Model, frame: Frame) -> Array:
