@@ -24,6 +24,7 @@ from cg2raw.diagnose.vocabulary import Candidate, Values
 
 ENOUGH = 0.3  # nats; a step that promises less is not taken
 FULL_STEP, FLOW_SHARE = 1.0, 0.4
+LEAST_PILE = 2  # pixels at one level that may be a well's
 FARTHEST = 4.0  # steps, of the top of a parabola
 MOST_RIDGE = 3  # steps along the way that coordinates led
 Parameter = tuple[str, int]  # name of a term, index of its value
@@ -321,13 +322,16 @@ def start_of_clipping(
         ]
 
     values = np.concatenate(workers.map(low_ones, frames))
-    if values.size < 8:
+    if not values.size:
         return None
     width = max(4 * np.sqrt(max(f.beta2.mean() for f in frames)), 2e-4)
     bins = (values / width).astype(int)
     fullest = np.argmax(np.bincount(bins))
-    well = np.median(values[bins == fullest])
-    return place(model, candidate, candidate.clipped(np.array([max(1 - well, 1e-3)])))
+    pile = values[bins == fullest]
+    if pile.size < LEAST_PILE:
+        return None
+    below_white = max(1 - float(np.median(pile)), 1e-3)
+    return place(model, candidate, candidate.clipped(np.array([below_white])))
 
 
 def information_of(
