@@ -38,9 +38,10 @@ LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
 SHARE_LEFT = 1e-3  # of what was closed, likewise
 # What takes up how a true effect differs from its model, and the share of its gain up
 # to which that is no finding: far wings of a point spread function, what is left along
-# edges; how an image is displaced between pixels; the slow part of a map, which the map
-# leaves out. Shares are twice the largest that single hidden effects left. Noise that
-# shows where there is no image, in darks and flats, is noise all the same.
+# edges; how an image is displaced between pixels; a fall-off that is no polynomial; the
+# slow part of a map, which the map leaves out. Shares are about twice the largest that
+# single hidden effects and measured lenses left. Noise that shows where there is no
+# image, in darks and flats, is noise all the same.
 TAKEN_UP_BY: Mapping[str, Mapping[str, float]] = {
     "blur": {
         "veiling_glare": 0.015,
@@ -49,6 +50,7 @@ TAKEN_UP_BY: Mapping[str, Mapping[str, float]] = {
         "heavy_tailed_noise": 0.025,
     },
     "lateral_chromatic_aberration": {"blur": 0.01},
+    "lens_shading": {"exposure": 1e-4, "prnu": 5e-5},
     "prnu": {"color_shading": 0.01, "lens_shading": 0.01, "gr_gb_imbalance": 0.003},
 }
 NOISES = ("noise_reduction", "heavy_tailed_noise")
