@@ -20,6 +20,7 @@ from diagnose.planted import (
 from cg2raw import Sensor
 from cg2raw.diagnose.captures import CaptureSet
 from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.diagnose import engine
 from cg2raw.diagnose.engine import diagnose
 from cg2raw.diagnose.groups import GROUPS
 from cg2raw.diagnose.hidden_truth.sensors import ISO, with_noise
@@ -143,6 +144,16 @@ def test_an_interrupt_at_once_reports_the_gap(monkeypatch):
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
     assert found.interrupted and found.effects == []
     assert found.verdict == "unknown structure"
+
+
+def test_an_interrupt_before_the_search_reports_the_gap(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(engine, "_base_model", interrupted)
+    found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
+    assert found.interrupted and found.effects == []
+    assert found.gap.chi2_before == found.gap.chi2_after > 1.05
 
 
 def test_x_trans_goes_through_with_nothing_hidden():

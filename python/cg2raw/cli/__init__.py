@@ -66,6 +66,7 @@ def main(argv=None):
         print(f"cg2raw {arguments.name}: {words_of(error)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
+        print(f"cg2raw {arguments.name}: interrupted", file=sys.stderr)
         return 130
 
 

@@ -3,6 +3,7 @@
 
 """diagnose(): frames, nuisances, search, verdict."""
 
+import itertools
 import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
@@ -54,8 +55,8 @@ def diagnose(
     pixels : of every frame that are worked on; tiles of a larger one are chosen.
     details : False for neither pictures nor curves.
 
-    Ctrl-C ends the search, not the report. Raises ValueError for captures that cannot
-    be diagnosed. Source: split likelihood-ratio test, see `search`."""
+    Ctrl-C ends alignment and search, not the report. Raises ValueError for captures
+    that cannot be diagnosed. Source: split likelihood-ratio test, see `search`."""
     if not 0 < alpha < 1:
         raise ValueError(f"alpha {alpha} must lie between 0 and 1")
     started = time.monotonic()
@@ -63,15 +64,8 @@ def diagnose(
     workers = Workers(threads)
     frames = _frames(capture_set, pixels, say)
     groups = _groups(frames)
-    registration = _registration(capture_set, frames, say)
-    base = _base_model(capture_set, frames, groups["fit"], workers)
+    registration, base, ready = _prepared(capture_set, frames, groups, workers, say)
     vocabulary = _vocabulary(capture_set, frames, without, only)
-    steps = [0]
-
-    def report(text: str) -> None:
-        steps[0] += 1
-        say(text, 0.3 + 0.6 * (1 - np.exp(-steps[0] / 120)))
-
     search = Search(
         groups["fit"],
         groups["select"],
@@ -79,10 +73,11 @@ def diagnose(
         workers,
         alpha,
         most,
-        report,
+        _counted(say),
         registration.again if registration else None,
+        interrupted=not ready,
     )
-    model = search.run(base)
+    model = search.run(base) if ready else base
     say("writing down what was found", 0.92)
     found = concluded(
         base,
@@ -100,6 +95,28 @@ def diagnose(
     found.seconds = time.monotonic() - started
     say("done", 1.0)
     return found
+
+
+def _counted(say: Progress) -> Callable[[str], None]:
+    """Return what reports steps of a search, of which nobody knows the number."""
+    steps = itertools.count(1)
+    return lambda text: say(text, 0.3 + 0.6 * (1 - np.exp(-next(steps) / 120)))
+
+
+def _prepared(
+    capture_set: CaptureSet,
+    frames: Sequence[Frame],
+    groups: dict[str, list[Frame]],
+    workers: Workers,
+    say: Progress,
+) -> tuple[Registration | None, Model, bool]:
+    """Return (alignment, doubted model, whether Ctrl-C did not come in between)."""
+    try:
+        registration = _registration(capture_set, frames, say)
+        base = _base_model(capture_set, frames, groups["fit"], workers)
+    except KeyboardInterrupt:
+        return None, Model(capture_set.sensor), False
+    return registration, base, True
 
 
 def _frames(capture_set: CaptureSet, pixels: int, say: Progress) -> list[Frame]:
