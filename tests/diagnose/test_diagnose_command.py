@@ -79,6 +79,14 @@ def test_the_verdict_is_the_exit_code(engine, captures, tmp_path, verdict):
     assert run(*words).code == 0
 
 
+def test_a_long_rest_is_left_to_the_report(engine, captures, tmp_path):
+    tests = [ResidualTest(f"test {n}", 9.0, 1e-9, 0.1, "there") for n in range(9)]
+    engine.result.update(verdict="unknown structure", unexplained=tests)
+    done = run("diagnose", captures, "-o", tmp_path / "r")
+    assert "left      test 5: there\nleft      ... and 3 more, in the" in done.out
+    assert "test 6" not in done.out
+
+
 def test_an_interrupted_search_leaves_a_report(engine, captures, tmp_path):
     engine.result["interrupted"] = True
     done = run("diagnose", captures, "-o", tmp_path / "r", "--exit-code")

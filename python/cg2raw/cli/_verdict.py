@@ -5,6 +5,7 @@
 import os
 
 WIDTH = 10  # columns of a line's first word
+MOST_LEFT = 6  # tests that are listed, those that explain most first
 HOLES = 0.05  # share of missing codes that is worth a word; small frames have some
 CHECK_HEAD = (
     *("frame", "kind", "ISO", "time", "low", "mean", "high", "clipped", "codes"),
@@ -35,7 +36,9 @@ def verdict_text(found, notes, folder, names):
             f"{gap.chi2_before:.3f} -> {gap.chi2_after:.3f}, on {held_out(gap)}",
         )
     )
-    lines += [line("left", f"{test.name}: {test.where}") for test in found.unexplained]
+    shown, more = found.unexplained[:MOST_LEFT], len(found.unexplained[MOST_LEFT:])
+    lines += [line("left", f"{test.name}: {test.where}") for test in shown]
+    lines += [line("left", f"... and {more} more, in the report")] if more else []
     lines += [line("next", text) for text in found.next_captures]
     lines += [line("note", text) for text in dict.fromkeys([*notes, *found.notes])]
     page = "report.html" if "report.html" in names else names[0]
