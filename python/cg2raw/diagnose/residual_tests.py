@@ -29,6 +29,7 @@ HIGHEST = 0.97  # of white; above it residuals are drawn, not measured
 FEWEST = 20.0  # pixels of a group
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (2, 2))
 STEEPEST = 30.0  # of an edge, in standard deviations per pixel
+SLOW_IS_LEFT = ("prnu", "dsnu")  # maps without their slow part
 OUTLYING = 3.5  # standard deviations
 
 WHERE = {
@@ -55,11 +56,27 @@ WHERE = {
 class _Sums:
     """Sufficient sums of one test: score and its variance, per group.
 
+    repeated : standard deviation of what is the same in all frames, and adds up.
     squared : score already is a sum of squares over groups."""
 
     score: Any = 0.0
     variance: Any = 0.0
+    repeated: Any = 0.0
     squared: bool = False
+
+    @property
+    def whole_variance(self) -> Any:
+        return self.variance + np.square(self.repeated)
+
+
+@dataclass(frozen=True)
+class _Doubt:
+    """Standard deviations of the pixels that are used, of what is the same in all
+    frames: independent ones, whose mean over a group a map leaves out; and those that
+    the pixels of a column share."""
+
+    of_pixels: Array
+    of_columns: Array
 
 
 @dataclass
@@ -96,11 +113,19 @@ class _Collected:
     outliers: _Outliers = field(default_factory=_Outliers)
     pixels: int = 0
 
-    def add(self, name: str, score: Any, variance: Any, squared: bool = False) -> None:
+    def add(
+        self,
+        name: str,
+        score: Any,
+        variance: Any,
+        squared: bool = False,
+        repeated: Any = 0.0,
+    ) -> None:
         key = (name, np.shape(score))
         sums = self.sums.setdefault(key, _Sums(squared=squared))
         sums.score = sums.score + score
         sums.variance = sums.variance + variance
+        sums.repeated = sums.repeated + repeated
 
     def of_test(self, name: str) -> _Sums:
         """Return the sums of a test over frames of all shapes."""
@@ -108,7 +133,9 @@ class _Collected:
         if len(parts) == 1:
             return parts[0]
         score = np.concatenate([np.atleast_1d(part.score) for part in parts])
-        variance = np.concatenate([np.atleast_1d(part.variance) for part in parts])
+        variance = np.concatenate(
+            [np.atleast_1d(part.whole_variance) for part in parts]
+        )
         return _Sums(score, variance)
 
 
@@ -157,14 +184,15 @@ def _collect(
         return
     n = values.size
     c.pixels += n
+    doubt = _doubt(model, frame, p, used)
     site = np.broadcast_to(frame.site[None], z.shape)[used]
     sites = int(frame.site.max()) + 1
     for name, labels, size in _groups(frame, p):
         chosen = np.broadcast_to(labels, z.shape)[used]
-        _group_sums(c, name, chosen, size, values, _column_doubt(model, p, used))
+        _group_sums(c, name, chosen, size, values, doubt)
         if name in ("radius", "level", "tile"):
             both = chosen * sites + site
-            _group_sums(c, f"{name} by channel", both, size * sites, values, None)
+            _group_sums(c, f"{name} by channel", both, size * sites, values, doubt)
     c.add("frame mean", values.sum() ** 2 / n, 1, True)
     c.add("frame variance", (values**2 - 1).sum() ** 2 / (2 * n), 1, True)
     c.add("skewness", (values**3 - 3 * values).sum(), 6 * n)
@@ -202,20 +230,20 @@ def _group_sums(
     labels: Array,
     size: int,
     values: Array,
-    doubt: Array | None,
+    doubt: _Doubt,
 ) -> None:
     """Add mean and variance of the groups of one kind.
 
     labels, values : (n,), of the pixels that are used."""
     count = np.bincount(labels, minlength=size)
     mean = np.bincount(labels, values, size)
+    of_maps = np.bincount(labels, doubt.of_pixels**2, size)
     if name in ("row", "tile"):
-        squares = (mean**2 / np.maximum(count, 1)).sum()
+        squares = (mean**2 / np.maximum(count + of_maps, 1)).sum()
         c.add(f"{name} mean, each frame", squares, int((count > 0).sum()), True)
-    of_mean = count.astype(float)
-    if name == "column" and doubt is not None:
-        of_mean += np.bincount(labels, doubt, size) ** 2
-    c.add(f"{name} mean", mean, of_mean)
+    if name == "column":
+        of_maps += np.bincount(labels, doubt.of_columns, size) ** 2
+    c.add(f"{name} mean", mean, count.astype(float), repeated=np.sqrt(of_maps))
     if name in ("channel", "radius", "level", "row"):
         c.add(f"{name} variance", np.bincount(labels, values**2 - 1, size), 2 * count)
 
@@ -235,15 +263,20 @@ def _groups(frame: Frame, p: Prediction) -> Iterator[tuple[str, Array, int]]:
     yield "column", columns, width
 
 
-def _column_doubt(model: Model, p: Prediction, used: Mask) -> Array | None:
-    """Standard deviation of the pixels that are used by what a map of columns leaves
-    uncertain, all alike in a column."""
-    term = model.term("column_noise")
-    if term is None or term.pattern is None:
-        return None
-    if term.pattern.mean.shape != p.mean.shape:
-        return None
-    return np.sqrt(term.pattern.variance / p.variance)[used]
+def _doubt(model: Model, frame: Frame, p: Prediction, used: Mask) -> _Doubt:
+    """Return what maps leave uncertain of the pixels that are used."""
+    count = int(used.sum())
+    of_pixels, of_columns = np.zeros(count), np.zeros(count)
+    for term in model.terms:
+        if term.pattern is None or term.pattern.mean.shape != p.mean.shape:
+            continue
+        bearing = pattern_bearing(term.name, frame, np.maximum(p.exposed, 0))
+        if term.name == "column_noise":
+            of_columns = np.sqrt(term.pattern.variance / p.variance)[used]
+        elif term.name in SLOW_IS_LEFT:
+            size = np.abs(bearing) * float(term.values[0]) / np.sqrt(p.variance)
+            of_pixels = np.hypot(of_pixels, size[used])
+    return _Doubt(of_pixels, of_columns)
 
 
 def _correlations(c: _Collected, z: Array, used: Mask) -> None:
@@ -295,7 +328,7 @@ def _tested(name: str, sums: _Sums, pixels: int) -> ResidualTest:
         p_value = float(chi2.sf(statistic, freedom))
         size, nats = statistic / max(freedom, 1) - 1, 0.5 * (statistic - freedom)
     elif np.ndim(sums.score):
-        score, variance = np.asarray(sums.score), np.asarray(sums.variance)
+        score, variance = np.asarray(sums.score), np.asarray(sums.whole_variance)
         enough = variance > FEWEST
         statistic = float((score[enough] ** 2 / variance[enough]).sum())
         freedom = int(enough.sum())
