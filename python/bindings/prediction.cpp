@@ -41,6 +41,16 @@ Surround surround_of_frame(const FloatArray& camera)
     return surround_of(views);
 }
 
+Surround scaled(Surround surround, double gain)
+{
+    for (std::size_t plane = 0; plane < surround.wide.size(); ++plane) {
+        surround.mean[plane] *= gain;
+        for (float& cell : surround.wide[plane])
+            cell = float(gain * double(cell));
+    }
+    return surround;
+}
+
 FloatArray cells_of(const Surround& surround)
 {
     const auto [width, height] = surround.cells;
@@ -126,7 +136,8 @@ void bind_prediction(py::module_& m)
         .def_readonly("mean", &Surround::mean, "(3,) of the frame.")
         .def_property_readonly(
             "wide", &cells_of,
-            "(3, rows, cols) float32, spread over a sixth of the height.");
+            "(3, rows, cols) float32, spread over a sixth of the height.")
+        .def("scaled", &scaled, "gain"_a, "That of a frame so many times as bright.");
     m.def("surround", &surround_of_frame, "camera"_a,
           "Surround of a whole frame of camera RGB, (3, height, width) or (height, "
           "width, 3)\nfloat32.");

@@ -105,6 +105,20 @@ def test_a_further_piece_of_a_frame_is_moved_alike():
     registration.first(Model(SENSOR))
     registration.place(fresh)
     assert fresh.camera == pytest.approx(frames[0].camera, abs=1e-6)
+    assert fresh.surround.wide == pytest.approx(frames[0].surround.wide)
+
+
+def test_what_scatters_far_is_as_bright_as_the_render():
+    frames = misplaced([[0.0, 0, 0], [0.0, 0, 0]], 1.2)
+    before = frames[0].surround
+    registration = Registration(frames, shift=False, exposure=True)
+    registration.first(Model(SENSOR))
+    registration.again(Model(SENSOR))  # of what was rendered, and not once more
+    gain = registration.found()["a"][2]
+    assert gain == pytest.approx(1.2, rel=0.002)
+    for frame in frames:
+        assert frame.surround.wide == pytest.approx(gain * before.wide, rel=1e-5)
+        assert frame.surround.mean == pytest.approx(gain * np.array(before.mean))
 
 
 @pytest.mark.parametrize("shift", [(2, -2), (-4, 0), (0, 4)])

@@ -9,9 +9,9 @@ Source: B. D. Lucas, T. Kanade, IJCAI 1981.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 from scipy.ndimage import gaussian_filter, map_coordinates
 
@@ -34,10 +34,10 @@ UNSURE = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
 
 @dataclass
 class _Set:
-    """Frames of one set, their camera RGB as rendered, and what was found of them."""
+    """Frames of one set, camera RGB and surround as rendered, and what was found."""
 
     frames: list[Frame]
-    rendered: list[NDArray[np.float32]]
+    rendered: list[tuple[Array, Any]]
     shifted: bool
     affine: Array = field(default_factory=lambda: np.zeros((2, 3)))
     gain: float = 1.0
@@ -59,7 +59,7 @@ class Registration:
                 continue
             one = self._sets.setdefault(frame.capture.set, _Set([], [], shifted))
             one.frames.append(frame)
-            one.rendered.append(frame.camera)
+            one.rendered.append((frame.camera, frame.surround))
 
     def found(self) -> dict[str, tuple[float, float, float]]:
         """Return, per set, the shift in rows and columns and the gain."""
@@ -72,8 +72,7 @@ class Registration:
         """Move the camera RGB of one more frame as that of its set was moved."""
         one = self._sets.get(frame.capture.set)
         if one is not None and not frame.level_free:
-            moved = one.gain * _warped(frame.camera, frame, one.affine)
-            frame.camera = moved.astype("f4")
+            _show(frame, (frame.camera, frame.surround), one)
 
     def first(self, model: Model) -> None:
         """Move the camera RGB of all frames to where and how bright they were seen."""
@@ -104,8 +103,16 @@ class Registration:
 
 def _move(one: _Set) -> None:
     for frame, rendered in zip(one.frames, one.rendered, strict=True):
-        frame.camera = (one.gain * _warped(rendered, frame, one.affine)).astype("f4")
+        _show(frame, rendered, one)
         frame.store.clear()
+
+
+def _show(frame: Frame, rendered: tuple[Array, Any], one: _Set) -> None:
+    """Show the camera RGB and the surround of a render where its set lies, and as
+    bright."""
+    camera, surround = rendered
+    frame.camera = (one.gain * _warped(camera, frame, one.affine)).astype("f4")
+    frame.surround = surround.scaled(one.gain)
 
 
 def _warped(camera: Array, frame: Frame, affine: Array) -> Array:
