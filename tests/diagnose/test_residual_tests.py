@@ -65,7 +65,7 @@ def test_statistics_without_a_gap_have_the_variance_they_say(frames):
         for test in residual_tests(Model(SENSOR), shown, ONE):
             if test.name.startswith(scalar):
                 found.setdefault(test.name, []).append(test.statistic)
-    assert len(found) == 15
+    assert len(found) == 17
     for name, statistics in found.items():
         assert np.var(statistics) == pytest.approx(1, abs=0.85), name
 
@@ -106,10 +106,15 @@ def edge(axis):
     return slope
 
 
-def bend(frame, rng):
-    green = frame.camera[:, 1].astype(float)
-    down, right = np.gradient(green, axis=1), np.gradient(green, axis=2)
-    return (np.gradient(down, axis=1) + np.gradient(right, axis=2)) / READ
+def bend(down, across, right):
+    """Return a sum of second derivatives."""
+
+    def bends(frame, rng):
+        slopes = np.gradient(frame.camera[:, 1].astype(float), axis=(1, 2))
+        (dd, dr), (_, rr) = (np.gradient(slope, axis=(1, 2)) for slope in slopes)
+        return (down * dd + across * dr + right * rr) / READ
+
+    return bends
 
 
 def towards_the_corner(frame, rng):
@@ -159,7 +164,9 @@ STRUCTURES = {
     "kurtosis": (tails, 1.5),
     "edge: vertical": (edge(1), 0.02),
     "edge: horizontal": (edge(2), 0.02),
-    "edge: Laplacian": (bend, 0.05),
+    "edge: Laplacian": (bend(1, 0, 1), 0.05),
+    "edge: upright blur": (bend(1, 0, -1), 0.05),
+    "edge: diagonal blur": (bend(0, 1, 0), 0.1),
     "edge: radial": (towards_the_corner, 0.08),
     "fixed pattern: the same pixel in all frames": (
         one_pattern(lambda f: f.signal.shape),

@@ -292,16 +292,17 @@ def _correlations(c: _Collected, z: Array, used: Mask) -> None:
 
 
 def _edges(c: _Collected, frame: Frame, z: Array, p: Prediction, used: Mask) -> None:
-    camera = frame.camera.astype(float)
-    green = camera[:, 1:2].repeat(3, 1)
+    green = frame.camera[:, 1:2].astype(float).repeat(3, 1)
     down, right = np.gradient(green, axis=2), np.gradient(green, axis=3)
-    bend = np.gradient(down, axis=2) + np.gradient(right, axis=3)
+    down_down, right_right = np.gradient(down, axis=2), np.gradient(right, axis=3)
     u, v = frame.tiles.field()
     spread = np.sqrt(p.variance)
     slopes = {
         "vertical": of_site(down, frame),
         "horizontal": of_site(right, frame),
-        "Laplacian": of_site(bend, frame),
+        "Laplacian": of_site(down_down + right_right, frame),
+        "upright blur": of_site(down_down - right_right, frame),
+        "diagonal blur": of_site(np.gradient(down, axis=3), frame),
     }
     slopes["radial"] = slopes["vertical"] * v + slopes["horizontal"] * u
     for name, slope in slopes.items():
