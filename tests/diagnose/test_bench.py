@@ -12,7 +12,7 @@ from cg2raw.diagnose import bench as command
 from cg2raw.diagnose.bench import bench
 from cg2raw.diagnose.bench_scores import bounds, half_points, score, table
 from cg2raw.diagnose.hidden_truth.strengths import KINDS, UNKNOWN_KINDS
-from cg2raw.diagnose.hidden_truth.suites import SUITES, cases
+from cg2raw.diagnose.hidden_truth.suites import SUITES, Case, cases
 
 
 def verdict_of(names, verdict="identified", before=0.1, after=0.001):
@@ -128,3 +128,26 @@ def test_a_sample_of_the_bench(suite):
         assert values["exact set"] >= 0.5
     else:
         assert values["confidently misnamed"] == 0
+
+
+def test_evidence_is_what_the_frames_tell_of_an_effect():
+    """A tenth of the light is seen by anybody, row noise of a hundredth by nobody."""
+    strong, faint = (
+        Case("pairs", 0, 3, {"exposure": 0.1, "row_noise": 0.01}).evidence([name])[name]
+        for name in ("exposure", "row_noise")
+    )
+    assert strong > 1e4
+    assert abs(faint) < 5
+
+
+def test_the_table_says_what_was_missed_and_how_faint_it_was():
+    record = {
+        **score(["row_noise"], verdict_of([], "no gap")),
+        "hidden": ["row_noise"],
+        "number": 7,
+        "seconds": 1.0,
+        "evidence": {"row_noise": 3.21},
+    }
+    assert table("single", [record]).endswith(
+        "case 7: missed row_noise, 3.2 nats in what decides"
+    )

@@ -47,6 +47,9 @@ def run_case(case: Case, alpha: float) -> dict[str, Any]:
         record["error"] = f"{type(error).__name__}: {error}"
         return record
     record.update(score(list(case.strengths), found))
+    missed = [name for name in case.strengths if name not in record["named"]]
+    if missed and not case.without and case.suite != "unknown":
+        record["evidence"] = case.evidence(missed)
     if case.suite == "closed-loop":
         record.update(_again(captures, found, alpha))
     record["seconds"] = time.perf_counter() - start

@@ -64,6 +64,11 @@ def table(suite: str, records: Sequence[Record]) -> str:
         f"{what}: {_number(value)} (asked: {asked})"
         for what, value, asked in bounds(suite, good)
     ]
+    lines += [
+        f"case {one['number']}: missed {name}, {nats:.1f} nats in what decides"
+        for one in good
+        for name, nats in one.get("evidence", {}).items()
+    ]
     return "\n".join(lines)
 
 

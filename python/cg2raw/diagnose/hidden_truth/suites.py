@@ -11,10 +11,18 @@ from numpy.random import Generator
 
 from cg2raw.diagnose.captures import CaptureSet
 from cg2raw.diagnose.hidden_truth.conditions import STUDIO
+from cg2raw.diagnose.hidden_truth.evidence import evidence
 from cg2raw.diagnose.hidden_truth.sensors import drawn_sensor
 from cg2raw.diagnose.hidden_truth.strengths import KINDS, UNKNOWN_KINDS
 from cg2raw.diagnose.hidden_truth.world import stream
-from cg2raw.diagnose.simulate_captures import draw_hidden, simulate_captures
+from cg2raw.diagnose.simulate_captures import (
+    ILLUMINANT,
+    SHAPE,
+    draw_hidden,
+    noise_iso,
+    simulate_captures,
+    world_of,
+)
 
 # Cases that are drawn: per effect where a suite goes through them, else in all.
 SUITES = {
@@ -51,6 +59,15 @@ class Case:
     seed: int
     strengths: dict[str, float | None]
     without: tuple[str, ...] = ()
+
+    def evidence(self, names: Sequence[str]) -> dict[str, float]:
+        """Return the nats that hidden effects bring to the frames that decide."""
+        sensor = drawn_sensor(self.seed)
+        hidden = draw_hidden(sensor, self.strengths, seed=self.seed)
+        nuisances = STUDIO if self.suite.startswith("nuisance") else None
+        iso = noise_iso(sensor, None)
+        world = world_of(sensor, hidden, self.seed, SHAPE, ILLUMINANT, iso, nuisances)
+        return evidence(world, names)
 
     def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
         """Return the frames and the parameters that were hidden in them."""
