@@ -175,6 +175,15 @@ STRUCTURES = {
 }
 
 
+def test_pixels_that_should_be_at_white_and_are_not_ring():
+    frames = frames_of(SENSOR, captures_of())
+    name = "white: pixels that should have reached it"
+    bright = model_of(SENSOR, exposure=[2.0])
+    assert name not in p_values(drawn(frames, bright, 4), bright)
+    clipped = model_of(SENSOR, exposure=[2.0], early_clipping=[0.1])
+    assert p_values(drawn(frames, clipped, 4), bright)[name] < ALARM
+
+
 @pytest.mark.parametrize("name", STRUCTURES)
 def test_a_structure_rings_its_test(frames, name):
     structure, size = STRUCTURES[name]

@@ -30,6 +30,8 @@ FEWEST = 20.0  # pixels of a group
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (2, 2))
 STEEPEST = 30.0  # of an edge, in standard deviations per pixel
 SLOW_IS_LEFT = ("prnu", "dsnu")  # maps without their slow part
+FAR_ABOVE = 8.0  # standard deviations beyond white that are surely at white
+MOST_NATS = 200.0  # that one pixel counts
 OUTLYING = 3.5  # standard deviations
 
 WHERE = {
@@ -48,6 +50,7 @@ WHERE = {
     "kurtosis": "the noise has heavier or lighter tails than a normal",
     "edge": "lies along edges",
     "fixed": "the same pixels differ in all frames",
+    "white": "pixels are below white that are predicted far above it",
     "outliers": "pixels stand out that stood out in other frames",
 }
 
@@ -111,6 +114,7 @@ class _Collected:
     fixed: dict[tuple[int, ...], _Fixed] = field(default_factory=dict)
     suspects: dict[tuple[int, ...], Mask] = field(default_factory=dict)
     outliers: _Outliers = field(default_factory=_Outliers)
+    below_white: list[Array] = field(default_factory=list)
     pixels: int = 0
 
     def add(
@@ -155,6 +159,8 @@ def residual_tests(
     names = dict.fromkeys(name for name, _ in collected.sums)
     tests = [_tested(n, collected.of_test(n), collected.pixels) for n in names]
     tests.append(_fixed(collected))
+    if any(part.size for part in collected.below_white):
+        tests.append(_below_white(collected))
     if collected.outliers.suspects:
         tests.append(_outliers(collected))
     return sorted(tests, key=lambda test: -test.nats_per_pixel)
@@ -178,6 +184,8 @@ def _collect(
     # Censored pixels take part: their residuals are drawn. Without them, what is left
     # of a dark whose noise reaches 0 would look lopsided.
     used = frame.keep & (p.mean < HIGHEST)
+    sure = frame.keep & ~frame.at_white & (p.mean - FAR_ABOVE * np.sqrt(p.variance) > 1)
+    c.below_white.append(((frame.signal - p.mean) / np.sqrt(p.variance))[sure])
     z = np.clip(z, -LARGEST, LARGEST)
     values = z[used]
     if not values.size:
@@ -354,6 +362,16 @@ def _fixed(c: _Collected) -> ResidualTest:
     p_value, nats = float(2 * norm.sf(abs(size))), 0.5 * (size**2 - 1)
     name = "fixed pattern: the same pixel in all frames"
     return ResidualTest(name, size, p_value, nats / max(c.pixels, 1), WHERE["fixed"])
+
+
+def _below_white(c: _Collected) -> ResidualTest:
+    """Pixels that should have reached white by far, and did not: none by chance."""
+    away = np.concatenate(c.below_white)
+    nats = float(np.minimum(0.5 * away**2, MOST_NATS).sum())
+    name = "white: pixels that should have reached it"
+    p_value = float(2 * norm.sf(np.abs(away).max()))
+    per_pixel = nats / max(c.pixels, 1)
+    return ResidualTest(name, float(away.size), p_value, per_pixel, WHERE["white"])
 
 
 def _outliers(c: _Collected) -> ResidualTest:
