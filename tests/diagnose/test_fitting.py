@@ -94,7 +94,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     captures = [capture_of("flat", 1, shape=(40, 48))]
     frames = frames_of(SENSOR, captures)
     inside = []
-    for seed in range(24):
+    for seed in range(40):
         shown = planted(frames, seed, gr_gb_imbalance=true)
         found = fit(place(Model(SENSOR), BY_NAME["gr_gb_imbalance"]), shown, ONE)
         of_term = estimates(found, shown, ONE)["gr_gb_imbalance"]
