@@ -16,15 +16,8 @@ from diagnose.planted import (
 )
 from scipy.stats import kstest, norm
 
-from cg2raw.diagnose.likelihood import (
-    LARGEST_Z,
-    Workers,
-    in_blocks,
-    log_density,
-    residuals,
-    scores,
-    total,
-)
+from cg2raw.diagnose.censored import LARGEST_Z, residuals, scores
+from cg2raw.diagnose.likelihood import Workers, in_blocks, log_density, total
 from cg2raw.diagnose.prediction import Model, predict
 
 SENSOR = sensor_of()

@@ -11,8 +11,9 @@ are cut or normal, and a normal prior, are log-concave in it, and nearly normal.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import log_ndtr, ndtri
+from scipy.special import ndtri
 
+from cg2raw.diagnose.censored import scores
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.prediction import Prediction
 from cg2raw.diagnose.tiling import Array
@@ -20,7 +21,6 @@ from cg2raw.diagnose.vocabulary import Values
 
 NEWTON_STEPS = 10
 LEAST_CHANCE = 1e-12
-LOG_ROOT_2PI = 0.5 * np.log(2 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -64,14 +64,7 @@ def cut_rows(p: Prediction, values: Values, frame: Frame) -> CutRows:
 
 def _derivatives(p: Prediction, frame: Frame, offset: Array) -> tuple[Array, Array]:
     """Return (first derivative, minus the second) of each row's log density."""
-    spread = np.sqrt(p.variance)
-    mean = p.mean + offset
-    z = (frame.signal - mean) / spread
-    end = (frame.signal + 0.5 / frame.range - mean) / spread
-    log_normal = -0.5 * end**2 - LOG_ROOT_2PI
-    ratio = np.exp(log_normal - log_ndtr(end))
-    slope = np.where(frame.at_zero, -ratio, z) / spread
-    bend = np.where(frame.at_zero, ratio * (ratio + end), 1.0) / p.variance
+    z, _, weight = scores(replace(p, mean=p.mean + offset), frame)
     # Pixels at white would show an offset as little, and are as good as none.
-    used = frame.keep & ~frame.at_white
-    return frame.tiles.over_rows(slope * used), frame.tiles.over_rows(bend * used)
+    used = np.where(frame.keep & ~frame.at_white, weight, 0) / np.sqrt(p.variance)
+    return frame.tiles.over_rows(used * z), frame.tiles.over_rows(used**2)

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.diagnose.censored import scores
 from cg2raw.diagnose.cut_rows import cut_rows
 from cg2raw.diagnose.fixed_patterns import fit_patterns
 from cg2raw.diagnose.flows import noise_reduction, row_noise
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.likelihood import Workers, scores, total
+from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.prediction import Model, Prediction, flow_values, place, predict
 from cg2raw.diagnose.tiling import Array
 from cg2raw.diagnose.vocabulary import Candidate, Values

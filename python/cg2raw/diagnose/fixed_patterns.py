@@ -15,9 +15,10 @@ from scipy.ndimage import gaussian_filter
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
+from cg2raw.diagnose.censored import scores
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.hot_pixels import fit_hot_pixels
-from cg2raw.diagnose.likelihood import Workers, scores
+from cg2raw.diagnose.likelihood import Workers
 from cg2raw.diagnose.prediction import Model, Pattern, Term, pattern_bearing, predict
 from cg2raw.diagnose.tiling import Array, Mask, Tiling
 

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cg2raw.diagnose.censored import MEASURED, residuals
 from cg2raw.diagnose.diagnosis import Gap
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.likelihood import block_sums, log_density, residuals
+from cg2raw.diagnose.intervals import NORMAL_95
+from cg2raw.diagnose.likelihood import block_sums, log_density
 from cg2raw.diagnose.prediction import Model, Prediction, predict
 from cg2raw.diagnose.tiling import Array
 
 LARGEST = 50.0  # standard deviations that count in chi-square
-NORMAL_95 = 1.96
-BELOW_WHITE = 0.97  # of white: above it residuals are drawn, not measured
 HIGHEST = 0.95  # of white, for repeats
 
 
@@ -43,7 +43,7 @@ class Sums:
         used = frame.keep & ~frame.censored
         self.loss -= float(density[used].sum())
         self.pixels += int(used.sum())
-        counted = frame.keep & ~frame.at_white & (p.mean < BELOW_WHITE)
+        counted = frame.keep & ~frame.at_white & (p.mean < MEASURED)
         self.squares += float((np.minimum(np.abs(z[counted]), LARGEST) ** 2).sum())
         self.residuals += int(counted.sum())
         self.blocks.append(block_sums(np.where(used, -density, 0)))

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2, norm, poisson
 
+from cg2raw.diagnose.censored import MEASURED
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.likelihood import Workers, log_density
@@ -25,7 +26,6 @@ LEVELS = (0.003, 0.01, 0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6, 0.8)
 RINGS = 10
 TILES = (6, 8)
 LARGEST = 8.0
-HIGHEST = 0.97  # of white; above it residuals are drawn, not measured
 FEWEST = 20.0  # pixels of a group
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (2, 2))
 STEEPEST = 30.0  # of an edge, in standard deviations per pixel
@@ -183,7 +183,7 @@ def _collect(
 ) -> None:
     # Censored pixels take part: their residuals are drawn. Without them, what is left
     # of a dark whose noise reaches 0 would look lopsided.
-    used = frame.keep & (p.mean < HIGHEST)
+    used = frame.keep & (p.mean < MEASURED)
     sure = frame.keep & ~frame.at_white & (p.mean - FAR_ABOVE * np.sqrt(p.variance) > 1)
     c.below_white.append(((frame.signal - p.mean) / np.sqrt(p.variance))[sure])
     z = np.clip(z, -LARGEST, LARGEST)

@@ -115,14 +115,11 @@ class Search:
         if not trials:
             return None
         null_gain = self._null_gain(model)
-        sure = [
-            trial
-            for trial in (self._weighed(trial, null_gain) for trial in trials)
-            if trial.evidence >= self.threshold
-        ]
+        trials = [self._weighed(trial, null_gain) for trial in trials]
+        sure = [trial for trial in trials if trial.evidence >= self.threshold]
         if not sure:
             return None
-        best, ambiguous = self._decide(self._mean_first(sure), trials, sure)
+        best, ambiguous = self._decide(self._mean_first(sure), trials)
         self.steps.append(
             Step(
                 "added",
@@ -235,14 +232,12 @@ class Search:
                         return trial
         return best
 
-    def _decide(
-        self, best: Trial, trials: Sequence[Trial], sure: Sequence[Trial]
-    ) -> tuple[Trial, list[str]]:
+    def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
         """Return (the trial to accept, names that are as good); a tie goes to the one
-        with fewer parameters. sure : trials that may be accepted."""
+        with fewer parameters."""
         tied = []
         for trial in trials:
-            if trial.name == best.name or trial.gain > best.gain:
+            if trial is best or trial.gain > best.gain:
                 continue
             lead = best.blocks - trial.blocks
             error = lead.std() * np.sqrt(lead.size)
@@ -251,8 +246,7 @@ class Search:
                 tied.append(trial)
         if not tied:
             return best, []
-        names = {trial.name for trial in tied}
-        able = [best, *(trial for trial in sure if trial.name in names)]
+        able = [best, *(t for t in tied if t.evidence >= self.threshold)]
         simplest = min(able, key=lambda t: (self._cost(t.name), -t.gain))
         if best.gain - simplest.gain >= CLEAR:
             simplest = best

@@ -78,9 +78,7 @@ def smallest_visible(
         if candidate.way == "smooth" and candidate.name != "early_clipping":
             powers.append(_of_smooth(model, candidate, base, needed))
             continue
-        gain = _gain_of(candidate.name, seen, learnt)
-        if candidate.name == "noise_reduction":
-            gain = _of_filter(seen, base.system(place(model, candidate)))
+        gain = _gain_of(model, candidate, base, seen, learnt)
         if gain is not None:
             powers.append(_of_gain(candidate, gain, needed, frames))
     return powers
@@ -119,17 +117,21 @@ def _of_gain(
     return Power(candidate.name, parameter, strength, unit)
 
 
-def _gain_of(name: str, seen: Seen, learnt: Seen) -> Gain | None:
+def _gain_of(
+    model: Model, candidate: Candidate, base: Linearisation, seen: Seen, learnt: Seen
+) -> Gain | None:
     """Return what a strength is expected to gain; None if nobody can know."""
-    if name in PATTERNS:
-        return _of_map(name, seen, learnt) if learnt else None
+    if candidate.name in PATTERNS:
+        return _of_map(candidate.name, seen, learnt) if learnt else None
+    if candidate.name == "noise_reduction":
+        return _of_filter(seen, base.system(place(model, candidate)))
     gains: dict[str, Callable[[Seen], Gain]] = {
         "row_noise": _of_rows,
         "photon_statistics": _of_photons,
         "heavy_tailed_noise": _of_tails,
         "early_clipping": _of_clipping,
     }
-    return gains[name](seen) if name in gains else None
+    return gains[candidate.name](seen)
 
 
 def _of_rows(seen: Seen) -> Gain:

@@ -3,8 +3,9 @@
 
 """The suites of the bench: which case hides what, decided by seed and number alone."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -60,21 +61,30 @@ class Case:
     strengths: dict[str, float | None]
     without: tuple[str, ...] = ()
 
+    @property
+    def nuisances(self) -> Mapping[str, float] | None:
+        return STUDIO if self.suite.startswith("nuisance") else None
+
+    def sensor_and_hidden(self) -> tuple[Any, dict[str, dict[str, float]]]:
+        """Return the doubted model and the parameters of what is hidden."""
+        sensor = drawn_sensor(self.seed)
+        return sensor, draw_hidden(sensor, self.strengths, seed=self.seed)
+
     def evidence(self, names: Sequence[str]) -> dict[str, float]:
         """Return the nats that hidden effects bring to the frames that decide."""
-        sensor = drawn_sensor(self.seed)
-        hidden = draw_hidden(sensor, self.strengths, seed=self.seed)
-        nuisances = STUDIO if self.suite.startswith("nuisance") else None
+        sensor, hidden = self.sensor_and_hidden()
         iso = noise_iso(sensor, None)
-        world = world_of(sensor, hidden, self.seed, SHAPE, ILLUMINANT, iso, nuisances)
+        world = world_of(
+            sensor, hidden, self.seed, SHAPE, ILLUMINANT, iso, self.nuisances
+        )
         return evidence(world, names)
 
     def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
         """Return the frames and the parameters that were hidden in them."""
-        sensor = drawn_sensor(self.seed)
-        hidden = draw_hidden(sensor, self.strengths, seed=self.seed)
-        nuisances = STUDIO if self.suite.startswith("nuisance") else None
-        found = simulate_captures(sensor, hidden, seed=self.seed, nuisances=nuisances)
+        sensor, hidden = self.sensor_and_hidden()
+        found = simulate_captures(
+            sensor, hidden, seed=self.seed, nuisances=self.nuisances
+        )
         return found, hidden
 
 
