@@ -19,11 +19,13 @@ from cg2raw.diagnose.tiling import tiling
 from cg2raw.diagnose.vocabulary import candidates
 
 SHAPE = (64, 96)
+FULL_WELL, READ_NOISE = 5000.0, 3.0  # electrons
+READ = READ_NOISE / FULL_WELL  # read noise in signal
 ONE = Workers(1)
 BY_NAME = {candidate.name: candidate for candidate in candidates("RGGB")}
 
 
-def sensor_of(full_well=5000.0, read_noise=3.0, **fields):
+def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, **fields):
     """Return a Bayer sensor of fine DN (9 per read noise), the same at all sites.
 
     fields : of its profile, in place of what it has."""
@@ -72,6 +74,14 @@ def capture_of(kind="scene", seed=1, **more):
             **more,
         }
     )
+
+
+def captures_of(kinds, group="fit", **more):
+    """Return one capture per kind, each of a scene of its own."""
+    return [
+        capture_of(kind, n, name=f"{kind}{n}{group}", group=group, **more)
+        for n, kind in enumerate(kinds)
+    ]
 
 
 def frames_of(sensor, captures, pixels=65536):

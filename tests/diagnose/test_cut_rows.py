@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from diagnose.planted import (
     ONE,
+    READ,
     capture_of,
     cut_at_zero,
     drawn,
@@ -25,7 +26,6 @@ from cg2raw.diagnose.prediction import Model, predict
 from cg2raw.diagnose.tiling import Tiling
 
 SENSOR = sensor_of(black_level=[0.0] * 4)
-READ = 3.0 / 5000.0
 SHAPE = (24, 32)  # too small for a border that does not count
 
 

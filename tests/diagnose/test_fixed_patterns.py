@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnose.planted import ONE, SHAPE, capture_of, drawn, frames_of, model_of
+from diagnose.planted import ONE, READ, SHAPE, capture_of, drawn, frames_of, model_of
 from diagnose.planted import sensor_of as made
 
 from cg2raw.diagnose.fixed_patterns import fit_patterns
@@ -14,7 +14,6 @@ from cg2raw.diagnose.groups import third
 from cg2raw.diagnose.prediction import Model, predict
 
 SENSOR = made()
-READ = 3.0 / 5000.0
 TILE = (1, *SHAPE)
 
 

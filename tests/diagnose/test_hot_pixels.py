@@ -6,15 +6,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from diagnose.planted import ONE, capture_of, drawn, frames_of, model_of, sensor_of
+from diagnose.planted import (
+    FULL_WELL,
+    ONE,
+    READ,
+    capture_of,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
 
 from cg2raw.diagnose.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood import total
 from cg2raw.diagnose.prediction import Model, Pattern, predict
 
-FULL_WELL = 5000.0
 SENSOR = sensor_of()
-READ = 3.0 / FULL_WELL
 SHAPE = (144, 192)
 LONG = 4.0  # seconds
 STANDS_OUT = 3.0  # standard deviations

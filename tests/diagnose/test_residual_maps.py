@@ -5,7 +5,7 @@
 import numpy as np
 from diagnose.planted import (
     ONE,
-    capture_of,
+    captures_of,
     drawn,
     frames_of,
     model_of,
@@ -21,10 +21,7 @@ GAINS = 0.02
 
 
 def flats(group):
-    return [
-        capture_of("flat", n, name=f"{n}{group}", group=group, level=0.6)
-        for n in range(6)
-    ]
+    return captures_of(["flat"] * 6, group, level=0.6)
 
 
 def p_values(frames, model):

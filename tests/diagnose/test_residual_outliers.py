@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from diagnose.planted import ONE, capture_of, drawn, frames_of, model_of, sensor_of
+from diagnose.planted import ONE, captures_of, drawn, frames_of, model_of, sensor_of
 from scipy.stats import kstest
 
 from cg2raw.diagnose.prediction import Model, predict
@@ -19,13 +19,7 @@ ALARM = 1e-3 / 36
 def groups():
     """Return frames of two groups; a list each."""
     return [
-        frames_of(
-            SENSOR,
-            [
-                capture_of(kind, n, name=f"{kind}{n}{group}", group=group)
-                for n, kind in enumerate(("dark", "dark", "flat", "scene"))
-            ],
-        )
+        frames_of(SENSOR, captures_of(("dark", "dark", "flat", "scene"), group))
         for group in ("select", "report")
     ]
 

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from diagnose.planted import (
     ONE,
+    READ,
     capture_of,
+    captures_of,
     cut_at_zero,
     drawn,
     frames_of,
@@ -23,21 +25,15 @@ from cg2raw.diagnose.prediction import Model, predict
 from cg2raw.diagnose.residual_tests import residual_tests
 
 SENSOR = sensor_of()
-READ = 3.0 / 5000.0
 ALARM = 1e-3 / 36
 
 
-def captures_of(group="report", **more):
-    kinds = ("dark", "dark", "flat", "flat", "scene", "scene")
-    return [
-        capture_of(kind, n, name=f"{kind}{n}{group}", group=group, **more)
-        for n, kind in enumerate(kinds)
-    ]
+KINDS = ("dark", "dark", "flat", "flat", "scene", "scene")
 
 
 @pytest.fixture(scope="module")
 def frames():
-    return frames_of(SENSOR, captures_of())
+    return frames_of(SENSOR, captures_of(KINDS, "report"))
 
 
 def p_values(frames, model=None):
@@ -176,7 +172,7 @@ STRUCTURES = {
 
 
 def test_pixels_that_should_be_at_white_and_are_not_ring():
-    frames = frames_of(SENSOR, captures_of())
+    frames = frames_of(SENSOR, captures_of(KINDS, "report"))
     name = "white: pixels that should have reached it"
     bright = model_of(SENSOR, exposure=[2.0])
     assert name not in p_values(drawn(frames, bright, 4), bright)
@@ -237,7 +233,7 @@ def test_every_autocorrelation_has_its_lag(frames):
 
 
 def test_a_map_explains_the_fixed_pattern():
-    both = frames_of(SENSOR, captures_of("fit") + captures_of())
+    both = frames_of(SENSOR, captures_of(KINDS) + captures_of(KINDS, "report"))
     pattern = READ * np.random.default_rng(3).standard_normal(both[0].signal.shape)
     shown = drawn(both, Model(SENSOR), 42, lambda frame, rng: pattern)
     name = "fixed pattern: the same pixel in all frames"
@@ -278,7 +274,7 @@ def test_frames_of_another_shape_are_tested_too(frames):
 
 def test_pixels_that_do_not_count_are_not_asked():
     mask = third((64, 96), "report")
-    made = frames_of(SENSOR, captures_of(mask=lambda: mask))
+    made = frames_of(SENSOR, captures_of(KINDS, "report", mask=lambda: mask))
     shown = drawn(made, Model(SENSOR), 47)
     spoilt = [replace(f, signal=np.where(f.keep, f.signal, 0.4)) for f in shown]
     assert p_values(spoilt) == pytest.approx(p_values(shown), rel=1e-9)
@@ -290,7 +286,7 @@ def test_a_first_frame_with_another_mask_hides_no_pattern():
     empty = capture_of(
         "dark", 60, group="report", mask=lambda: np.zeros((64, 96), bool)
     )
-    made = frames_of(SENSOR, [empty, *captures_of()])
+    made = frames_of(SENSOR, [empty, *captures_of(KINDS, "report")])
     pattern = READ * np.random.default_rng(5).standard_normal(made[0].signal.shape)
     shown = drawn(made, Model(SENSOR), 48, lambda frame, rng: pattern)
     assert p_values(shown)["fixed pattern: the same pixel in all frames"] < 1e-9
@@ -300,7 +296,7 @@ def test_a_first_frame_with_another_mask_hides_no_pattern():
 def test_darks_that_are_clipped_at_zero_are_no_structure(black):
     """A camera without a pedestal shows half of a dark's noise."""
     sensor = sensor_of(black_level=[black] * 4)
-    made = frames_of(sensor, captures_of())
+    made = frames_of(sensor, captures_of(KINDS, "report"))
     shown = cut_at_zero(drawn(made, Model(sensor), 49), black)
     assert shown[0].at_zero.mean() > 0.2
     tests = residual_tests(Model(sensor), shown, ONE)

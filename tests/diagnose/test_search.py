@@ -7,6 +7,7 @@ import pytest
 from diagnose.planted import (
     BY_NAME,
     ONE,
+    READ,
     capture_of,
     drawn,
     frames_of,
@@ -19,7 +20,6 @@ from cg2raw.diagnose.prediction import Model
 from cg2raw.diagnose.search import Search, Trial
 
 SENSOR = sensor_of()
-READ = 3.0 / 5000.0
 SHADING = {"lens_shading": [0.0, -0.3, -0.3, -0.3, 0.0, 0.0, 0.0]}
 FAINT = 0.1  # of row noise, in read noises
 FEW = ("row_noise", "read_noise", "exposure", "prnu", "heavy_tailed_noise")
