@@ -52,6 +52,16 @@ std::string descriptor_path(int file)
     return "/proc/self/fd/" + std::to_string(file);
 }
 
+/// fsync(); files that cannot be synchronised are as good as they will be.
+int sync(int file)
+{
+    int result = -1;
+    do
+        result = ::fsync(file);
+    while (result != 0 && errno == EINTR);
+    return result != 0 && errno == EINVAL ? 0 : result;
+}
+
 [[noreturn]] void fail_with(const std::string& path, const std::string& what, int error)
 {
     throw Error(path + ": cannot " + what + ": " + std::strerror(error));
@@ -59,9 +69,10 @@ std::string descriptor_path(int file)
 
 } // namespace
 
-AtomicFile::AtomicFile(std::string path, bool unnamed)
+AtomicFile::AtomicFile(std::string path, bool sync, bool unnamed)
     : m_path(std::move(path))
     , m_target(link_target(m_path))
+    , m_sync(sync)
 {
     struct stat status;
     if (::stat(m_target.c_str(), &status) == 0) {
@@ -96,13 +107,14 @@ void AtomicFile::open_unnamed(const std::string& folder)
 
 void AtomicFile::open_named()
 {
-    m_temporary = temporary_name(m_target);
-    m_file = ::open(m_temporary.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, m_mode);
-    if (m_file < 0) {
-        const int error = errno;
-        m_temporary.clear();
-        fail_with(m_path, "create", error);
-    }
+    std::string name;
+    do {
+        name = temporary_name(m_target);
+        m_file = ::open(name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, m_mode);
+    } while (m_file < 0 && errno == EEXIST); // a process of this number left it
+    if (m_file < 0)
+        fail_with(m_path, "create", errno);
+    m_temporary = name;
 }
 
 AtomicFile::~AtomicFile() { discard(); }
@@ -150,39 +162,75 @@ std::size_t AtomicFile::read(void* data, std::size_t size,
 
 void AtomicFile::publish()
 {
+    flush();
+    const std::string folder = folder_of(m_target);
     if (m_temporary.empty())
-        publish_unnamed();
-    else if (::rename(m_temporary.c_str(), m_target.c_str()) != 0)
-        fail_with(m_path, "create", errno);
+        link_unnamed();
+    if (!m_temporary.empty() && ::rename(m_temporary.c_str(), m_target.c_str()) != 0)
+        fail_with(m_path, "replace", errno);
+    // The name is the file's now, and nothing below may take it away.
     m_temporary.clear();
-    const int file = m_file;
-    m_file = -1;
-    // Network file systems report a full disk as late as this.
-    if (::close(file) != 0 && errno != EINTR) {
-        const int error = errno;
-        ::unlink(m_target.c_str());
-        fail_with(m_path, "write", error);
-    }
+    close_link();
+    if (m_sync)
+        sync_folder(folder);
 }
 
-void AtomicFile::publish_unnamed()
+/// Everything that the system may still refuse, while an older file stands untouched:
+/// a full disk or quota shows as late as here, on network file systems at close().
+void AtomicFile::flush()
+{
+    if (m_sync && sync(m_file) != 0)
+        fail_with(m_path, "write", errno);
+    // A file without a name needs a descriptor to be given one.
+    const int link = m_temporary.empty() ? ::fcntl(m_file, F_DUPFD_CLOEXEC, 0) : -1;
+    if (m_temporary.empty() && link < 0)
+        fail_with(m_path, "write", errno);
+    const int file = m_file;
+    m_file = link;
+    if (::close(file) != 0 && errno != EINTR)
+        fail_with(m_path, "write", errno);
+}
+
+/// Makes the file's first name: the target itself, or where an older file has that, a
+/// temporary one, since a link cannot replace a file and a rename can. Between the two
+/// calls, and only there, the complete file has a temporary name.
+void AtomicFile::link_unnamed()
 {
     const std::string unnamed = descriptor_path(m_file);
-    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, m_target.c_str(),
-                 AT_SYMLINK_FOLLOW)
-        == 0)
+    const auto link = [&](const std::string& name) {
+        return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(),
+                        AT_SYMLINK_FOLLOW)
+            == 0;
+    };
+    if (link(m_target))
         return;
-    if (errno != EEXIST)
-        fail_with(m_path, "create", errno);
-    // A link cannot replace a file, a rename can: between the two calls, and only
-    // there, the complete file has a temporary name.
-    const std::string named = temporary_name(m_target);
-    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, named.c_str(), AT_SYMLINK_FOLLOW)
-        != 0)
-        fail_with(m_path, "create", errno);
-    m_temporary = named;
-    if (::rename(named.c_str(), m_target.c_str()) != 0)
-        fail_with(m_path, "replace", errno);
+    while (errno == EEXIST) {
+        const std::string name = temporary_name(m_target);
+        if (link(name)) {
+            m_temporary = name;
+            return;
+        }
+    }
+    fail_with(m_path, "create", errno);
+}
+
+void AtomicFile::close_link() noexcept
+{
+    if (m_file >= 0)
+        ::close(m_file); // nothing was written by it
+    m_file = -1;
+}
+
+/// Makes the new name outlast a loss of power.
+void AtomicFile::sync_folder(const std::string& folder) const
+{
+    const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0)
+        return; // a folder that may be written but not read
+    const int error = sync(file) == 0 ? 0 : errno;
+    ::close(file);
+    if (error != 0)
+        fail_with(m_path, "write its folder", error);
 }
 
 void AtomicFile::discard() noexcept

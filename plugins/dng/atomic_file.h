@@ -16,11 +16,12 @@ namespace cg2raw {
 /// -9 removes.
 class AtomicFile {
 public:
-    /// Opens beside @p path, whose symbolic links are followed.
+    /// Opens beside @p path, whose symbolic links are followed. With @p sync its bytes
+    /// are on the disk before it has its name.
     /// With @p unnamed false as on file systems that know no files without a name.
     /// Throws Error: missing or unwritable folder; @p path is no regular file, or
     /// read-only.
-    explicit AtomicFile(std::string path, bool unnamed = true);
+    explicit AtomicFile(std::string path, bool sync = true, bool unnamed = true);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -33,7 +34,9 @@ public:
     std::size_t read(void* data, std::size_t size, std::uint64_t offset) noexcept;
     std::uint64_t size() const { return m_size; }
 
-    /// Give it its name, replacing an older file in one step. Throws Error.
+    /// Give it its name, replacing an older file in one step, once the system has taken
+    /// all of it. Throws Error; an older file is then as it was, but for a failure to
+    /// write the folder, when either may be there after a loss of power.
     void publish();
 
     /// Throws Error: path, what could not be done, and the first reason that write()
@@ -43,7 +46,10 @@ public:
 private:
     void open_unnamed(const std::string& folder);
     void open_named();
-    void publish_unnamed();
+    void flush();
+    void link_unnamed();
+    void close_link() noexcept;
+    void sync_folder(const std::string& folder) const;
     void discard() noexcept;
 
     std::string m_path; ///< as given, for messages
@@ -52,6 +58,7 @@ private:
     std::string m_reason; ///< of the first failed write
     std::uint64_t m_size = 0;
     int m_file = -1;
+    bool m_sync;
     unsigned m_mode = 0666;
 };
 

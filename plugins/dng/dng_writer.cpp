@@ -57,7 +57,7 @@ struct DngWriter::State {
         , size(description_.size)
         , store(mosaic_store(description_, options.compression, parallel_))
         , parallel(std::move(parallel_))
-        , file(path)
+        , file(path, options.sync)
     {
         if (options.preview)
             preview.emplace(description_);

@@ -18,8 +18,8 @@ constexpr std::uint64_t first_ifd_offset = 4;
 
 void TiffFile::Close::operator()(tiff* handle) const { TIFFClose(handle); }
 
-TiffFile::TiffFile(const std::string& path)
-    : m_file(path)
+TiffFile::TiffFile(const std::string& path, bool sync)
+    : m_file(path, sync)
     , m_client(std::make_unique<TiffClient>(m_file))
     , m_tiff(open_tiff(*m_client))
 {

@@ -32,7 +32,7 @@ struct Storage {
 /// extender or other state of libtiff is set that a host program shares.
 class TiffFile {
 public:
-    explicit TiffFile(const std::string& path);
+    TiffFile(const std::string& path, bool sync);
     ~TiffFile();
 
     /// An Exif IFD; its offset in the file, for begin(). Before any other IFD.

@@ -11,7 +11,7 @@ namespace {
 
 void write(const std::string& path, const RawArray& raw, const Simulation& simulation,
            const std::string& compression, bool preview, const std::string& matrices,
-           const std::string& tone_curve, int threads, const Shot& of_image)
+           const std::string& tone_curve, int threads, const Shot& of_image, bool sync)
 {
     const Size frame = simulation.frame();
     if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
@@ -25,7 +25,7 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
                     + std::to_string(simulation.profile().white_level));
     const DngOptions options { compression_from_name(compression), preview,
                                matrices_from_name(matrices),
-                               tone_curve_from_name(tone_curve) };
+                               tone_curve_from_name(tone_curve), sync };
     Shot shot = of_image;
     if (simulation.run().iso)
         shot.iso = int(std::lround(*simulation.run().iso));
@@ -203,7 +203,7 @@ void bind_dng(py::module_& m)
     bind_shot(m);
     m.def("write_dng", &write, "path"_a, "raw"_a, "simulation"_a, "compression"_a,
           "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a, "shot"_a,
-          "Write a DNG; see cg2raw.write_dng.");
+          "sync"_a = true, "Write a DNG; see cg2raw.write_dng.");
     bind_metadata(m);
     bind_profiles(m);
 }

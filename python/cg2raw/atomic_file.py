@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Files that appear whole or not at all."""
 
+import contextlib
+import errno
 import os
 import shutil
 import tempfile
@@ -19,24 +21,28 @@ def write_atomically(path, data):
         write_all(path, path, data)
         return
     folder, name = os.path.split(target)
-    try:
+    with failing(path):
         handle, part = tempfile.mkstemp(prefix=f".{name[:32]}.", dir=folder)
-    except OSError as error:
-        raise OSError(f"{path}: cannot be written: {error.strerror}") from None
     try:
-        os.fchmod(handle, mode_of(target))
+        with failing(path):
+            os.fchmod(handle, mode_of(target))
         write_all(handle, path, data)
-        os.replace(part, target)
+        with failing(path):
+            os.replace(part, target)
     except BaseException:
-        os.unlink(part)
+        # Not there any more if the last call was interrupted after its work.
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(part)
         raise
+    sync_folder(folder)
 
 
 def write_folder(path, files, is_ours):
     """Write a folder of files, {name: bytes}; one that is there is replaced as a whole.
 
     is_ours : name -> whether a file that is there may go. Raises ValueError if one may
-    not, OSError naming @path; an existing folder is then as it was."""
+    not, OSError naming @path; an existing folder is then as it was, or, if it cannot be
+    moved back, where the message says."""
     target = os.path.realpath(path)
     if os.path.lexists(target) and not os.path.isdir(target):
         raise ValueError(f"{path}: is there already and no folder; remove it")
@@ -45,36 +51,92 @@ def write_folder(path, files, is_ours):
     )
     if foreign:
         raise ValueError(f"{path}: holds {foreign[0]}, which is not ours; remove it")
+    parent = os.path.dirname(target)
+    with failing(path):
+        part = tempfile.mkdtemp(prefix=".cg2raw.", dir=parent)
+    fresh, old = os.path.join(part, "new"), os.path.join(part, "old")
     try:
-        part = tempfile.mkdtemp(prefix=".cg2raw.", dir=os.path.dirname(target))
-    except OSError as error:
-        raise OSError(f"{path}: cannot be written: {error.strerror}") from None
-    try:
-        fresh, old = os.path.join(part, "new"), os.path.join(part, "old")
-        os.mkdir(fresh)  # with the permissions of any new folder
+        with failing(path):
+            os.mkdir(fresh)  # with the permissions of any new folder
         for name, data in files.items():
             write_all(os.path.join(fresh, name), path, data)
+        exchange(path, target, fresh, old)
+    except BaseException:
+        move_back(path, target, old)
+        raise
+    finally:
+        # What could not be moved back stays where it is.
+        if os.path.exists(target) or not os.path.exists(old):
+            shutil.rmtree(part, ignore_errors=True)
+    sync_folder(parent)
+
+
+def exchange(path, target, fresh, old):
+    """Move the folder @target, if there is one, to @old, and @fresh in its place."""
+    with failing(path):
         if os.path.isdir(target):
             os.rename(target, old)
         os.rename(fresh, target)
-    except BaseException:
-        if os.path.isdir(old) and not os.path.exists(target):
-            os.rename(old, target)
-        raise
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
+
+
+def move_back(path, target, old):
+    """Move what was at @target back from @old. Raises OSError if it must stay there."""
+    if not os.path.isdir(old) or os.path.lexists(target):
+        return
+    try:
+        os.rename(old, target)
+    except OSError as error:
+        raise OSError(
+            f"{path}: cannot be replaced, nor moved back: {error.strerror}; what was "
+            f"there is in {old}"
+        ) from None
 
 
 def write_all(file, path, data):
-    """Write @data to @file, a path or descriptor, and close it; messages name @path."""
+    """Write @data to @file, a path or descriptor, and close it; messages name @path.
+
+    It is on the disk then."""
+    with failing(path), open(file, "wb") as stream:
+        stream.write(data)
+        stream.flush()
+        sync(stream.fileno())
+
+
+def sync(handle):
+    """Put a file on the disk; what has none, such as a pipe, stays as it is."""
     try:
-        with open(file, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            if isinstance(file, int):
-                os.fsync(stream.fileno())
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno != errno.EINVAL:
+            raise
+
+
+@contextlib.contextmanager
+def failing(path):
+    """Name @path in what the system says of a call that fails."""
+    try:
+        yield
     except OSError as error:
         raise OSError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def sync_folder(folder):
+    """Make names in a folder outlast a loss of power, where the system can."""
+    with contextlib.suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            sync(handle)
+        finally:
+            os.close(handle)
+
+
+def create(path):
+    """Return a binary stream of a new file at @path, which replaces any; no link is
+    followed. Raises OSError."""
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(path)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+    return open(os.open(path, flags, 0o666), "wb")
 
 
 def mode_of(target):

@@ -29,6 +29,7 @@ def write_dng(
     tone_curve: str = "camera",
     shot: Mapping[str, Any] | _core.Shot | None = None,
     threads: int = 0,
+    sync: bool = True,
 ) -> None:
     """Write a mosaic as a DNG, complete or not at all.
 
@@ -50,6 +51,8 @@ def write_dng(
         lens_model, orientation (1 to 8); what makes no sense there is left out. Or a
         Shot, as DngMetadata.merged_shot returns it. The ISO is the simulation's.
     threads : 0 for one per core; the bytes do not depend on it.
+    sync : whether the file is on the disk before it has its name, so that not even a
+        loss of power leaves a partial one; False is faster on slow disks.
 
     Raises ValueError naming path and reason; DN above the sensor's white level are one.
     Source: DNG specification 1.7.1."""
@@ -59,7 +62,7 @@ def write_dng(
         raise ValueError(f"path {name!r} holds a NUL character")
     _core.write_dng(
         name, raw_plane(raw), simulation, compression, preview, matrices, tone_curve,
-        threads, _shot(shot or {}),
+        threads, _shot(shot or {}), sync,
     )  # fmt: skip
 
 

@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Systems, EitherAtomicFile, ::testing::Values(true, fals
 
 TEST_P(EitherAtomicFile, AppearOnlyWhenPublished)
 {
-    AtomicFile file(path(), GetParam());
+    AtomicFile file(path(), true, GetParam());
     ASSERT_TRUE(file.write("abc", 3, 0));
     EXPECT_EQ(files(), open_files());
     EXPECT_FALSE(fs::exists(path()));
@@ -47,7 +47,7 @@ TEST_P(EitherAtomicFile, UnpublishedLeaveNothing)
 {
     std::ofstream(path()) << "old";
     {
-        AtomicFile file(path(), GetParam());
+        AtomicFile file(path(), true, GetParam());
         ASSERT_TRUE(file.write("new", 3, 0));
         EXPECT_EQ(files(), 1 + open_files());
     }
@@ -59,7 +59,7 @@ TEST_P(EitherAtomicFile, ReplaceAFileAndKeepItsMode)
 {
     std::ofstream(path()) << "an older, longer file";
     fs::permissions(path(), fs::perms(0640));
-    AtomicFile file(path(), GetParam());
+    AtomicFile file(path(), true, GetParam());
     ASSERT_TRUE(file.write("new", 3, 0));
     EXPECT_EQ(bytes_of(path()), "an older, longer file");
     file.publish();
@@ -73,7 +73,7 @@ TEST_P(EitherAtomicFile, FollowLinks)
     fs::create_directory(folder / "elsewhere");
     std::ofstream(path("elsewhere/real.dng")) << "old";
     fs::create_symlink("elsewhere/real.dng", path());
-    AtomicFile file(path(), GetParam());
+    AtomicFile file(path(), true, GetParam());
     ASSERT_TRUE(file.write("new", 3, 0));
     file.publish();
     EXPECT_TRUE(fs::is_symlink(path()));
@@ -82,7 +82,7 @@ TEST_P(EitherAtomicFile, FollowLinks)
 
 TEST_P(EitherAtomicFile, AreReadBackAndPatched)
 {
-    AtomicFile file(path(), GetParam());
+    AtomicFile file(path(), true, GetParam());
     ASSERT_TRUE(file.write("abcdef", 6, 0));
     ASSERT_TRUE(file.write("XY", 2, 2));
     char text[8] = {};
@@ -94,7 +94,7 @@ TEST_P(EitherAtomicFile, AreReadBackAndPatched)
 TEST_P(EitherAtomicFile, NameTheFolderThatIsMissing)
 {
     const std::string lost = path("no/such/folder/shot.dng");
-    EXPECT_EQ(message_of([&] { AtomicFile file(lost, GetParam()); }),
+    EXPECT_EQ(message_of([&] { AtomicFile file(lost, true, GetParam()); }),
               lost + ": cannot create: No such file or directory");
 }
 

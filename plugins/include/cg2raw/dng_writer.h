@@ -29,6 +29,9 @@ struct DngOptions {
     bool preview = true;
     Matrices matrices = Matrices::camera;
     ToneCurve tone_curve = ToneCurve::camera;
+    /// The file is on the disk before it has its name, so that not even a loss of power
+    /// leaves a partial one; false for files that are checked and made again.
+    bool sync = true;
 };
 
 /// Noise of one colour plane as NoiseProfile has it: sd = sqrt(scale x + offset), x in

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Run under the injector: writes a file again and again while calls fail.
+
+publish_cases.py FOLDER LOG ROUTE prints a JSON line of each case: what was asked, whether
+the call failed, the error, whether the old bytes are there or the new ones, and what is
+left in the folder."""
+
+import errno
+import itertools
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import cg2raw
+import numpy as np
+from cg2raw.atomic_file import write_atomically, write_folder
+from cg2raw.dataset import journal
+
+CALLS = ("open", "write", "pwrite", "fsync", "close", "link", "rename")
+NUMBERS = ("ENOSPC", "EIO", "EDQUOT")
+OLD = b"what was there before"
+ROW = {"path": "x"}
+
+
+def dng(path):
+    scene = np.full((8, 8, 3), 0.4, np.float32)
+    frame = cg2raw.Sensor("nikon-d40").simulate(scene, illuminant="D65")
+    cg2raw.write_dng(path, frame, threads=1)
+
+
+def plain(path):
+    write_atomically(path, b"all that is new" * 1000)
+
+
+def folder(path):
+    write_folder(path, {"a.json": b"new", "b.json": b"new"}, lambda name: True)
+
+
+def append(path):
+    journal.append(path, ROW)
+
+
+ROUTES = {"dng": dng, "plain": plain, "folder": folder, "journal": append}
+
+
+def begin(path, route, exists):
+    """Put what is there before into place."""
+    shutil.rmtree(path.parent)
+    path.parent.mkdir()
+    if not exists:
+        return
+    if route == "folder":
+        path.mkdir()
+        (path / "a.json").write_bytes(OLD)
+    else:
+        path.write_bytes(OLD)
+
+
+def contents(path):
+    """Return {relative path: bytes} of a file or folder."""
+    if path.is_dir():
+        return {str(p.relative_to(path)): p.read_bytes() for p in path.rglob("*")}
+    return {"": path.read_bytes()} if path.exists() else {}
+
+
+def state_of(path, before, after, error):
+    """Return "old", "new", "aside" for old where the message says, or "else"."""
+    found = contents(path)
+    if found in (before, after):
+        return "old" if found == before else "new"
+    aside = list(path.parent.glob(".cg2raw.*/old"))
+    if not found and len(aside) == 1 and error and str(aside[0]) in error:
+        return "aside" if contents(aside[0]) == before else "else"
+    return "else"
+
+
+def main(place, log, route):
+    path, log = Path(place) / "shot.dng", Path(log)
+    write = ROUTES[route]
+    states = (True,) if route == "journal" else (True, False)
+    for exists in states:
+        os.environ["FAULT_CALL"] = ""
+        begin(path, route, exists)
+        before = contents(path)
+        write(str(path))
+        after = contents(path)
+        for call, number, sticky, tmpfile in itertools.product(
+            CALLS, NUMBERS, "01", "01"
+        ):
+            for nth in itertools.count(1):
+                begin(path, route, exists)
+                log.unlink(missing_ok=True)
+                case = f"{exists} {call} {number} {sticky} {tmpfile} {nth}"
+                os.environ.update(
+                    FAULT_CASE=case,
+                    FAULT_ERRNO=str(getattr(errno, number)),
+                    FAULT_NTH=str(nth),
+                    FAULT_STICKY=sticky,
+                    FAULT_NO_TMPFILE=tmpfile,
+                    FAULT_CALL=call,
+                )
+                error = None
+                try:
+                    write(str(path))
+                except (ValueError, OSError) as caught:
+                    error = str(caught)
+                os.environ["FAULT_CALL"] = ""
+                if not log.exists():
+                    break
+                state = state_of(path, before, after, error)
+                left = sorted(str(p.name) for p in path.parent.iterdir())
+                print(json.dumps([case, error, state, left]), flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
