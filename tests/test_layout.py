@@ -13,6 +13,7 @@ import pytest
 # The way of the data. A file includes only what stands before it, and its own header.
 FLOW = (
     "types",
+    "scene_file",
     "color",
     "profile",
     "illuminant",

@@ -117,6 +117,7 @@ constexpr Known known[] = {
     { "dng:reference", [](Attributes& a, const Given& g) { a.reference = g.text(); } },
     { "dng:illuminant",
       [](Attributes& a, const Given& g) { a.illuminant = g.text(); } },
+    { "dng:layer", [](Attributes& a, const Given& g) { a.layer = g.text(); } },
     { "dng:iso",
       [](Attributes& a, const Given& g) {
           a.iso = g.real(1.0, 1e7, "an ISO from 1 to 10000000");

@@ -12,13 +12,14 @@ namespace cg2raw {
 
 /// The attributes as they were given; absent ones are empty.
 struct Attributes {
-    std::string sensor, reference, illuminant;
+    std::string sensor, reference, illuminant, layer;
     std::optional<double> iso, gain;
     std::optional<bool> highlights;
     std::optional<Convention> convention;
     std::optional<NoiseModel> noise;
     bool sample_gain = false;
-    std::uint64_t seed = 0, frame = 0;
+    std::uint64_t seed = 0;
+    std::optional<std::uint64_t> frame;
     bool effects = true;
     DngOptions options;
 };

@@ -2,6 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file The face of cg2raw in OpenImageIO: ImageSpec attributes -> simulation -> DNG.
+#include "host_pixels.h"
 #include "request.h"
 #include "row_assembly.h"
 
@@ -39,50 +40,6 @@ void parallel(int count, const std::function<void(int)>& task)
         std::rethrow_exception(first_error);
 }
 
-/// Pixels as a host hands them over.
-struct HostPixels {
-    const char* data;
-    TypeDesc format;
-    int width, height;
-    stride_t xstride, ystride;
-};
-
-/// A view of host pixels as float RGB; @p room holds them when they must be converted.
-RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
-{
-    const bool is_float = host.format == TypeDesc::FLOAT
-        && host.xstride % stride_t(sizeof(float)) == 0
-        && host.ystride % stride_t(sizeof(float)) == 0;
-    if (is_float)
-        return { reinterpret_cast<const float*>(host.data), host.width, host.height,
-                 host.xstride / stride_t(sizeof(float)),
-                 host.ystride / stride_t(sizeof(float)) };
-    room.resize(3 * std::size_t(host.width) * std::size_t(host.height));
-    convert_image(3, host.width, host.height, 1, host.data, host.format, host.xstride,
-                  host.ystride, AutoStride, room.data(), TypeDesc::FLOAT, AutoStride,
-                  AutoStride, AutoStride);
-    return { room.data(), host.width, host.height, 3, 3 * host.width };
-}
-
-/// Pixels are taken by place; names that say another order, or no colours, are errors.
-/// A layer's name may stand before the last dot; unnamed channels have "channel".
-void require_rgb_names(const ImageSpec& spec)
-{
-    const char* const expected[3][2]
-        = { { "r", "red" }, { "g", "green" }, { "b", "blue" } };
-    for (int i = 0; i < 3 && std::size_t(i) < spec.channelnames.size(); ++i) {
-        const std::string& name = spec.channelnames[std::size_t(i)];
-        const std::string last = Strutil::lower(name.substr(name.rfind('.') + 1));
-        if (last.empty() || Strutil::starts_with(last, "channel")
-            || last == expected[i][0] || last == expected[i][1])
-            continue;
-        throw Error(
-            "channel " + std::to_string(i) + " is named \"" + name
-            + "\"; needs R, G, B in this order (oiiotool --ch R,G,B, or --chnames "
-              "R,G,B if they are)");
-    }
-}
-
 } // namespace
 
 /// One file: everything is decided in open(), pixels stream through, close() publishes.
@@ -116,12 +73,15 @@ private:
     HostPixels host_pixels(const void* data, TypeDesc format, int width, int height,
                            stride_t xstride, stride_t ystride, int full_width) const;
     template <class Work> void each_task(const HostPixels& host, const Work& work);
+    void take(HostPixels host, Site at);
     void take_block(const HostPixels& host, Site at);
     void simulate_held(const HostPixels& host, Site at);
     void hold(const HostPixels& host, Site at);
     void simulate_frame();
 
     std::string m_name;
+    std::array<int, 3> m_channels {}; ///< of red, green and blue in the host's pixels
+    std::optional<FrameWindow> m_window;
     std::unique_ptr<Simulation> m_simulation;
     std::unique_ptr<DngWriter> m_writer;
     /// Streamed: rows on their way to the writer. Held: what is there of the frame that
@@ -176,18 +136,16 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
         if (spec.deep || spec.depth > 1)
             throw Error("deep and volume images cannot become a DNG: flatten first "
                         "(oiiotool --flatten)");
-        if (spec.nchannels < 3 || spec.nchannels > 4)
-            throw Error(std::to_string(spec.nchannels)
-                        + " channels; needs RGB or RGBA (oiiotool --ch R,G,B)");
-        require_rgb_names(spec);
         start(name);
     });
 }
 
 void DngOutput::start(const std::string& name)
 {
-    const Request request = request_of(m_spec);
-    const Size frame { m_spec.width, m_spec.height };
+    const Request request = request_of(m_spec, name);
+    m_channels = request.layer.channels;
+    m_window.emplace(m_spec);
+    const Size frame = m_window->size();
     m_simulation = std::make_unique<Simulation>(request.profile, request.run, frame);
     const DngDescription description
         = describe(*m_simulation, request.options, request.shot);
@@ -203,6 +161,10 @@ void DngOutput::start(const std::string& name)
             });
     }
     m_spec.format = TypeDesc::UINT16;
+    m_window->each_margin([&](const HostPixels& black, Site at) {
+        if (black.width > 0 && black.height > 0)
+            take_block(black, at);
+    });
 }
 
 bool DngOutput::close()
@@ -215,7 +177,7 @@ bool DngOutput::close()
 void DngOutput::finish()
 {
     const int rows = m_frame ? m_count->complete() : m_rows->rows_done();
-    if (rows != m_spec.height)
+    if (rows != m_window->size().height)
         throw Error("row " + std::to_string(rows)
                     + " was never written; no file is left");
     if (m_frame)
@@ -248,7 +210,13 @@ HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width,
         xstride = stride_t(format.size()) * m_spec.nchannels;
     if (ystride == AutoStride)
         ystride = xstride * full_width;
-    return { static_cast<const char*>(data), format, width, height, xstride, ystride };
+    return { static_cast<const char*>(data),
+             format,
+             width,
+             height,
+             xstride,
+             ystride,
+             m_channels };
 }
 
 /// Calls work(scene, first row, illegal) for a few rows at a time, in parallel.
@@ -259,14 +227,20 @@ void DngOutput::each_task(const HostPixels& host, const Work& work)
     std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
     parallel(tasks, [&](int task) {
         const int first = task * task_rows;
-        HostPixels part = host;
-        part.data += first * host.ystride;
-        part.height = std::min(task_rows, host.height - first);
+        const HostPixels part
+            = host.rows(first, std::min(task_rows, host.height - first));
         std::vector<float> room;
         work(rgb_view(part, room), first, illegal[std::size_t(task)]);
     });
     for (const Illegal& part : illegal)
         m_illegal += part;
+}
+
+/// Pixels of the data window.
+void DngOutput::take(HostPixels host, Site at)
+{
+    if (m_window->take(host, at))
+        take_block(host, at);
 }
 
 void DngOutput::take_block(const HostPixels& host, Site at)
@@ -276,10 +250,8 @@ void DngOutput::take_block(const HostPixels& host, Site at)
         return;
     }
     for (int first = 0; first < host.height; first += held_rows) {
-        HostPixels part = host;
-        part.data += first * host.ystride;
-        part.height = std::min(held_rows, host.height - first);
-        simulate_held(part, { at.row + first, at.col });
+        const int rows = std::min(held_rows, host.height - first);
+        simulate_held(host.rows(first, rows), { at.row + first, at.col });
     }
 }
 
@@ -306,13 +278,14 @@ void DngOutput::hold(const HostPixels& host, Site at)
 
 void DngOutput::simulate_frame()
 {
+    const Size frame = m_window->size();
     m_frame->complete();
-    for (int first = 0; first < m_spec.height; first += finished_rows) {
-        const int rows = std::min(finished_rows, m_spec.height - first);
-        m_block.resize(std::size_t(m_spec.width) * std::size_t(rows));
-        m_frame->simulate(first, { m_block.data(), m_spec.width, rows, m_spec.width },
+    for (int first = 0; first < frame.height; first += finished_rows) {
+        const int rows = std::min(finished_rows, frame.height - first);
+        m_block.resize(std::size_t(frame.width) * std::size_t(rows));
+        m_frame->simulate(first, { m_block.data(), frame.width, rows, frame.width },
                           parallel);
-        m_writer->write_rows({ m_block.data(), m_spec.width, rows, m_spec.width });
+        m_writer->write_rows({ m_block.data(), frame.width, rows, frame.width });
     }
 }
 
@@ -328,9 +301,9 @@ bool DngOutput::write_scanlines(int ybegin, int yend, int, TypeDesc format,
     if (!m_writer)
         return false; // the failure was reported when it happened
     return reported([&] {
-        const HostPixels host = host_pixels(data, format, m_spec.width, yend - ybegin,
-                                            xstride, ystride, m_spec.width);
-        take_block(host, { ybegin - m_spec.y, 0 });
+        take(host_pixels(data, format, m_spec.width, yend - ybegin, xstride, ystride,
+                         m_spec.width),
+             { ybegin - m_spec.y, 0 });
     });
 }
 
@@ -347,9 +320,9 @@ bool DngOutput::write_tile(int x, int y, int, TypeDesc format, const void* data,
                         + " is outside the image");
         const int width = std::min(m_spec.tile_width, m_spec.width - at.col);
         const int height = std::min(m_spec.tile_height, m_spec.height - at.row);
-        take_block(host_pixels(data, format, width, height, xstride, ystride,
-                               m_spec.tile_width),
-                   at);
+        take(host_pixels(data, format, width, height, xstride, ystride,
+                         m_spec.tile_width),
+             at);
     });
 }
 

@@ -79,10 +79,43 @@ void require_rec709_primaries(const ImageSpec& spec)
         return;
     std::array<double, 8> chromaticities;
     std::copy(std::begin(said), std::end(said), chromaticities.begin());
-    if (!is_rec709_primaries(chromaticities))
-        throw Error(
-            "the image's chromaticities are not those of Rec.709: convert it to "
-            "scene-linear Rec.709, and then --eraseattrib chromaticities");
+    cg2raw::require_rec709_primaries(chromaticities, color_space_of(spec), OIIO_VERSION,
+                                     rec709_of_config());
+}
+
+/// The channels to take. Hosts hand over one image of a file that may have several.
+SceneLayer layer_of(const ImageSpec& spec, const std::string& asked)
+{
+    LayerHints hints { "--attrib dng:layer" };
+    hints.other_parts = spec.get_int_attribute("oiio:subimages", 1) > 1;
+    const ScenePart part { std::string(spec.get_string_attribute("oiio:subimagename")),
+                           spec.channelnames };
+    return beauty_layer({ part }, asked, hints);
+}
+
+/// The name that a file will have: oiiotool writes <stem>.<8 hex digits>.temp.<ending>
+/// and renames that.
+std::string final_name(const std::string& file)
+{
+    constexpr std::size_t digits = 8;
+    const auto temp = file.rfind(".temp.");
+    if (temp == file.npos || temp <= digits || file[temp - digits - 1] != '.'
+        || file.substr(temp - digits, digits).find_first_not_of("0123456789abcdef")
+            != file.npos)
+        return file;
+    return file.substr(0, temp - digits - 1) + file.substr(temp + 5);
+}
+
+std::uint64_t frame_of(const ImageSpec& spec, const Attributes& attributes,
+                       const std::string& file)
+{
+    if (attributes.frame)
+        return *attributes.frame;
+    if (const auto frame = frame_from_name(final_name(file)))
+        return *frame;
+    // Not get_string_attribute(), which is empty for time codes in OpenImageIO 2.4.
+    const OIIO::ParamValue* const code = spec.find_attribute("smpte:TimeCode");
+    return code ? frame_from_time_code(std::string(code->get_string())).value_or(0) : 0;
 }
 
 /// Exif that renderers and oiiotool put into an image.
@@ -153,7 +186,6 @@ Run run_of(const Attributes& attributes)
     run.iso = attributes.iso;
     run.noise_model = attributes.noise;
     run.seed = attributes.seed;
-    run.frame = attributes.frame;
     run.digital_gain = attributes.gain.value_or(1.0);
     run.sample_digital_gain = attributes.sample_gain;
     run.convention = attributes.convention.value_or(Convention::dng);
@@ -164,13 +196,17 @@ Run run_of(const Attributes& attributes)
 
 } // namespace
 
-Request request_of(const ImageSpec& spec)
+Request request_of(const ImageSpec& spec, const std::string& file)
 {
     const Attributes attributes = attributes_of(spec);
+    const SceneLayer layer = layer_of(spec, attributes.layer);
     std::optional<SensorProfile> sensor;
     if (!attributes.sensor.empty())
         sensor = load_profile(attributes.sensor);
-    Request request { {}, run_of(attributes), attributes.options, shot_of(spec) };
+    Request request {
+        layer, {}, run_of(attributes), attributes.options, shot_of(spec)
+    };
+    request.run.frame = frame_of(spec, attributes, file);
 
     const auto space = raw_space_of(spec, attributes, sensor);
     if (space) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "cg2raw/dng_writer.h"
+#include "cg2raw/scene_file.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -12,15 +13,18 @@ namespace cg2raw {
 
 /// Everything that decides a file, from the attributes of the image.
 struct Request {
+    SceneLayer layer; ///< the channels to take
     SensorProfile profile;
     Run run;
     DngOptions options;
     Shot shot;
 };
 
-/// Reads dng:* attributes, oiio:ColorSpace, oiio:BitsPerSample and Exif. Throws Error
-/// for an unknown dng: attribute, a value out of range, a contradiction, or a colour
-/// space that is neither RAW nor scene-linear Rec.709.
-Request request_of(const OIIO::ImageSpec& spec);
+/// Reads dng:* attributes, the names of channels, oiio:ColorSpace, oiio:BitsPerSample,
+/// smpte:TimeCode and Exif. The frame number is dng:frame, else that in @p file's name,
+/// else the time code, else 0. Throws Error for an unknown dng: attribute, a value out
+/// of range, a contradiction, channels that are no picture, or a colour space that is
+/// neither RAW nor scene-linear Rec.709.
+Request request_of(const OIIO::ImageSpec& spec, const std::string& file);
 
 } // namespace cg2raw

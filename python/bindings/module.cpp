@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, m)
     m.attr("__version__") = CG2RAW_VERSION;
     py::register_exception<cg2raw::Error>(m, "Error", PyExc_ValueError);
     cg2raw::python::bind_color(m);
+    cg2raw::python::bind_scene_file(m);
     cg2raw::python::bind_profile(m);
     cg2raw::python::bind_transform(m);
     cg2raw::python::bind_simulation(m);

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 namespace cg2raw {
@@ -88,5 +89,12 @@ Mat3 xyz_d50_from_srgb();
 bool is_rec709_name(std::string_view space);
 /// Whether (x, y) of red, green, blue and white are those of Rec.709, at 0.002.
 bool is_rec709_primaries(const std::array<double, 8>& chromaticities);
+/// Throws Error, with the command that converts it, for an image of other primaries.
+/// They are a file's, and a conversion leaves them behind: a stated @p space, by any
+/// name but those that the OpenEXR reader of that OpenImageIO (2.4.7 is 20407) gives to
+/// every file, is believed instead. @p rec709 is the name to convert to.
+void require_rec709_primaries(const std::array<double, 8>& chromaticities,
+                              std::string_view space, int openimageio_version,
+                              const std::string& rec709);
 
 } // namespace cg2raw

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+#include "host_pixels.h"
+
+#include <algorithm>
+#include <string>
+
+namespace cg2raw {
+namespace {
+
+using OIIO::stride_t;
+using OIIO::TypeDesc;
+
+bool are_together(const std::array<int, 3>& channels)
+{
+    return channels[1] == channels[0] + 1 && channels[2] == channels[0] + 2;
+}
+
+/// Whether float RGB can be seen where it lies.
+bool is_in_place(const HostPixels& host)
+{
+    return host.format == TypeDesc::FLOAT && are_together(host.channels)
+        && host.xstride % stride_t(sizeof(float)) == 0
+        && host.ystride % stride_t(sizeof(float)) == 0;
+}
+
+std::string text_of(int x, int y, int width, int height)
+{
+    return std::to_string(width) + "x" + std::to_string(height) + " at "
+        + std::to_string(x) + "," + std::to_string(y);
+}
+
+} // namespace
+
+HostPixels HostPixels::rows(int first, int count) const
+{
+    HostPixels part = *this;
+    part.data += first * ystride;
+    part.height = count;
+    return part;
+}
+
+RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
+{
+    const auto channel = [&](int color) {
+        return host.data
+            + host.channels[std::size_t(color)] * stride_t(host.format.size());
+    };
+    if (is_in_place(host))
+        return { reinterpret_cast<const float*>(channel(0)), host.width, host.height,
+                 host.xstride / stride_t(sizeof(float)),
+                 host.ystride / stride_t(sizeof(float)) };
+    room.resize(3 * std::size_t(host.width) * std::size_t(host.height));
+    constexpr stride_t pixel = 3 * sizeof(float);
+    const int at_once = are_together(host.channels) ? 3 : 1;
+    for (int color = 0; color < 3; color += at_once)
+        OIIO::convert_image(at_once, host.width, host.height, 1, channel(color),
+                            host.format, host.xstride, host.ystride, OIIO::AutoStride,
+                            room.data() + color, TypeDesc::FLOAT, pixel,
+                            pixel * host.width, OIIO::AutoStride);
+    return { room.data(), host.width, host.height, 3, 3 * host.width };
+}
+
+FrameWindow::FrameWindow(const OIIO::ImageSpec& spec)
+    : m_size { spec.full_width, spec.full_height }
+    , m_data_size { spec.width, spec.height }
+    , m_data { spec.y - spec.full_y, spec.x - spec.full_x }
+{
+    if (spec.full_width <= 0 || spec.full_height <= 0) { // a host that knows of none
+        m_size = m_data_size;
+        m_data = { 0, 0 };
+    }
+    if (m_data.row >= m_size.height || m_data.row + m_data_size.height <= 0
+        || m_data.col >= m_size.width || m_data.col + m_data_size.width <= 0)
+        throw Error(
+            "its data window, " + text_of(spec.x, spec.y, spec.width, spec.height)
+            + ", lies outside its display window, "
+            + text_of(spec.full_x, spec.full_y, spec.full_width, spec.full_height)
+            + ": nothing would be seen (oiiotool --origin, or --fullpixels)");
+}
+
+bool FrameWindow::take(HostPixels& host, Site& at) const
+{
+    at = { at.row + m_data.row, at.col + m_data.col };
+    const int top = std::max(-at.row, 0), left = std::max(-at.col, 0);
+    host.height = std::min(host.height, m_size.height - at.row) - top;
+    host.width = std::min(host.width, m_size.width - at.col) - left;
+    host.data += top * host.ystride + left * host.xstride;
+    at = { at.row + top, at.col + left };
+    return host.height > 0 && host.width > 0;
+}
+
+HostPixels FrameWindow::black(Size size)
+{
+    static constexpr float pixel[3] {};
+    return { reinterpret_cast<const char*>(pixel),
+             TypeDesc::FLOAT,
+             size.width,
+             size.height,
+             0,
+             0,
+             { 0, 1, 2 } };
+}
+
+} // namespace cg2raw

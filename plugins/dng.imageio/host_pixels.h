@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Pixels as a host hands them over -> views of float RGB.
+#pragma once
+
+#include "cg2raw/types.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace cg2raw {
+
+/// A block of pixels in the host's memory, in its format.
+struct HostPixels {
+    const char* data;
+    OIIO::TypeDesc format;
+    int width, height;
+    OIIO::stride_t xstride, ystride; ///< bytes
+    std::array<int, 3> channels; ///< of red, green and blue
+
+    /// Rows @p first ... first + count - 1.
+    HostPixels rows(int first, int count) const;
+};
+
+/// A view of host pixels as float RGB; @p room holds them when they must be converted.
+RgbView rgb_view(const HostPixels& host, std::vector<float>& room);
+
+/// Where the pixels of an image lie in the frame that is written: its display window.
+/// Pixels of the data window outside it are cut off; what it has beyond the data window
+/// is black, as where oiiotool writes a format that has no windows.
+class FrameWindow {
+public:
+    /// Throws Error if the two windows have no pixel in common.
+    explicit FrameWindow(const OIIO::ImageSpec& spec);
+
+    Size size() const { return m_size; }
+    /// The part of a block of the data window, whose first pixel is @p at, that lies in
+    /// the frame; @p at becomes its place there. False if none does.
+    bool take(HostPixels& host, Site& at) const;
+    /// Calls @p visit with blocks of black that, with the data window, are the frame.
+    template <class Visit> void each_margin(const Visit& visit) const
+    {
+        const int bottom = m_data.row + m_data_size.height;
+        const int right = m_data.col + m_data_size.width;
+        const int top_rows = std::max(m_data.row, 0);
+        const int last = std::min(bottom, m_size.height);
+        visit(black({ m_size.width, top_rows }), Site { 0, 0 });
+        visit(black({ m_data.col, last - top_rows }), Site { top_rows, 0 });
+        visit(black({ m_size.width - right, last - top_rows }),
+              Site { top_rows, right });
+        visit(black({ m_size.width, m_size.height - bottom }), Site { bottom, 0 });
+    }
+
+private:
+    static HostPixels black(Size size);
+
+    Size m_size, m_data_size;
+    Site m_data; ///< of the data window's first pixel, in the frame
+};
+
+} // namespace cg2raw

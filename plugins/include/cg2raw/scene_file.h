@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file What the names in and of a render say: which channels are its picture, and
+/// which frame of a shot it is. One rule for the plugin, the commands and Python.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cg2raw {
+
+/// One image of a file: a part of a multi-part OpenEXR file, or all of a simple one.
+struct ScenePart {
+    std::string name; ///< empty: its number stands for it
+    std::vector<std::string> channels; ///< as the file names them: "diffuse.R"
+};
+
+/// Three channels that are one picture.
+struct SceneLayer {
+    std::string name; ///< empty: unnamed channels R, G, B
+    int part = 0; ///< index of the part that they lie in
+    std::array<int, 3> channels {}; ///< of R, G and B, in that part
+};
+
+/// How a host is told which layer to take, for messages.
+struct LayerHints {
+    std::string option; ///< "--layer", before the name
+    bool other_parts = false; ///< the file has parts that are not among those given
+};
+
+/// The picture ("beauty") among all layers of a file. A layer is what stands before the
+/// last dot of a channel's name, with the part's name before it where the file has
+/// several; R, G, B (or red, green, blue) of one layer may stand in any order, among
+/// any others.
+///
+/// @p asked, if not empty, is the layer's name, upper and lower case alike. Else it is,
+/// in this order: the only layer of a file that has nothing else; unnamed R, G, B; the
+/// one that is called rgba, rgb, beauty, C, Ci or Combined; the one whose name ends so,
+/// as in ViewLayer.Combined. Three or four channels without names are R, G, B, A.
+/// Throws Error, with the names found and what to add, if none or several are.
+///
+/// Sources: OpenEXR, "Technical Introduction" (layers; R, G, B of no layer are the
+/// picture); what Arnold (RGBA), Blender (Combined), Karma and Mantra (C), Nuke (rgba),
+/// RenderMan (Ci) and V-Ray (unnamed) write.
+SceneLayer beauty_layer(const std::vector<ScenePart>& parts, std::string_view asked,
+                        const LayerHints& hints);
+
+/// The frame number in the name of a file of a shot, nothing if there is none: the last
+/// part of the name that is all digits ("shot.0007.beauty.exr": 7), else the digits
+/// that it ends with ("render0007.exr": 7), unless they are a version's ("comp_v002").
+/// Folders and the extension do not count.
+std::optional<std::uint64_t> frame_from_name(std::string_view path);
+
+/// The frame number that an SMPTE time code stands for, "hh:mm:ss:ff" or with ";" where
+/// frames are dropped: its digits, hhmmssff, so that each frame of 24 hours has its own
+/// at any rate. Nothing for other texts. Source: SMPTE ST 12-1.
+std::optional<std::uint64_t> frame_from_time_code(std::string_view text);
+
+} // namespace cg2raw

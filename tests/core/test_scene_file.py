@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Which channels of a render are its picture, and which frame of a shot it is."""
+
+import pytest
+from cg2raw import _core
+
+RGBA = ["R", "G", "B", "A"]
+
+
+def layer(name, channels="RGBA"):
+    """Return the channels of a layer."""
+    return [f"{name}.{channel}" for channel in channels]
+
+
+# Channels as OpenImageIO lists them; the layer, and where its R, G and B stand.
+PICTURES = {
+    "plain": ([("", RGBA)], "", (0, 0, 1, 2)),
+    "lower case": ([("", ["r", "g", "b"])], "", (0, 0, 1, 2)),
+    "words": ([("", ["red", "green", "blue", "alpha"])], "", (0, 0, 1, 2)),
+    "another order": ([("", ["B", "G", "R"])], "", (0, 2, 1, 0)),
+    "without names": ([("", ["channel0", "channel1", "channel2"])], "", (0, 0, 1, 2)),
+    "empty names": ([("", ["", "", "", ""])], "", (0, 0, 1, 2)),
+    # Arnold, V-Ray, Redshift, Unreal: the picture is unnamed, AOVs are layers
+    "AOVs": ([("", RGBA + layer("diffuse", "RGB") + ["Z"])], "", (0, 0, 1, 2)),
+    "AOVs first": ([("", layer("albedo", "RGB") + RGBA)], "", (0, 3, 4, 5)),
+    "V-Ray": (
+        [("", RGBA + ["diffuse.red", "diffuse.green", "diffuse.blue"])],
+        "",
+        None,
+    ),
+    # Arnold with layer names kept
+    "Arnold": ([("", layer("RGBA") + layer("N", "XYZ") + layer("sss"))], "RGBA", None),
+    "Blender": (
+        [
+            (
+                "",
+                layer("ViewLayer.Combined")
+                + ["ViewLayer.Depth.Z"]
+                + layer("ViewLayer.DiffCol", "RGB"),
+            )
+        ],
+        "ViewLayer.Combined",
+        (0, 0, 1, 2),
+    ),
+    "Cycles": ([("", layer("Combined") + layer("Emit", "RGB"))], "Combined", None),
+    "Mantra": ([("", layer("C", "rgb") + layer("direct", "rgb"))], "C", None),
+    "RenderMan": ([("", layer("Ci", "rgb") + layer("albedo", "rgb"))], "Ci", None),
+    "beauty": ([("", layer("beauty") + layer("diffuse"))], "beauty", None),
+    "one layer alone": ([("", layer("diffuse", "RGB"))], "diffuse", (0, 0, 1, 2)),
+    "its lights": (
+        [("", layer("beauty", "RGB") + layer("key.beauty", "RGB"))],
+        "beauty",
+        None,
+    ),
+    # Multi-part files of Nuke, Arnold, Karma: parts have the names
+    "Nuke": ([("depth", ["Z"]), ("rgba", RGBA), ("n", RGBA)], "rgba", (1, 0, 1, 2)),
+    "parts repeated": (
+        [("diffuse", layer("diffuse")), ("beauty", layer("beauty"))],
+        "beauty",
+        (1, 0, 1, 2),
+    ),
+    "Karma": ([("C", layer("C")), ("albedo", layer("albedo"))], "C", (0, 0, 1, 2)),
+    "Blender's parts": (
+        [("ViewLayer.Combined", RGBA), ("ViewLayer.Emit", RGBA)],
+        "ViewLayer.Combined",
+        (0, 0, 1, 2),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_the_picture_by_convention(name):
+    parts, expected, places = PICTURES[name]
+    found = _core.beauty_layer(parts)
+    assert found.name == expected
+    channels = parts[found.part][1]
+    letters = "".join(
+        channels[c].rpartition(".")[2][:1].lower() for c in found.channels
+    )
+    assert letters in ("rgb", "ccc", "")  # ccc: channel0, channel1, channel2
+    if places is not None:
+        assert (found.part, *found.channels) == places
+
+
+ASKED = [
+    ([("", RGBA + layer("diffuse", "RGB"))], "diffuse", (0, 4, 5, 6)),
+    ([("", RGBA + layer("diffuse", "RGB"))], "DIFFUSE", (0, 4, 5, 6)),
+    ([("", RGBA + layer("diffuse", "RGB"))], "rgba", (0, 0, 1, 2)),
+    ([("", layer("VL.Combined") + layer("VL.Emit"))], "Emit", (0, 4, 5, 6)),
+    ([("", layer("VL.Combined") + layer("VL.Emit"))], "vl.emit", (0, 4, 5, 6)),
+    ([("a", RGBA), ("b", RGBA)], "b", (1, 0, 1, 2)),
+    ([("", RGBA), ("", RGBA)], "1", (1, 0, 1, 2)),  # pages of a TIFF have no names
+    ([("a", layer("x") + layer("y")), ("b", RGBA)], "a.y", (0, 4, 5, 6)),
+    # taken out of its file, a part keeps its name
+    ([("diffuse", RGBA)], "diffuse", (0, 0, 1, 2)),
+]
+
+
+@pytest.mark.parametrize(("parts", "asked", "places"), ASKED, ids=str)
+def test_the_layer_that_is_asked_for(parts, asked, places):
+    found = _core.beauty_layer(parts, asked)
+    assert (found.part, *found.channels) == places
+
+
+REFUSED = [
+    ([("", ["Y"])], "", "R, G and B of one layer, has the channels Y"),
+    ([("", ["X", "Y", "Z"])], "", "has the channels X, Y, Z .*--chnames R,G,B"),
+    ([("", layer("N", "XYZ") + ["Z"])], "", "N.X, N.Y, N.Z, Z"),
+    ([("", ["R", "G"])], "", "has the channels R, G"),
+    ([("", ["a.R", "b.G", "c.B"])], "", "has the channels a.R, b.G, c.B"),
+    (
+        [("", layer("diffuse") + layer("spec"))],
+        "",
+        "which .* Add --layer diffuse, or another of diffuse, spec; .*diffuse.R, ",
+    ),
+    ([("", layer("left.C") + layer("right.C"))], "", "another of left.C, right.C"),
+    ([("", layer("A.Combined") + layer("B.Combined"))], "", "--layer A.Combined"),
+    ([("", layer("View Layer.x") + layer("b"))], "", '--layer "View Layer.x"'),
+    ([("", layer("diffuse", "RGB") + ["Z", "id"])], "", "the picture. Then add"),
+    ([("", RGBA), ("", RGBA)], "", "--layer 0, or another of 0, 1"),
+    ([("", [])], "", "has the channels"),
+    ([("", RGBA)], "diffuse", "--layer diffuse: no layer of .* rgba have"),
+    ([("", ["Z"])], "rgba", "--layer rgba: no layer .* none has"),
+    ([("", layer("N", "XYZ") + RGBA)], "N", "--layer N: no layer of that name"),
+]
+
+
+@pytest.mark.parametrize(("parts", "asked", "said"), REFUSED, ids=str)
+def test_files_without_one_picture_get_one_line(parts, asked, said):
+    with pytest.raises(ValueError, match=said) as error:
+        _core.beauty_layer(parts, asked)
+    assert "\n" not in str(error.value)
+
+
+def test_many_channels_are_counted_not_listed():
+    names = [name for i in range(5000) for name in layer(f"l{i}", "RGB")]
+    with pytest.raises(ValueError, match="and 14960 more$") as error:
+        _core.beauty_layer([("", names)])
+    assert len(str(error.value)) < 2000
+    assert _core.beauty_layer([("", names)], "l4999").channels[0] == 3 * 4999
+
+
+FRAMES = {
+    "shot.0007.exr": 7,
+    "/frames.0001/shot.0007.exr": 7,
+    "shot_0012.dng": 12,
+    "shot-3.exr": 3,
+    "shot 4.exr": 4,
+    "0005.png": 5,
+    "render0042.exr": 42,
+    "sh010_comp_v003.1001.exr": 1001,
+    "shot.0007.beauty.exr": 7,
+    "shot.1001.left.exr": 1001,
+    "shot.0000.exr": 0,
+    "sh010.exr": 10,
+    "shot.100000000000000000.exr": 10**17,
+    "interior.exr": None,
+    "comp_v002.exr": None,
+    "v002.exr": None,
+    "curve2.exr": 2,
+    "1920x1080_view.exr": None,
+    "shot.12345678901234567890.exr": None,
+    "": None,
+    ".exr": None,
+    "folder7/": None,
+}
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_frame_numbers_in_names(name):
+    assert _core.frame_from_name(name) == FRAMES[name]
+
+
+TIME_CODES = {
+    "01:02:03:04": 1020304,
+    "23:59:59;29": 23595929,
+    "00:00:00:00": 0,
+    "": None,
+    "1:2:3:4": None,
+    "01:02:03:0x": None,
+    "0102030405:": None,
+    "01:02:03:04:05": None,
+}
+
+
+@pytest.mark.parametrize("text", TIME_CODES)
+def test_time_codes_are_frame_numbers(text):
+    assert _core.frame_from_time_code(text) == TIME_CODES[text]
+
+
+ACESCG = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
+REC709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
+
+
+@pytest.mark.parametrize(
+    ("space", "version", "believed"),
+    [
+        # what OpenImageIO's reader of OpenEXR says of every file states nothing
+        ("", 20407, False),
+        ("Linear", 20407, False),
+        ("lin_rec709", 30021, False),
+        ("", 30119, False),
+        ("", 30202, False),
+        # what --tocolorspace leaves does
+        ("linear", 20407, True),
+        ("lin_rec709", 20407, True),
+        ("Linear Rec.709 (sRGB)", 20407, True),
+        ("Linear Rec.709 (sRGB)", 30021, True),
+        ("lin_rec709", 30202, True),
+        ("lin_rec709_scene", 30202, True),
+    ],
+)
+def test_a_stated_space_outweighs_leftover_primaries(space, version, believed):
+    _core.require_rec709_primaries(REC709, space, version, "lin_rec709")
+    if believed:
+        _core.require_rec709_primaries(ACESCG, space, version, "lin_rec709")
+        return
+    with pytest.raises(ValueError, match="ACEScg.*--iscolorspace ACEScg --tocolorsp"):
+        _core.require_rec709_primaries(ACESCG, space, version, "lin_rec709")
+
+
+def test_unknown_primaries_are_not_named():
+    other = (0.7, 0.3, 0.2, 0.8, 0.1, 0.1, 0.31, 0.33)
+    with pytest.raises(ValueError, match="are unknown.*--iscolorspace NAME"):
+        _core.require_rec709_primaries(other, "", 30202, "lin_rec709")
+    with pytest.raises(ValueError, match="--eraseattrib chromaticities"):
+        _core.require_rec709_primaries(ACESCG, "lin_rec709", 30021, "lin_rec709")
