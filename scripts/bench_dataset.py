@@ -79,9 +79,9 @@ def timed(action):
 def bench_conversion(source, rounds):
     """Print megapixels per second of both conversions, and compare their DN."""
     import cg2raw
-    from cg2raw.dataset.image_file import read_image
+    from cg2raw.image_file import read_image
 
-    scene = read_image(str(source)).rgb
+    scene = read_image(source, undo="stated").pixels
     sensor, arguments = cg2raw.Sensor(SENSOR), paper_arguments()
 
     def ours():
@@ -181,13 +181,14 @@ def worker_memory(source, name, changed):
     }
     fields |= {"format": "dng", "element_type": "float32", "compression": "ljpeg"}
     fields |= {"crop": None, "patches": 1, "seed": 0}
+    fields |= {"layer": None, "frame_from": "name"}
     sensors = [cg2raw.Sensor("samsung-s20fe")]
     plan = options.make_plan(sensors, print, **(fields | changed))
     with tempfile.TemporaryDirectory() as out:
         text = plan.to_json().encode()
         Path(out, "dataset.json").write_bytes(text)
         digest = hashlib.sha256(text).hexdigest()
-        result = job.make(job.Job(out, digest, "image.exr", source))
+        result = job.make(job.Job(out, digest, "image.exr", source, 0))
     assert result["made"] == 2, result
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     samples = 4032 * 3024 * 3

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cg2raw import _core, image_file
+from cg2raw import _core, image_file, image_spaces
 from cg2raw.dng import write_dng
 from cg2raw.sensor import Sensor
 from cg2raw.upi import Upi
@@ -27,9 +27,10 @@ class Request:
     iso: float | None = None
     noise: str | None = None
     seed: int = 0
-    frame: int = 0
+    frame: int | None = None  # None: by the names of files, or the time code
     effects: bool = True
     exposure: float = 0.0  # EV
+    layer: str | None = None  # None: the picture, by the conventions of renderers
     space: str | None = None  # the name of the pixels' colour space, if the file errs
     linearize: str | None = None  # "srgb"
     upi: Upi | None = None  # its method, in place of sensor, illuminant and gains
@@ -40,18 +41,17 @@ def convert(path, output, request):
     """Write the DNG @output of the image at @path; return the report, of JSON's types.
 
     Raises ValueError or OSError in one line; then there is no new file."""
-    image = image_file.read_image(path)
-    if request.space is not None:
-        image = replace(image, space=request.space)
-    if request.linearize and image_file.is_srgb(image):
-        image = image_file.linearized(image)
+    image = image_file.read_image(
+        path, request.layer, undo=request.linearize, space=request.space
+    )
+    request = replace(request, frame=frame_of(image, output, request))
     pixels = image.pixels
     if request.exposure:
         pixels = pixels * np.float32(2.0**request.exposure)
-    nan, inf = np.isnan(pixels[..., :3]).sum(), np.isinf(pixels[..., :3]).sum()
+    nan, inf = np.isnan(pixels).sum(), np.isinf(pixels).sum()
     shot, drawn = _core.Shot(**image.shot), None
     if request.upi:
-        image_file.check_rec709(image)
+        image_spaces.check_rec709(image)
         frame, drawn = upi_frame(pixels, request)
     else:
         sensor, run = exposure_of(image, request)
@@ -68,10 +68,26 @@ def convert(path, output, request):
         "input": str(path),
         "output": str(output),
         **report,
-        "linearized": image.linearized or None,
+        "layer": image.layer or None,
+        "linearized": image.undone or None,
         "nan": int(nan),
         "inf": int(inf),
     }
+
+
+def frame_of(image, output, request):
+    """Return the frame number: as asked, or as names say it, 0 if nothing does.
+
+    The output's name comes first, then the time code, as in the plugin, which does not
+    know the input's."""
+    if request.frame is not None:
+        return request.frame
+    said = (
+        _core.frame_from_name(str(output)),
+        _core.frame_from_time_code(image.time_code),
+        _core.frame_from_name(image.path),
+    )
+    return next((number for number in said if number is not None), 0)
 
 
 def exposure_of(image, request):
@@ -96,7 +112,7 @@ def exposure_of(image, request):
         return sensor, {**run, "illuminant": illuminant}
     if request.sensor is None and request.reference is None:
         raise ValueError("which sensor? Add --sensor ID (cg2raw sensors lists them)")
-    image_file.check_rec709(image)
+    image_spaces.check_rec709(image)
     if request.illuminant is None:
         raise ValueError(
             f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"

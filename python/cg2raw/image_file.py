@@ -1,114 +1,200 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Images of any format that OpenImageIO reads, and what they say of themselves."""
+"""Renders and pictures of any format that OpenImageIO reads: one reader for all."""
 
 import contextlib
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from cg2raw import _core
+from cg2raw import _core, image_spaces
+from cg2raw.openimageio import one_line, openimageio
 
-MISSING = "OpenImageIO is not installed for this Python: pip install OpenImageIO"
-# What sRGB-encoded files are called by OpenImageIO 2 and 3.
-SRGB_NAMES = ("srgb", "srgb_rec709_scene", "srgb_rec709_display", "srgb_tx")
+SIDES = (2, 65535)  # of a RAW file, pixels
+ROWS = 256  # that are read at a time; the most that EXR compresses together (DWAB)
 
 
 @dataclass(frozen=True)
 class Image:
-    """Pixels, and what their file says of them."""
+    """The picture in a file, and what the file says of it.
+
+    pixels : (H, W, 3) float32, R, G, B of the whole display window; black where the
+    file has no data. space : the name of the pixels' colour space; may be empty.
+    chromaticities : x, y of red, green, blue and white, if the file has them.
+    shot : Exif, as write_dng takes it. undone : the curve that was undone, "srgb" or
+    "g2.2", empty if the file's numbers are as they were."""
 
     path: str
-    pixels: np.ndarray  # (H, W, 3 or 4) float32
-    space: str  # the name of its colour space; may be empty
-    chromaticities: tuple | None = None  # x, y of red, green, blue, white
-    shot: dict = field(default_factory=dict)  # Exif, as write_dng takes it
-    linearized: str = ""  # the curve that was undone
+    pixels: np.ndarray
+    space: str
+    chromaticities: tuple | None = None
+    shot: dict = field(default_factory=dict)
+    undone: str = ""
+    layer: str = ""  # empty: unnamed R, G, B
+    time_code: str = ""  # SMPTE, hh:mm:ss:ff
 
 
-def openimageio():
-    """Return the module OpenImageIO. Raises ValueError if it is not installed."""
-    try:
-        import OpenImageIO
-    except ImportError:
-        raise ValueError(MISSING) from None
-    return OpenImageIO
+def opened(path, straight_alpha=False):
+    """Return the ImageInput of @path, to be closed. Raises ValueError, OSError.
 
-
-def opened(path):
-    """Return the ImageInput of @path, to be closed. Raises ValueError, OSError."""
+    straight_alpha : colour is not to be multiplied by an alpha that lies beside it."""
     oiio = openimageio()
     with open(path, "rb"):  # OpenImageIO's own messages do not tell why it cannot
         pass
-    source = oiio.ImageInput.open(path)
+    config = oiio.ImageSpec()
+    if straight_alpha:
+        config.attribute("oiio:UnassociatedAlpha", 1)
+    source = oiio.ImageInput.open(str(path), config)
     if source is None:
-        raise ValueError(f"{path}: {first_line(oiio.geterror())}")
+        raise ValueError(f"{path}: {one_line(oiio.geterror())}")
     return source
 
 
-def read_image(path):
-    """Return the Image at @path, its whole display window; black where it has no data.
+def read_image(path, layer=None, undo=None, space=None):
+    """Return the Image at @path.
 
+    layer : the name of one in a layered or multi-part file; None for the picture by the
+    conventions of renderers (beauty_layer in scene_file.h).
+    undo : which curves of pictures are undone. None: none; "srgb": that of sRGB, in
+    files that say they are sRGB; "stated": the one that the file states, for integers
+    without a word sRGB's, and a file of another colour space is an error.
+    space : the name of the pixels' colour space, if the file errs.
     Raises ValueError saying what is wrong with the file, OSError."""
     path = str(path)
-    with contextlib.closing(opened(path)) as source:
-        spec = source.spec()
-        check_channels(path, spec)
-        if source.seek_subimage(1, 0):
-            raise ValueError(
-                f"{path}: holds several images: take one out (oiiotool --subimage)"
-            )
-        source.seek_subimage(0, 0)
-        pixels = source.read_image(0, 0, 0, spec.nchannels, "float")
-        if pixels is None:
-            raise ValueError(f"{path}: {first_line(source.geterror())}")
+    with contextlib.closing(opened(path, straight_alpha=undo is not None)) as source:
+        chosen, spec = chosen_layer(path, source, layer)
+        if space is not None:
+            spec.attribute("oiio:ColorSpace", space)
+            spec.erase_attribute("chromaticities")
+        try:
+            curve = image_spaces.curve_of(spec, undo)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+        pixels = read_pixels(path, source, spec, chosen.channels, curve)
     chromaticities = spec.getattribute("chromaticities")
     return Image(
         path=path,
-        pixels=in_display_window(pixels, spec),
-        space=spec.get_string_attribute("oiio:ColorSpace"),
+        pixels=pixels,
+        space="" if curve else spec.get_string_attribute("oiio:ColorSpace"),
         chromaticities=tuple(chromaticities) if chromaticities else None,
         shot=shot_of(spec),
+        undone=image_spaces.name_of(curve),
+        layer=chosen.name,
+        time_code=spec.get_string_attribute("smpte:TimeCode"),
     )
 
 
-def check_channels(path, spec):
-    """Raise ValueError for an image that is not flat RGB or RGBA."""
+def read_plane(path):
+    """Return (H, W) float32 of the first channel at @path, its whole display window."""
+    with contextlib.closing(opened(path)) as source:
+        check_size(path, source.spec())
+        return read_pixels(path, source, source.spec(), [0], None)[..., 0]
+
+
+def image_size(path):
+    """Return (H, W) of the picture at @path, by the headers. Raises ValueError."""
+    with contextlib.closing(opened(path)) as source:
+        _, spec = chosen_layer(path, source, None)
+        return spec.full_height, spec.full_width
+
+
+def has_integers(path):
+    """Return whether a file has integers, which a curve encodes."""
+    with contextlib.closing(opened(path)) as source:
+        return image_spaces.is_integer(source.spec())
+
+
+def chosen_layer(path, source, layer):
+    """Return (SceneLayer, ImageSpec) of the picture; @source is at its part."""
+    specs = specs_of(source)
+    try:
+        if len(specs) == 1:
+            check_flat(specs[0])
+        names = [(part_name(spec), spec.channelnames) for spec in specs]
+        chosen = _core.beauty_layer(names, layer or "")
+        spec = specs[chosen.part]
+        check_flat(spec)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    check_size(path, spec)
+    source.seek_subimage(chosen.part, 0)
+    return chosen, spec
+
+
+def specs_of(source):
+    """Return the ImageSpec of each image in a file."""
+    specs = [source.spec()]
+    while source.seek_subimage(len(specs), 0):
+        specs.append(source.spec())
+    return specs
+
+
+def part_name(spec):
+    """Return the name of a part of a multi-part OpenEXR file; may be empty."""
+    return spec.get_string_attribute("oiio:subimagename")
+
+
+def check_flat(spec):
+    """Raise ValueError for an image that is not flat."""
     if spec.deep or spec.depth > 1:
         raise ValueError(
-            f"{path}: deep and volume images cannot become a DNG: flatten first "
+            "deep and volume images cannot become a DNG: flatten first "
             "(oiiotool --flatten)"
         )
-    if not 3 <= spec.nchannels <= 4:
-        raise ValueError(
-            f"{path}: {spec.nchannels} channels; needs RGB or RGBA (oiiotool --ch "
-            "R,G,B)"
-        )
-    colors = ("red", "green", "blue")
-    for name, letter, color in zip(spec.channelnames[:3], "rgb", colors, strict=True):
-        last = name.rpartition(".")[2].lower()
-        if last and not last.startswith("channel") and last not in (letter, color):
-            raise ValueError(
-                f'{path}: a channel is named "{name}"; needs R, G, B in this order '
-                "(oiiotool --ch R,G,B)"
-            )
 
 
-def in_display_window(pixels, spec):
-    """Return pixels of the display window, as oiiotool writes formats without one."""
+def check_size(path, spec):
+    """Raise ValueError for a size that no RAW file has."""
+    least, most = SIDES
     width, height = spec.full_width, spec.full_height
-    data = (spec.x, spec.y, spec.width, spec.height)
-    if data == (spec.full_x, spec.full_y, width, height):
-        return pixels
+    if not all(least <= side <= most for side in (width, height)):
+        raise ValueError(
+            f"{path}: is {width}x{height} pixels: a RAW file has {least} to {most} on "
+            "each side"
+        )
+
+
+def read_pixels(path, source, spec, channels, curve):
+    """Return (H, W, C) float32 of the display window, a few rows at a time."""
     left, top = spec.x - spec.full_x, spec.y - spec.full_y
-    whole = np.zeros((height, width, pixels.shape[2]), np.float32)
-    first_row, first_col = max(top, 0), max(left, 0)
-    last_row, last_col = min(top + spec.height, height), min(left + spec.width, width)
-    if last_row > first_row and last_col > first_col:
-        whole[first_row:last_row, first_col:last_col] = pixels[
-            first_row - top : last_row - top, first_col - left : last_col - left
-        ]
+    cols = slice(max(left, 0), min(left + spec.width, spec.full_width))
+    first, last = max(top, 0), min(top + spec.height, spec.full_height)
+    if first >= last or cols.start >= cols.stop:
+        raise ValueError(
+            f"{path}: its data window, {spec.width}x{spec.height} at "
+            f"{spec.x},{spec.y}, lies outside its display window, "
+            f"{spec.full_width}x{spec.full_height} at {spec.full_x},{spec.full_y}: "
+            "nothing would be seen (oiiotool --origin, or --fullpixels)"
+        )
+    whole = np.zeros((spec.full_height, spec.full_width, len(channels)), np.float32)
+    step = spec.tile_height or ROWS
+    for row in range((first - top) // step * step, last - top, step):
+        count = min(step, spec.height - row)
+        part = read_rows(path, source, spec, row, count, channels, curve)
+        begin, end = max(first - top - row, 0), min(last - top - row, count)
+        whole[top + row + begin : top + row + end, cols] = image_spaces.light_of(
+            part[begin:end, cols.start - left : cols.stop - left], curve
+        )
     return whole
+
+
+def read_rows(path, source, spec, row, count, channels, curve):
+    """Return (count, W, C) pixels of rows of the data window; code values on a curve.
+
+    Rows that are compressed together are read together, so that no whole copy is
+    made: at most 256 in OpenEXR, or a row of tiles."""
+    top, least, most = spec.y + row, min(channels), max(channels) + 1
+    kind = openimageio().FLOAT if curve is None else spec.format
+    if spec.tile_height:
+        box = (spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1)
+        pixels = source.read_tiles(*box, least, most, kind)
+    else:
+        pixels = source.read_scanlines(top, top + count, spec.z, least, most, kind)
+    if pixels is None:
+        raise ValueError(f"{path}: {one_line(source.geterror())}")
+    pixels = pixels.reshape(count, spec.width, most - least)
+    in_order = list(channels) == list(range(least, most))
+    return pixels if in_order else pixels[..., [c - least for c in channels]]
 
 
 def shot_of(spec):
@@ -126,47 +212,3 @@ def shot_of(spec):
         "lens_model": text("Exif:LensModel"),
         "orientation": spec.get_int_attribute("Orientation", 1),
     }
-
-
-def is_srgb(image):
-    """Return whether an image says that it is encoded by the sRGB curve."""
-    return image.space.lower() in SRGB_NAMES
-
-
-def linearized(image):
-    """Return an sRGB image as scene-linear Rec.709. Source: IEC 61966-2-1."""
-    v = image.pixels[..., :3].astype(np.float64)
-    linear = np.where(v <= 0.04045, v / 12.92, ((np.abs(v) + 0.055) / 1.055) ** 2.4)
-    pixels = linear.astype(np.float32)
-    return replace(image, pixels=pixels, space="", linearized="srgb")
-
-
-def check_rec709(image):
-    """Raise ValueError unless an image is scene-linear Rec.709, and says so."""
-    if not means_rec709(image.space):
-        remedy = "add --linearize srgb, or, " if is_srgb(image) else ""
-        raise ValueError(
-            f'{image.path}: colour space "{image.space}" is neither scene-linear '
-            f"Rec.709 nor a RAW space: {remedy}if the pixels are linear already, "
-            "--iscolorspace lin_rec709; else oiiotool --tocolorspace lin_rec709"
-        )
-    primaries = image.chromaticities
-    if primaries and not _core.is_rec709_primaries(primaries):
-        raise ValueError(
-            f"{image.path}: its chromaticities are not those of Rec.709: convert it to "
-            "scene-linear Rec.709, and then oiiotool --eraseattrib chromaticities"
-        )
-
-
-def means_rec709(space):
-    """Return whether a colour space is Rec.709; OCIO's config knows what linear is."""
-    if space.lower() in ("linear", "scene_linear"):
-        config = openimageio().ColorConfig()
-        role = config.getColorSpaceNameByRole("scene_linear")
-        return not role or _core.is_rec709_name(role)
-    return not space or _core.is_rec709_name(space)
-
-
-def first_line(text):
-    """Return a message's first line."""
-    return text.strip().partition("\n")[0] or "cannot be read"

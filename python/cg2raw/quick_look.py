@@ -8,7 +8,7 @@ import tempfile
 import numpy as np
 
 from cg2raw.atomic_file import write_atomically
-from cg2raw.image_file import first_line, openimageio
+from cg2raw.openimageio import one_line, openimageio
 from cg2raw.profile.libraw import opened
 
 # Below this LibRaw has no whole tile for its X-Trans demosaicing, and says
@@ -67,7 +67,7 @@ def write_png(path, picture):
         done = out and out.open(part, spec) and out.write_image(picture) and out.close()
         if not done:
             message = out.geterror() if out else oiio.geterror()
-            raise ValueError(f"{path}: cannot be written: {first_line(message)}")
+            raise ValueError(f"{path}: cannot be written: {one_line(message)}")
         with open(part, "rb") as file:
             data = file.read()
     write_atomically(path, data)

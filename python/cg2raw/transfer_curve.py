@@ -40,3 +40,10 @@ def table(curve, levels):
     else:
         light = [power(code / top, curve) for code in range(levels)]
     return np.array(light, np.float32)
+
+
+def srgb_light(values):
+    """Return float32 light of float sRGB values. Source: IEC 61966-2-1."""
+    v = np.asarray(values, np.float64)
+    linear = np.where(v <= 0.04045, v / 12.92, ((np.abs(v) + 0.055) / 1.055) ** 2.4)
+    return linear.astype(np.float32)

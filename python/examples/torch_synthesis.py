@@ -9,8 +9,8 @@ epoch and index decide.
 import cg2raw
 import numpy as np
 import torch
-from cg2raw.dataset.image_file import read_image
 from cg2raw.dataset.packed import packed
+from cg2raw.image_file import read_image
 
 
 class SynthesisedPairs(torch.utils.data.Dataset):
@@ -29,7 +29,8 @@ class SynthesisedPairs(torch.utils.data.Dataset):
 
     def __getitem__(self, index):
         draw = np.random.default_rng((self.seed, self.epoch, index))
-        scene = self.crop(read_image(str(self.paths[index])).rgb, draw)
+        image = read_image(self.paths[index], undo="stated")
+        scene = self.crop(image.pixels, draw)
         run = {
             "illuminant": f"sample:{draw.integers(2**31)}",
             "digital_gain": draw.uniform(0.6, 1.0),

@@ -37,6 +37,27 @@ def write_image(path, pixels, kind="half", **attributes):
     return path
 
 
+def write_deep(path, shape=(24, 36)):
+    """Write a deep EXR of one sample in each pixel; return the path."""
+    height, width = shape
+    spec = oiio.ImageSpec(width, height, 5, "float")
+    spec.channelnames = ("R", "G", "B", "A", "Z")
+    spec.deep = True
+    deep = oiio.DeepData()
+    deep.init(
+        width * height, 5, spec.channelformats or ["float"] * 5, spec.channelnames
+    )
+    for pixel in range(width * height):
+        deep.set_samples(pixel, 1)
+        for channel in range(5):
+            deep.set_deep_value(pixel, channel, 0, 0.5)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec), file.geterror()
+    assert file.write_deep_image(deep) and file.close(), file.geterror()
+    return path
+
+
 def folder_of_images(folder, count=4):
     """Write @count EXRs and a PNG, some in a folder of the folder; return it."""
     for number in range(count):

@@ -20,6 +20,7 @@ from dataset.data_sets import (
     scene,
     start,
     workers_of,
+    write_deep,
     write_image,
 )
 from python.commands import run
@@ -39,7 +40,7 @@ def png_of_no_size():
 
 @pytest.fixture
 def mixed(tmp_path, repository):
-    """Return a folder of five good and nine bad images."""
+    """Return a folder of five good and ten bad images."""
     folder = folder_of_images(tmp_path / "in")
     whole = (repository / "tests/data/interior.exr").read_bytes()
     (folder / "cut.exr").write_bytes(whole[: len(whole) // 2])
@@ -48,6 +49,7 @@ def mixed(tmp_path, repository):
     (folder / "nothing.png").write_bytes(b"")
     (folder / "zero.png").write_bytes(png_of_no_size())
     (folder / "gone.exr").symlink_to(folder / "nowhere.exr")
+    write_deep(folder / "deep.exr")
     write_image(folder / "one.exr", scene()[..., :1].copy())
     write_image(folder / "row.exr", scene((1, 30000)))
     write_image(folder / "col.exr", scene((30000, 1)))
@@ -58,6 +60,7 @@ REASONS = {
     "col.exr": "is 1x30000 pixels",
     "cut.exr": "missing or corrupted",
     "cut_header.exr": "header",
+    "deep.exr": "flatten first (oiiotool --flatten)",
     "gone.exr": "No such file",
     "nothing.png": "Not a PNG",
     "one.exr": "needs R, G and B",
@@ -71,7 +74,7 @@ def test_bad_images_are_listed_and_the_rest_is_done(mixed, images, tmp_path):
     done = run("dataset", mixed, tmp_path / "out", *OPTIONS)
     assert done.code == 1 and done.out.startswith("wrote")
     *lines, last = done.err.splitlines()
-    assert last == "cg2raw dataset: 9 of 14 images could not be used"
+    assert last == "cg2raw dataset: 10 of 15 images could not be used"
     assert len(lines) == len(REASONS)
     for line, (name, reason) in zip(lines, REASONS.items(), strict=True):
         assert line.startswith(f"cg2raw dataset: {name}: ") and reason in line
@@ -82,7 +85,7 @@ def test_bad_images_are_listed_and_the_rest_is_done(mixed, images, tmp_path):
 
 def test_bad_images_are_listed_again_until_mended_or_gone(mixed, tmp_path):
     run("dataset", mixed, tmp_path / "out", *OPTIONS)
-    assert run("dataset", mixed, tmp_path / "out", *OPTIONS).err.count("\n") == 10
+    assert run("dataset", mixed, tmp_path / "out", *OPTIONS).err.count("\n") == 11
     write_image(mixed / "text.exr", scene())
     for name in REASONS.keys() - {"text.exr"}:
         (mixed / name).unlink()

@@ -134,7 +134,7 @@ def test_interrupted_it_says_how_to_go_on(several, tmp_path):
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=60)
     assert (process.returncode, output) == (130, "")
-    assert errors == "cg2raw dataset: stopped; the same command goes on\n"
+    assert errors == "cg2raw dataset: stopped; run the same command again to resume\n"
     assert not (out / "manifest.jsonl").exists()
     finish(several, out)
     check_agreement(out)

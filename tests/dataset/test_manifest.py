@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow.parquet
 import pytest
 from cg2raw import read_dng_metadata
-from cg2raw.dataset.image_file import read_image
+from cg2raw.image_file import read_image
 
 from dataset.data_sets import check_agreement, rows
 from python.commands import run
@@ -35,7 +35,7 @@ def out(images, tmp_path_factory, repository):
 
 def again(row, images):
     """Return the frame that a row describes, by the public interface."""
-    rgb = read_image(str(images / row["input"])).rgb
+    rgb = read_image(images / row["input"], undo="stated").pixels
     x, y, width, height = row["crop"]
     return cg2raw.Sensor(row["sensor"]).simulate(
         np.ascontiguousarray(rgb[y : y + height, x : x + width]),

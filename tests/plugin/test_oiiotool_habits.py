@@ -84,9 +84,10 @@ def test_alpha_is_ignored(oiiotool, scene, tmp_path):
 def test_other_channel_counts_are_refused(oiiotool, tmp_path, channels):
     exr = write_image(tmp_path / "in.exr", np.ones((32, 32, channels), np.float32))
     out = tmp_path / "shot.dng"
-    done = oiiotool(exr, *S20, "-o", out, check=False)
+    names = ",".join(f"c{number}" for number in range(channels))
+    done = oiiotool(exr, "--chnames", names, *S20, "-o", out, check=False)
     assert done.returncode != 0
-    assert "--ch R,G,B" in done.stdout + done.stderr
+    assert "has the channels c0" in done.stdout + done.stderr
     assert not out.exists()
 
 
@@ -153,13 +154,19 @@ def test_exif_that_makes_no_sense_is_left_out(oiiotool, exr, program, tmp_path):
     )
 
 
-@pytest.mark.parametrize("names", ["X,Y,Z", "B,G,R", "N.x,N.y,N.z"])
+@pytest.mark.parametrize("names", ["X,Y,Z", "N.x,N.y,N.z"])
 def test_channels_that_are_no_rgb_are_refused(oiiotool, exr, tmp_path, names):
     out = tmp_path / "shot.dng"
     done = oiiotool(exr, "--chnames", names, *S20, "-o", out, check=False)
     assert done.returncode != 0
-    assert "--ch R,G,B" in done.stdout + done.stderr
+    assert "--chnames R,G,B" in done.stdout + done.stderr
     assert not out.exists()
+
+
+def test_channels_go_by_their_names(oiiotool, exr, scene, tmp_path):
+    out = tmp_path / "shot.dng"
+    oiiotool(exr, "--chnames", "B,G,R", *S20, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), simulated(scene[..., ::-1]))
 
 
 def test_channels_of_a_layer(oiiotool, exr, scene, tmp_path):
@@ -178,4 +185,23 @@ def test_primaries_that_the_file_states(oiiotool, scene, tmp_path):
         exr = write_image(tmp_path / "in.exr", scene, typed=[value])
         done = oiiotool(exr, *S20, "-o", out, check=False)
         assert (done.returncode == 0) == (primaries is rec709), done.stderr
-    assert "chromaticities" not in done.stderr
+        said = done.stdout + done.stderr
+        assert ("--iscolorspace ACEScg --tocolorspace" in said) == (primaries is ap1)
+
+
+@pytest.mark.parametrize("space", ["lin_rec709", "Linear Rec.709 (sRGB)"])
+def test_a_conversion_outweighs_the_primaries_it_left(
+    oiiotool, repository, scene, tmp_path, space
+):
+    """An ACEScg render at the first try; its EXR says AP1 to the end."""
+    ap1 = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
+    value = ("chromaticities", "float[8]", ap1)
+    exr = write_image(tmp_path / "in.exr", scene, typed=[value])
+    out, same = tmp_path / "shot.dng", tmp_path / "same.dng"
+    config = {"OCIO": str(repository / "ocio/sensors.ocio")}
+    convert = ["--iscolorspace", "ACEScg", "--tocolorspace", space]
+    oiiotool(exr, *convert, *S20, "-o", out, env=config)
+    erase = ["--eraseattrib", "chromaticities"]
+    oiiotool(exr, *convert, *erase, *S20, "-o", same, env=config)
+    assert out.read_bytes() == same.read_bytes()
+    assert (read_dn(out) != simulated(scene)).mean() > 0.5  # it was converted

@@ -236,7 +236,8 @@ def test_srgb_pictures_are_refused_or_linearised(tmp_path):
 def test_the_report(exr, tmp_path):
     out = tmp_path / "shot.dng"
     done = commands.run("convert", exr, "-o", out, *BASE, "--iso", 400)
-    assert "66" in done.out and "ISO 400, 1 NaN values became 0, 1 inf" in done.out
+    assert "66" in done.out
+    assert "ISO 400, frame 0, 1 NaN values became 0, 1 inf" in done.out
     done = commands.run("convert", exr, "-o", out, *BASE, "--json")
     (file,) = json.loads(done.out)["files"]
     light = cg2raw.Sensor("samsung-s20fe").illuminant("D65")
@@ -274,6 +275,8 @@ def test_several_inputs_need_a_folder_and_bad_ones_are_named(exr, tmp_path):
 BAD = [
     (["--sensor", "nikon-d4", "--illuminant", "A"], 1, "nikon-d40"),
     (["--sensor", "nikon-d40"], 1, "--illuminant"),
+    ([*BASE, "--frame", "1", "--frame-from", "name"], 1, "--frame-from name"),
+    ([*BASE, "--layer", "sss"], 1, "--layer sss: no layer of that name"),
     (["--illuminant", "A"], 1, "--sensor"),
     (["--sensor", "nikon-d40", "--illuminant", "dusk"], 1, "3200K"),
     ([*BASE, "--noise", "gaussian"], 1, "without --iso"),
@@ -300,9 +303,54 @@ def test_errors_are_one_line_and_leave_nothing(exr, tmp_path, words, code, said)
 
 @pytest.mark.parametrize("channels", [1, 2, 5])
 def test_images_that_are_not_rgb(tmp_path, channels):
-    exr = write_image(tmp_path / "x.exr", np.ones((8, 8, channels)))
+    spec = oiio.ImageSpec(8, 8, channels, "float")
+    spec.channelnames = [f"c{number}" for number in range(channels)]
+    exr = str(tmp_path / "x.exr")
+    file = oiio.ImageOutput.create(exr)
+    assert file.open(exr, spec) and file.write_image(np.ones((8, 8, channels)))
+    assert file.close()
     line = commands.fails("convert", exr, "-o", tmp_path / "x.dng", *BASE)
-    assert f"{channels} channels" in line
+    assert f"{exr}: needs R, G and B" in line and "has the channels c0" in line
+
+
+NUMBERED = ["shot.0007.exr", "shot.0008.exr", "still.exr"]
+FRAMES = {
+    "names": ([], [7, 8, 0]),
+    "name": (["--frame-from", "name"], [7, 8, 0]),
+    "index": (["--frame-from", "index"], [0, 1, 2]),
+    "index from": (["--frame-from", "index", "--frame", 5], [5, 6, 7]),
+    "none": (["--frame-from", "none"], [0, 0, 0]),
+    "one": (["--frame", 3], [3, 3, 3]),
+}
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_frames_of_several_inputs(exr, scene, tmp_path, name):
+    words, numbers = FRAMES[name]
+    inputs = [shutil.copy(exr, tmp_path / name) for name in NUMBERED]
+    out = tmp_path / "out"
+    done = commands.run(
+        "convert", *inputs, "-o", out, *BASE, "--iso", 800, *words, "--json"
+    )
+    assert done.code == 0, done.err
+    assert [file["frame"] for file in json.loads(done.out)["files"]] == numbers
+    sensor = cg2raw.Sensor("samsung-s20fe")
+    for path, number in zip(NUMBERED, numbers, strict=True):
+        raw = sensor.simulate(scene, illuminant="D65", iso=800, frame=number)
+        same = tmp_path / "same.dng"
+        cg2raw.write_dng(same, raw, shot=read_image(exr).shot)
+        written = (out / path).with_suffix(".dng")
+        assert written.read_bytes() == same.read_bytes()
+    alike = len(set(numbers)) == 1
+    assert (f"3 files are frame {numbers[0]}" in done.err) == alike
+
+
+def test_the_name_of_the_input_counts_where_the_output_has_no_number(exr, tmp_path):
+    shot = shutil.copy(exr, tmp_path / "shot.0007.exr")
+    for name, number in (("x.dng", 7), ("x.0009.dng", 9)):
+        done = commands.run("convert", shot, "-o", tmp_path / name, *BASE, "--json")
+        (file,) = json.loads(done.out)["files"]
+        assert file["frame"] == number
 
 
 def test_other_primaries_and_spaces_are_refused(tmp_path, scene):

@@ -9,11 +9,11 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import tifffile
-from cg2raw.dataset.image_file import read_image
-from cg2raw.dataset.transfer import table
+from cg2raw.image_file import image_size, read_image, read_plane
+from cg2raw.transfer_curve import table
 from PIL import ImageCms
 
-from dataset.data_sets import scene, write_image
+from dataset.data_sets import scene, write_deep, write_image
 
 CODES = np.arange(0, 252, dtype=np.uint8).reshape(7, 12, 3)
 ACESCG = (
@@ -26,6 +26,11 @@ ACESCG = (
     0.32168,
     0.33767,
 )  # ACES TB-2014-004
+
+
+def read(path):
+    """Return the Image of a render or a picture."""
+    return read_image(path, undo="stated")
 
 
 def srgb_of_specification(code):
@@ -48,22 +53,22 @@ def test_tables_are_the_curves_in_float32(curve, levels):
 @pytest.mark.parametrize("name", ["a.exr", "a.tif", "a.hdr"])
 def test_floats_are_linear(tmp_path, name):
     pixels = np.abs(scene())
-    image = read_image(str(write_image(tmp_path / name, pixels, "float")))
-    assert image.transfer == "linear" and image.rgb.dtype == np.float32
+    image = read(write_image(tmp_path / name, pixels, "float"))
+    assert image.undone == "" and image.pixels.dtype == np.float32
     if name == "a.hdr":  # 8 bits beside a shared exponent
-        assert np.abs(image.rgb - pixels).max() <= pixels.max() / 128
+        assert np.abs(image.pixels - pixels).max() <= pixels.max() / 128
     else:
-        assert np.array_equal(image.rgb, pixels)
+        assert np.array_equal(image.pixels, pixels)
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.tif"])
 @pytest.mark.parametrize("kind", ["uint8", "uint16"])
 def test_integers_are_srgb(tmp_path, name, kind):
     codes = CODES if kind == "uint8" else CODES.astype(np.uint16) * 257
-    image = read_image(str(write_image(tmp_path / name, codes, kind)))
-    assert image.transfer == "srgb"
+    image = read(write_image(tmp_path / name, codes, kind))
+    assert image.undone == "srgb"
     light = srgb_of_specification(CODES / 255.0)
-    assert np.array_equal(image.rgb, light.astype(np.float32))
+    assert np.array_equal(image.pixels, light.astype(np.float32))
 
 
 @pytest.mark.parametrize("curve", ["zip", "dwab", "tiles"])
@@ -71,7 +76,7 @@ def test_all_rows_arrive(tmp_path, curve):
     # more rows than are read at a time, an origin of its own, and a last tile cut short
     pixels = np.abs(scene((700, 10)))
     spec = oiio.ImageSpec(10, 700, 3, "float")
-    spec.x, spec.y = -3, 50
+    spec.x, spec.y = spec.full_x, spec.full_y = -3, 50
     if curve == "tiles":
         spec.tile_width, spec.tile_height = 32, 48
     else:
@@ -79,14 +84,14 @@ def test_all_rows_arrive(tmp_path, curve):
     path = str(tmp_path / "a.exr")
     file = oiio.ImageOutput.create(path)
     assert file.open(path, spec) and file.write_image(pixels) and file.close()
-    found = read_image(path).rgb
+    found = read(path).pixels
     # dwab loses some; a row out of place would be off by much more
     assert np.abs(found - pixels).mean() < (0.02 if curve == "dwab" else 1e-9)
 
 
 def test_linear_integers_are_scaled(tmp_path):
     path = with_gamma(write_image(tmp_path / "a.png", CODES, "uint8"), 100000)
-    assert np.array_equal(read_image(str(path)).rgb, (CODES / 255).astype(np.float32))
+    assert np.array_equal(read(path).pixels, (CODES / 255).astype(np.float32))
 
 
 def with_gamma(path, gamma):
@@ -107,15 +112,15 @@ def with_gamma(path, gamma):
 
 
 @pytest.mark.parametrize(
-    ("gamma", "transfer"), [(100000, "linear"), (55556, "g1.8"), (45455, "g2.2")]
+    ("gamma", "transfer"), [(100000, ""), (55556, "g1.8"), (45455, "g2.2")]
 )
 def test_the_file_says_the_curve(tmp_path, gamma, transfer):
     path = with_gamma(write_image(tmp_path / "a.png", CODES, "uint8"), gamma)
-    image = read_image(str(path))
-    assert image.transfer == transfer
-    exponent = 1 if transfer == "linear" else float(transfer[1:])
+    image = read(path)
+    assert image.undone == transfer
+    exponent = 1 if not transfer else float(transfer[1:])
     light = (CODES / 255.0) ** exponent
-    assert np.allclose(image.rgb, light, rtol=1e-6, atol=0)
+    assert np.allclose(image.pixels, light, rtol=1e-6, atol=0)
 
 
 @pytest.mark.parametrize("kind", ["uint8", "uint16"])
@@ -125,7 +130,7 @@ def test_alpha_is_ignored(tmp_path, kind):
         pixels = pixels.astype(np.uint16) * 257
     opaque = write_image(tmp_path / "b.png", pixels[..., :3].copy(), kind)
     path = write_image(tmp_path / "a.png", pixels, kind, oiio__UnassociatedAlpha=1)
-    assert np.array_equal(read_image(str(path)).rgb, read_image(str(opaque)).rgb)
+    assert np.array_equal(read(path).pixels, read(opaque).pixels)
 
 
 BAD = {
@@ -142,14 +147,14 @@ def test_what_cannot_be_used_says_why(tmp_path, name):
     pixels, kind, attributes, reason = BAD[name]
     path = write_image(tmp_path / name, pixels, kind, **attributes)
     with pytest.raises(ValueError, match=rf"\A[^\n]*{reason}[^\n]*\Z"):
-        read_image(str(path))
+        read(path)
 
 
 def test_integers_of_32_bits_are_an_error(tmp_path):
     path = str(tmp_path / "a.tif")
     tifffile.imwrite(path, CODES.astype(np.uint32), photometric="rgb")
     with pytest.raises(ValueError, match="needs 8 or 16 bits"):
-        read_image(path)
+        read(path)
 
 
 def test_icc_profiles_of_other_spaces_are_an_error(tmp_path):
@@ -157,10 +162,10 @@ def test_icc_profiles_of_other_spaces_are_an_error(tmp_path):
     path = str(tmp_path / "a.tif")
     tifffile.imwrite(path, CODES, photometric="rgb", iccprofile=profile)
     with pytest.raises(ValueError, match="ICC profile"):
-        read_image(path)
+        read(path)
     profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
     tifffile.imwrite(path, CODES, photometric="rgb", iccprofile=profile)
-    assert read_image(path).transfer == "srgb"
+    assert read(path).undone == "srgb"
 
 
 def test_other_primaries_are_an_error(tmp_path):
@@ -171,4 +176,97 @@ def test_other_primaries_are_an_error(tmp_path):
     file = oiio.ImageOutput.create(path)
     assert file.open(path, spec) and file.write_image(scene((8, 8))) and file.close()
     with pytest.raises(ValueError, match="chromaticities"):
+        read(path)
+
+
+def test_a_space_that_the_caller_states_outweighs_primaries(tmp_path):
+    spec = oiio.ImageSpec(8, 8, 3, "half")
+    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), ACESCG)
+    path = write_parts(tmp_path / "a.exr", [(spec, scene((8, 8)))])
+    image = read_image(path, space="lin_rec709")
+    assert (image.space, image.chromaticities) == ("lin_rec709", None)
+
+
+def write_parts(path, parts):
+    """Write (ImageSpec, (H, W, C) pixels) as the parts of an EXR; return its path."""
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), [spec for spec, _ in parts]), file.geterror()
+    for index, (spec, pixels) in enumerate(parts):
+        if index:
+            assert file.open(str(path), spec, "AppendSubimage"), file.geterror()
+        assert file.write_image(pixels), file.geterror()
+    assert file.close()
+    return path
+
+
+def part(name, channels, pixels):
+    """Return (ImageSpec, pixels) of a named part."""
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(channels), "float")
+    spec.channelnames = tuple(channels)
+    spec.attribute("oiio:subimagename", name)
+    return spec, pixels
+
+
+def test_the_picture_of_a_multi_part_file(tmp_path):
+    beauty, other = scene(seed=2), scene(seed=3)
+    parts = [
+        part("depth", ["Z"], other[..., :1].copy()),
+        part("diffuse", ["R", "G", "B"], other),
+        part("rgba", ["R", "G", "B"], beauty),
+    ]
+    path = write_parts(tmp_path / "a.exr", parts)
+    image = read_image(path)
+    assert image.layer == "rgba" and np.array_equal(image.pixels, beauty)
+    assert np.array_equal(read_image(path, "diffuse").pixels, other)
+    assert image_size(path) == (24, 36)
+    path = write_parts(tmp_path / "b.exr", parts[:2])
+    with pytest.raises(ValueError, match=r"b.exr: .*--layer diffuse.*depth:Z"):
+        read_image(path)
+
+
+def test_channels_of_a_layer_may_lie_apart(tmp_path):
+    pixels = np.random.default_rng(4).random((24, 36, 5), dtype=np.float32)
+    names = ["Z", "beauty.B", "beauty.G", "mask.A", "beauty.R"]
+    file = write_parts(tmp_path / "a.exr", [part("", names, pixels)])
+    specs = oiio.ImageInput.open(str(file)).spec().channelnames  # OpenEXR sorts them
+    order = [specs.index(f"beauty.{color}") for color in "RGB"]
+    image = read_image(file)
+    assert image.layer == "beauty" and order == sorted(order)
+    assert np.array_equal(image.pixels, pixels[..., [4, 2, 1]])
+
+
+@pytest.mark.parametrize("tile", [0, 16])
+@pytest.mark.parametrize("layout", ["margins", "overscan", "both"])
+def test_an_image_is_its_display_window(tmp_path, layout, tile):
+    """Overscan is cut off; what the data window lacks is black."""
+    data = {"margins": (5, 7, 40, 300), "overscan": (-9, -20, 90, 340)}.get(
+        layout, (-9, 30, 60, 300)
+    )
+    x, y, width, height = data
+    pixels = np.abs(scene((height, width))) + 0.01
+    spec = oiio.ImageSpec(width, height, 3, "float")
+    spec.x, spec.y, spec.full_width, spec.full_height = x, y, 64, 310
+    spec.tile_width = spec.tile_height = tile
+    path = write_parts(tmp_path / "a.exr", [(spec, pixels)])
+    whole = np.zeros((1000, 1000, 3), np.float32)
+    whole[y + 100 : y + 100 + height, x + 100 : x + 100 + width] = pixels
+    found = read_image(path).pixels
+    assert found.shape == (310, 64, 3)
+    assert np.array_equal(found, whole[100:410, 100:164])
+    assert np.array_equal(read_plane(path), found[..., 0])
+
+
+def test_windows_that_do_not_meet_are_an_error(tmp_path):
+    spec = oiio.ImageSpec(16, 16, 3, "float")
+    spec.x, spec.full_width, spec.full_height = 500, 64, 48
+    path = write_parts(tmp_path / "a.exr", [(spec, scene((16, 16)))])
+    with pytest.raises(
+        ValueError, match="16x16 at 500,0, lies outside .* 64x48 at 0,0"
+    ):
+        read_image(path)
+
+
+def test_deep_images_are_an_error(tmp_path):
+    path = write_deep(tmp_path / "deep.exr")
+    with pytest.raises(ValueError, match="deep.exr: deep .*oiiotool --flatten"):
         read_image(path)

@@ -9,6 +9,14 @@ same bytes as oiiotool with the same dng: attributes, and needs no plugin. Sever
 inputs, or an -o that is a folder, give a DNG of the same name each; one that fails is
 named, the others are done, and the exit code is 1.
 
+Noise differs from frame to frame of a shot: the number in a file's name is its frame
+number (shot.0007.exr, render0007.exr), else the SMPTE time code in it. --frame-from
+index counts the inputs instead, and --frame N says it.
+
+Of a file with layers or parts the picture is taken: R, G, B, or the layer called rgba,
+beauty, C or Combined; --layer names another. The DNG is of the display window: overscan
+is cut off, and what is missing is black.
+
 --method upi draws a random camera and white balance by the seed (Brooks et al., CVPR
 2019) in place of --illuminant: a mixture of the D65 matrices of --upi-sensors, with
 the CFA and the levels of --sensor. Its DNG states the drawn matrix and neutral.
@@ -24,6 +32,8 @@ examples:
 import argparse
 import math
 import os
+import sys
+from dataclasses import replace
 
 from cg2raw.cli._outputs import each_file, outputs_of
 from cg2raw.cli.sensors import load_one
@@ -56,7 +66,12 @@ def add_exposure(group):
         help="default: the profile's",
     )
     add("--seed", type=whole, default=0, metavar="N", help="default: 0")
-    add("--frame", type=whole, default=0, metavar="N", help="noise differs; default: 0")
+    add("--frame", type=whole, metavar="N", help="the noise is that of frame N")
+    add(
+        "--frame-from",
+        choices=("name", "index", "none"),
+        help="frame numbers: in names (default), inputs counted from --frame, or none",
+    )
     add("--gain", type=gain, metavar="X", help="digital gain, 0.001 to 1000, or sample")
     add("--convention", choices=("dng", "paper", "sensor"), help="default: dng")
     add(
@@ -72,6 +87,7 @@ def add_exposure(group):
         metavar="EV",
         help="brightens or darkens the render first, as oiiotool --mulc 2^EV",
     )
+    add("--layer", metavar="NAME", help="of a layered or multi-part file")
     add("--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says")
     add("--linearize", choices=("srgb",), help="undo sRGB's curve in sRGB pictures")
     add("--method", choices=("g2r", "upi"), default="g2r", help="default: g2r")
@@ -134,14 +150,43 @@ def run(arguments):
 
     request = request_of(arguments)
     outputs = outputs_of(arguments.inputs, arguments.output, ".dng")
-    return each_file(
-        "convert",
-        list(zip(arguments.inputs, outputs, strict=True)),
-        lambda path, output: conversion.convert(path, output, request),
-        arguments,
-        "converting",
-        line_of,
-    )
+    frames = frames_of(arguments, outputs)
+    alike: dict[int, list[str]] = {}
+
+    def work(path, output):
+        report = conversion.convert(
+            path, output, replace(request, frame=frames[output])
+        )
+        alike.setdefault(report["frame"], []).append(output)
+        return report
+
+    pairs = list(zip(arguments.inputs, outputs, strict=True))
+    code = each_file("convert", pairs, work, arguments, "converting", line_of)
+    if arguments.iso is not None and not arguments.quiet:
+        tell_alike(alike)
+    return code
+
+
+def frames_of(arguments, outputs):
+    """Return {output: frame number, None for that in its name}. Raises ValueError."""
+    if arguments.frame_from == "name" and arguments.frame is not None:
+        raise ValueError("--frame and --frame-from name: give one of them")
+    if arguments.frame_from == "index":
+        return {output: (arguments.frame or 0) + i for i, output in enumerate(outputs)}
+    frame = 0 if arguments.frame_from == "none" else None
+    return dict.fromkeys(outputs, frame if arguments.frame is None else arguments.frame)
+
+
+def tell_alike(frames):
+    """Say on stderr which outputs have the same noise; frames : {number: outputs}."""
+    for number, outputs in frames.items():
+        if len(outputs) > 1:
+            names = ", ".join(outputs[:2]) + (" ..." if len(outputs) > 2 else "")
+            print(
+                f"cg2raw convert: {len(outputs)} files are frame {number} and have the "
+                f"same noise ({names}): --frame-from index counts them",
+                file=sys.stderr,
+            )
 
 
 def request_of(arguments):
@@ -165,7 +210,7 @@ def request_of(arguments):
         iso=arguments.iso,
         noise=None if is_upi_noise else arguments.noise,
         seed=arguments.seed,
-        frame=arguments.frame,
+        layer=arguments.layer,
         effects=arguments.effects == "profile",
         exposure=arguments.exposure,
         linearize=arguments.linearize,
@@ -230,7 +275,9 @@ def line_of(report):
     words = [f"{report['width']}x{report['height']}", report["sensor"]]
     words.append(f"{light['word']} ({light['cct']:.0f} K)")
     if report["iso"] is not None:
-        words.append(f"ISO {report['iso']:g}")
+        words.append(f"ISO {report['iso']:g}, frame {report['frame']}")
+    if report["layer"]:
+        words.append(f"layer {report['layer']}")
     if report["linearized"]:
         words.append("sRGB's curve undone")
     if report["nan"]:

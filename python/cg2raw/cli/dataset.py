@@ -7,9 +7,14 @@ TIFF (integers are linearised by their curve, sRGB unless they say another; the 
 says which). OUT/manifest.parquet and .jsonl list every file with the light that it was
 made under, the clean file beside a noisy one, and all that is needed to make it again.
 
-Stopped, even killed, the same command goes on where it was. A file's bytes depend on
-the options, its image and its name, not on order, workers or interruptions. An image
-that cannot be used is listed at the end, and the exit code is then 1.
+Stopped, even killed: run the same command again to resume; finished files are kept if
+their hashes are right. A file's bytes depend on the options, its image and its name,
+not on order, workers or interruptions. An image that cannot be used is listed at the
+end, and the exit code is then 1.
+
+Of an image with layers or parts the picture is taken: R, G, B, or the layer called
+rgba, beauty, C or Combined; --layer names another. Images are their display windows:
+overscan is cut off, what is missing is black.
 
 examples:
     cg2raw dataset renders/ out/ --sensors nikon-d40,samsung-s20fe --illuminants 4
@@ -45,6 +50,12 @@ def add_arguments(parser):
     group.add_argument(
         "--scheduler", metavar="tcp://HOST:8786", help="a Dask cluster in their place"
     )
+    group.add_argument(
+        "--verify",
+        choices=("hash", "size"),
+        default="hash",
+        help="how finished files are checked when a data set is resumed (default hash)",
+    )
     group.add_argument("--quiet", action="store_true", help="errors alone")
 
 
@@ -75,6 +86,14 @@ def add_content(group):
         help="upi draws matrix and white balance (Brooks et al., 2019)",
     )
     add("--seed", type=int, default=0, help="of all that is drawn (default 0)")
+    add(
+        "--frame-from",
+        choices=("name", "index", "none"),
+        default="name",
+        help="what tells the noise of one image from another's: its name in IN "
+        "(default), its place among them, or nothing",
+    )
+    add("--layer", metavar="NAME", help="of layered or multi-part files")
 
 
 def add_files(group):
@@ -127,9 +146,13 @@ def run(arguments):
             workers=workers,
             scheduler=arguments.scheduler,
             watch=None if arguments.quiet else progress,
+            verify=arguments.verify,
         )
     except KeyboardInterrupt:
-        print("cg2raw dataset: stopped; the same command goes on", file=sys.stderr)
+        print(
+            "cg2raw dataset: stopped; run the same command again to resume",
+            file=sys.stderr,
+        )
         return 130
     if not arguments.quiet:
         report(arguments.out, summary)
@@ -160,6 +183,8 @@ def plan_of(arguments):
         crop=crop_of(arguments),
         patches=arguments.patches or 1,
         seed=arguments.seed,
+        layer=arguments.layer,
+        frame_from=arguments.frame_from,
         **files_of(arguments),
     )
 

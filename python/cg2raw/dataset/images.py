@@ -4,6 +4,8 @@
 
 import os
 
+ENDINGS = (".exr", ".png", ".tif", ".tiff", ".hdr")
+
 
 class Images:
     """The images of one folder, or of files: iterated as (name, path), always anew.
@@ -42,8 +44,6 @@ class Images:
 
     def walk(self, folder, prefix):
         """Yield the images of a folder and those below it."""
-        from cg2raw.dataset.image_file import ENDINGS
-
         for name in sorted(os.listdir(folder)):
             path = os.path.join(folder, name)
             if name.startswith(".") or os.path.realpath(path) == self.skip:

@@ -12,9 +12,10 @@ from functools import lru_cache
 import numpy as np
 
 from cg2raw import __version__, _core, write_dng
-from cg2raw.dataset import journal, packed
+from cg2raw.dataset import journal, manifest, packed
 from cg2raw.dataset.methods import METHODS
 from cg2raw.dataset.plan import Plan
+from cg2raw.image_file import read_image
 
 PARTS = "parts"  # folder of files that are being written
 BLOCK = 1 << 20  # bytes that are hashed at a time
@@ -28,6 +29,8 @@ class Job:
     plan_sha256: str
     image: str  # the name by which the data set knows it
     path: str
+    index: int  # among the images
+    verify: str = "hash"  # what must be as written for a file to be kept; or "size"
 
 
 def make(job):
@@ -95,6 +98,7 @@ class Target:
     def header(self):
         """Return what is known of the image file, and find the rows that still hold."""
         old, rows = journal.read(self.journal)
+        old = old if old and "sha256" in old else None  # else it was given up
         if not is_utf8(self.job.image):
             raise BadImage("its name is no UTF-8; rename the file")
         try:
@@ -104,34 +108,48 @@ class Target:
                 "bytes": status.st_size,
                 "modified": status.st_mtime_ns,
             }
-            if old and all(old.get(name) == value for name, value in header.items()):
-                header["sha256"] = old.get("sha256") or file_sha256(self.job.path)
+            if old and all(old.get(name) == header[name] for name in header):
+                header["sha256"] = old["sha256"]
             else:
                 header["sha256"] = file_sha256(self.job.path)
         except OSError as error:
             raise BadImage(error.strerror) from None
-        if old and old.get("sha256") == header["sha256"]:
-            self.rows = {path: row for path, row in rows.items() if self.holds(row)}
+        if old and old["sha256"] == header["sha256"]:
+            self.rows = {
+                variant.path: rows[variant.path]
+                for order, variant in self.variants()
+                if variant.path in rows
+                and self.holds(rows[variant.path], expected(header, order, variant))
+            }
         elif old:
             self.remove_files()
         return header
 
-    def holds(self, row):
-        """Return whether a finished file is there as it was written."""
+    def variants(self):
+        """Return (order, Variant) of all files of the image."""
+        return enumerate(self.plan.variants(self.job.image, self.job.index))
+
+    def holds(self, row, expected):
+        """Return whether a row is of the file that is asked for, and that is there."""
+        if not row.keys() >= manifest.NAMES | expected.keys():
+            return False
+        if any(row[name] != value for name, value in expected.items()):
+            return False
         path = os.path.join(self.job.out, row["path"])
         try:
-            return os.stat(path).st_size == row["bytes"]
+            if os.stat(path).st_size != row["bytes"]:
+                return False
+            return self.job.verify == "size" or file_sha256(path) == row["sha256"]
         except OSError:
             return False
 
     def open_variants(self):
         """Return [(order, Variant)] of what is to be made."""
-        variants = enumerate(self.plan.variants(self.job.image))
-        return [pair for pair in variants if pair[1].path not in self.rows]
+        return [pair for pair in self.variants() if pair[1].path not in self.rows]
 
     def remove_files(self):
         """Remove what was made of another image of this name."""
-        for variant in self.plan.variants(self.job.image):
+        for _, variant in self.variants():
             try:
                 os.unlink(os.path.join(self.job.out, variant.path))
             except FileNotFoundError:
@@ -173,28 +191,32 @@ def file_sha256(path):
 
 def make_variants(target, header, todo):
     """Read the image once and make the files of @todo."""
-    from cg2raw.dataset.image_file import read_image
-
+    path, plan = target.job.path, target.plan
     try:
-        image = read_image(target.job.path)
-        height, width = image.rgb.shape[:2]
+        image = read_image(path, plan.layer, undo="stated")
+        height, width = image.pixels.shape[:2]
         crops = [
-            target.plan.crop_at(target.job.image, patch, width, height)
-            for patch in range(target.plan.patches)
+            plan.crop_at(target.job.image, patch, width, height)
+            for patch in range(plan.patches)
         ]
-        seconds = target.plan.seconds(image.exposure_time)
-    except (ValueError, MemoryError) as error:
-        raise BadImage(str(error) or "needs more memory than there is") from None
+        seconds = plan.seconds(_core.Shot(**image.shot).exposure_time)
+    except (ValueError, OSError, MemoryError) as error:
+        reason = str(error) or "needs more memory than there is"
+        raise BadImage(reason.removeprefix(f"{path}: ")) from None
     journal.start(target.journal, header, target.rows.values())
-    header = {**header, "transfer": image.transfer, "exposure_time": seconds}
-    patch, scene = -1, image.rgb
+    seen = {
+        "layer": image.layer,
+        "transfer": image.undone or "linear",
+        "exposure_time": seconds,
+    }
+    patch, scene = -1, image.pixels
     for order, variant in todo:
         if variant.patch != patch:
             patch = variant.patch
             x, y, columns, rows = crops[patch]
-            scene = np.ascontiguousarray(image.rgb[y : y + rows, x : x + columns])
-        about = described(header, target.plan, variant, crops[patch])
-        make_variant(target, variant, scene, {"order": order, **about})
+            scene = np.ascontiguousarray(image.pixels[y : y + rows, x : x + columns])
+        about = expected(header, order, variant) | seen | {"crop": list(crops[patch])}
+        make_variant(target, variant, scene, about)
 
 
 def make_variant(target, variant, scene, about):
@@ -241,7 +263,9 @@ def simulated(plan, variant, scene, seconds):
 def dng_writer(plan, raw, seconds):
     """Return write(path) of a DNG, whose Exif says the exposure time if it is known."""
     shot = None if seconds is None else {"exposure_time": seconds}
+    # A file that a loss of power leaves partial is known by its hash, and made again.
     how = {"compression": plan.compression, "preview": False, "threads": 1}
+    how["sync"] = False
 
     def write(path):
         write_dng(path, raw, shot=shot, **how)
@@ -272,25 +296,24 @@ def truth(plan, sensor, illuminant, gain, shape):
     }
 
 
-def described(header, plan, variant, crop):
-    """Return what the manifest says of a file before it is made."""
+def expected(header, order, variant):
+    """Return what a file's row says that the plan and the image's hash decide."""
+    plan = variant.plan
     return {
+        "order": order,
         "path": variant.path,
         "clean_path": variant.clean_path,
         "input": variant.image,
         "input_sha256": header["sha256"],
-        "transfer": header["transfer"],
         "sensor": variant.sensor,
         "profile_sha256": plan.profile_sha256[variant.sensor],
         "illuminant_index": variant.illuminant_index,
         "digital_gain_drawn": variant.asked_gain == "sample",
         "iso": variant.iso,
         "noise": plan.noise if variant.iso is not None else None,
-        "exposure_time": header["exposure_time"],
         "seed": plan.seed,
         "frame": variant.frame,
         "patch": variant.patch,
-        "crop": list(crop),
         "method": plan.method,
         "convention": plan.convention,
         "format": plan.format,

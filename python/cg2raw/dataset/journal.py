@@ -3,73 +3,90 @@
 """What is finished of each image: a file of JSON lines per image, beside the data set.
 
 The first line is about the image, each other one a row of the manifest, written when
-the row's file stands under its final name. A line that was cut short is no line.
+the row's file stands under its final name. A checksum stands before each: a line that
+was cut short, damaged or edited is no line, and what it told of is made again.
 """
 
 import hashlib
 import json
 import os
 
+from cg2raw.atomic_file import failing, write_atomically
+
 FOLDER = ".cg2raw"
+ENDING = ".jsonl"
 
 
 def path_of(out, image):
     """Return the path of an image's journal."""
     name = hashlib.blake2b(os.fsencode(image), digest_size=16).hexdigest()
-    return os.path.join(out, FOLDER, "journal", name[:2], f"{name}.jsonl")
+    return os.path.join(out, FOLDER, "journal", name[:2], name + ENDING)
 
 
 def read(path):
     """Return (header, {path: row}) of a journal; (None, {}) if there is none."""
     try:
         with open(path, "rb") as stream:
-            lines = [parsed(line) for line in stream]
+            header = header_in(stream)
+            rows = [parsed(line) for line in stream] if header else []
     except FileNotFoundError:
         return None, {}
-    if not lines or lines[0] is None:
-        return None, {}
-    return lines[0], {row["path"]: row for row in lines[1:] if row is not None}
+    return header, {row["path"]: row for row in rows if row and "path" in row}
+
+
+def header_in(stream):
+    """Return the object of the first line, None if it is about no image."""
+    header = parsed(stream.readline())
+    return header if header and "image" in header else None
 
 
 def parsed(line):
-    """Return the object of a whole line, None of one that was cut short."""
-    if not line.endswith(b"\n"):
+    """Return the object of a whole line, None of any other."""
+    checksum, _, text = line.rstrip(b"\n").partition(b" ")
+    if not line.endswith(b"\n") or checksum != checksum_of(text):
         return None
-    try:
-        return json.loads(line)
-    except ValueError:
-        return None
+    found = json.loads(text)
+    return found if isinstance(found, dict) else None
 
 
 def start(path, header, rows=()):
-    """Begin a journal anew, whole or not at all."""
+    """Begin a journal anew, whole or not at all. Raises OSError."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    part = f"{path}.{os.getpid()}.part"
-    with open(part, "wb") as stream:
-        stream.write(b"".join(line_of(entry) for entry in (header, *rows)))
-    os.replace(part, path)
+    write_atomically(path, b"".join(line_of(entry) for entry in (header, *rows)))
 
 
 def append(path, row):
-    """Add a row by one write, so that it is whole or cut short, never mixed."""
-    handle = os.open(path, os.O_WRONLY | os.O_APPEND)
-    try:
-        os.write(handle, line_of(row))
-    finally:
-        os.close(handle)
+    """Add a row, all of it or none. Raises OSError."""
+    flags = os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
+    with failing(path), open(os.open(path, flags), "ab", buffering=0) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        line = line_of(row)
+        try:
+            while line:
+                line = line[stream.write(line) :]
+        except OSError:
+            stream.truncate(size)
+            raise
 
 
 def line_of(entry):
-    """Return one line of JSON."""
-    return json.dumps(entry).encode() + b"\n"
+    """Return one line: a checksum, and JSON."""
+    text = json.dumps(entry).encode()
+    return checksum_of(text) + b" " + text + b"\n"
+
+
+def checksum_of(text):
+    """Return 16 hexadecimal digits."""
+    return hashlib.blake2b(text, digest_size=8).hexdigest().encode()
 
 
 def headers(out):
-    """Yield (path, header) of every journal."""
+    """Yield (path, header) of every journal that can be read."""
     for folder, _, names in os.walk(os.path.join(out, FOLDER, "journal")):
         for name in names:
             path = os.path.join(folder, name)
-            with open(path, "rb") as stream:
-                header = parsed(stream.readline())
-            if header and name.endswith(".jsonl"):
-                yield path, header
+            if name.endswith(ENDING):
+                with open(path, "rb") as stream:
+                    header = header_in(stream)
+                if header:
+                    yield path, header

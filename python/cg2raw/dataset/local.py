@@ -12,6 +12,7 @@ import sys
 from dataclasses import asdict
 from itertools import islice
 
+from cg2raw.atomic_file import create
 from cg2raw.dataset.job import give_up
 
 TRIES = 2  # of an image whose worker dies
@@ -65,7 +66,7 @@ def results(jobs, count, log):
     count : workers. log : the path of a file for what they print. A worker that dies is
     replaced and its image tried again, then given up. Raises OSError with the message
     of a worker that cannot write."""
-    with open(log, "wb") as stream, selectors.DefaultSelector() as selector:
+    with create(log) as stream, selectors.DefaultSelector() as selector:
         pool = Pool(iter(jobs), selector, stream)
         try:
             for job in islice(pool.jobs, count):

@@ -5,6 +5,7 @@
 import json
 import os
 
+from cg2raw.atomic_file import create, sync_folder
 from cg2raw.dataset import journal
 
 NAME = "manifest"
@@ -18,6 +19,7 @@ COLUMNS = (
     ("height", "int32"),
     ("input", "string"),
     ("input_sha256", "string"),
+    ("layer", "string"),
     ("transfer", "string"),
     ("sensor", "string"),
     ("profile_sha256", "string"),
@@ -52,6 +54,7 @@ COLUMNS = (
     ("cg2raw", "string"),
 )
 
+NAMES = {name for name, _ in COLUMNS}
 
 def remove(out):
     """Remove the manifest: there is one only of a data set that is complete."""
@@ -61,10 +64,11 @@ def remove(out):
             os.unlink(path)
 
 
-def write(out, images):
-    """Write both manifests of @images, (name, path) each; return how many files.
+def write(out, images, expected):
+    """Write both manifests of @images, (name, path) each.
 
-    Rows stream from the journals; each manifest appears whole."""
+    expected : how many files there are. Rows stream from the journals; each manifest
+    appears whole. Raises ValueError, and then there is none, for another count."""
     import pyarrow.parquet
 
     schema = arrow_schema()
@@ -72,11 +76,12 @@ def write(out, images):
     table = os.path.join(out, journal.FOLDER, "manifest.parquet")
     count, batch = 0, []
     with (
-        open(text, "w", encoding="ascii") as lines,
-        pyarrow.parquet.ParquetWriter(table, schema) as writer,
+        create(text) as lines,
+        create(table) as file,
+        pyarrow.parquet.ParquetWriter(file, schema) as writer,
     ):
         for row in rows(out, images):
-            lines.write(json.dumps(row) + "\n")
+            lines.write(json.dumps(row).encode() + b"\n")
             batch.append(row)
             count += 1
             if len(batch) == ROWS:
@@ -84,9 +89,21 @@ def write(out, images):
                 batch.clear()
         if batch:
             writer.write_batch(pyarrow.RecordBatch.from_pylist(batch, schema))
-    os.replace(text, os.path.join(out, f"{NAME}.jsonl"))
-    os.replace(table, os.path.join(out, f"{NAME}.parquet"))
-    return count
+    if count != expected:
+        raise ValueError(
+            f"{out}: {expected} files are finished, {count} are on record: something "
+            "else writes here; run the same command again to mend it"
+        )
+    publish(out, text, table)
+
+
+def publish(out, text, table):
+    """Give both manifests their names, once they are on the disk."""
+    for path, ending in ((text, ".jsonl"), (table, ".parquet")):
+        with open(path, "rb") as stream:
+            os.fsync(stream.fileno())
+        os.replace(path, os.path.join(out, NAME + ending))
+    sync_folder(out)
 
 
 def rows(out, images):
@@ -94,7 +111,8 @@ def rows(out, images):
     names = [name for name, _ in COLUMNS]
     for image, _ in images:
         _, found = journal.read(journal.path_of(out, image))
-        for row in sorted(found.values(), key=lambda row: row["order"]):
+        whole = [row for row in found.values() if row.keys() >= NAMES | {"order"}]
+        for row in sorted(whole, key=lambda row: row["order"]):
             yield {name: row[name] for name in names}
 
 

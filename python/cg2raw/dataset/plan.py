@@ -28,6 +28,9 @@ class Plan:
     crop : (width, height) of the random crops, or None; patches : how many per image.
     element_type : "float32" or "uint16", of packed files.
     exposure_time : seconds; None for what each image's Exif says.
+    layer : of layered images; None for the picture by the conventions of renderers.
+    frame_from : what tells the noise of one image from that of another: its "name", its
+    "index" among the images, or "none", nothing.
     profiles : {id: JSON text}, as Sensor.to_json gives it."""
 
     sensors: tuple
@@ -44,6 +47,8 @@ class Plan:
     crop: tuple | None
     patches: int
     seed: int
+    layer: str | None
+    frame_from: str
     profiles: dict
 
     def words(self, image):
@@ -56,14 +61,15 @@ class Plan:
             ]
         return list(self.illuminants)
 
-    def variants(self, image):
-        """Yield the Variants of one image, in the order of the manifest."""
+    def variants(self, image, index):
+        """Yield the Variants of the index-th image, in the order of the manifest."""
+        shot = {"name": image, "index": index, "none": None}[self.frame_from]
         words = self.words(image)
         scenes = product(range(self.patches), self.sensors, range(len(words)))
-        for patch, sensor, index in scenes:
+        for patch, sensor, light in scenes:
             for gain, iso in product(self.digital_gains, self.exposures[sensor]):
                 yield Variant(
-                    self, image, patch, sensor, index, words[index], gain, iso
+                    self, image, shot, patch, sensor, light, words[light], gain, iso
                 )
 
     @cached_property
@@ -162,6 +168,7 @@ class Variant:
 
     plan: Plan
     image: str
+    shot: str | int | None  # what keys the noise of the image
     patch: int
     sensor: str
     illuminant_index: int
@@ -171,9 +178,9 @@ class Variant:
 
     @property
     def key(self):
-        """Return what tells this file from all others of the data set."""
+        """Return what keys this file's noise."""
         return (
-            self.image,
+            self.shot,
             self.sensor,
             self.illuminant_index,
             self.asked_gain,

@@ -3,9 +3,11 @@
 """A whole data set: begun or gone on with, handed to workers, listed."""
 
 import contextlib
+import ctypes
 import fcntl
 import hashlib
 import os
+import re
 import shutil
 from dataclasses import dataclass
 
@@ -13,6 +15,10 @@ from cg2raw.atomic_file import write_atomically
 from cg2raw.dataset import journal, manifest, options
 from cg2raw.dataset.images import Images
 from cg2raw.dataset.job import PARTS, Job
+
+PLAN = "dataset.json"
+# What write_atomically leaves where it was killed.
+LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.[a-z0-9_]{{8}}")
 
 
 @dataclass
@@ -25,12 +31,16 @@ class Summary:
     kept: int = 0
 
 
-def make_dataset(paths, out, plan, workers=1, scheduler=None, watch=None):
+def make_dataset(
+    paths, out, plan, workers=1, scheduler=None, watch=None, verify="hash"
+):
     """Make, or go on with, the data set of a Plan; return its Summary.
 
     paths : one folder, or files. workers : processes of this machine; scheduler : the
     address of a Dask scheduler in their place. watch : (results, total) -> results, as
     to show progress. What is finished stays finished, however the process ends.
+    verify : what of a finished file must be as it was written for it to be kept: its
+    "hash", or its "size" alone.
     Raises ValueError or OSError, each of one line."""
     out = os.path.realpath(out)
     images = Images(paths, out)
@@ -41,13 +51,15 @@ def make_dataset(paths, out, plan, workers=1, scheduler=None, watch=None):
         total = sum(1 for _ in images)
         if not total:
             raise ValueError(f"{paths[0]}: holds no EXR, PNG, TIFF or HDR image")
-        found = worked(out, jobs_of(images, out, plan), workers, scheduler)
+        jobs = jobs_of(images, out, plan, verify)
+        found = worked(out, jobs, workers, scheduler)
         summary = Summary()
         with contextlib.closing(found):
             for result in watch(found, total) if watch else found:
                 count(summary, result)
         shutil.rmtree(parts_of(out), ignore_errors=True)
-        manifest.write(out, images)
+        sync_file_system(out)
+        manifest.write(out, images, summary.made + summary.kept)
     return summary
 
 
@@ -55,9 +67,9 @@ def check_folder(out, plan):
     """Return whether a folder holds the data set of a plan already.
 
     Raises ValueError if it holds something else, or one of other options."""
-    path = os.path.join(out, "dataset.json")
+    path = os.path.join(out, PLAN)
     if not os.path.exists(path):
-        if any(name != journal.FOLDER for name in os.listdir(out)):
+        if any(not is_ours(name) for name in os.listdir(out)):
             raise ValueError(f"{out}: holds files of no data set; give an empty folder")
         return False
     with open(path, encoding="utf-8") as stream:
@@ -69,11 +81,21 @@ def check_folder(out, plan):
     return True
 
 
+def is_ours(name):
+    """Return whether a name in a new data set's folder is one that we left there."""
+    return name == journal.FOLDER or LEFTOVER.fullmatch(name) is not None
+
+
 @contextlib.contextmanager
 def locked(out):
     """Keep others from writing the same data set. Raises ValueError if one does."""
-    os.makedirs(os.path.join(out, journal.FOLDER), exist_ok=True)
-    with open(os.path.join(out, journal.FOLDER, "lock"), "w") as stream:
+    folder = os.path.join(out, journal.FOLDER)
+    path = os.path.join(folder, "lock")
+    for name in (folder, path):
+        if os.path.islink(name):
+            raise ValueError(f"{name}: is a link, which is not ours; remove it")
+    os.makedirs(folder, exist_ok=True)
+    with open(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)) as stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -94,8 +116,19 @@ def begin(out, plan, images):
         os.unlink(path)
     manifest.remove(out)
     shutil.rmtree(parts_of(out), ignore_errors=True)
+    for name in filter(LEFTOVER.fullmatch, os.listdir(out)):
+        os.unlink(os.path.join(out, name))
     if not check_folder(out, plan):
-        write_atomically(os.path.join(out, "dataset.json"), plan.to_json().encode())
+        write_atomically(os.path.join(out, PLAN), plan.to_json().encode())
+
+
+def sync_file_system(out):
+    """Put all files on the disk, before a manifest says that they are there."""
+    handle = os.open(out, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        ctypes.CDLL(None).syncfs(handle)
+    finally:
+        os.close(handle)
 
 
 def parts_of(out):
@@ -103,11 +136,11 @@ def parts_of(out):
     return os.path.join(out, journal.FOLDER, PARTS)
 
 
-def jobs_of(images, out, plan):
+def jobs_of(images, out, plan, verify):
     """Yield the Job of each image."""
     plan_sha256 = hashlib.sha256(plan.to_json().encode()).hexdigest()
-    for image, path in images:
-        yield Job(out, plan_sha256, image, os.path.abspath(path))
+    for index, (image, path) in enumerate(images):
+        yield Job(out, plan_sha256, image, os.path.abspath(path), index, verify)
 
 
 def worked(out, jobs, workers, scheduler):

@@ -3,7 +3,6 @@
 
 """What was in front of the lens, as scene-linear Rec.709; and masks."""
 
-import contextlib
 from collections.abc import Callable
 
 import numpy as np
@@ -27,17 +26,12 @@ def image_size(path: str) -> tuple[int, int]:
     if npy_file.is_npy(path):
         shape = npy_file.mapped(path).shape
         return shape[0], shape[1]
-    with contextlib.closing(image_file.opened(path)) as source:
-        spec = source.spec()
-        return spec.full_height, spec.full_width
+    return image_file.image_size(path)
 
 
 def has_curve(path: str) -> bool:
     """Return whether an image has integers, which a curve encodes."""
-    if npy_file.is_npy(path):
-        return False
-    with contextlib.closing(image_file.opened(path)) as source:
-        return str(source.spec().format) not in ("half", "float", "double")
+    return not npy_file.is_npy(path) and image_file.has_integers(path)
 
 
 def read_scene(path: str, gain: float) -> FloatImage:
@@ -53,36 +47,11 @@ def read_scene(path: str, gain: float) -> FloatImage:
                 "scene-linear Rec.709"
             )
         rgb = pixels.astype(np.float32)
-    elif has_curve(path):
-        rgb = linearized(path)
     else:
-        image = image_file.read_image(path)
-        check_linear(image)
-        rgb = np.array(image.pixels[..., :3])
+        rgb = image_file.read_image(path, undo="stated").pixels
     check_finite(path, rgb)
     rgb *= np.float32(gain)
     return rgb
-
-
-def linearized(path: str) -> FloatImage:
-    """Return the light of an image of integers. Raises ValueError."""
-    from cg2raw.dataset.image_file import read_image
-
-    try:
-        return read_image(path).rgb
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-
-
-def check_linear(image: image_file.Image) -> None:
-    """Raise ValueError unless an image of floats is scene-linear Rec.709."""
-    if image_file.means_rec709(image.space):
-        image_file.check_rec709(image)
-        return
-    raise ValueError(
-        f'{image.path}: colour space "{image.space}" is not scene-linear Rec.709: '
-        "oiiotool --tocolorspace lin_rec709"
-    )
 
 
 def check_finite(path: str, rgb: FloatImage) -> None:
@@ -101,15 +70,7 @@ def read_mask(path: str, shape: tuple[int, int]) -> Mask:
     if npy_file.is_npy(path):
         plane = np.array(npy_file.mapped(path))
     else:
-        oiio = image_file.openimageio()
-        source = oiio.ImageInput.open(path)
-        if source is None:
-            raise ValueError(f"{path}: {image_file.first_line(oiio.geterror())}")
-        with contextlib.closing(source):
-            pixels = source.read_image(0, 0, 0, 1, "float")
-            if pixels is None:
-                raise ValueError(f"{path}: {image_file.first_line(source.geterror())}")
-        plane = pixels.reshape(pixels.shape[:2])
+        plane = image_file.read_plane(path)
     if plane.shape != shape:
         raise ValueError(
             f"{path}: is {size_words(plane.shape)}, not {size_words(shape)}"

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Noise differs from frame to frame of a shot, and is the same in the same frame."""
+
+import cg2raw
+import numpy as np
+import pytest
+from images import attributes, read_dn
+from python import commands
+
+RUN = {"sensor": "samsung-s20fe", "illuminant": "D65", "iso": 1600}
+NOISY = attributes(**RUN)
+
+
+def frame(scene, number):
+    """Return the DN of a frame."""
+    run = {"illuminant": "D65", "iso": 1600, "frame": number}
+    return np.asarray(cg2raw.Sensor("samsung-s20fe").simulate(scene, **run))
+
+
+def test_frames_of_a_sequence_differ(oiiotool, exr, scene, tmp_path):
+    for number in (8, 9, 10):
+        (tmp_path / f"in.{number:04}.exr").write_bytes(exr.read_bytes())
+    arguments = ["--frames", "8-10", tmp_path / "in.#.exr", *NOISY]
+    oiiotool(*arguments, "-o", tmp_path / "out.#.dng")
+    files = [tmp_path / f"out.{number:04}.dng" for number in (8, 9, 10)]
+    for number, file in zip((8, 9, 10), files, strict=True):
+        np.testing.assert_array_equal(read_dn(file), frame(scene, number))
+    before = [file.read_bytes() for file in files]
+    assert len(set(before)) == 3
+    oiiotool(*arguments, "-o", tmp_path / "out.#.dng")
+    assert [file.read_bytes() for file in files] == before
+    words = [word for name, value in RUN.items() for word in (f"--{name}", value)]
+    inputs = sorted(tmp_path.glob("in.*.exr"))
+    done = commands.run("convert", *inputs, "-o", tmp_path / "command", *words)
+    assert (done.code, done.err) == (0, "")
+    again = sorted((tmp_path / "command").iterdir())
+    assert [file.read_bytes() for file in again] == before
+
+
+@pytest.mark.parametrize("name", ["shot.dng", "comp_v012.dng"])
+def test_a_name_without_a_number_is_frame_0(oiiotool, exr, scene, tmp_path, name):
+    oiiotool(exr, *NOISY, "-o", tmp_path / name)
+    np.testing.assert_array_equal(read_dn(tmp_path / name), frame(scene, 0))
+
+
+def test_a_time_code_is_a_frame_number(oiiotool, exr, scene, tmp_path):
+    code = ["--attrib:type=timecode", "smpte:TimeCode", "01:02:03:04"]
+    out, numbered = tmp_path / "shot.dng", tmp_path / "shot.0007.dng"
+    oiiotool(exr, *code, *NOISY, "-o", out, "-o", numbered)
+    np.testing.assert_array_equal(read_dn(out), frame(scene, 1020304))
+    np.testing.assert_array_equal(read_dn(numbered), frame(scene, 7))
+
+
+def test_the_attribute_comes_first(oiiotool, exr, scene, tmp_path):
+    out = tmp_path / "shot.0007.dng"
+    oiiotool(exr, *NOISY, *attributes(frame=0), "-o", out)
+    np.testing.assert_array_equal(read_dn(out), frame(scene, 0))
