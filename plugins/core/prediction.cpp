@@ -15,25 +15,38 @@ std::string text_of(Size size)
     return std::to_string(size.height) + " x " + std::to_string(size.width);
 }
 
+Size size_of(const Plane<const float>& plane) { return { plane.width, plane.height }; }
+
 void check_inside(const PredictedBlock& block, Size frame)
 {
     const auto [row, col] = block.origin;
-    const Size size { block.camera[0].width, block.camera[0].height };
+    const Size size { block.mean.width, block.mean.height };
+    const Size given = size_of(block.camera[0]);
     if (row < 0 || col < 0 || row + size.height > frame.height
-        || col + size.width > frame.width)
+        || col + size.width > frame.width || given.height > frame.height
+        || given.width > frame.width)
         throw Error("block of " + text_of(size) + " pixels at row "
                     + std::to_string(row) + ", col " + std::to_string(col)
                     + " leaves the frame of " + text_of(frame)
                     + ": origins and margins lie inside");
 }
 
-/// Where the frame ends with the block, effects mirror as they do in the whole frame.
+/// Where the frame ends with the block, effects mirror as they do in the whole frame;
+/// elsewhere the margin has what they reach.
 void check_margin(const PredictedBlock& block, Size frame, int margin, int reach)
 {
-    const auto [row, col] = block.origin;
-    const bool whole = row == 0 && col == 0 && block.camera[0].width == frame.width
-        && block.camera[0].height == frame.height;
-    if (margin < reach && !whole)
+    const Size size = size_of(block.camera[0]);
+    const Site first = first_of_block(block.origin, size, margin, frame);
+    const auto is_short = [&](int inner, int begin, int count, int length, int whole) {
+        const bool before = begin > 0 && inner - begin < reach;
+        const bool after
+            = begin + length < whole && begin + length - inner - count < reach;
+        return before || after;
+    };
+    if (is_short(block.origin.row, first.row, block.mean.height, size.height,
+                 frame.height)
+        || is_short(block.origin.col, first.col, block.mean.width, size.width,
+                    frame.width))
         throw Error("margin " + std::to_string(margin) + " is less than the "
                     + std::to_string(reach)
                     + " pixels that the effects reach together: give at least that");
@@ -42,16 +55,19 @@ void check_margin(const PredictedBlock& block, Size frame, int margin, int reach
 /// Blocks up to this have room that their thread keeps from call to call.
 constexpr int most_kept = 1 << 18;
 
-void copy_inner(const Plane<float>& from, int margin, const Plane<float>& to)
+void copy_inner(const Plane<float>& from, Site first, const Plane<float>& to)
 {
     for (int row = 0; row < to.height; ++row)
-        std::copy_n(from.row(margin + row) + margin, to.width, to.row(row));
+        std::copy_n(from.row(first.row + row) + first.col, to.width, to.row(row));
 }
 
 void predict(const Stages& stages, const Exposure& exposure,
              const PredictedBlock& block, int margin)
 {
-    const auto& [origin, camera, mean, variance, exposed] = block;
+    const auto& [predicted, camera, mean, variance, exposed] = block;
+    const Site origin
+        = first_of_block(predicted, size_of(camera[0]), margin, exposure.frame);
+    const Site inner { predicted.row - origin.row, predicted.col - origin.col };
     const int width = camera[0].width, height = camera[0].height;
     thread_local Band kept;
     Band large;
@@ -65,12 +81,20 @@ void predict(const Stages& stages, const Exposure& exposure,
     // The plane of red is free from here on.
     stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure,
                      Purpose::prediction, &band.camera[0]);
-    copy_inner(band.mosaic, margin, mean);
-    copy_inner(band.variance, margin, variance);
-    copy_inner(band.camera[0], margin, exposed);
+    copy_inner(band.mosaic, inner, mean);
+    copy_inner(band.variance, inner, variance);
+    copy_inner(band.camera[0], inner, exposed);
 }
 
 } // namespace
+
+Site first_of_block(Site origin, Size block, int margin, Size frame)
+{
+    return {
+        std::clamp(origin.row - margin, 0, std::max(frame.height - block.height, 0)),
+        std::clamp(origin.col - margin, 0, std::max(frame.width - block.width, 0))
+    };
+}
 
 void predict_blocks(const SensorProfile& profile,
                     const std::vector<NamedValues>& settings, const Exposure& given,

@@ -141,23 +141,25 @@ void bind_prediction(py::module_& m)
     m.def("surround", &surround_of_frame, "camera"_a,
           "Surround of a whole frame of camera RGB, (3, height, width) or (height, "
           "width, 3)\nfloat32.");
-    m.def("predict_blocks", &predicted, "profile"_a, "settings"_a, "camera"_a,
-          "origins"_a, "frame"_a, "margin"_a, "neutral"_a, "exposure_time"_a.none(),
-          "surround"_a.none(), "threads"_a = 1,
-          "(mean, variance, exposed) of blocks of a frame, each (blocks, height - 2 "
-          "margin, width -\n2 margin) float32 in 0..1 above black and beyond, as a "
-          "physical sensor has them: nothing is\nclipped that no effect clips.\n\n"
-          "settings : name and values, in the order of the registry's parameters, of "
-          "every effect; those\n    of the profile are not added.\n"
-          "camera : (blocks, 3, height, width) float32 camera RGB that enters the "
-          "lens, margin included.\n"
-          "origins : (blocks, 2) row and col of each block's first pixel in the active "
-          "area.\n"
-          "frame : (height, width) of the active area.\n"
-          "margin : pixels, at least what the effects reach together.\n"
-          "neutral : (3,) camera RGB of white, largest 1.\n"
-          "exposure_time : seconds, where an effect needs it.\n"
-          "surround : of the whole frame, where an effect needs it.");
+    m.def(
+        "predict_blocks", &predicted, "profile"_a, "settings"_a, "camera"_a,
+        "origins"_a, "frame"_a, "margin"_a, "neutral"_a, "exposure_time"_a.none(),
+        "surround"_a.none(), "threads"_a = 1,
+        "(mean, variance, exposed) of blocks of a frame, each (blocks, height - 2 "
+        "margin, width -\n2 margin) float32 in 0..1 above black and beyond, as a "
+        "physical sensor has them: nothing is\nclipped that no effect clips.\n\n"
+        "settings : name and values, in the order of the registry's parameters, of "
+        "every effect; those\n    of the profile are not added.\n"
+        "camera : (blocks, 3, height, width) float32 camera RGB that enters the "
+        "lens, margin included; moved into\n    the frame where that would leave it.\n"
+        "origins : (blocks, 2) row and col of the first predicted pixel of each block "
+        "in the active area.\n"
+        "frame : (height, width) of the active area.\n"
+        "margin : pixels, at least what the effects reach together, but where the "
+        "frame ends.\n"
+        "neutral : (3,) camera RGB of white, largest 1.\n"
+        "exposure_time : seconds, where an effect needs it.\n"
+        "surround : of the whole frame, where an effect needs it.");
 }
 
 } // namespace cg2raw::python

@@ -92,7 +92,7 @@ def test_blocks_with_halos_are_the_frame_in_one_piece():
     part = _core.predict_blocks(
         sensor._profile, settings_of(LISTED),
         np.ascontiguousarray(camera[..., row : row + rows, col : col + cols]),
-        np.array([[row, col]], np.int32),
+        np.array([[row + margin, col + margin]], np.int32),
         (300, 530), margin, neutral, SECONDS, surround,
     )  # fmt: skip
     inner = np.s_[
@@ -100,6 +100,34 @@ def test_blocks_with_halos_are_the_frame_in_one_piece():
     ]
     for of_part, of_whole in zip(part, whole, strict=True):
         np.testing.assert_array_equal(of_part[0], of_whole[0][inner])
+
+
+@pytest.mark.parametrize("row", [0, 5, 100, 215, 220])
+@pytest.mark.parametrize("col", [0, 19, 200, 420])
+def test_blocks_at_the_frames_ends_are_those_of_the_whole_frame(row, col):
+    """Their margins end there, and effects mirror."""
+    sensor, image = sensor_with(LISTED), scene(300, 530)
+    camera = np.ascontiguousarray(np.moveaxis(image, -1, 0))[None]
+    neutral, surround = sensor.illuminant("D65").neutral, _core.surround(image)
+
+    def predicted(block, origin, margin):
+        return _core.predict_blocks(
+            sensor._profile, settings_of(LISTED), np.ascontiguousarray(block),
+            np.array([origin], np.int32), (300, 530), margin, neutral, SECONDS,
+            surround,
+        )  # fmt: skip
+
+    margin, rows, cols = 20, 80, 110
+    top = min(max(row - margin, 0), 300 - rows - 2 * margin)
+    left = min(max(col - margin, 0), 530 - cols - 2 * margin)
+    block = camera[
+        ..., top : top + rows + 2 * margin, left : left + cols + 2 * margin
+    ]
+    part = predicted(block, (row, col), margin)
+    whole = predicted(camera, (0, 0), 0)
+    for of_part, of_whole in zip(part, whole, strict=True):
+        inner = of_whole[0][row : row + rows, col : col + cols]
+        np.testing.assert_array_equal(of_part[0], inner)
 
 
 def test_one_effect_on_an_array_is_that_of_a_frame_in_blocks():
@@ -163,7 +191,7 @@ def predict(effects, **options):
     given = {"surround": None, "exposure_time": None, "margin": 4, **options}
     return _core.predict_blocks(
         sensor_with({})._profile, settings_of(effects), np.zeros((1, 3, 20, 20), "f4"),
-        np.zeros((1, 2), np.int32), (40, 40), neutral=[1, 1, 1], **given,
+        np.full((1, 2), 9, np.int32), (40, 40), neutral=[1, 1, 1], **given,
     )  # fmt: skip
 
 

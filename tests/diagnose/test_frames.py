@@ -10,7 +10,13 @@ from diagnose.planted import SHAPE, capture_of, frames_of, scene_of, sensor_of
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures import CaptureSet
-from cg2raw.diagnose.frames import BORDER, frame_of, planes_of_sites, source_of
+from cg2raw.diagnose.frames import (
+    BORDER,
+    UNIFORM_BORDER,
+    frame_of,
+    planes_of_sites,
+    source_of,
+)
 from cg2raw.diagnose.groups import third
 from cg2raw.diagnose.noise_estimate import noise_models
 from cg2raw.diagnose.tiling import MARGIN, tiling, whole_tilings
@@ -20,7 +26,7 @@ LARGE = (3000, 4000)
 
 
 def inner(tiles):
-    """Return (top, bottom, left, right) of the tiles without margins."""
+    """Return (top, bottom, left, right) of the tiles."""
     rows, columns = tiles.rows_and_columns()
     return rows[:, 0, 0], rows[:, -1, 0] + 1, columns[:, 0, 0], columns[:, 0, -1] + 1
 
@@ -30,10 +36,9 @@ def inner(tiles):
 def test_tiles_lie_inside_start_a_repeat_and_do_not_overlap(shape, repeat):
     tiles = tiling(shape, 65536, repeat)
     assert (tiles.origins % repeat == 0).all() and tiles.margin % repeat == 0
-    height, width = (n + 2 * tiles.margin for n in tiles.size)
-    assert (tiles.origins >= 0).all()
-    assert (tiles.origins[:, 0] + height <= shape[0]).all()
-    assert (tiles.origins[:, 1] + width <= shape[1]).all()
+    for places, size in ((tiles.origins, tiles.size), (tiles.blocks, tiles.block_size)):
+        assert (places >= 0).all()
+        assert (places + size <= shape).all()
     covered = np.zeros(shape, int)
     for top, bottom, left, right in zip(*inner(tiles), strict=True):
         covered[top:bottom, left:right] += 1
@@ -41,18 +46,35 @@ def test_tiles_lie_inside_start_a_repeat_and_do_not_overlap(shape, repeat):
     assert covered.sum() >= 0.3 * min(65536, shape[0] * shape[1])
 
 
-def test_tiles_are_in_all_corners_and_hold_what_was_asked():
-    tiles = tiling(LARGE, 65536)
-    top, bottom, left, right = inner(tiles)
-    ends = MARGIN + 2
-    assert top.min() <= ends and bottom.max() >= LARGE[0] - ends
-    assert left.min() <= ends and right.max() >= LARGE[1] - ends
-    corners = {(t, s) for t, s in zip(top, left, strict=True)}
-    assert (top.min(), left.min()) in corners and (top.max(), left.max()) in corners
-    count = len(tiles.origins) * tiles.size[0] * tiles.size[1]
-    assert 0.6 * 65536 < count < 1.6 * 65536
-    again = tiling(LARGE, 65536)
+SIZES = [(480, 640), (640, 480), (1200, 1600), LARGE, (288, 4000), (6000, 9000)]
+
+
+@pytest.mark.parametrize("pixels", [8192, 65536, 10**6])
+@pytest.mark.parametrize("shape", SIZES)
+def test_tiles_are_in_all_corners_and_in_the_middle(shape, pixels):
+    """Sizes around those from which on a frame is not taken whole, too."""
+    tiles = tiling(shape, pixels)
+    covered = np.zeros(shape, bool)
+    for top, bottom, left, right in zip(*inner(tiles), strict=True):
+        covered[top:bottom, left:right] = True
+    assert covered[:: shape[0] - 1, :: shape[1] - 1].all()  # the corners' own pixels
+    assert covered[shape[0] // 2, shape[1] // 2]
+    assert covered[0, shape[1] // 2] and covered[shape[0] // 2, 0]
+    if len(tiles.origins) > 1:
+        assert 0.5 * pixels < covered.sum() < 1.6 * pixels
+    again = tiling(shape, pixels)
     assert (again.origins == tiles.origins).all()
+
+
+@pytest.mark.parametrize("length", [*range(288, 600, 7), 1001, 3000])
+@pytest.mark.parametrize("repeat", [2, 6])
+def test_radii_between_centre_and_corner_are_seen(length, repeat):
+    tiles = tiling((length, length * 4 // 3), 65536, repeat)
+    u, v = tiles.field()
+    radius = np.hypot(u, v)
+    assert radius.min() < 0.02 and radius.max() > 0.985
+    share, _ = np.histogram(radius, 10, (0, 1))
+    assert (share > 100).sum() >= 4
 
 
 def test_a_small_frame_is_one_tile():
@@ -77,8 +99,27 @@ def test_cut_and_field_agree_with_the_frame():
     assert tiles.cut((columns + 0.5 - 450) / half) == pytest.approx(u)
     assert tiles.cut((rows + 0.5 - 300) / half) == pytest.approx(v)
     wide = tiles.cut(rows, with_margin=True)
-    inside = wide[:, MARGIN:-MARGIN, MARGIN:-MARGIN]
-    assert (inside == tiles.cut(rows)).all()
+    middle = len(wide) // 2
+    inside = wide[middle, MARGIN:-MARGIN, MARGIN:-MARGIN]
+    assert (inside == tiles.cut(rows)[middle]).all()
+    assert (tiles.inner(wide[:, None])[:, 0] == tiles.cut(rows)).all()
+    assert (wide[0, 0, 0], wide[-1, -1, -1]) == (0, 599)  # moved into the frame
+
+
+@pytest.mark.parametrize("kind", ["scene", "flat", "dark"])
+def test_the_frames_own_edges_count_wherever_tiles_lie(kind):
+    shape = (320, 480)
+    (frame,) = frames_of(SENSOR, [capture_of(kind, shape=shape)], 16384)
+    border = BORDER if kind == "scene" else UNIFORM_BORDER
+    assert len(frame.tiles.origins) > 1
+    rows, columns = (
+        np.broadcast_to(p, frame.keep.shape) for p in frame.tiles.rows_and_columns()
+    )
+    ends = np.minimum(
+        np.minimum(rows, shape[0] - 1 - rows),
+        np.minimum(columns, shape[1] - 1 - columns),
+    )
+    assert (frame.keep == (ends >= border)).all()
 
 
 def test_planes_of_sites():
@@ -159,8 +200,10 @@ def test_pieces_of_a_whole_frame_cover_it_once(shape, repeat):
     covered = np.zeros(shape, int)
     for tiles in whole_tilings(tiling(shape, 16384, repeat), repeat):
         assert (tiles.origins % repeat == 0).all()
-        for top, bottom, left, right in zip(*inner(tiles), strict=True):
-            covered[top:bottom, left:right] += 1
+        fresh = np.ones((len(tiles.origins), *tiles.size), bool)
+        fresh = fresh if tiles.fresh is None else tiles.fresh
+        for new, top, bottom, left, right in zip(fresh, *inner(tiles), strict=True):
+            covered[top:bottom, left:right] += new
     assert covered.max() == 1
-    whole = (shape[0] - 2 * MARGIN) * (shape[1] - 2 * MARGIN)
-    assert covered.sum() > 0.93 * whole
+    missing = np.argwhere(covered == 0)  # part of a repeat at the far ends
+    assert all(shape[0] - r < repeat or shape[1] - c < repeat for r, c in missing)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""System calls that fail: injector.c, compiled, and the environment that asks for it."""
+"""System calls that fail: injector.c, compiled, and the variables that ask for it."""
 
 import os
 import shutil

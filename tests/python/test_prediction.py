@@ -95,7 +95,12 @@ def test_blocks_are_parts_of_the_whole(cfa, margin, threads):
     rows, cols = 17, 21
     blocks = [camera[r : r + rows, c : c + cols] for r, c in origins]
     parts = predict(
-        blocks, settings, sensor, origins=origins, margin=margin, threads=threads
+        blocks,
+        settings,
+        sensor,
+        origins=np.add(origins, margin),
+        margin=margin,
+        threads=threads,
     )
     for full, part in zip(whole, parts, strict=True):
         assert part.shape == (4, rows - 2 * margin, cols - 2 * margin)

@@ -11,8 +11,10 @@ namespace cg2raw {
 
 /// A block of a frame, and where its prediction goes.
 struct PredictedBlock {
-    Site origin; ///< of the block's first pixel in the active area, margin included
-    std::array<Plane<const float>, 3> camera; ///< as it enters stage color
+    Site origin; ///< of the first pixel that is predicted, in the active area
+    /// As it enters stage color: the block with its margin, moved into the frame where
+    /// that would leave it.
+    std::array<Plane<const float>, 3> camera;
     /// Without the margin: the signal before quantisation, 0..1 above black and beyond;
     /// its variance over frames, in the square of that; and the signal before its
     /// noise.
@@ -27,10 +29,12 @@ struct PredictedBlock {
 /// The surround, where an effect needs it, is that of the camera RGB as it is given,
 /// before the effects of stage color.
 ///
-/// @p margin pixels around each block are read and not predicted. Throws Error for bad
-/// settings, for blocks that leave the frame, if an effect needs what @p exposure
-/// lacks, and if effects reach beyond the margin of a block that the frame goes on
-/// around.
+/// @p margin pixels around each block are read and not predicted; where the frame ends
+/// within them, effects mirror there as they do in the whole frame. Throws Error for
+/// bad settings, for blocks that leave the frame, if an effect needs what @p exposure
+/// lacks, and if effects reach beyond the margin on a side where the frame goes on.
+/// First pixel of the camera RGB of a block whose first predicted pixel is @p origin.
+Site first_of_block(Site origin, Size block, int margin, Size frame);
 void predict_blocks(const SensorProfile& profile,
                     const std::vector<NamedValues>& settings, const Exposure& exposure,
                     const std::vector<PredictedBlock>& blocks, int margin,

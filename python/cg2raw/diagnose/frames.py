@@ -17,7 +17,7 @@ from cg2raw.diagnose.captures import Capture, CaptureSet
 from cg2raw.diagnose.noise_estimate import NoiseModel
 from cg2raw.diagnose.tiling import Array, Mask, Tiling
 
-# Pixels along the edges of a whole frame that are left out: what lies beyond an image
+# Pixels along the edges of a frame that are left out: what lies beyond an image
 # is not known; beyond a uniform frame it is, but for filters of the file.
 BORDER, UNIFORM_BORDER = 8, 4
 MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
@@ -30,7 +30,8 @@ class Frame:
     signal : measured, 0..1 above black.
     at_white, at_zero : the ADC's ends were reached: censored.
     keep : pixels that count. highlights : others, that show what clips and little else.
-    camera : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens.
+    camera : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens, of the
+        tiles' blocks.
     noise : betas at the CFA's sites, for the registry; beta1, beta2 : (h, w) of them.
     range : (h, w) DN from black to white.
     uniform : (T, h, w) for the randomised residuals of censored pixels.
@@ -144,19 +145,18 @@ def _camera_tiles(camera: NDArray[np.float32], tiles: Tiling) -> NDArray[np.floa
     if camera.ndim == 3:
         cut = np.moveaxis(tiles.cut(camera, with_margin=True), -1, 1)
         return np.ascontiguousarray(cut)
-    height, width = (n + 2 * tiles.margin for n in tiles.size)
-    shape = (len(tiles.origins), 3, height, width)
+    shape = (len(tiles.origins), 3, *tiles.block_size)
     return np.broadcast_to(camera[None, :, None, None], shape).copy()
 
 
 def _keep(source: Source, tiles: Tiling) -> Mask:
-    height, width = tiles.size
-    keep = np.ones((len(tiles.origins), height, width), bool)
+    keep = np.ones((len(tiles.origins), *tiles.size), bool)
     border = BORDER if source.camera.ndim == 3 else UNIFORM_BORDER
-    if tiles.margin == 0 and min(height, width) > 4 * BORDER:
-        edge = np.zeros_like(keep)
-        edge[:, border:-border, border:-border] = True
-        keep &= edge
+    if min(tiles.shape) > 4 * BORDER:
+        for places, end in zip(tiles.rows_and_columns(), tiles.shape, strict=True):
+            keep &= (places >= border) & (places < end - border)
+    if tiles.fresh is not None:
+        keep &= tiles.fresh
     if source.mask is not None:
         keep &= tiles.cut(source.mask)
     return keep

@@ -139,8 +139,7 @@ def _slope_and_light(frame: Frame) -> tuple[Array, Array]:
 
 def of_site(planes: Array, frame: Frame) -> Array:
     """Return from (T, 3, H, W) with margins what each site's filter passes."""
-    m = frame.tiles.margin
-    inner = planes[:, :, m : planes.shape[2] - m, m : planes.shape[3] - m]
+    inner = frame.tiles.inner(planes)
     color = frame.color[None]
     return np.where(
         color == 0, inner[:, 0], np.where(color == 1, inner[:, 1], inner[:, 2])

@@ -124,8 +124,9 @@ def _warped(camera: Array, frame: Frame, affine: Array) -> Array:
     result = np.empty_like(camera)
     for tile in range(count):
         rows, columns = np.mgrid[:height, :width].astype(float)
-        v = (frame.tiles.origins[tile, 0] + rows + 0.5 - centre[0]) / half
-        u = (frame.tiles.origins[tile, 1] + columns + 0.5 - centre[1]) / half
+        first_row, first_column = frame.tiles.blocks[tile]
+        v = (first_row + rows + 0.5 - centre[0]) / half
+        u = (first_column + columns + 0.5 - centre[1]) / half
         move = affine[:, 0, None, None] + affine[:, 1, None, None] * v
         move = move + affine[:, 2, None, None] * u
         places = [rows + move[0], columns + move[1]]

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 Array = NDArray[Any]  # of float64
 Mask = NDArray[Any]  # of bool
 
-TILE = (96, 128)  # rows, columns of the pieces of a large frame
+LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of them
+SMALLEST_TILE, STEP_OF_TILES = 24, 12  # a multiple of any CFA's repeat
+FEWEST = 3  # pieces along each side: both ends and the middle
 WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
 BATCH = 16  # such tiles at a time
 MARGIN = 24  # pixels around a tile that blur and aberrations take in
@@ -24,26 +26,42 @@ MOST_MASKED = 6  # tiles' pixels for one that counts
 class Tiling:
     """Where the tiles of a frame lie; the same in all frames of one shape.
 
-    origins : (T, 2) row and column of each tile's first pixel, margin included; a
-        multiple of the CFA's repeat.
-    size : rows and columns of a tile without its margin.
+    origins : (T, 2) row and column of each tile's first pixel, a multiple of the CFA's
+        repeat.
+    size : rows and columns of a tile.
+    margin : pixels around a tile that are read with it. Where the frame ends within
+        them, the block of both is moved into the frame.
+    fresh : (T, h, w), False in pixels that an earlier tile has; None if none has.
     """
 
     shape: tuple[int, int]
     size: tuple[int, int]
     margin: int
     origins: NDArray[np.int32]
+    fresh: Mask | None = None
+
+    @property
+    def block_size(self) -> tuple[int, int]:
+        """Rows and columns of a tile with its margin."""
+        return self.size[0] + 2 * self.margin, self.size[1] + 2 * self.margin
+
+    @property
+    def blocks(self) -> NDArray[np.int32]:
+        """(T, 2) row and column of the first pixel of each tile with its margin."""
+        last = np.subtract(self.shape, self.block_size)
+        return np.clip(self.origins - self.margin, 0, last)
 
     def cut(self, image: NDArray[Any], with_margin: bool = False) -> NDArray[Any]:
         """Return the tiles (T, h, w, ...) of an image (H, W, ...)."""
-        inset = 0 if with_margin else self.margin
-        height, width = (n + 2 * (self.margin - inset) for n in self.size)
-        return np.stack(
-            [
-                image[r + inset : r + inset + height, c + inset : c + inset + width]
-                for r, c in self.origins
-            ]
-        )
+        height, width = self.block_size if with_margin else self.size
+        places = self.blocks if with_margin else self.origins
+        return np.stack([image[r : r + height, c : c + width] for r, c in places])
+
+    def inner(self, blocks: NDArray[Any]) -> NDArray[Any]:
+        """Return (T, C, h, w) of blocks with their margins, (T, C, H, W)."""
+        (height, width), insets = self.size, self.origins - self.blocks
+        pairs = zip(blocks, insets, strict=True)
+        return np.stack([b[:, r : r + height, c : c + width] for b, (r, c) in pairs])
 
     def over_rows(self, image: Array) -> Array:
         """Return sums over rows of tiles (T, h, w), as (T, h, 1); tiles beside each
@@ -64,7 +82,7 @@ class Tiling:
 
     def rows_and_columns(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the row (T, h, 1) and column (T, 1, w) of every pixel."""
-        first = self.origins.astype(np.int64) + self.margin
+        first = self.origins.astype(np.int64)
         rows = first[:, :1, None] + np.arange(self.size[0])[None, :, None]
         columns = first[:, 1:, None] + np.arange(self.size[1])[None, None, :]
         return rows, columns
@@ -83,34 +101,46 @@ class Tiling:
 def tiling(
     shape: tuple[int, int], pixels: int, repeat: int = 2, wanted: Mask | None = None
 ) -> Tiling:
-    """Return tiles that hold about so many pixels of a frame, corners among them.
+    """Return tiles that hold about so many pixels of a frame: its corners, its edges
+    and its middle are among them, whatever its size.
 
     wanted : (H, W), where any frame counts; if that is less than half, tiles lie where
         most of it is."""
     height, width = shape
-    if height * width <= 1.5 * pixels or min(shape) < 2 * MARGIN + max(TILE):
+    size = _size_of_tiles(pixels, repeat)
+    if height * width <= 1.5 * pixels or min(shape) < FEWEST * max(size):
         return Tiling(shape, shape, 0, np.zeros((1, 2), np.int32))
-    size = (TILE[0] - TILE[0] % repeat, TILE[1] - TILE[1] % repeat)
     if wanted is not None and wanted.mean() < 0.5:
         origins = _where_wanted(wanted, size, pixels, repeat)
     else:
-        across = max(2, round(np.sqrt(pixels / (size[0] * size[1]) * width / height)))
-        down = max(2, round(pixels / (size[0] * size[1] * across)))
-        origins = np.array(
-            [
-                (row, column)
-                for row in _places(height, size[0], down, repeat)
-                for column in _places(width, size[1], across, repeat)
-            ]
-        )
+        count = pixels / (size[0] * size[1])
+        fewer = _odd(np.sqrt(count * min(shape) / max(shape)))
+        more = _odd(count / fewer)
+        down, across = (fewer, more) if height < width else (more, fewer)
+        rows = _places(height, size[0], down, repeat)
+        columns = _places(width, size[1], across, repeat)
+        origins = np.array([(row, column) for row in rows for column in columns])
     return Tiling(shape, size, MARGIN, origins.astype(np.int32))
+
+
+def _size_of_tiles(pixels: int, repeat: int) -> tuple[int, int]:
+    """Return (rows, columns) of tiles of which the fewest hold so many pixels."""
+    rows = np.sqrt(0.75 * pixels / FEWEST**2) // STEP_OF_TILES * STEP_OF_TILES
+    rows = int(np.clip(rows, SMALLEST_TILE, LARGEST_TILE))
+    columns = rows * 4 // 3
+    return rows - rows % repeat, columns - columns % repeat
+
+
+def _odd(count: float) -> int:
+    """Return an odd number of pieces near a number, so that one lies in the middle."""
+    return max(FEWEST, 2 * round((count - 1) / 2) + 1)
 
 
 def _places(length: int, tile: int, count: int, repeat: int) -> NDArray[np.int64]:
     """Return the first pixels of tiles from one end to the other, at most so many and
     none on another: a pixel counts once."""
-    count = min(count, (length - 2 * MARGIN) // tile)
-    places = np.linspace(0, length - tile - 2 * MARGIN, count).astype(np.int64)
+    count = min(count, length // tile)
+    places = np.linspace(0, length - tile, count).astype(np.int64)
     return places - places % repeat
 
 
@@ -119,16 +149,11 @@ def _where_wanted(
 ) -> NDArray[np.int64]:
     """Return tiles beside each other that hold most of what counts."""
     rows, columns = (
-        _places(n, tile, (n - 2 * MARGIN) // tile, repeat)
+        _places(n, tile, n // tile, repeat)
         for n, tile in zip(wanted.shape, size, strict=True)
     )
     held = {
-        (row, column): int(
-            wanted[
-                row + MARGIN : row + MARGIN + size[0],
-                column + MARGIN : column + MARGIN + size[1],
-            ].sum()
-        )
+        (row, column): int(wanted[row : row + size[0], column : column + size[1]].sum())
         for row in rows
         for column in columns
     }
@@ -145,15 +170,28 @@ def _where_wanted(
 
 
 def whole_tilings(tiles: Tiling, repeat: int = 2) -> Iterator[Tiling]:
-    """Yield tilings that together are a frame without its outermost MARGIN pixels."""
+    """Yield tilings that together are a frame, from edge to edge."""
     if tiles.margin == 0:
         yield tiles
         return
-    inner = [n - 2 * MARGIN for n in tiles.shape]
-    # The fewest pieces, all of one size: their number times the repeat is left over.
-    size = [n // -(-n // WHOLE_TILE) // repeat * repeat for n in inner]
-    places = [range(0, n - tile + 1, tile) for n, tile in zip(inner, size, strict=True)]
-    origins = np.array([(r, c) for r in places[0] for c in places[1]], np.int32)
+    rows, new_rows = _pieces(tiles.shape[0], repeat)
+    columns, new_columns = _pieces(tiles.shape[1], repeat)
+    origins = np.array([(r, c) for r in rows for c in columns], np.int32)
+    fresh = np.array([np.outer(r, c) for r in new_rows for c in new_columns])
     for first in range(0, len(origins), BATCH):
-        batch = origins[first : first + BATCH]
-        yield Tiling(tiles.shape, (size[0], size[1]), MARGIN, batch)
+        batch = np.s_[first : first + BATCH]
+        yield Tiling(tiles.shape, fresh.shape[1:], MARGIN, origins[batch], fresh[batch])
+
+
+def _pieces(length: int, repeat: int) -> tuple[list[int], list[Mask]]:
+    """Return (first pixels, which of its pixels no earlier one has) of pieces of one
+    size that cover a side."""
+    count = max(2, -(-length // WHOLE_TILE))
+    size = -(-length // (count * repeat)) * repeat
+    last = (length - size) // repeat * repeat
+    starts = [min(i * size, last) for i in range(count)]
+    ends = [0, *(start + size for start in starts[:-1])]
+    places = np.arange(size)
+    return starts, [
+        start + places >= end for start, end in zip(starts, ends, strict=True)
+    ]
