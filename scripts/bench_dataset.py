@@ -153,6 +153,32 @@ def bench_files(images, folder, rounds):
     say("workers", two / one, "x of one worker with two")
 
 
+def bench_resume(images, folder, rounds):
+    """Print how fast finished files are verified, beside sha256sum of the same."""
+    out = folder / "resumed"
+    run_dataset(images, out, 2, "--compression", "none")
+    files = sorted(out.rglob("*.dng"))
+    megabytes = sum(file.stat().st_size for file in files) / 1e6
+    again = ["dataset", images, out, "--sensors", SENSOR, "--illuminants", LIGHT]
+    again += ["--convention", "paper", "--compression", "none", "--quiet"]
+    base = [sys.executable, "-m", "cg2raw", *map(str, again)]
+    commands = {
+        "sha256sum": ["sha256sum", *files],
+        "--verify hash": [*base, "--workers", "1"],
+        "--verify hash, 2 workers": [*base, "--workers", "2"],
+        "--verify size": [*base, "--workers", "1", "--verify", "size"],
+    }
+    times = {name: [] for name in commands}
+    for _ in range(rounds):
+        for name, command in commands.items():
+            how = {"stdout": subprocess.DEVNULL}
+            times[name].append(spent(command, **how)[0])
+    print(f"\nresuming {len(files)} finished files, {megabytes:.0f} MB")
+    for name, seconds in times.items():
+        middle = statistics.median(seconds)
+        print(f"{name:26}{middle:6.2f} s {megabytes / middle:8.0f} MB/s")
+
+
 def bench_memory(source):
     """Print the peak memory of one worker over one 12-MP image, per input sample."""
     from multiprocessing import Process
@@ -212,3 +238,4 @@ def bench(source, folder, rounds, copies=48):
     bench_memory(source)
     bench_conversion(source, rounds)
     bench_files(images, folder, rounds)
+    bench_resume(images, folder, rounds)

@@ -159,14 +159,15 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
             "sensor " + profile.id
             + " has no measured noise: leave the ISO out, or add \"noise\" to its "
               "profile");
+    if (table.size() == 1 && iso != table.front().iso)
+        throw Error("iso " + number(iso) + ": the noise of sensor " + profile.id
+                    + " is known at ISO " + number(table.front().iso)
+                    + " only: give that ISO, or add others to \"noise\" in its profile");
     const double lowest = table.front().iso / reach, highest = table.back().iso * reach;
     if (!(iso >= lowest && iso <= highest))
         throw Error("iso " + number(iso) + " is outside " + number(lowest) + " to "
                     + number(highest) + ", one stop around the ISOs that sensor "
                     + profile.id + " was calibrated at: " + isos_of(table));
-    if (table.size() == 1 && iso != table.front().iso)
-        throw Error("iso " + number(iso) + ": sensor " + profile.id
-                    + " was calibrated at ISO " + number(table.front().iso) + " only");
     const auto above
         = std::find_if(table.begin(), table.end(),
                        [&](const NoiseAtIso& row) { return row.iso >= iso; });

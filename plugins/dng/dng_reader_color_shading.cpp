@@ -48,11 +48,12 @@ bool add_color(const GainMapSamples& samples, Size size, OverGreen color,
         fit.values.push_back((*solution)[i] / (*solution)[0]);
     for (const ShadingAt& point : samples.points) {
         const Equations::Row terms = terms_at(place_of(samples, point), size);
-        double left = double(point.*color);
-        fit.departure += (left / mean - 1.0) * (left / mean - 1.0);
+        const double ratio = double(point.*color);
+        fit.departure += (ratio / mean - 1.0) * (ratio / mean - 1.0);
+        double left = ratio;
         for (std::size_t i = 0; i < terms.size(); ++i)
             left -= terms[i] * (*solution)[i];
-        fit.rms += left * left / ((*solution)[0] * (*solution)[0]);
+        fit.rms += left * left / (ratio * ratio);
     }
     return true;
 }

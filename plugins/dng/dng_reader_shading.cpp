@@ -44,7 +44,9 @@ Row terms_at(Place at, Size size)
 struct Fit {
     double scale; ///< shading of the maps at the frame's centre
     Values values;
-    double rms = 0.0, largest = 0.0; ///< what the polynomial leaves, centre = 1
+    /// What the polynomial leaves, relative to the maps' shading at the same place: in
+    /// a dark corner as much as the corner's own brightness is wrong.
+    double rms = 0.0, largest = 0.0;
 };
 
 /// The residuals of @p fit: rms and largest.
@@ -53,9 +55,10 @@ void measure(Fit& fit, const GainMapSamples& samples, Size size)
     double squares = 0.0;
     for (const ShadingAt& point : samples.points) {
         const Row terms = terms_at(place_of(samples, point), size);
-        double residual = point.shading / fit.scale - 1.0;
+        double fitted = 1.0;
         for (std::size_t i = 1; i < terms.size(); ++i)
-            residual -= terms[i] * fit.values[i - 1];
+            fitted += terms[i] * fit.values[i - 1];
+        const double residual = fitted * fit.scale / point.shading - 1.0;
         squares += residual * residual;
         fit.largest = std::max(fit.largest, std::abs(residual));
     }
@@ -110,8 +113,9 @@ void note_costs(const Fit& fit, const GainMapSamples& samples, bool colored,
 {
     if (fit.rms > negligible || fit.largest > 4 * negligible)
         notes.push_back("lens_shading leaves " + rounded_text(100 * fit.rms)
-                        + " % rms of the GainMaps, " + rounded_text(100 * fit.largest)
-                        + " % at most: this much of the shading is not simulated");
+                        + " % rms of the GainMaps' brightness, "
+                        + rounded_text(100 * fit.largest)
+                        + " % at most: frames are so much too bright or dark there");
     if (samples.between_sites > negligible && !colored)
         notes.push_back("GainMaps of the CFA's sites differ by "
                         + rounded_text(100 * samples.between_sites)

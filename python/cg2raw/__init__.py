@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""cg2raw: the camera RAW file that a chosen sensor would have written of a CG image."""
+"""cg2raw: the RAW file that a chosen camera would have recorded of a CG image."""
 
 from cg2raw import oiio_plugin
 from cg2raw._core import (

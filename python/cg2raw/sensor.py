@@ -89,7 +89,7 @@ class Sensor:
         return f"Sensor({self.id!r})"
 
     def simulate(self, rgb: ArrayLike, *, threads: int = 0, **run: Any) -> RawFrame:
-        """Return the RAW frame that this sensor would have written of an image.
+        """Return the RAW frame that this sensor would have recorded of an image.
 
         rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709; alpha is ignored.
             float32 is read in place where its channels lie together; float16 is

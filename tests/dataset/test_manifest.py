@@ -7,12 +7,13 @@ import json
 
 import cg2raw
 import numpy as np
+import OpenImageIO as oiio
 import pyarrow.parquet
 import pytest
 from cg2raw import read_dng_metadata
 from cg2raw.image_file import read_image
 
-from dataset.data_sets import check_agreement, rows
+from dataset.data_sets import check_agreement, rows, scene
 from python.commands import run
 
 OPTIONS = (
@@ -154,3 +155,29 @@ def test_upi_draws_lights_itself(images, tmp_path):
     words = "--sensors samsung-s20fe --illuminants A,D65 --method upi".split()
     done = run("dataset", images, tmp_path / "out", *words)
     assert done.code == 1 and "--illuminants" in done.err
+
+
+def test_layers_and_windows_are_those_of_convert(tmp_path):
+    """The picture is taken, or the layer that is asked for, of the display window."""
+    pixels = np.abs(scene((40, 50)))
+    names = [*"RGB", "diffuse.R", "diffuse.G", "diffuse.B", "Z"]
+    spec = oiio.ImageSpec(50, 40, 7, "float")
+    spec.channelnames = tuple(names)
+    spec.x, spec.y, spec.full_width, spec.full_height = -8, 3, 36, 48
+    whole = np.concatenate([pixels, pixels[::-1] * 0.5, pixels[..., :1]], axis=-1)
+    (tmp_path / "in").mkdir()
+    path = str(tmp_path / "in/a.exr")
+    file = oiio.ImageOutput.create(path)
+    assert file.open(path, spec) and file.write_image(whole) and file.close()
+    options = "--sensors nikon-d40 --illuminants D65".split()
+    for layer, name in ((None, ""), ("diffuse", "diffuse")):
+        out = tmp_path / f"out-{name}"
+        words = [*options, *(["--layer", layer] if layer else [])]
+        assert run("dataset", tmp_path / "in", out, *words).code == 0
+        (row,) = rows(out)
+        assert (row["layer"], row["width"], row["height"]) == (name, 36, 48)
+        image = read_image(path, row["layer"], undo="stated")
+        frame = cg2raw.Sensor("nikon-d40").simulate(image.pixels, illuminant="D65")
+        cg2raw.write_dng(tmp_path / "same.dng", frame, preview=False)
+        assert (tmp_path / "same.dng").read_bytes() == (out / row["path"]).read_bytes()
+    assert not image.pixels[:3].any() and image.pixels[3:43].any()

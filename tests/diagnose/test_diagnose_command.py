@@ -58,7 +58,13 @@ def test_a_report_is_written(engine, captures, tmp_path):
     [(found, options)] = engine.calls
     assert found.sensor.id == files.SENSOR and len(found.captures) == 3
     del options["progress"]
-    assert options == {"alpha": 0.01, "most": 6, "without": (), "only": ()}
+    assert options == {
+        "alpha": 0.01,
+        "most": 6,
+        "without": (),
+        "only": (),
+        "time_limit": 600,
+    }
 
 
 def test_options_reach_the_engine(engine, captures, tmp_path):
@@ -67,8 +73,23 @@ def test_options_reach_the_engine(engine, captures, tmp_path):
     options = engine.calls[0][1]
     assert (options["alpha"], options["most"]) == (0.05, 2)
     assert options["without"] == ("row_noise", "shot_noise")
+    assert "pixels" not in options  # the engine's own
     run("diagnose", captures, "-o", tmp_path / "r", "--only", "row_noise,lens_shading")
     assert engine.calls[1][1]["only"] == ("row_noise", "lens_shading")
+    words = ("--pixels", "8192", "--time-limit")
+    for text, seconds in (("90", 90), ("90s", 90), ("1.5min", 90), ("2 h", 7200)):
+        run("diagnose", captures, "-o", tmp_path / "r", *words, text)
+        options = engine.calls[-1][1]
+        assert (options["pixels"], options["time_limit"]) == (8192, seconds)
+
+
+def test_the_time_limit_is_told(engine, captures, tmp_path):
+    engine.result["time_limit_reached"] = True
+    done = run("diagnose", captures, "-o", tmp_path / "r")
+    assert done.code == 0 and "the time limit ended the search" in done.out
+    assert json.loads((tmp_path / "r" / "verdict.json").read_text())[
+        "time_limit_reached"
+    ]
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
@@ -221,7 +242,15 @@ def test_options_that_do_not_go_together(tmp_path, monkeypatch, words, message):
 
 @pytest.mark.parametrize(
     "words",
-    [("--alpha", "1"), ("--alpha", "0"), ("--max", "0"), ("--check", "--verify")],
+    [
+        ("--alpha", "1"),
+        ("--alpha", "0"),
+        ("--max", "0"),
+        ("--check", "--verify"),
+        ("--pixels", "10"),
+        ("--time-limit", "0"),
+        ("--time-limit", "soon"),
+    ],
 )
 def test_usage(words):
     assert "cg2raw diagnose: error: argument" in fails(
@@ -229,19 +258,35 @@ def test_usage(words):
     )
 
 
-def test_the_generator_gets_its_words(monkeypatch, tmp_path):
-    calls = []
-    for name in ("simulate_captures", "bench"):
-        module = types.ModuleType(f"cg2raw.diagnose.{name}")
-        module.main = lambda words: calls.append(words)
-        monkeypatch.setitem(sys.modules, module.__name__, module)
-    hide = ("--hide", "blur=1", "-s", "nikon-d40", "-o", "b", "--seed", "3")
-    assert run("diagnose", *hide).code == 0
-    assert run("diagnose", "--bench", "single", "--cases", "2", "--quiet").code == 0
-    assert calls == [
-        ["--hide", "blur=1", "-s", "nikon-d40", "-o", "b", "--seed", "3"],
-        ["single", "--cases", "2", "--quiet"],
-    ]
+@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
+def test_captures_are_hidden(tmp_path, quiet):
+    out = tmp_path / "blind"
+    hide = ("--hide", "blur=1", "-s", "nikon-d40", "-o", out, "--seed", "3")
+    done = run("diagnose", *hide, *quiet)
+    assert (done.code, done.err, bool(done.out)) == (0, "", not quiet)
+    assert (out / "captures.yaml").exists()
+
+
+@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
+def test_the_bench_runs(quiet):
+    words = ("--bench", "none", "--cases", "1", "--seed", "5")
+    done = run("diagnose", *words, *quiet)
+    assert done.code == 0 and "none" in done.out
+    assert bool(done.err) != bool(quiet)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--bench", "no-such-suite"), "no-such-suite"),
+        (("--hide", "fog=1", "-s", "nikon-d40", "-o", "r"), "fog"),
+    ],
+)
+def test_what_the_generator_refuses_is_one_line(tmp_path, monkeypatch, words, message):
+    monkeypatch.chdir(tmp_path)
+    done = run("diagnose", *words)
+    assert done.code != 0 and message in done.err and "Traceback" not in done.err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_bad_manifest_is_one_line(tmp_path):

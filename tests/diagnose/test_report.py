@@ -21,7 +21,13 @@ from diagnose.leaves import (
 )
 from diagnose.made_up_diagnosis import made_up_diagnosis, pictures
 
-from cg2raw.diagnose.diagnosis import VERDICTS, Estimate, Gap, Picture
+from cg2raw.diagnose.diagnosis import (
+    VERDICTS,
+    Alternative,
+    Estimate,
+    Gap,
+    Picture,
+)
 from cg2raw.diagnose.report import write_report
 from cg2raw.diagnose.report.figures import draw
 from cg2raw.diagnose.report.frames import frame
@@ -285,3 +291,27 @@ def test_eight_noisy_frames_make_at_most_three_megabytes(tmp_path):
     frames = [Picture(f"{n}.dng", "scene", *shown, *z) for n in range(8)]
     write_report(made_up_diagnosis(pictures=frames), tmp_path)
     assert (tmp_path / "report.html").stat().st_size <= 3e6
+
+
+def test_a_runner_up_that_was_ahead_says_by_which_rule_it_lost(diagnosis, figures):
+    """And is not "too close to call": nobody called it ambiguous."""
+    rule = "read_noise gains more, but is noise."
+    rows = replace(
+        diagnosis.effects[1],
+        alternatives=[Alternative("read_noise", 43.7)],
+        ambiguous_with=[],
+        rule=rule,
+    )
+    text = Page(render(replace(diagnosis, effects=[rows]), figures)).text
+    assert ", 12.0 nats ahead." in text
+    assert f"Why this name: {rule}" in text
+    assert "too close to call" not in text
+    doubtful = replace(rows, ambiguous_with=["read_noise"])
+    text = Page(render(replace(diagnosis, effects=[doubtful]), figures)).text
+    assert "12.0 nats ahead \u2014 too close to call" in text
+
+
+def test_the_time_limit_is_told(diagnosis, figures):
+    page = render(replace(diagnosis, time_limit_reached=True), figures)
+    assert "Time limit." in Page(page).text and "--time-limit" in page
+    assert "Time limit." not in Page(render(diagnosis, figures)).text

@@ -149,3 +149,22 @@ def test_what_screening_cannot_see_is_not_fitted():
     )
     assert screened == len(BY_NAME) - 1
     assert fitted <= 4
+
+
+def test_the_search_ends_when_it_stops_gaining(monkeypatch):
+    """Two effects that drop each other are not added in turn until the rounds end."""
+    names = iter(["exposure", "blur"] * 9)
+    heights = {"exposure": 100.0, "blur": 100.1}
+
+    def add(self, model):
+        name = next(names)
+        self.steps.append(name)
+        return model_of(SENSOR, **{name: BY_NAME[name].null + 0.1})
+
+    monkeypatch.setattr(Search, "_add", add)
+    monkeypatch.setattr(
+        Search, "_select", lambda self, model: np.array([heights[model.names[0]]])
+    )
+    search = search_of()
+    assert search.run(Model(SENSOR)).names == ["exposure"]
+    assert search.steps == ["exposure"]

@@ -2,8 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """Run under the injector: writes a file again and again while calls fail.
 
-publish_cases.py FOLDER LOG ROUTE prints a JSON line of each call that failed: which, the
-error, whether the old bytes are there or the new ones, and what is left in the folder.
+publish_cases.py FOLDER LOG ROUTE prints a JSON line of each call that failed: which,
+the error, whether the old bytes are there or the new ones, and what is left in the
+folder.
 """
 
 import errno

@@ -4,6 +4,7 @@
 
 import inspect
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 
 import cg2raw
 from cg2raw import diagnose
+from cg2raw.cli import make_parser
 
 ROOT = Path(__file__).resolve().parents[2]
 # tests/dataset/test_docs.py and tests/diagnose/test_docs.py run those whose programs
@@ -138,3 +140,34 @@ def test_all_is_sorted_and_whole():
     }
     assert public | {"__version__"} == set(cg2raw.__all__)
     assert len(set(cg2raw.__all__)) == len(cg2raw.__all__)
+
+
+COMMAND = re.compile(r"^    (?:eval \"\$\()?(cg2raw (?:.*\\\n)*.*)$", re.MULTILINE)
+
+
+def commands(page):
+    """Return the words of each command of cg2raw that stands on a page."""
+    found = []
+    for match in COMMAND.finditer(FENCED.sub("", page.read_text())):
+        line = re.sub(r"\\\n\s*", " ", match[1]).partition(")\"")[0]
+        line = line.partition(" | ")[0].partition(" > ")[0]
+        words = shlex.split(line, comments=True)
+        found.append(words[1:])
+    return found
+
+
+ALL_PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+@pytest.mark.parametrize("page", ALL_PAGES, ids=lambda page: page.name)
+def test_every_command_on_a_page_exists(page, capsys):
+    """Its options, too; whether it does what the page says is tested elsewhere."""
+    for words in commands(page):
+        try:
+            make_parser().parse_args(words)
+        except SystemExit as stop:
+            assert stop.code in (None, 0), (words, capsys.readouterr().err)
+
+
+def test_pages_have_commands():
+    assert sum(len(commands(page)) for page in ALL_PAGES) >= 25

@@ -24,6 +24,8 @@ def verdict_text(found, notes, folder, names):
     lines = [line("verdict", found.verdict + (f": {effects}" if effects else ""))]
     if found.interrupted:
         lines.append(line("", "interrupted: what stands here is partial"))
+    if found.time_limit_reached:
+        lines.append(line("", "the time limit ended the search: more may be missing"))
     for effect in found.effects:
         lines.append(line("", effect.sentence or effect.where))
         if effect.ambiguous_with:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Convert renders to DNGs as a sensor would have written them.
+"""Convert renders to the DNGs that a camera would have recorded.
 
 Reads what OpenImageIO reads (EXR, TIFF, PNG, HDR ...), scene-linear Rec.709; pictures
 encoded as sRGB are refused, unless --linearize srgb says to undo that curve. It takes

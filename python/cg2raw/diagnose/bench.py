@@ -152,6 +152,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--effects", default="", help="NAME,... to hide")
     parser.add_argument("--alpha", type=float, default=0.01)
     parser.add_argument("--json", type=Path, help="file of records, one per line")
+    parser.add_argument("--quiet", action="store_true", help="no progress; table alone")
     return parser.parse_args(argv)
 
 
@@ -167,7 +168,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             effects=[name for name in given.effects.split(",") if name],
             alpha=given.alpha,
             path=given.json,
-            progress=True,
+            progress=not given.quiet,
         )
     except (ValueError, OSError) as error:
         print(f"cg2raw: {error}", file=sys.stderr)

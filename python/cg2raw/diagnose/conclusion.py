@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.stats import norm
 
 from cg2raw.diagnose import words
+from cg2raw.diagnose.acceptance import founded, is_better, not_better, refusals
 from cg2raw.diagnose.captures import CaptureSet
 from cg2raw.diagnose.diagnosis import (
     Alternative,
@@ -21,8 +23,7 @@ from cg2raw.diagnose.diagnosis import (
 from cg2raw.diagnose.fitting import fit
 from cg2raw.diagnose.found_profile import found_profile
 from cg2raw.diagnose.frames import Frame
-from cg2raw.diagnose.gap import gap_of, systematic
-from cg2raw.diagnose.intervals import estimates
+from cg2raw.diagnose.gap import Sums, gap_of, systematic
 from cg2raw.diagnose.likelihood import Workers, total
 from cg2raw.diagnose.pictures import curves_of, histogram
 from cg2raw.diagnose.prediction import Model
@@ -54,19 +55,50 @@ TAKEN_UP_BY: Mapping[str, Mapping[str, float]] = {
     "prnu": {"color_shading": 0.01, "lens_shading": 0.01, "gr_gb_imbalance": 0.003},
 }
 NOISES = ("noise_reduction", "heavy_tailed_noise")
+# Absolute bounds, whatever was closed: nats per pixel that nobody calls a trace, and
+# how far reduced chi-square of whole frames may be from 1.
+LARGE_NATS, LARGE_P = 1e-3, 1e-4
+CHI_SQUARE, CHANCE = 0.02, 4.0  # CHANCE: standard errors, where pixels are few
+CHI_SQUARE_NAME = "chi-square of whole frames"
 CERTAIN_E = 690.0  # log of the largest e-value that is written
 
 
-def _structure(
-    tests: Sequence[ResidualTest], gained: float
-) -> tuple[list[ResidualTest], list[ResidualTest]]:
-    """Return (tests that say that something is left, traces too small to matter)."""
+def left_over(tests: Sequence[ResidualTest], gained: float) -> list[ResidualTest]:
+    """Return the tests that say that something is left, of a model that closed so many
+    nats per pixel."""
     least = max(LEAST_NATS, SHARE_LEFT * gained)
+    return [
+        test
+        for test in tests
+        if (test.p_value < STRUCTURE / len(tests) and test.nats_per_pixel > least)
+        or (test.p_value < LARGE_P and test.nats_per_pixel > LARGE_NATS)
+    ]
+
+
+def _traces(
+    tests: Sequence[ResidualTest], left: Sequence[ResidualTest]
+) -> list[ResidualTest]:
+    """Return the tests beyond chance that say that too little is left to matter."""
     alarms = [test for test in tests if test.p_value < STRUCTURE / len(tests)]
-    return (
-        [test for test in alarms if test.nats_per_pixel > least],
-        [test for test in alarms if test.nats_per_pixel <= least],
-    )
+    return [test for test in alarms if test not in left]
+
+
+def _chi_square(after: Sums) -> list[ResidualTest]:
+    """Return the test of whole frames' chi-square, if it is not near 1."""
+    error = np.sqrt(2 / max(after.residuals, 1))
+    away = after.chi2 - 1
+    if abs(away) <= max(CHI_SQUARE, CHANCE * error):
+        return []
+    text = "larger" if away > 0 else "smaller"
+    return [
+        ResidualTest(
+            CHI_SQUARE_NAME,
+            after.chi2,
+            float(2 * norm.sf(abs(away) / error)),
+            0.5 * float(abs(away - np.log(after.chi2))),
+            f"the residuals are {text} than the noise that is predicted",
+        )
+    ]
 
 
 def _findings(
@@ -93,6 +125,7 @@ def _findings(
                 where=words.where(term.name),
                 sentence=words.sentence(term.name, values[term.name], gap),
                 provisional=provisional,
+                rule=step.rule,
             )
         )
     return findings
@@ -168,7 +201,15 @@ def concluded(
     details: bool,
 ) -> Diagnosis:
     report = groups["report"]
+    model, values, refused = founded(model, groups["fit"], workers)
+    notes = refusals(refused)
     look = look_at(capture_set, report, base, model, registration, workers, details)
+    if model.found_names and not is_better(look.before, look.after):
+        notes.append(not_better(model.found_names, look.before, look.after))
+        model, values, look = base, {}, look.unchanged
+        confirmed = False
+    else:
+        confirmed = True
     gap = gap_of(
         look.before,
         look.after,
@@ -177,8 +218,7 @@ def concluded(
     )
     before = residual_tests(base, groups["select"], workers, groups["fit"])
     after = residual_tests(model, report, workers, groups["select"])
-    left, traces = _structure(after, gap.before - gap.after)
-    values = estimates(model, groups["fit"], workers)
+    left = [*left_over(after, gap.before - gap.after), *_chi_square(look.after)]
     every = _findings(model, search.steps, values, gap, bool(left))
     findings, shapes = _without_shapes(every, model, search)
     shown = report if details else []
@@ -190,7 +230,7 @@ def concluded(
         tests_before=before,
         tests_after=after,
         unexplained=left,
-        ladder=[_rung(step) for step in search.steps],
+        ladder=[*map(_rung, search.steps), *map(_refused_rung, refused)],
         power=smallest_visible(
             model, vocabulary, groups["select"], workers, alpha, groups["fit"]
         ),
@@ -199,19 +239,25 @@ def concluded(
             for finding in findings
             for text in words.deciding_captures(finding.name, finding.ambiguous_with)
         ],
-        notes=[*_notes(capture_set, report, traces), *shapes],
+        notes=[*_notes(capture_set, report, _traces(after, left)), *shapes, *notes],
         groups={n: [f.capture.name for f in fs] for n, fs in groups.items()},
         pictures=list(look.pictures),
         curves=curves_of(model, values, shown) if details else [],
         histogram_before=histogram(base, report, workers),
         histogram_after=histogram(model, report, workers),
-        profile_json=found_profile(model, groups["fit"], findings, values),
+        profile_json=found_profile(model, groups["fit"], findings, values)
+        if confirmed
+        else "",
     )
 
 
 def _rung(step: Step) -> Rung:
     ranking = [Alternative(name, gain) for name, gain in step.ranking]
-    return Rung(step.action, step.name, step.gain, ranking)
+    return Rung(step.action, step.name, step.gain, ranking, step.rule)
+
+
+def _refused_rung(name: str) -> Rung:
+    return Rung("dropped", name, 0.0, [], "It may not be named: see the notes.")
 
 
 def _notes(
@@ -226,9 +272,11 @@ def _notes(
             "The profile has no noise at these ISOs: its level was fitted to the "
             "captures, and is no finding."
         )
-    for test in traces:
+    if traces:
+        most = max(traces, key=lambda test: test.nats_per_pixel)
+        tests = "residual test" if len(traces) == 1 else "residual tests"
         notes.append(
-            f"A trace, too small to matter: {test.name} "
-            f"({test.nats_per_pixel:.2g} nats/pixel)."
+            f"{len(traces)} {tests} beyond chance, too small to matter: at most "
+            f"{most.nats_per_pixel:.2g} nats/pixel ({most.name})."
         )
     return notes

@@ -52,6 +52,7 @@ class Finding:
     where: str  # what the residuals looked like
     sentence: str  # plain words with numbers
     provisional: bool = False  # something unexplained is left
+    rule: str = ""  # sentence: why this name and not one of the alternatives
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,7 @@ class Rung:
     name: str
     gain_nats: float
     ranking: Sequence[Alternative]  # candidates of this step, best first
+    rule: str = ""  # sentence: why this one of them
 
 
 @dataclass(frozen=True)
@@ -165,4 +167,5 @@ class Diagnosis:
     histogram_after: tuple[Any, Any] | None = None
     profile_json: str = ""  # the sensor with the effects added
     interrupted: bool = False
+    time_limit_reached: bool = False  # by the search, which then ended with what it had
     seconds: float = 0.0

@@ -13,10 +13,10 @@ import numpy as np
 
 from cg2raw.diagnose.conclusion import concluded
 from cg2raw.diagnose.captures import CaptureSet
-from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.diagnose.diagnosis import Diagnosis, Power
 from cg2raw.diagnose.fitting import fit
 from cg2raw.diagnose.frames import Frame, frame_of, repeat_of, source_of
-from cg2raw.diagnose.likelihood import Workers
+from cg2raw.diagnose.likelihood import TimeIsUp, Workers
 from cg2raw.diagnose.noise_estimate import noise_models
 from cg2raw.diagnose.nuisances import hide_highlights, nuisance_of
 from cg2raw.diagnose.prediction import PATTERNS, Model, Term, predict
@@ -44,6 +44,7 @@ def diagnose(
     threads: int = 2,
     pixels: int = PIXELS,
     details: bool = True,
+    time_limit: float | None = None,
 ) -> Diagnosis:
     """Find what a sensor's model lacks to explain its captures.
 
@@ -54,6 +55,8 @@ def diagnose(
     threads : number of frames worked on at a time; the result does not depend on it.
     pixels : of every frame that are worked on; tiles of a larger one are chosen.
     details : False for neither pictures nor curves.
+    time_limit : seconds from the start, after which nothing more is looked for; the
+        report then says so. None for as long as it takes.
 
     Ctrl-C ends alignment and search, not the report. Raises ValueError for captures
     that cannot be diagnosed. Source: split likelihood-ratio test, see `search`."""
@@ -61,11 +64,11 @@ def diagnose(
         raise ValueError(f"alpha {alpha} must lie between 0 and 1")
     started = time.monotonic()
     say = progress or (lambda text, share: None)
-    workers = Workers(threads)
+    workers = Workers(threads, None if time_limit is None else started + time_limit)
     frames = _frames(capture_set, pixels, say)
     groups = _groups(frames)
-    registration, base, ready = _prepared(capture_set, frames, groups, workers, say)
-    vocabulary = _vocabulary(capture_set, frames, without, only)
+    registration, base, ended = _prepared(capture_set, frames, groups, workers, say)
+    vocabulary, unseen = _vocabulary(capture_set, groups, without, only)
     search = Search(
         groups["fit"],
         groups["select"],
@@ -75,9 +78,11 @@ def diagnose(
         most,
         _counted(say),
         registration.again if registration else None,
-        interrupted=not ready,
+        interrupted=ended is KeyboardInterrupt,
+        timed_out=ended is TimeIsUp,
     )
-    model = search.run(base) if ready else base
+    model = base if ended else search.run(base)
+    workers.deadline = None  # the report is written in any case
     say("writing down what was found", 0.92)
     found = concluded(
         base,
@@ -91,7 +96,9 @@ def diagnose(
         registration,
         details,
     )
+    found.power += [Power(c.name, c.parameters[0], None, c.units[0]) for c in unseen]
     found.interrupted = search.interrupted
+    found.time_limit_reached = search.timed_out
     found.seconds = time.monotonic() - started
     say("done", 1.0)
     return found
@@ -109,14 +116,14 @@ def _prepared(
     groups: dict[str, list[Frame]],
     workers: Workers,
     say: Progress,
-) -> tuple[Registration | None, Model, bool]:
-    """Return (alignment, doubted model, whether Ctrl-C did not come in between)."""
+) -> tuple[Registration | None, Model, type[BaseException] | None]:
+    """Return (alignment, doubted model, what came in between: Ctrl-C or the time)."""
     try:
         registration = _registration(capture_set, frames, say)
         base = _base_model(capture_set, frames, groups["fit"], workers)
-    except KeyboardInterrupt:
-        return None, Model(capture_set.sensor), False
-    return registration, base, True
+    except (KeyboardInterrupt, TimeIsUp) as ended:
+        return None, Model(capture_set.sensor), type(ended)
+    return registration, base, None
 
 
 def _frames(capture_set: CaptureSet, pixels: int, say: Progress) -> list[Frame]:
@@ -216,20 +223,32 @@ def _check_correspondence(model: Model, frames: Sequence[Frame]) -> None:
 
 def _vocabulary(
     capture_set: CaptureSet,
-    frames: Sequence[Frame],
+    groups: dict[str, list[Frame]],
     without: Collection[str],
     only: Collection[str],
-) -> list[Candidate]:
-    """Return what may be named, but for what floats as a nuisance."""
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Return (what may be named, what no frames show), but for what floats as a
+    nuisance."""
     known = candidates(capture_set.sensor.cfa, without)
     if only:
         candidates(capture_set.sensor.cfa, only)  # refuses unknown names
         known = [candidate for candidate in known if candidate.name in only]
-    floating = set(capture_set.nuisances)
-    timed = all(frame.capture.exposure_time for frame in frames)
-    return [
-        candidate
-        for candidate in known
-        if candidate.name not in floating
-        and (timed or candidate.name not in ("dark_current", "hot_pixels"))
-    ]
+    known = [c for c in known if c.name not in capture_set.nuisances]
+    shown = _shown_by(groups["fit"]) & _shown_by(groups["select"])
+    return (
+        [candidate for candidate in known if candidate.needs <= shown],
+        [candidate for candidate in known if not candidate.needs <= shown],
+    )
+
+
+def _shown_by(frames: Sequence[Frame]) -> set[str]:
+    """Return what frames have of what effects need to be seen."""
+    kinds = {frame.capture.kind for frame in frames}
+    shown = set()
+    if kinds - {"dark"}:
+        shown.add("light")
+    if kinds & {"scene", "chart"}:
+        shown.add("image")
+    if all(frame.capture.exposure_time for frame in frames):
+        shown.add("time")
+    return shown

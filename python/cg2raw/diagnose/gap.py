@@ -24,12 +24,15 @@ HIGHEST = 0.95  # of white, for repeats
 class Sums:
     """Of the pixels of report frames: negative log density, squares of residuals.
 
+    log_likelihood : of all that counts, at the ends of the ADC too, as a search has it.
+
     pixels : between the ends of the ADC, for densities. residuals : those and pixels at
     0, whose residuals are drawn: without them, noise that is cut is too narrow.
     blocks : of the loss; beyond : of what it is beyond the truth's, or, where that is
     not known, beyond that of standard normal residuals; both by squares of pixels."""
 
     loss: float = 0.0
+    log_likelihood: float = 0.0
     squares: float = 0.0
     true_loss: float | None = 0.0
     pixels: int = 0
@@ -42,6 +45,7 @@ class Sums:
         density, z, p = log_density(model, frame)
         used = frame.keep & ~frame.censored
         self.loss -= float(density[used].sum())
+        self.log_likelihood += float(density[frame.counted].sum())
         self.pixels += int(used.sum())
         counted = frame.keep & ~frame.at_white & (p.mean < MEASURED)
         self.squares += float((np.minimum(np.abs(z[counted]), LARGEST) ** 2).sum())
@@ -62,6 +66,7 @@ class Sums:
         known = self.true_loss is not None and other.true_loss is not None
         return Sums(
             self.loss + other.loss,
+            self.log_likelihood + other.log_likelihood,
             self.squares + other.squares,
             self.true_loss + other.true_loss if known else None,  # type: ignore[operator]
             self.pixels + other.pixels,

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.fitting import information_of
@@ -98,9 +99,23 @@ def estimates(
         ):
             value = float(term.values[index]) * scale
             half = NORMAL_95 * errors[term.name, index] * scale
-            of_term[name] = Estimate(value, unit, (value - half, value + half))
+            interval = (value - half, value + half)
+            if term.name == "hot_pixels":
+                interval = _of_share(term)
+            of_term[name] = Estimate(value, unit, interval)
         result[term.name] = of_term
     return result
+
+
+def _of_share(term: Term) -> tuple[float, float]:
+    """Return the 95 % interval of a share of few pixels: their number is Poisson's.
+
+    Source: F. Garwood, Biometrika 28(3/4), 1936."""
+    assert term.pattern is not None
+    pixels = term.pattern.mean.size
+    count = float(term.values[0]) * pixels
+    low = 0.5 * chi2.ppf(0.025, 2 * count) if count > 0 else 0.0
+    return float(low / pixels), float(0.5 * chi2.ppf(0.975, 2 * count + 2) / pixels)
 
 
 def scale_of(name: str, frames: Sequence[Frame]) -> float:

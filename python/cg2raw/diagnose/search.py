@@ -27,7 +27,7 @@ from cg2raw.diagnose.fitting import (
 from cg2raw.diagnose.fixed_patterns import fit_patterns
 from cg2raw.diagnose.frames import Frame
 from cg2raw.diagnose.tiling import Array
-from cg2raw.diagnose.likelihood import Workers, in_blocks, total
+from cg2raw.diagnose.likelihood import TimeIsUp, Workers, in_blocks, total
 from cg2raw.diagnose.nuisances import refitted
 from cg2raw.diagnose.prediction import Model, place
 from cg2raw.diagnose.vocabulary import Candidate, confusable
@@ -39,6 +39,7 @@ CLEAR = 5.0  # nats between two names: an e-value ratio of 150
 CLEAR_SHARE = 0.05  # of the gain
 MEAN_FIRST = 0.25  # of the gain that an effect of the mean needs to go first
 MOST_SWAPS = 3
+LEAST_GAIN = 0.3  # nats, of a change after all that depends on it was looked at again
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,8 @@ class Trial:
 
 @dataclass(frozen=True)
 class Step:
-    """One change of the model. ambiguous: names that explain it as well."""
+    """One change of the model. ambiguous: names that explain it as well. rule: why this
+    one of the ranking, in words."""
 
     action: str
     name: str
@@ -64,6 +66,25 @@ class Step:
     evidence: float = 0.0
     ranking: Sequence[tuple[str, float]] = ()
     ambiguous: Sequence[str] = ()
+    rule: str = ""
+
+
+def _rule(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
+    """Return why one of the trials was taken, in words."""
+    if best is not first:
+        return (
+            f"It and {first.name} explain these frames alike: the one with fewer "
+            "parameters is taken."
+        )
+    top = max(trials, key=lambda trial: trial.gain)
+    if best is top:
+        return "It gains most on the held-out frames."
+    if top.evidence < best.evidence:
+        return f"{top.name} gains more, but is not sure."
+    return (
+        f"{top.name} gains more, but is noise, which takes up any error of the mean: "
+        f"an effect of the mean that gains {MEAN_FIRST:.0%} as much goes first."
+    )
 
 
 @dataclass
@@ -80,6 +101,8 @@ class Search:
     realign: Callable[[Model], None] | None = None
     steps: list[Step] = field(default_factory=list)
     interrupted: bool = False
+    timed_out: bool = False
+    _reached: Model | None = None
     _swapped: set[tuple[str, str]] = field(default_factory=set)
 
     @property
@@ -88,19 +111,34 @@ class Search:
         return float(np.log(max(len(self.candidates), 1) / self.alpha))
 
     def run(self, model: Model) -> Model:
-        """Return the model with all effects that are accepted. Ctrl-C ends the search
-        with what was accepted until then."""
+        """Return the model with all effects that are accepted. Ctrl-C and the workers'
+        deadline end the search with what was accepted until then."""
+        self._reached = model
         try:
-            for _ in range(self.most + MOST_SWAPS):
-                changed = self._add(model)
-                if changed is None:
-                    changed = self._swap(model)
-                if changed is None:
-                    break
-                model = changed
+            self._climb(model)
         except KeyboardInterrupt:
             self.interrupted = True
-        return model
+        except TimeIsUp:
+            self.timed_out = True
+        return self._reached
+
+    def _climb(self, model: Model) -> None:
+        """Add and swap as long as the select frames gain by it."""
+        height = -np.inf
+        for _ in range(self.most + MOST_SWAPS):
+            steps = len(self.steps)
+            changed = self._add(model)
+            if changed is None:
+                changed = self._swap(model)
+            if changed is None:
+                return
+            before, height = height, float(self._select(changed).sum())
+            if height < before + LEAST_GAIN:
+                # What was added took older effects' place, and would go on doing so.
+                self._reached = model
+                del self.steps[steps:]
+                return
+            model = self._reached = changed
 
     def _select(self, model: Model) -> Array:
         return in_blocks(model, self.select_frames, self.workers)
@@ -119,7 +157,8 @@ class Search:
         sure = [trial for trial in trials if trial.evidence >= self.threshold]
         if not sure:
             return None
-        best, ambiguous = self._decide(self._mean_first(sure), trials)
+        first = self._mean_first(sure)
+        best, ambiguous = self._decide(first, trials)
         self.steps.append(
             Step(
                 "added",
@@ -128,8 +167,10 @@ class Search:
                 best.evidence,
                 [(t.name, t.gain) for t in trials],
                 ambiguous,
+                _rule(best, first, trials),
             )
         )
+        self._reached = best.model
         return self._settled(best.model, best.name)
 
     def _weighed(self, trial: Trial, null_gain: float) -> Trial:
@@ -271,6 +312,7 @@ class Search:
             if height - without < self.threshold:
                 self.steps.append(Step("dropped", name, float(without - height)))
                 model, height = rest, without
+                self._reached = model
         return model
 
     def _swap(self, model: Model) -> Model | None:
@@ -301,7 +343,9 @@ class Search:
             return None
         gain, old, new, trial = best
         self._swapped.add((old, new))
-        self.steps.append(Step("swapped", new, gain, gain, [(old, 0.0)]))
+        rule = f"With the other effects it explains {gain:.1f} nats more than {old}."
+        self.steps.append(Step("swapped", new, gain, gain, [(old, 0.0)], rule=rule))
+        self._reached = trial
         return self._settled(trial, new)
 
     def _swapped_model(

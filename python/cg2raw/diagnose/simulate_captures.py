@@ -188,6 +188,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     add("--read-noise", type=float, metavar="E", help=f"{stead} {READ_NOISE:g}")
     studio = "with what goes wrong in a studio: light, exposure, registration, render"
     add("--studio", action="store_true", help=studio)
+    add("--quiet", action="store_true", help="errors alone")
     return parser.parse_args(argv)
 
 
@@ -238,6 +239,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         print(f"cg2raw: {error}", file=sys.stderr)
         return 1
+    if given.quiet:
+        return 0
     assumed = dict(folder.sensor.sources).get("noise", "")
     if assumed.startswith(ASSUMED):
         print(f"{folder.sensor.id}: noise {assumed}, in {disk.SENSOR}")

@@ -14,8 +14,8 @@ Array = NDArray[Any]  # of float64
 Mask = NDArray[Any]  # of bool
 
 LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of them
-SMALLEST_TILE, STEP_OF_TILES = 24, 12  # a multiple of any CFA's repeat
-FEWEST = 3  # pieces along each side: both ends and the middle
+SMALLEST_TILE, STEP_OF_TILES = 18, 6  # a multiple of any CFA's repeat
+FEWEST = 5  # pieces along each side: both ends, the middle and between
 WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
 BATCH = 16  # such tiles at a time
 MARGIN = 24  # pixels around a tile that blur and aberrations take in

@@ -40,6 +40,8 @@ class Candidate:
     starts : values from which a search of a flow begins.
     confusable : families of effects that look alike (see `confusable`).
     absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
+    needs : what some frames must have to show it: "light", an "image", a "time".
+    switches : parameters that are 0 without the effect; all of them if empty.
     """
 
     name: str
@@ -54,6 +56,8 @@ class Candidate:
     confusable: frozenset[str] = frozenset()
     absorbs: bool = False
     moves_mean: bool = True
+    needs: frozenset[str] = frozenset()
+    switches: tuple[str, ...] = ()
 
     @property
     def null(self) -> Values:
@@ -86,6 +90,31 @@ _PATTERNS: Mapping[str, frozenset[str]] = {
     "column_noise": frozenset({TEMPORAL}),
     "hot_pixels": frozenset({TEMPORAL, PEDESTAL}),
 }
+# What frames must have to show an effect. Without light there is no gain of it; of a
+# uniform frame a filter makes what it was, and a matrix what a white balance makes.
+_NEEDS: Mapping[str, frozenset[str]] = {
+    **dict.fromkeys(
+        (
+            "exposure",
+            "white_balance",
+            "lens_shading",
+            "color_shading",
+            "crosstalk",
+            "gr_gb_imbalance",
+            "prnu",
+            "nonlinearity",
+            "shot_noise",
+            "photon_statistics",
+            "early_clipping",
+        ),
+        frozenset({"light"}),
+    ),
+    **dict.fromkeys(
+        ("color_matrix", "lateral_chromatic_aberration", "blur", "veiling_glare"),
+        frozenset({"light", "image"}),
+    ),
+    **dict.fromkeys(("dark_current", "hot_pixels"), frozenset({"time"})),
+}
 _BAYER_ONLY = frozenset({"gr_gb_imbalance", "black_level", "noise_reduction"})
 _OWN_BOUNDS: Mapping[str, tuple[float, float]] = {
     "ring": (-0.6, 0.6),
@@ -115,6 +144,7 @@ def _smooth(effect: Mapping[str, Any]) -> Candidate:
         high=bounds[:, 1],
         steps=np.full(len(parameters), step),
         confusable=families,
+        needs=_NEEDS.get(effect["name"], frozenset()),
     )
 
 
@@ -123,6 +153,7 @@ def _one(name: str, way: Way, parameters: str, low: Any, high: Any, **more: Any)
     steps = np.full(len(names), more.pop("step", 0.01))
     units = tuple("1" for _ in names)
     low, high = (np.atleast_1d(np.asarray(x, float)) for x in (low, high))
+    more["needs"] = _NEEDS.get(name, frozenset())
     return Candidate(name, way, names, units, low, high, steps, **more)
 
 
@@ -158,6 +189,7 @@ def _noises() -> list[Candidate]:
             (1e-4, 2.0),
             (0.4, 80.0),
             starts=((0.01, 9.0), (0.03, 9.0), (0.01, 25.0)),
+            switches=("fraction",),
             **temporal,
             **still,
         ),

@@ -4,7 +4,7 @@
 """Report frames from edge to edge: their sums and their pictures, piece by piece."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cg2raw.diagnose.captures import CaptureSet
 from cg2raw.diagnose.diagnosis import Picture
@@ -31,6 +31,15 @@ class Look:
     before: Sums
     after: Sums
     pictures: Sequence[Picture]
+
+    @property
+    def unchanged(self) -> "Look":
+        """Of the first model in both places."""
+        same = [
+            replace(picture, after=picture.before, z_after=picture.z_before)
+            for picture in self.pictures
+        ]
+        return Look(self.before, self.before, same)
 
 
 def look_at(

@@ -31,7 +31,6 @@ ACTIONS = {
     "swapped": "Swapped in",
 }
 LEAST_P = 1e-300
-CLOSE = 5.0  # nats: a runner-up as near leaves the name ambiguous
 
 Row = dict[str, Any]
 
@@ -47,6 +46,7 @@ def summary(diagnosis: Diagnosis) -> Row:
         "sentence": words.verdict_sentence(diagnosis),
         "sensor": diagnosis.sensor_id,
         "interrupted": diagnosis.interrupted,
+        "time_limit_reached": diagnosis.time_limit_reached,
         "seconds": words.duration(diagnosis.seconds),
         "closed": words.percent(words.closed(gap)),
         "is_closed": words.closed(gap) is not None and bool(diagnosis.effects),
@@ -120,7 +120,9 @@ def finding(effect: Finding, accepted: Sequence[Finding]) -> Row:
         ],
         "parameters": parameters(effect),
         "alternatives": ranking,
-        "runner_up": runner_up(effect.name, effect.gain_nats, rest),
+        "runner_up": runner_up(
+            effect.name, effect.gain_nats, rest, effect.rule, effect.ambiguous_with
+        ),
     }
 
 
@@ -168,8 +170,11 @@ def share_of(value: float, top: float) -> str:
     return f"{100 * min(max(value / top, 0.0), 1.0):.1f}"
 
 
-def runner_up(name: str, gain: float, alternatives) -> Row | None:
-    """Return the best other name, how far behind it is and what separates the two."""
+def runner_up(
+    name: str, gain: float, alternatives, rule: str, ambiguous: Sequence[str] = ()
+) -> Row | None:
+    """Return the best other name, how far it is from this one, by which rule this one
+    was taken, and what separates the two."""
     known = [a for a in alternatives if words.is_known(a.gain_nats) and a.name != name]
     if not known:
         return None
@@ -177,8 +182,10 @@ def runner_up(name: str, gain: float, alternatives) -> Row | None:
     behind = gain - second.gain_nats
     return {
         "title": words.plain(second.name),
-        "behind": words.nats(behind),
-        "is_close": words.is_known(behind) and behind < CLOSE,
+        "distance": f"{words.nats(abs(behind))} nats "
+        f"{'behind' if behind >= 0 else 'ahead'}",
+        "is_close": second.name in ambiguous,
+        "rule": rule,
         "separation": second.separation or separation(name, second.name),
     }
 
@@ -203,7 +210,7 @@ def step(rung: Rung, total: float) -> Row:
         "ranking": ranked(rung.ranking),
         "runner_up": None
         if rung.action == "dropped"
-        else runner_up(rung.name, rung.gain_nats, rung.ranking),
+        else runner_up(rung.name, rung.gain_nats, rung.ranking, rung.rule),
     }
 
 
