@@ -118,6 +118,27 @@ def test_a_row_that_is_not_what_was_asked_for_is_made_again(image, out, name):
     assert contents(out) == before
 
 
+STRANGE = {
+    "absolute path": {"path": "/etc/passwd"},
+    "no order": {"path": "x", "order": None},
+    "order that is a text": {"path": "x", "order": "first"},
+    "path that is a list": {"path": ["x"]},
+}
+
+
+@pytest.mark.parametrize("name", STRANGE)
+def test_a_row_of_a_file_that_nobody_asked_for_is_left_out(image, out, name):
+    before = contents(out)
+    rewritten(out, lambda entries: [*entries, {**entries[1], **STRANGE[name]}])
+    assert resume(image, out) == FILES
+    assert contents(out) == before
+
+
+def of_checksum(text):
+    """Return a line that only its checksum speaks for."""
+    return journal.checksum_of(text) + b" " + text + b"\n"
+
+
 HEADERS = {
     "cut": lambda data: data[:20],
     "empty": lambda data: b"",
@@ -125,6 +146,10 @@ HEADERS = {
     "no header": lambda data: data.partition(b"\n")[2],
     "last line cut": lambda data: data[:-7],
     "a line twice": lambda data: data + data.splitlines(keepends=True)[-1],
+    "nested": lambda data: of_checksum(b"[" * 100000),
+    "no JSON": lambda data: of_checksum(b"{"),
+    "a list": lambda data: of_checksum(b"[1]"),
+    "image that is a number": lambda data: of_checksum(b'{"image": 5}'),
 }
 
 

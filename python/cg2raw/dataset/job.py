@@ -46,6 +46,8 @@ def make(job):
         todo = target.open_variants()
         if todo:
             make_variants(target, header, todo)
+        elif target.has_strange_rows:
+            journal.start(target.journal, header, target.rows.values())
     except BadImage as bad:
         return give_up(job, str(bad))
     made, kept = len(todo), len(target.rows)
@@ -94,6 +96,7 @@ class Target:
         self.job, self.plan = job, plan
         self.journal = journal.path_of(job.out, job.image)
         self.rows = {}  # finished files, {path: row}
+        self.has_strange_rows = False  # in the journal, of files that nobody asked for
 
     def header(self):
         """Return what is known of the image file, and find the rows that still hold."""
@@ -123,6 +126,7 @@ class Target:
             }
         elif old:
             self.remove_files()
+        self.has_strange_rows = rows.keys() != self.rows.keys()
         return header
 
     def variants(self):

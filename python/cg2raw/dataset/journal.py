@@ -31,13 +31,18 @@ def read(path):
             rows = [parsed(line) for line in stream] if header else []
     except FileNotFoundError:
         return None, {}
-    return header, {row["path"]: row for row in rows if row and "path" in row}
+    return header, {row["path"]: row for row in rows if names(row, "path")}
 
 
 def header_in(stream):
     """Return the object of the first line, None if it is about no image."""
     header = parsed(stream.readline())
-    return header if header and "image" in header else None
+    return header if names(header, "image") else None
+
+
+def names(entry, field):
+    """Return whether a field of an entry is a text."""
+    return entry is not None and isinstance(entry.get(field), str)
 
 
 def parsed(line):
@@ -45,7 +50,10 @@ def parsed(line):
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != checksum_of(text):
         return None
-    found = json.loads(text)
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
     return found if isinstance(found, dict) else None
 
 
