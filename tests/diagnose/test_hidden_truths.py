@@ -93,7 +93,8 @@ def test_the_gain_map_of_a_hero6(camera_data):
         sensor, {}, seed=3, shape=shape, measured=Measured(transmission=hidden)
     )
     found = diagnose(captures, details=False)
-    assert found.verdict == "identified"
+    # What the polynomial leaves is told: it is above 1e-3 nats per pixel.
+    assert found.verdict == "identified, rest unexplained"
     assert names_of(found) <= {"lens_shading", "color_shading"} and found.effects
     seen, whole = rms_errors(found, sensor, hidden)
     print(f"rms {seen:.4f} where looked at, {whole:.4f} in all")

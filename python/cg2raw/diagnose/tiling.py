@@ -16,6 +16,7 @@ Mask = NDArray[Any]  # of bool
 LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of them
 SMALLEST_TILE, STEP_OF_TILES = 18, 6  # a multiple of any CFA's repeat
 FEWEST = 5  # pieces along each side: both ends, the middle and between
+NARROW = 176  # pixels: a border of masked pixels is taken whole
 WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
 BATCH = 16  # such tiles at a time
 MARGIN = 24  # pixels around a tile that blur and aberrations take in
@@ -108,7 +109,8 @@ def tiling(
         most of it is."""
     height, width = shape
     size = _size_of_tiles(pixels, repeat)
-    if height * width <= 1.5 * pixels or min(shape) < FEWEST * max(size):
+    narrow = max(NARROW, FEWEST * max(size))
+    if height * width <= 1.5 * pixels or min(shape) < narrow:
         return Tiling(shape, shape, 0, np.zeros((1, 2), np.int32))
     if wanted is not None and wanted.mean() < 0.5:
         origins = _where_wanted(wanted, size, pixels, repeat)
@@ -147,26 +149,23 @@ def _places(length: int, tile: int, count: int, repeat: int) -> NDArray[np.int64
 def _where_wanted(
     wanted: Mask, size: tuple[int, int], pixels: int, repeat: int
 ) -> NDArray[np.int64]:
-    """Return tiles beside each other that hold most of what counts."""
+    """Return tiles that hold most of what counts; if many do, some from all over."""
     rows, columns = (
         _places(n, tile, n // tile, repeat)
         for n, tile in zip(wanted.shape, size, strict=True)
     )
-    held = {
-        (row, column): int(wanted[row : row + size[0], column : column + size[1]].sum())
-        for row in rows
-        for column in columns
-    }
-    chosen: list[tuple[int, int]] = []
-    sum_ = 0
-    for place in sorted(held, key=lambda at: -held[at]):
-        if held[place] == 0 or sum_ > pixels:
-            break
-        if len(chosen) * size[0] * size[1] > MOST_MASKED * pixels:
-            break
-        chosen.append(place)
-        sum_ += held[place]
-    return np.array(sorted(chosen) or [(0, 0)])
+    places = np.array([(row, column) for row in rows for column in columns])
+    held = np.array([wanted[r : r + size[0], c : c + size[1]].sum() for r, c in places])
+    full = np.flatnonzero(2 * held > held.max())
+    enough = -(-pixels * len(full) // max(int(held[full].sum()), 1))
+    if len(full) > enough:
+        chosen = full[np.linspace(0, len(full) - 1, enough).astype(int)]
+    else:
+        most = -(-MOST_MASKED * pixels // (size[0] * size[1]))
+        order = np.argsort(-held, kind="stable")
+        before = np.cumsum(held[order]) - held[order]
+        chosen = order[(before <= pixels) & (held[order] > 0)][:most]
+    return places[np.sort(chosen)] if len(chosen) else places[:1]
 
 
 def whole_tilings(tiles: Tiling, repeat: int = 2) -> Iterator[Tiling]:
