@@ -84,6 +84,9 @@ protected:
         return { std::istreambuf_iterator<char>(file), {} };
     }
 
+    /// Without a number, which would be that of another frame.
+    static std::string name_of(int i) { return std::string(1, char('p' + i)) + ".dng"; }
+
     const float* row(int y) const { return pixels.data() + 3 * width * y; }
 
     void write_in_order(const std::string& name, const ImageSpec& spec)
@@ -149,12 +152,11 @@ TEST_P(OrderOf, SeveralThreadsWriteSeveralFiles)
     write_in_order("a.dng", asked());
     std::vector<std::thread> threads;
     for (int i = 0; i < 6; ++i)
-        threads.emplace_back(
-            [&, i] { write_in_order("t" + std::to_string(i) + ".dng", asked()); });
+        threads.emplace_back([&, i] { write_in_order(name_of(i), asked()); });
     for (std::thread& thread : threads)
         thread.join();
     for (int i = 0; i < 6; ++i)
-        EXPECT_EQ(bytes("a.dng"), bytes("t" + std::to_string(i) + ".dng"));
+        EXPECT_EQ(bytes("a.dng"), bytes(name_of(i)));
 }
 
 TEST_P(OrderOf, MissingRowsLeaveNoFile)
