@@ -16,7 +16,8 @@ from pathlib import Path
 
 import cg2raw
 from cg2raw import diagnose
-from cg2raw.diagnose import diagnosis, simulate_captures
+from cg2raw import synthetic
+from cg2raw.diagnose import diagnosis
 
 ROOT = Path(__file__).resolve().parent.parent
 STUB = ROOT / "python" / "cg2raw" / "_core.pyi"
@@ -165,9 +166,9 @@ def diagnose_page():
             parts.append(function_page(2, name, value, "cg2raw.diagnose"))
     home = "cg2raw.diagnose.diagnosis"
     parts += [fields_page(f"{home}.{name}", getattr(diagnosis, name)) for name in PARTS]
-    home = "cg2raw.diagnose.simulate_captures"
+    home = "cg2raw.synthetic"
     for name in ("draw_hidden", "simulate_captures"):
-        value = getattr(simulate_captures, name)
+        value = getattr(synthetic, name)
         parts.append(function_page(2, name, value, home))
     return parts
 

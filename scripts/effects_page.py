@@ -13,7 +13,7 @@ from pathlib import Path
 
 import cg2raw
 from cg2raw.cli.effects import PATTERNS
-from cg2raw.diagnose import vocabulary
+from cg2raw.diagnose.effects import catalogue as vocabulary
 
 ROOT = Path(__file__).resolve().parent.parent
 INTRO = """\

@@ -5,7 +5,6 @@
 import json
 
 import numpy as np
-
 from cg2raw.diagnose.diagnosis import (
     Alternative,
     Curve,

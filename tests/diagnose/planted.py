@@ -7,16 +7,15 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-
 from cg2raw import Sensor
-from cg2raw.diagnose.captures import Capture, CaptureSet
-from cg2raw.diagnose.frames import frame_of, source_of
-from cg2raw.diagnose.hidden_truth.sensors import ISO, with_noise
-from cg2raw.diagnose.likelihood import Workers
-from cg2raw.diagnose.noise_estimate import noise_models
-from cg2raw.diagnose.prediction import Model, place, predict
-from cg2raw.diagnose.tiling import tiling
-from cg2raw.diagnose.vocabulary import candidates
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.frames.frame import frame_of, source_of
+from cg2raw.diagnose.frames.tiling import tiling
+from cg2raw.diagnose.inference.noise_level import noise_models
+from cg2raw.diagnose.likelihood.likelihood import Workers
+from cg2raw.diagnose.likelihood.prediction import Model, place, predict
+from cg2raw.synthetic.sensors import ISO, with_noise
 
 SHAPE = (64, 96)
 FULL_WELL, READ_NOISE = 5000.0, 3.0  # electrons

@@ -6,11 +6,10 @@ import shutil
 
 import numpy as np
 import pytest
-
 from cg2raw.diagnose import diagnose
-from cg2raw.diagnose.capture_set import read_captures, read_frames
-from cg2raw.diagnose.chart import ColorChecker
-from cg2raw.diagnose.frames import camera_of
+from cg2raw.diagnose.captures.chart import ColorChecker
+from cg2raw.diagnose.captures.reader import read_captures, read_frames
+from cg2raw.diagnose.frames.frame import camera_of
 
 CANON = "real/canon550d_colorchart_tinydng.dng"
 GREYS = range(18, 23)  # patches white to neutral 3.5; black has too little light

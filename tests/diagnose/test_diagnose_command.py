@@ -30,10 +30,8 @@ def engine(monkeypatch):
 
     engine_result = {}
     calls_of = types.SimpleNamespace(calls=calls, result=engine_result)
-    module = types.ModuleType("cg2raw.diagnose.report")
-    module.write_report = write_report
-    monkeypatch.setattr("cg2raw.diagnose.engine.diagnose", diagnose)
-    monkeypatch.setitem(sys.modules, "cg2raw.diagnose.report", module)
+    monkeypatch.setattr("cg2raw.diagnose.pipeline.diagnose", diagnose)
+    monkeypatch.setattr("cg2raw.diagnose.report.write_report", write_report)
     return calls_of
 
 
@@ -147,8 +145,7 @@ def test_a_failed_report_leaves_the_old_one(engine, captures, tmp_path, monkeypa
     def write_report(found, folder):
         raise OSError(28, "No space left on device")
 
-    module = sys.modules["cg2raw.diagnose.report"]
-    monkeypatch.setattr(module, "write_report", write_report)
+    monkeypatch.setattr("cg2raw.diagnose.report.write_report", write_report)
     assert "No space left" in fails("diagnose", captures, "-o", out)
     assert (out / "verdict.json").read_bytes() == old
 
@@ -163,8 +160,7 @@ def test_a_file_that_comes_while_it_works_is_not_lost(
         folder.mkdir()
         (out / "late.txt").write_text("mine")
 
-    module = sys.modules["cg2raw.diagnose.report"]
-    monkeypatch.setattr(module, "write_report", write_report)
+    monkeypatch.setattr("cg2raw.diagnose.report.write_report", write_report)
     assert "late.txt" in fails("diagnose", captures, "-o", out)
     assert (out / "late.txt").read_text() == "mine"
 
@@ -195,7 +191,7 @@ def test_a_trace_of_what_was_closed_is_no_gap(
         for before in (0.41, 0.01)
     ]
     monkeypatch.setattr(
-        "cg2raw.diagnose.engine.diagnose", lambda *_, **__: results.pop(0)
+        "cg2raw.diagnose.pipeline.diagnose", lambda *_, **__: results.pop(0)
     )
     words = ("diagnose", "--verify", captures, "--against", profile, "--exit-code")
     assert run(*words).code == code
@@ -298,6 +294,6 @@ def test_a_bad_manifest_is_one_line(tmp_path):
 
 
 def test_a_missing_library_is_named(captures, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "cg2raw.diagnose.engine", None)
+    monkeypatch.setitem(sys.modules, "cg2raw.diagnose.pipeline", None)
     line = fails("diagnose", captures, "-o", tmp_path / "r")
-    assert "needs cg2raw.diagnose.engine: pip install 'cg2raw[diagnose]'" in line
+    assert "needs cg2raw.diagnose.pipeline: pip install 'cg2raw[diagnose]'" in line

@@ -8,9 +8,8 @@ import shlex
 import shutil
 
 import pytest
-
 from cg2raw.diagnose.diagnosis import VERDICTS
-from cg2raw.diagnose.hidden_truth.strengths import KINDS
+from cg2raw.synthetic.strengths import KINDS
 from python.commands import run
 
 COMMANDS = ("hide", "diagnosis", "verify")

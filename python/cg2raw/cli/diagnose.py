@@ -175,8 +175,8 @@ def check_options(arguments, mode):
 
 def run_diagnosis(arguments):
     """Diagnose and write the report; return the exit code."""
-    from cg2raw.diagnose.capture_set import read_captures
-    from cg2raw.diagnose.report_folder import check_folder, write_report_folder
+    from cg2raw.diagnose.captures.reader import read_captures
+    from cg2raw.diagnose.report.folder import check_folder, write_report_folder
 
     choice = {name: names_of(arguments, name) for name in ("without", "only")}
     check_folder(arguments.output, arguments.force)
@@ -194,7 +194,7 @@ def run_diagnosis(arguments):
 
 def names_of(arguments, option):
     """Return the effects that --without or --only lists. Raises ValueError."""
-    from cg2raw.diagnose import vocabulary
+    from cg2raw.diagnose.effects import catalogue as vocabulary
 
     known = vocabulary.names()
     words = (getattr(arguments, option) or "").split(",")
@@ -212,7 +212,7 @@ def names_of(arguments, option):
 def diagnosed(arguments, captures, **options):
     """Return the Diagnosis of captures, with a progress bar."""
     from cg2raw.cli._progress import stages
-    from cg2raw.diagnose.engine import diagnose
+    from cg2raw.diagnose.pipeline import diagnose
 
     if arguments.pixels:
         options["pixels"] = arguments.pixels
@@ -239,8 +239,8 @@ def run_check(arguments):
     """Print what the frames' pixels say; return 1 if something is wrong."""
     from cg2raw.cli._progress import tracked
     from cg2raw.cli._verdict import integrity_text
-    from cg2raw.diagnose.capture_set import read_frames
-    from cg2raw.diagnose.integrity import integrity
+    from cg2raw.diagnose.captures.reader import read_frames
+    from cg2raw.diagnose.captures.quality import integrity
 
     _, sensor, frames, notes = read_frames(arguments.captures)
     captures = [c for frame in frames for c in (frame.capture, *frame.borders)]
@@ -258,7 +258,7 @@ def run_verify(arguments):
 
     Nothing is fitted: both are judged as they are."""
     from cg2raw.cli._verdict import verify_text
-    from cg2raw.diagnose.capture_set import read_captures
+    from cg2raw.diagnose.captures.reader import read_captures
     from cg2raw.diagnose.diagnosis import VERDICTS
     from cg2raw.sensor import Sensor
 
@@ -279,7 +279,11 @@ def with_closed_share(first, second):
     """Return the second Diagnosis without structures that are traces of what it closed.
 
     A diagnosis that finds effects says so of its rest; here nothing was searched."""
-    from cg2raw.diagnose.conclusion import CHI_SQUARE_NAME, LARGE_NATS, SHARE_LEFT
+    from cg2raw.diagnose.assessment.verdict import (
+        CHI_SQUARE_NAME,
+        LARGE_NATS,
+        SHARE_LEFT,
+    )
 
     closed = first.gap.before - second.gap.before
     most = min(SHARE_LEFT * closed, LARGE_NATS)
@@ -296,8 +300,8 @@ def run_generator(arguments, mode):
     """Make captures with hidden effects, or diagnose many; return the exit code."""
     import importlib
 
-    name = {"hide": "simulate_captures", "bench": "bench"}[mode]
-    module = importlib.import_module(f"cg2raw.diagnose.{name}")
+    name = {"hide": "synthetic.captures", "bench": "benchmark.run"}[mode]
+    module = importlib.import_module(f"cg2raw.{name}")
     words = ["--hide", arguments.hide, "-s", arguments.sensor, "-o", arguments.output]
     words = words if mode == "hide" else [arguments.bench]
     for option in ("seed", "cases"):

@@ -7,24 +7,27 @@
     found = cg2raw.diagnose.diagnose(captures)
     cg2raw.diagnose.write_report(found, "report")
 
-captures    what was measured, and what was in front of the lens; capture_set reads it
-frames      captures in the units of the inference
-vocabulary  the effects that can be named
-prediction  models, and what they predict; likelihood and flows: how well
-fitting     parameters; fixed_patterns: maps of the sensor
-nuisances   what is wrong with a capture; registration: where a render lies on it
-search      the loop; engine: from captures to a verdict
-diagnosis   the verdict as objects; report: as a page
+The way of the data, each folder importing only from those before it:
+
+captures    files become a CaptureSet: what was measured, what was before the lens
+frames      arrays in the units of the inference
+effects     what can be named: one file is all that the inference knows of one effect
+likelihood  a model and frames become nats
+inference   the likelihood chooses a model, fits it and bounds its values
+assessment  held-out frames become evidence: residual tests, gap, verdict
+report      a Diagnosis becomes files
+
+pipeline is diagnose(): the same sentence as code; diagnosis holds its result.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cg2raw.diagnose.capture_set import read_captures
-    from cg2raw.diagnose.captures import Capture, CaptureSet
+    from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+    from cg2raw.diagnose.captures.reader import read_captures
     from cg2raw.diagnose.diagnosis import Diagnosis
-    from cg2raw.diagnose.engine import diagnose
+    from cg2raw.diagnose.pipeline import diagnose
     from cg2raw.diagnose.report import write_report
 
 __all__ = [
@@ -37,11 +40,11 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Capture": "captures",
-    "CaptureSet": "captures",
+    "Capture": "captures.capture",
+    "CaptureSet": "captures.capture",
     "Diagnosis": "diagnosis",
-    "diagnose": "engine",
-    "read_captures": "capture_set",
+    "diagnose": "pipeline",
+    "read_captures": "captures.reader",
     "write_report": "report",
 }
 

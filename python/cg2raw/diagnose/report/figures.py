@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve, Diagnosis
-from cg2raw.diagnose.report import plots, sections, words
-from cg2raw.diagnose.report.frames import Frame, Image, frames
+from cg2raw.diagnose.report import plots, sections
+from cg2raw.diagnose.report import text as words
+from cg2raw.diagnose.report.frame_images import Frame, Image, frames
 
 MISSING = "report.html needs Jinja2 and Pillow: pip install 'cg2raw[diagnose]'"
 SCALE_WORDS = (

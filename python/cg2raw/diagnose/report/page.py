@@ -12,7 +12,7 @@ from cg2raw.atomic_file import write_atomically
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.report import sections
 from cg2raw.diagnose.report.figures import MISSING, Figures, draw
-from cg2raw.diagnose.report.frames import Image
+from cg2raw.diagnose.report.frame_images import Image
 
 OURS = re.compile(
     r"(gap|residual_tests|histogram|scale|curve_\d{2,}"

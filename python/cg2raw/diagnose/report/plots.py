@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve, Gap, ResidualTest
-from cg2raw.diagnose.report.frames import SIGMAS, STEPS
-from cg2raw.diagnose.report.words import UNKNOWN, is_known, number, plain, power_of_ten
+from cg2raw.diagnose.report.frame_images import SIGMAS, STEPS
+from cg2raw.diagnose.report.text import UNKNOWN, is_known, number, plain, power_of_ten
 
 WIDTH = 4.5  # inches
 DPI = 150

@@ -14,9 +14,9 @@ from cg2raw.diagnose.diagnosis import (
     ResidualTest,
     Rung,
 )
-from cg2raw.diagnose.report import words
+from cg2raw.diagnose.effects.discriminating_captures import separation
+from cg2raw.diagnose.report import text as words
 from cg2raw.diagnose.report.plots import SIGNIFICANT, paired
-from cg2raw.diagnose.separation import separation
 
 BADGES = {  # verdict -> class of the style sheet, sign that does not need colour
     "no gap": ("good", "\N{CHECK MARK}"),

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""The bench of the diagnosis: hidden effects, drawn by seed, and how many it names.
+
+    python -m cg2raw.benchmark single --json single.jsonl
+
+A suite that was interrupted goes on where it stopped if --json names the same file."""
+
+import argparse
+import json
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from cg2raw.benchmark.scores import half_points, score, table
+from cg2raw.benchmark.suites import SUITES, Case, cases
+
+# Threads of BLAS and OpenMP would only be in the way of the worker processes.
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def run_case(case: Case, alpha: float) -> dict[str, Any]:
+    """Diagnose one case; return its record. What fails is recorded as "error"."""
+    from cg2raw.diagnose import diagnose
+
+    record: dict[str, Any] = {
+        "suite": case.suite,
+        "number": case.number,
+        "seed": case.seed,
+        "alpha": alpha,
+        "hidden": list(case.strengths),
+        "strength": next(iter(case.strengths.values()), None),
+    }
+    captures, hidden = case.captures()
+    record["parameters"] = hidden
+    start = time.perf_counter()
+    try:
+        found = diagnose(
+            captures, alpha=alpha, without=case.without, threads=1, details=False
+        )
+    except Exception as error:  # one bad case must not end a night's bench
+        record["error"] = f"{type(error).__name__}: {error}"
+        return record
+    record.update(score(list(case.strengths), found))
+    missed = [name for name in case.strengths if name not in record["named"]]
+    if missed and not case.without and case.suite != "unknown":
+        record["evidence"] = case.evidence(missed)
+    if case.suite == "closed-loop":
+        record.update(_again(captures, found, alpha))
+    record["seconds"] = time.perf_counter() - start
+    return record
+
+
+def _again(captures: Any, found: Any, alpha: float) -> dict[str, Any]:
+    """Diagnose frames of the found profile by that profile: there must be no gap."""
+    from cg2raw import Sensor
+    from cg2raw.benchmark.closed_loop import simulated
+    from cg2raw.diagnose import diagnose
+
+    sensor = Sensor.from_json(found.profile_json)
+    second = diagnose(
+        simulated(captures, sensor), alpha=alpha, threads=1, details=False
+    )
+    return {
+        "again_verdict": second.verdict,
+        "again_named": [one.name for one in second.effects],
+        "again_unexplained": [one.name for one in second.unexplained],
+    }
+
+
+def _job(work: tuple[Case, float]) -> dict[str, Any]:
+    return run_case(*work)
+
+
+def records_of(
+    wanted: Sequence[Case], alpha: float, jobs: int
+) -> Iterator[dict[str, Any]]:
+    """Yield the records of cases as they are done.
+
+    jobs : worker processes; 1 for this process."""
+    work = [(case, alpha) for case in wanted]
+    if jobs == 1 or len(work) < 2:
+        yield from map(_job, work)
+        return
+    for name in ONE_THREAD:
+        os.environ[name] = "1"
+    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
+        yield from pool.imap_unordered(_job, work)
+
+
+def done_before(path: Path | None, wanted: Sequence[Case], alpha: float) -> list[Any]:
+    """Return the records in a file that are of these cases and did not fail."""
+    if path is None or not path.exists():
+        return []
+    keys = {(case.suite, case.number, case.seed): case for case in wanted}
+    kept = {}
+    for line in path.read_text().splitlines():
+        try:
+            one = json.loads(line)
+        except ValueError:
+            continue  # the line that an interruption cut
+        key = (one["suite"], one["number"], one["seed"])
+        case = keys.get(key) if "error" not in one else None
+        if case and one["hidden"] == list(case.strengths) and one["alpha"] == alpha:
+            kept[key] = one
+    return list(kept.values())
+
+
+def bench(
+    suite: str,
+    *,
+    count: int | None = None,
+    seed: int = 0,
+    jobs: int = 1,
+    effects: Sequence[str] = (),
+    alpha: float = 0.01,
+    path: Path | None = None,
+    progress: bool = False,
+) -> list[dict[str, Any]]:
+    """Run a suite; return the records of its cases, in their order.
+
+    count, effects : as of suites.cases. path : JSON lines, appended as cases end."""
+    wanted = cases(suite, seed, count, effects)
+    records = done_before(path, wanted, alpha)
+    numbers = {one["number"] for one in records}
+    left = [case for case in wanted if case.number not in numbers]
+    for one in records_of(left, alpha, jobs):
+        records.append(one)
+        if path is not None:
+            with path.open("a") as file:
+                file.write(json.dumps(one) + "\n")
+        if progress:
+            hidden = "+".join(one["hidden"]) or "nothing"
+            said = one.get("error") or f"{one['outcome']}: {', '.join(one['named'])}"
+            print(f"{len(records)}/{len(wanted)} {hidden}: {said}", file=sys.stderr)
+    return sorted(records, key=lambda one: one["number"])
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m cg2raw.benchmark", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("suite", choices=SUITES)
+    parser.add_argument("--cases", type=int, help="per effect, or in all")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=2, help="worker processes")
+    parser.add_argument("--effects", default="", help="NAME,... to hide")
+    parser.add_argument("--alpha", type=float, default=0.01)
+    parser.add_argument("--json", type=Path, help="file of records, one per line")
+    parser.add_argument("--quiet", action="store_true", help="no progress; table alone")
+    return parser.parse_args(argv)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one suite and print its table; 1 if a case failed, or for bad arguments."""
+    given = _arguments(argv)
+    try:
+        records = bench(
+            given.suite,
+            count=given.cases,
+            seed=given.seed,
+            jobs=max(given.jobs, 1),
+            effects=[name for name in given.effects.split(",") if name],
+            alpha=given.alpha,
+            path=given.json,
+            progress=not given.quiet,
+        )
+    except (ValueError, OSError) as error:
+        print(f"cg2raw: {error}", file=sys.stderr)
+        return 1
+    print(table(given.suite, records))
+    if given.suite == "power":
+        for name, strength in half_points(records).items():
+            print(f"half of {name} named at {strength:.4g}")
+    return int(any("error" in one for one in records))

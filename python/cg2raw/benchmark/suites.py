@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""The suites of the bench: which case hides what, decided by seed and number alone."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.synthetic.captures import (
+    ILLUMINANT,
+    SHAPE,
+    draw_hidden,
+    noise_iso,
+    simulate_captures,
+    world_of,
+)
+from cg2raw.synthetic.conditions import STUDIO
+from cg2raw.synthetic.evidence import evidence
+from cg2raw.synthetic.sensors import drawn_sensor
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from cg2raw.synthetic.world import stream
+
+# Cases that are drawn: per effect where a suite goes through them, else in all.
+SUITES = {
+    "single": 20,
+    "none": 400,
+    "pairs": 60,
+    "triples": 40,
+    "unknown": 12,
+    "leave-one-out": 3,
+    "nuisance": 2,
+    "nuisance-none": 200,
+    "power": 12,
+    "closed-loop": 2,
+}
+PER_EFFECT = (
+    "single",
+    "unknown",
+    "leave-one-out",
+    "nuisance",
+    "power",
+    "closed-loop",
+)
+# The suite power goes down to this share of an effect's range of strengths.
+WEAKEST = 0.02
+
+
+@dataclass(frozen=True)
+class Case:
+    """One hidden world. strengths : effect -> strength, None for one from its range.
+    without : effects that the diagnosis must not name."""
+
+    suite: str
+    number: int
+    seed: int
+    strengths: dict[str, float | None]
+    without: tuple[str, ...] = ()
+
+    @property
+    def nuisances(self) -> Mapping[str, float] | None:
+        return STUDIO if self.suite.startswith("nuisance") else None
+
+    def sensor_and_hidden(self) -> tuple[Any, dict[str, dict[str, float]]]:
+        """Return the doubted model and the parameters of what is hidden."""
+        sensor = drawn_sensor(self.seed)
+        return sensor, draw_hidden(sensor, self.strengths, seed=self.seed)
+
+    def evidence(self, names: Sequence[str]) -> dict[str, float]:
+        """Return the nats that hidden effects bring to the frames that decide."""
+        sensor, hidden = self.sensor_and_hidden()
+        iso = noise_iso(sensor, None)
+        world = world_of(
+            sensor, hidden, self.seed, SHAPE, ILLUMINANT, iso, self.nuisances
+        )
+        return evidence(world, names)
+
+    def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
+        """Return the frames and the parameters that were hidden in them."""
+        sensor, hidden = self.sensor_and_hidden()
+        found = simulate_captures(
+            sensor, hidden, seed=self.seed, nuisances=self.nuisances
+        )
+        return found, hidden
+
+
+def cases(
+    suite: str, seed: int, count: int | None = None, effects: Sequence[str] = ()
+) -> list[Case]:
+    """Return the cases of a suite.
+
+    count : of cases, as of SUITES; None for the number there. effects : only these, of
+    a suite that hides some. Raises ValueError for unknown names."""
+    if suite not in SUITES:
+        raise ValueError(f"suite {suite!r} must be one of {', '.join(SUITES)}")
+    count = SUITES[suite] if count is None else count
+    known = UNKNOWN_KINDS if suite == "unknown" else KINDS
+    for name in effects:
+        if name not in known:
+            raise ValueError(
+                f"effect {name!r} of suite {suite} must be one of {', '.join(known)}"
+            )
+    names = list(effects or known)
+    total = count * len(names) if suite in PER_EFFECT else count
+    return [_case(suite, n, seed, names) for n in range(total)]
+
+
+def _case(suite: str, number: int, seed: int, names: Sequence[str]) -> Case:
+    rng = stream(seed, f"{suite}/{number}")
+    own = int(rng.integers(2**31))
+    if suite.endswith("none"):
+        return Case(suite, number, own, {})
+    if suite in ("pairs", "triples"):
+        size = 2 if suite == "pairs" else 3
+        chosen = rng.choice(names, size=size, replace=False)
+        return Case(suite, number, own, {str(name): None for name in chosen})
+    name = names[number % len(names)]
+    strength = _weak(rng, name) if suite == "power" else None
+    without = (name,) if suite == "leave-one-out" else ()
+    return Case(suite, number, own, {name: strength}, without)
+
+
+def _weak(rng: Generator, name: str) -> float | None:
+    """Return a strength around what can just be seen; None if there is none."""
+    kind = KINDS[name]
+    if kind.low == kind.high:
+        return None
+    middle = np.sqrt(kind.low * kind.high)
+    return float(np.exp(rng.uniform(np.log(WEAKEST * kind.low), np.log(middle))))

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Acceptance: which of the effects that a search found may be named.
+
+These rules only take names away. An effect that may as well be absent, or whose value
+lies where the search could not go on, is no finding; and a model that does not make
+whole held-out frames more likely than the doubted one is none at all.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cg2raw.diagnose.assessment.gap import Sums
+from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.effects import words
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.inference.fisher_scoring import fit
+from cg2raw.diagnose.inference.intervals import estimates
+from cg2raw.diagnose.likelihood.likelihood import Workers
+from cg2raw.diagnose.likelihood.prediction import (
+    PATTERNS,
+    Model,
+    Term,
+    ordered_effects,
+    within_bounds,
+)
+
+Estimates = Mapping[str, Mapping[str, Estimate]]
+
+ON_BOUND = 1e-6  # of the distance between bounds
+# Nats that whole held-out frames must gain. By chance, a model that is no better gains
+# as much in one case of twenty at most. Source: as of the search, Ville's inequality.
+LEAST_GAIN = float(np.log(20))
+
+
+def founded(
+    model: Model, frames: Sequence[Frame], workers: Workers
+) -> tuple[Model, Estimates, dict[str, str]]:
+    """Return (model of the effects that may be named, their estimates, why others may
+    not by name).
+
+    frames : that it was fitted to, and is fitted to again without them."""
+    refused: dict[str, str] = {}
+    while True:
+        values = estimates(model, frames, workers)
+        reasons = {
+            term.name: reason
+            for term in model.terms
+            if not term.calibration and (reason := _unfounded(model, term, values))
+        }
+        if not reasons:
+            return model, values, refused
+        # One at a time: without it the others may lie elsewhere.
+        name = next(iter(reasons))
+        refused[name] = reasons[name]
+        model = fit(model.without(name), frames, workers)
+
+
+def _unfounded(model: Model, term: Term, values: Estimates) -> str:
+    """Return why an effect may not be named; nothing if it may."""
+    parameters = values[term.name]
+    switches = term.candidate.switches or tuple(parameters)
+    if all(_holds_null(parameters[name]) for name in switches):
+        held = " and ".join(f"{name} 0" for name in switches)
+        return f"its 95 % interval holds {held}"
+    bound = _bound_of(model, term)
+    return f"{bound}, where the search ends" if bound else ""
+
+
+def _holds_null(estimate: Estimate) -> bool:
+    low, high = estimate.ci95
+    return not (low > 0 or high < 0)
+
+
+def _bound_of(model: Model, term: Term) -> str:
+    """Return which parameter sits on a bound that is not its null, in words."""
+    if term.name in PATTERNS:
+        return ""
+    candidate = term.candidate
+    rows = zip(
+        candidate.parameters, term.values, candidate.low, candidate.high, strict=True
+    )
+    for name, value, low, high in rows:
+        near = ON_BOUND * (high - low)
+        for bound in (low, high):
+            if bound != 0 and abs(value - bound) < near:
+                return f"{name} is {bound:g}"
+    return _registry_bound(model, term)
+
+
+def _registry_bound(model: Model, term: Term) -> str:
+    """The same of what is found and what the profile has together."""
+    listed = {e["name"]: e["parameters"] for e in ordered_effects(model.sensor)}
+    if term.name not in listed or len(listed[term.name]) != len(term.values):
+        return ""
+    sums = np.array(list(listed[term.name].values()), float) + term.values
+    for name, total, kept in zip(
+        term.candidate.parameters, sums, within_bounds(term.name, sums), strict=True
+    ):
+        if total != kept:
+            return f"{name} is {kept:g} together with the profile's"
+    return ""
+
+
+def is_better(before: Sums, after: Sums) -> bool:
+    """Return whether whole held-out frames are more likely by more than chance."""
+    return after.log_likelihood - before.log_likelihood >= LEAST_GAIN
+
+
+def refusals(refused: Mapping[str, str]) -> list[str]:
+    """Return a sentence on each effect that may not be named."""
+    return [
+        f"{words.title(name).capitalize()} is not named, though it was found: {reason}."
+        for name, reason in refused.items()
+    ]
+
+
+def not_better(names: Sequence[str], before: Sums, after: Sums) -> str:
+    """Return a sentence on effects that the report frames do not confirm."""
+    gain = after.log_likelihood - before.log_likelihood
+    listed = ", ".join(words.title(name) for name in names)
+    more = "more" if gain > 0 else "less"
+    return (
+        f"Not confirmed: with {listed} the report frames, whole, are {more} likely by "
+        f"{abs(gain):.1f} nats; a name needs {LEAST_GAIN:.1f} more. The profile stays "
+        "as it is."
+    )

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Whether the frames of a manifest belong together, and what they cannot show."""
+
+import hashlib
+import os
+from collections.abc import Sequence
+from typing import Any
+
+from cg2raw.diagnose.captures.capture import Capture
+from cg2raw.diagnose.captures.manifest import UNKNOWN, FrameEntry
+from cg2raw.diagnose.captures.raw_files import RawHeader
+from cg2raw.diagnose.captures.scene_files import has_curve, image_size, size_words
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.captures.yaml_lines import Value
+
+CHUNK = 1 << 20  # bytes
+MOST_NAMES = 3  # of files in a note
+
+
+def check_distinct(entries: Sequence[FrameEntry]) -> None:
+    """Raise ValueError if a file is there twice, by its path or by its content."""
+    seen: dict[str, FrameEntry] = {}
+    for entry in entries:
+        for key in (os.path.realpath(entry.file), digest(entry.file)):
+            first = seen.setdefault(key, entry)
+            if first is entry:
+                continue
+            words = (
+                "is" if os.path.samefile(first.file, entry.file) else "has the bytes of"
+            )
+            entry.fail(
+                "file",
+                f'"{entry.file}" {words} that of line {first.at["file"].line}; a frame '
+                "counts once: remove one",
+            )
+
+
+def digest(path: str) -> str:
+    """Return the hash of a file's bytes."""
+    with open(path, "rb") as file:
+        whole = hashlib.sha256()
+        while part := file.read(CHUNK):
+            whole.update(part)
+    return whole.hexdigest()
+
+
+def check_sizes(entries: Sequence[FrameEntry], headers: Sequence[RawHeader]) -> None:
+    """Raise ValueError if a frame has another size than the first."""
+    for entry, header in zip(entries, headers, strict=True):
+        if header.shape != headers[0].shape:
+            entry.fail(
+                "file",
+                f"{os.path.basename(header.path)} is {size_words(header.shape)}, "
+                f"{os.path.basename(headers[0].path)} "
+                f"{size_words(headers[0].shape)}; all frames must have one size",
+            )
+
+
+def names_of(entries: Sequence[FrameEntry]) -> list[str]:
+    """Return the file names; as the manifest has them where two would be the same."""
+    names = [os.path.basename(entry.file) for entry in entries]
+    return [
+        name if names.count(name) == 1 else entry.at["file"].text()
+        for name, entry in zip(names, entries, strict=True)
+    ]
+
+
+def check_image(value: Value, path: str, shape: tuple[int, int]) -> None:
+    """Raise ValueError at its line unless a render or mask has the frames' size."""
+    try:
+        size = image_size(path)
+    except (ValueError, OSError) as error:
+        value.fail(f"cannot be used: {error}")
+    if size != shape:
+        value.fail(
+            f"{os.path.basename(path)} is {size_words(size)}, the frames are "
+            f"{size_words(shape)}; it must be the active area pixel by pixel"
+        )
+
+
+def check_sets(frames: Sequence[Any]) -> None:
+    """Raise ValueError for a set of several kinds or groups."""
+    first: dict[str, Any] = {}
+    group: dict[str, Any] = {}
+    for frame in frames:
+        capture, entry = frame.capture, frame.entry
+        other = first.setdefault(capture.set, frame)
+        if other.capture.kind != capture.kind:
+            entry.fail(
+                "set",
+                f'"{capture.set}" holds a {capture.kind} here and a '
+                f"{other.capture.kind} in line {other.entry.at[''].line}; frames of a "
+                "set repeat the same light: use two names",
+            )
+        if entry.group:
+            said = group.setdefault(capture.set, entry)
+            if said.group != entry.group:
+                entry.fail(
+                    "group",
+                    f'is "{entry.group}", but that of set "{capture.set}" in line '
+                    f'{said.at["group"].line} is "{said.group}"; a set has one group',
+                )
+
+
+def check_groups(frames: Sequence[Any], captures: Sequence[Capture]) -> None:
+    """Raise ValueError if a group has no frame."""
+    for group in GROUPS:
+        if not any(capture.group == group for capture in captures):
+            declared = next(frame.entry for frame in frames if frame.entry.group)
+            declared.fail(
+                "group",
+                f'no frame is left for the group "{group}": give one to each of '
+                f"{', '.join(GROUPS)}, or leave group out",
+            )
+
+
+def notes_on(frames: Sequence[Any], sensor: Any) -> list[str]:
+    """Return sentences on what is assumed of the frames."""
+    shape = frames[0].capture.shape
+    notes = []
+    if shape != (sensor.height, sensor.width):
+        notes.append(
+            f"frames are {size_words(shape)}, the active area of {sensor.id} is "
+            f"{sensor.width}x{sensor.height}: the optical centre is taken to be theirs"
+        )
+    without = [f.capture.name for f in frames if f.capture.iso is None]
+    if sensor.noise and without:
+        notes.append(
+            f"{some(without)}: neither manifest nor file says the ISO, which chooses "
+            "the noise; add iso"
+        )
+    charts = [frame.capture.name for frame in frames if frame.capture.kind == "chart"]
+    if charts:
+        notes.append(
+            f"{some(charts)}: the surround of the patches is taken to have their "
+            "mean radiance; veiling glare depends on it"
+        )
+    scenes = dict.fromkeys(frame.entry.scene for frame in frames)
+    paths = [scene for scene in scenes if isinstance(scene, str) and scene != UNKNOWN]
+    notes += [
+        f"{os.path.basename(path)}: integers, linearised by the curve that it names, "
+        "sRGB if none"
+        for path in paths
+        if has_curve(path)
+    ]
+    return notes
+
+
+def what_is_missing(frames: Sequence[Any]) -> list[str]:
+    """Return sentences on what no diagnosis of these frames can tell apart."""
+    captures = [capture for f in frames for capture in (f.capture, *f.borders)]
+    kinds = {capture.kind for capture in captures}
+    if kinds == {"dark"}:
+        return [
+            "only darks: gain, optics, colour and all else that needs light cannot be "
+            "told; add flats at two levels, and scenes with their renders"
+        ]
+    notes = []
+    if len(frames) == 1:
+        notes.append(
+            "one frame only: fixed patterns cannot be told from noise; add repeats"
+        )
+    if "dark" not in kinds:
+        notes.append(
+            "no darks: black level and dark current cannot be told from glare; add "
+            "darks of two exposure times"
+        )
+    elif len({c.exposure_time for c in captures if c.kind == "dark"}) == 1:
+        notes.append(
+            "darks of one exposure time: dark current cannot be told from black level; "
+            "add darks of another"
+        )
+    if not kinds & {"scene", "chart"}:
+        notes.append(
+            "no scenes: colour matrix, blur, aberration, crosstalk and glare cannot be "
+            "told; add scenes with their renders, or a chart"
+        )
+        flats = [f.entry for f in frames if f.capture.kind == "flat"]
+        if len({(e.scene, e.gain) for e in flats}) == 1 and flats[0].scene != UNKNOWN:
+            notes.append(
+                "flats of one level: non-linearity cannot be told from exposure, nor "
+                "PRNU from shot noise; add flats of another"
+            )
+    return notes
+
+
+def some(names: Sequence[str]) -> str:
+    """Return a few names, and how many more there are."""
+    more = len(names) - MOST_NAMES
+    few = ", ".join(names[:MOST_NAMES])
+    return f"{few} and {more} more" if more > 0 else few

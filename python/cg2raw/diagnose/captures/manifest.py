@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""captures.yaml: what was captured, by which sensor, of what; checked line by line."""
+
+import os
+from dataclasses import dataclass, field
+from typing import get_args
+
+from cg2raw.diagnose.captures.capture import NUISANCES, Group, Kind
+from cg2raw.diagnose.captures.yaml_lines import Value, read_yaml
+
+KINDS = get_args(Kind)
+GROUPS = get_args(Group)
+TOP = ("sensor", "frames", "nuisance", "uncertainty", "mask", "iso", "illuminant")
+FRAME = (
+    *("file", "kind", "scene", "gain", "illuminant", "set", "group", "iso"),
+    *("exposure_time", "mask", "patches", "chart", "corners"),
+)
+DEFAULTS: tuple[str, ...] = ("iso", "illuminant")  # that the top level may say
+OF_CHARTS = ("patches", "chart", "corners")
+UNCERTAINTY = {"light": 1.0, "radiance": 1.0, "registration": 100.0}  # largest
+COLORS = ("rgb", "xyz", "lab")
+CHARTS = ("colorchecker",)
+UNKNOWN = "unknown"
+LARGEST = {"gain": 1e6, "radiance": 1e6, "iso": 1e7, "seconds": 1e6, "pixel": 65535.0}
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A rectangle of one colour.
+
+    area : row, column, height, width, px of the active area.
+    color : three numbers in space: "rgb" scene-linear Rec.709; "xyz" (Y of a perfect
+        diffuser is 1) and "lab" under D50, as charts are published."""
+
+    area: tuple[int, int, int, int]
+    color: tuple[float, ...]
+    space: str
+
+
+@dataclass(frozen=True)
+class FrameEntry:
+    """One frame of the manifest; paths are complete. None: not said.
+
+    at : the fields that were given, with their lines; "" is the frame itself.
+    scene : three numbers, a path, or "unknown"; None for darks and charts.
+    chart : the chart's name and the (row, col) of its corner patches' centres."""
+
+    at: dict[str, Value]
+    file: str
+    kind: Kind
+    scene: tuple[float, ...] | str | None
+    gain: float
+    illuminant: str | None
+    set: str | None
+    group: Group | None
+    iso: float | None
+    exposure_time: float | None
+    mask: str | None
+    patches: tuple[Patch, ...] = ()
+    corners: tuple[tuple[float, ...], ...] = ()
+
+    def fail(self, name: str, message: str) -> None:
+        """Raise ValueError at a field of the frame, or at the frame."""
+        self.at.get(name, self.at[""]).fail(message)
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """All of captures.yaml; paths are complete. at : fields that were given."""
+
+    file: str
+    at: dict[str, Value]
+    frames: tuple[FrameEntry, ...]
+    nuisances: frozenset[str] = frozenset()
+    uncertainty: dict[str, float] = field(default_factory=dict)
+    mask: str | None = None
+
+    @property
+    def folder(self) -> str:
+        """What the manifest's paths are relative to."""
+        return os.path.dirname(self.file)
+
+
+def read_manifest(path: str | os.PathLike[str]) -> Manifest:
+    """Return the checked manifest; its RAW files are not opened yet.
+
+    Raises ValueError naming file, line, field, value and what is allowed; OSError."""
+    root = read_yaml(path)
+    top = root.fields(TOP, required=("sensor", "frames"))
+    entries = [frame_entry(value, top, path) for value in top["frames"].items()]
+    if not entries:
+        top["frames"].fail("has no frame; add at least one")
+    nuisances = top["nuisance"].items() if "nuisance" in top else []
+    bounds = (
+        top["uncertainty"].fields(tuple(UNCERTAINTY)) if "uncertainty" in top else {}
+    )
+    return Manifest(
+        file=os.fspath(path),
+        at=top,
+        frames=tuple(entries),
+        nuisances=frozenset(value.word(NUISANCES) for value in nuisances),
+        uncertainty={
+            name: value.number(0.0, UNCERTAINTY[name]) for name, value in bounds.items()
+        },
+        mask=existing(top["mask"], path) if "mask" in top else None,
+    )
+
+
+def frame_entry(
+    value: Value, top: dict[str, Value], path: str | os.PathLike[str]
+) -> FrameEntry:
+    """Return a checked frame; iso and illuminant of the top level are its defaults."""
+    own = value.fields(FRAME, required=("file", "kind"))
+    kind = own["kind"].word(KINDS)
+    check_fields_of_kind(value, own, kind)
+    at = {"": value, **{name: top[name] for name in DEFAULTS if name in top}, **own}
+
+    def number(name: str, low: float, unit: str) -> float | None:
+        return at[name].number(low, LARGEST[unit]) if name in at else None
+
+    gain = number("gain", 1e-6, "gain")
+    return FrameEntry(
+        at=at,
+        file=existing(own["file"], path),
+        kind=kind,  # type: ignore[arg-type]
+        scene=scene_of(own["scene"], kind, path) if "scene" in own else None,
+        gain=1.0 if gain is None else gain,
+        illuminant=at["illuminant"].text() if "illuminant" in at else None,
+        set=own["set"].text() if "set" in own else None,
+        group=own["group"].word(GROUPS) if "group" in own else None,  # type: ignore
+        iso=number("iso", 1.0, "iso"),
+        exposure_time=number("exposure_time", 0.0, "seconds"),
+        mask=existing(own["mask"], path) if "mask" in own else None,
+        patches=patches_of(own["patches"]) if "patches" in own else (),
+        corners=corners_of(own["corners"]) if "corners" in own else (),
+    )
+
+
+def check_fields_of_kind(value: Value, own: dict[str, Value], kind: str) -> None:
+    """Raise ValueError for a field that a kind has not, or lacks."""
+    if kind in ("flat", "scene") and "scene" not in own:
+        remedy = (
+            "its radiance, a number or [r, g, b], or unknown"
+            if kind == "flat"
+            else "the render of it (EXR, TIFF, PNG or .npy)"
+        )
+        value.fail(f"has no scene, which a {kind} needs: add {remedy}")
+    if kind == "chart":
+        check_chart(value, own)
+    foreign = [name for name in OF_CHARTS if name in own and kind != "chart"]
+    foreign += ["scene"] if "scene" in own and kind in ("dark", "chart") else []
+    foreign += ["gain"] if "gain" in own and kind == "dark" else []
+    for name in foreign:
+        own[name].fail(f"is not for a {kind}; remove it, or set another kind")
+    if kind == "flat" and own["scene"].node.value == UNKNOWN and "gain" in own:
+        own["gain"].fail("multiplies nothing: scene is unknown; remove it")
+
+
+def check_chart(value: Value, own: dict[str, Value]) -> None:
+    """Raise ValueError unless a chart is given by patches, or by name and corners."""
+    given = [name for name in OF_CHARTS if name in own]
+    if given not in (["patches"], ["chart", "corners"]):
+        value.fail(
+            f"has {' and '.join(given) or 'neither patches nor chart'}; a chart needs "
+            "patches, or chart: colorchecker with its corners"
+        )
+    if "chart" in own:
+        own["chart"].word(CHARTS)
+
+
+def existing(value: Value, manifest: str | os.PathLike[str]) -> str:
+    """Return the path of a file that is named relative to the manifest."""
+    path = os.path.join(os.path.dirname(os.fspath(manifest)), value.text())
+    if not os.path.exists(path):
+        value.fail(f'is "{value.text()}"; there is no file {path}')
+    if os.path.isdir(path):
+        value.fail(f'is "{value.text()}", a folder; name one file')
+    return path
+
+
+def scene_of(
+    value: Value, kind: str, manifest: str | os.PathLike[str]
+) -> tuple[float, ...] | str:
+    """Return (r, g, b), a path or "unknown"."""
+    if value.is_list:
+        color = value.numbers(3, 0.0, LARGEST["radiance"])
+    else:
+        text = value.text()
+        if text == UNKNOWN and kind == "flat":
+            return UNKNOWN
+        if text == UNKNOWN:
+            value.fail("is unknown, which a flat alone may be; give the render")
+        try:
+            float(text)
+        except ValueError:
+            return existing(value, manifest)
+        color = (value.number(0.0, LARGEST["radiance"]),) * 3
+    if kind == "scene":
+        value.fail(
+            "is one colour; a scene needs its render: if it was uniform, kind: flat"
+        )
+    return color
+
+
+def patches_of(value: Value) -> tuple[Patch, ...]:
+    """Return the patches of a chart. Raises ValueError, also if two overlap."""
+    patches: list[Patch] = []
+    for item in value.items():
+        own = item.fields(("area", *COLORS), required=("area",))
+        spaces = [name for name in COLORS if name in own]
+        if len(spaces) != 1:
+            item.fail(f"has {' and '.join(spaces) or 'no colour'}; needs one of rgb, "
+                      "xyz and lab")  # fmt: skip
+        low, high = (
+            (-200.0, 200.0) if spaces == ["lab"] else (-1.0, LARGEST["radiance"])
+        )
+        numbers = own["area"].numbers(4, 0.0, LARGEST["pixel"])
+        if any(number != int(number) for number in numbers) or min(numbers[2:]) < 4:
+            own["area"].fail(
+                "must be [row, column, height, width] in whole pixels, at least 4 high "
+                "and wide"
+            )
+        row, col, height, width = (int(number) for number in numbers)
+        for index, other in enumerate(patches):
+            r, c, h, w = other.area
+            if row < r + h and r < row + height and col < c + w and c < col + width:
+                own["area"].fail(f"overlaps that of patches[{index}]; move one")
+        color = own[spaces[0]].numbers(3, low, high)
+        patches.append(Patch((row, col, height, width), color, spaces[0]))
+    if not patches:
+        value.fail("has no patch; add at least one")
+    return tuple(patches)
+
+
+def corners_of(value: Value) -> tuple[tuple[float, ...], ...]:
+    """Return four (row, col)."""
+    corners = value.items()
+    if len(corners) != 4:
+        value.fail(
+            f"has {len(corners)} positions; must have 4: the centres of the patches "
+            "dark skin, bluish green, black and white, each [row, column]"
+        )
+    return tuple(corner.numbers(2, 0.0, LARGEST["pixel"]) for corner in corners)

@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""captures.yaml and its files become a CaptureSet."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw import _core
+from cg2raw.diagnose.captures import consistency
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.chart import ColorChecker, PatchChart
+from cg2raw.diagnose.captures.manifest import (
+    UNKNOWN,
+    FrameEntry,
+    Manifest,
+    read_manifest,
+)
+from cg2raw.diagnose.captures.raw_files import (
+    RawHeader,
+    check_sensor,
+    read_header,
+    read_raw,
+)
+from cg2raw.diagnose.captures.scene_files import read_mask, read_scene, uniform
+from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
+from cg2raw.sensor import Sensor
+
+LIGHT_OF_DARKS = "D65"  # any: there is none
+PROFILE_ENDINGS = (".json", ".dng")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame before it is divided: its Capture, and those of its masked borders."""
+
+    entry: FrameEntry
+    header: RawHeader
+    capture: Capture
+    borders: tuple[Capture, ...]
+
+
+def read_captures(
+    path: str | os.PathLike[str], sensor: Sensor | None = None
+) -> CaptureSet:
+    """Return the checked captures of a manifest; their pixels are not read yet.
+
+    sensor : in place of the manifest's.
+
+    Sets are divided into fit, select and report, kind by kind: a set whose frames say
+    their group keeps it, the others take turns. Of a kind with fewer than three sets
+    the frames are divided by pixels instead, into three captures with disjoint masks.
+
+    Raises ValueError naming file, line, field, value and what is allowed; OSError."""
+    manifest, sensor, frames, notes = read_frames(path, sensor)
+    captures, more = divided(frames)
+    return CaptureSet(
+        sensor=sensor,
+        captures=captures,
+        nuisances=manifest.nuisances,
+        uncertainty=manifest.uncertainty,
+        file=manifest.file,
+        notes=(*notes, *more, *consistency.what_is_missing(frames)),
+    )
+
+
+def read_frames(
+    path: str | os.PathLike[str], sensor: Sensor | None = None
+) -> tuple[Manifest, Sensor, list[Frame], list[str]]:
+    """Return (manifest, sensor, frames before they are divided, notes)."""
+    manifest = read_manifest(path)
+    sensor = sensor or sensor_of(manifest)
+    consistency.check_distinct(manifest.frames)
+    headers = [header_of(entry) for entry in manifest.frames]
+    consistency.check_sizes(manifest.frames, headers)
+    if manifest.mask:
+        consistency.check_image(manifest.at["mask"], manifest.mask, headers[0].shape)
+    names = consistency.names_of(manifest.frames)
+    said: dict[str, list[str]] = {}
+    for entry, header, name in zip(manifest.frames, headers, names, strict=True):
+        try:
+            for note in check_sensor(header, sensor):
+                said.setdefault(note, []).append(name)
+        except ValueError as error:
+            entry.fail("file", f"{error}")
+    frames = [
+        frame_of(manifest, sensor, *item)
+        for item in zip(manifest.frames, headers, names, strict=True)
+    ]
+    notes = [f"{consistency.some(files)}: {note}" for note, files in said.items()]
+    return manifest, sensor, frames, notes + consistency.notes_on(frames, sensor)
+
+
+def sensor_of(manifest: Manifest) -> Sensor:
+    """Return the manifest's sensor: a profile's id or path, or a DNG's metadata."""
+    word = manifest.at["sensor"].text()
+    is_path = "/" in word or word.lower().endswith(PROFILE_ENDINGS)
+    path = os.path.join(manifest.folder, word) if is_path else word
+    try:
+        if path.lower().endswith(".dng"):
+            return Sensor.from_dng(path)
+        return Sensor(path)
+    except (ValueError, OSError) as error:
+        manifest.at["sensor"].fail(f'is "{word}": {error}')
+
+
+def header_of(entry: FrameEntry) -> RawHeader:
+    """Return a frame's header. Raises ValueError at its line."""
+    try:
+        return read_header(entry.file)
+    except (ValueError, OSError) as error:
+        entry.fail("file", f"cannot be used: {error}")
+        raise
+
+
+def frame_of(
+    manifest: Manifest, sensor: Sensor, entry: FrameEntry, header: RawHeader, name: str
+) -> Frame:
+    """Return one frame. Raises ValueError at its line."""
+    capture = Capture(
+        name=name,
+        kind=entry.kind,
+        shape=header.shape,
+        group="fit",
+        set=entry.set or name,
+        illuminant=illuminant_of(entry, header, sensor),
+        iso=iso_of(entry, header, sensor),
+        exposure_time=(
+            header.exposure_time if entry.exposure_time is None else entry.exposure_time
+        ),
+        raw=lambda: read_raw(header.path, header.active),
+        scene=None,
+        mask=None,
+        as_shot=header.as_shot,
+    )
+    scene, middles = scene_of(entry, header.shape)
+    mask = mask_of(manifest, entry, header.shape, middles)
+    capture = replace(capture, scene=scene, mask=mask)
+    return Frame(entry, header, capture, borders_of(capture, header))
+
+
+def borders_of(capture: Capture, header: RawHeader) -> tuple[Capture, ...]:
+    """Return a dark of each masked border of a frame."""
+
+    def border(area: Any) -> Capture:
+        name = f"{capture.name} (masked {area.name})"
+        return replace(
+            capture,
+            name=name,
+            kind="dark",
+            shape=(area.height, area.width),
+            set=name,
+            raw=lambda: read_raw(header.path, area),
+            scene=dark,
+            mask=None,
+        )
+
+    return tuple(border(area) for area in header.borders)
+
+
+def dark() -> NDArray[np.float32]:
+    """Return the scene of a dark."""
+    return np.zeros(3, np.float32)
+
+
+def illuminant_of(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> str:
+    """Return the word of a frame's light. Raises ValueError at its line."""
+    word = entry.illuminant
+    if word is None and entry.kind == "dark":
+        return LIGHT_OF_DARKS
+    if word is None and header.as_shot is None:
+        entry.fail(
+            "",
+            f"has no illuminant, and {os.path.basename(entry.file)} no as-shot white "
+            f"balance: add illuminant, one of {_core.illuminant_grammar}",
+        )
+    word = word or "as-shot"
+    try:
+        sensor.illuminant(word, header.as_shot)
+    except ValueError as error:
+        entry.fail("illuminant", f'is "{word}": {error}')
+    return word
+
+
+def iso_of(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> float | None:
+    """Return a frame's ISO: the manifest's, else the file's. Raises ValueError."""
+    iso = header.iso if entry.iso is None else entry.iso
+    if iso is not None and sensor.noise:
+        try:
+            sensor.noise_at(iso)
+        except ValueError as error:
+            name = os.path.basename(entry.file)
+            entry.fail("iso", f"{iso:g}, of {name}: {error}")
+    return iso
+
+
+def scene_of(
+    entry: FrameEntry, shape: tuple[int, int]
+) -> tuple[Callable[[], Any] | None, Callable[[], Any] | None]:
+    """Return (scene, mask of a chart's patches); None where there is none."""
+    if entry.kind == "dark":
+        return dark, None
+    if entry.kind == "chart":
+        try:
+            chart = (
+                PatchChart(entry.patches, shape, entry.gain)
+                if entry.patches
+                else ColorChecker(entry.corners, shape, entry.gain)
+            )
+        except ValueError as error:
+            entry.fail("", f"{error}")
+        return chart.scene, chart.mask
+    if isinstance(entry.scene, tuple):
+        return uniform(entry.scene, entry.gain), None
+    if entry.scene == UNKNOWN or entry.scene is None:
+        return None, None
+    path = entry.scene
+    consistency.check_image(entry.at["scene"], path, shape)
+    return lambda: read_scene(path, entry.gain), None
+
+
+def mask_of(
+    manifest: Manifest,
+    entry: FrameEntry,
+    shape: tuple[int, int],
+    middles: Callable[[], Any] | None,
+) -> Callable[[], NDArray[np.bool_]] | None:
+    """Return all of a frame's masks as one; None if there is none."""
+    if entry.mask:
+        consistency.check_image(entry.at["mask"], entry.mask, shape)
+    paths = [path for path in (manifest.mask, entry.mask) if path]
+    if not paths and middles is None:
+        return None
+
+    def mask() -> NDArray[np.bool_]:
+        parts = [read_mask(path, shape) for path in paths]
+        parts += [middles()] if middles else []
+        return np.logical_and.reduce(parts)
+
+    return mask
+
+
+def divided(frames: Sequence[Frame]) -> tuple[list[Capture], list[str]]:
+    """Return (captures with their groups, notes). Raises ValueError."""
+    consistency.check_sets(frames)
+    groups: dict[str, Any] = {}
+    notes = []
+    for kind in dict.fromkeys(frame.capture.kind for frame in frames):
+        ours = [frame for frame in frames if frame.capture.kind == kind]
+        strata = {frame.capture.set: stratum(frame) for frame in reversed(ours)}
+        strata = {frame.capture.set: strata[frame.capture.set] for frame in ours}
+        declared = {f.capture.set: f.entry.group for f in ours if f.entry.group}
+        found = groups_of_sets(strata, declared)
+        groups |= found
+        if None in found.values():
+            notes.append(
+                f"{kind}: {len(strata)} of the three sets that groups need, so these "
+                "frames are divided by pixels, a third each to fit, select and report; "
+                "what a frame's pixels share is then in all three"
+            )
+    captures: list[Capture] = []
+    for frame in frames:
+        for capture in (frame.capture, *frame.borders):
+            captures += in_groups(capture, groups[frame.capture.set])
+    consistency.check_groups(frames, captures)
+    return captures, notes
+
+
+def stratum(frame: Frame) -> tuple[float, ...]:
+    """Return what sets of a kind are spread by: ISO, exposure time, radiance."""
+    capture, scene = frame.capture, frame.entry.scene
+    level = scene[1] * frame.entry.gain if isinstance(scene, tuple) else 0.0
+    return capture.iso or 0.0, capture.exposure_time or 0.0, level
+
+
+def in_groups(capture: Capture, group: Any) -> list[Capture]:
+    """Return a capture in its group; three, by pixels, if it has none."""
+    if group is not None:
+        return [replace(capture, group=group)]
+
+    def part(group: Any) -> Capture:
+        def mask() -> NDArray[np.bool_]:
+            ours = third(capture.shape, group)
+            return ours & capture.mask() if capture.mask else ours
+
+        name = f"{capture.name} ({group} pixels)".replace(") (", ", ")
+        return replace(capture, name=name, group=group, mask=mask)
+
+    return [part(group) for group in GROUPS]

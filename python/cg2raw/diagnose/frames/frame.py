@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Frames: the parts of captures that the inference works on, in signal units."""
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw import _core
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
+from cg2raw.diagnose.inference.noise_level import NoiseModel
+
+# Pixels along the edges of a frame that are left out: what lies beyond an image
+# is not known; beyond a uniform frame it is, but for filters of the file.
+BORDER, UNIFORM_BORDER = 8, 4
+MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
+
+
+@dataclass
+class Frame:
+    """What the inference knows of one capture; arrays of tiles are (T, h, w).
+
+    signal : measured, 0..1 above black.
+    at_white, at_zero : the ADC's ends were reached: censored.
+    keep : pixels that count. highlights : others, that show what clips and little else.
+    camera : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens, of the
+        tiles' blocks.
+    noise : betas at the CFA's sites, for the registry; beta1, beta2 : (h, w) of them.
+    range : (h, w) DN from black to white.
+    uniform : (T, h, w) for the randomised residuals of censored pixels.
+    level_free : its brightness is not known at all.
+    """
+
+    capture: Capture
+    tiles: Tiling
+    signal: Array
+    at_white: Mask
+    at_zero: Mask
+    keep: Mask
+    camera: NDArray[np.float32]
+    surround: Any
+    neutral: tuple[float, ...]
+    noise: NoiseModel
+    beta1: Array
+    beta2: Array
+    range: Array
+    uniform: Array
+    site: NDArray[np.int64]
+    color: NDArray[np.int64]
+    level_free: bool = False
+    highlights: Mask | None = None
+    store: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def seconds(self) -> float:
+        """Exposure time; 1 where none is known, so that rates are per frame."""
+        return self.capture.exposure_time or 1.0
+
+    @cached_property
+    def is_cut(self) -> bool:
+        """Whether the ADC cuts the noise at 0, as that of darks at black level 0."""
+        return bool((self.at_zero & self.keep).sum() > MOST_AT_ZERO * self.keep.sum())
+
+    @property
+    def counted(self) -> Mask:
+        """Pixels whose likelihood counts."""
+        return self.keep if self.highlights is None else self.keep | self.highlights
+
+    @property
+    def censored(self) -> Mask:
+        return self.at_white | self.at_zero
+
+
+def camera_of(capture_set: CaptureSet, capture: Capture) -> tuple[Any, Any]:
+    """Return (matrix, illuminant): camera RGB is scene @ matrix.T, unclipped.
+
+    Source: DNG specification 1.7.1, chapter 6."""
+    profile = capture_set.sensor._profile
+    light = profile.illuminant(capture.illuminant, capture.as_shot)
+    transform = _core.camera_from_scene(profile, light, "dng", 1.0, False)
+    return np.asarray(transform.gains)[:, None] * np.asarray(transform.first), light
+
+
+def repeat_of(cfa: str) -> int:
+    """Return the side of a CFA's repeat."""
+    return round(np.sqrt(len(cfa)))
+
+
+def planes_of_sites(
+    cfa: str, shape: tuple[int, int], values: Sequence[float]
+) -> tuple[Any, Any, Any]:
+    """Return (site, color, values) of every pixel of a tile, (h, w) each."""
+    n = repeat_of(cfa)
+    rows, columns = np.mgrid[: shape[0], : shape[1]]
+    site = (rows % n) * n + columns % n
+    color = np.array(["RGB".index(letter) for letter in cfa.upper()])[site]
+    spread = np.asarray(values, float)
+    if spread.size == 1:
+        spread = np.full(n * n, spread.item())
+    if spread.size == 3 and n != 1:
+        spread = spread[["RGB".index(letter) for letter in cfa.upper()]]
+    return site, color, spread[site]
+
+
+@dataclass(frozen=True)
+class Source:
+    """A capture whose files were read: DN, and camera RGB, (H, W, 3) or (3,)."""
+
+    capture: Capture
+    sensor: Any
+    raw: NDArray[np.uint16]
+    camera: NDArray[np.float32]
+    surround: Any
+    neutral: tuple[float, ...]
+    mask: Mask | None
+
+
+def source_of(capture_set: CaptureSet, capture: Capture) -> Source:
+    """Read one capture. Raises ValueError for a file that cannot be read."""
+    matrix, light = camera_of(capture_set, capture)
+    scene = np.zeros(3) if capture.scene is None else np.asarray(capture.scene())
+    camera = np.maximum(scene @ matrix.T.astype(scene.dtype), 0).astype(np.float32)
+    whole = camera if camera.ndim == 3 else np.broadcast_to(camera, (64, 64, 3))
+    neutral = np.asarray(light.neutral, float)
+    return Source(
+        capture=capture,
+        sensor=capture_set.sensor,
+        raw=capture.raw(),
+        camera=camera,
+        surround=_core.surround(np.ascontiguousarray(whole)),
+        neutral=tuple(neutral / neutral.max()),
+        mask=None if capture.mask is None else capture.mask(),
+    )
+
+
+def _camera_tiles(camera: NDArray[np.float32], tiles: Tiling) -> NDArray[np.float32]:
+    """Return camera RGB as (T, 3, h + 2 margin, w + 2 margin)."""
+    if camera.ndim == 3:
+        cut = np.moveaxis(tiles.cut(camera, with_margin=True), -1, 1)
+        return np.ascontiguousarray(cut)
+    shape = (len(tiles.origins), 3, *tiles.block_size)
+    return np.broadcast_to(camera[None, :, None, None], shape).copy()
+
+
+def _keep(source: Source, tiles: Tiling) -> Mask:
+    keep = np.ones((len(tiles.origins), *tiles.size), bool)
+    border = BORDER if source.camera.ndim == 3 else UNIFORM_BORDER
+    if min(tiles.shape) > 4 * BORDER:
+        for places, end in zip(tiles.rows_and_columns(), tiles.shape, strict=True):
+            keep &= (places >= border) & (places < end - border)
+    if tiles.fresh is not None:
+        keep &= tiles.fresh
+    if source.mask is not None:
+        keep &= tiles.cut(source.mask)
+    return keep
+
+
+def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
+    """Return the tiles of a capture."""
+    sensor, capture = source.sensor, source.capture
+    cut = tiles.cut(source.raw)
+    site, color, black = planes_of_sites(sensor.cfa, tiles.size, sensor.black_level)
+    range_ = sensor.white_level - black
+    beta1, beta2 = (
+        planes_of_sites(sensor.cfa, tiles.size, beta)[2]
+        for beta in (noise.beta1, noise.beta2)
+    )
+    place = "/".join(map(str, tiles.origins[0]))
+    key = f"{capture.name}/{capture.set}/{capture.group}/{place}"
+    frame = Frame(
+        capture=capture,
+        tiles=tiles,
+        signal=(cut.astype(float) - black) / range_,
+        at_white=cut >= sensor.white_level,
+        at_zero=cut == 0,
+        keep=_keep(source, tiles),
+        camera=_camera_tiles(source.camera, tiles),
+        surround=source.surround,
+        neutral=source.neutral,
+        noise=noise,
+        beta1=beta1,
+        beta2=beta2,
+        range=range_,
+        uniform=np.random.default_rng(zlib.crc32(key.encode())).random(cut.shape),
+        site=site,
+        color=color,
+        level_free=capture.scene is None and capture.kind != "dark",
+    )
+    if frame.level_free:
+        take_level_from(frame, frame)
+    return frame
+
+
+def take_level_from(frame: Frame, known: Frame) -> None:
+    """The light of a flat that nobody measured: what another frame of it shows."""
+    middle = [
+        np.median(known.signal[:, known.color == c][known.keep[:, known.color == c]])
+        for c in range(3)
+    ]
+    color = np.maximum(np.array(middle, np.float32), 0)
+    frame.camera = _camera_tiles(color, frame.tiles)
+    whole = np.ascontiguousarray(np.broadcast_to(color, (64, 64, 3)))
+    frame.surround = _core.surround(whole)

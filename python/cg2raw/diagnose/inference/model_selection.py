@@ -1,0 +1,362 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Search: effects are added one by one, each on frames that did not fit it.
+
+A candidate is screened by one step on the fit frames, fitted there by maximum
+likelihood, and accepted if the likelihood of the select frames rises by
+ln(candidates / alpha) over the best that the model without it can do there: the split
+likelihood-ratio test. Where that alone is not enough, the parameters that both models
+share may move on the select frames on either side, and the candidate's own may not: the
+profile likelihood of what the fit frames said. Source: L. Wasserman, A. Ramdas, S.
+Balakrishnan, Universal inference, PNAS 117(29), 2020.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cg2raw.diagnose.effects.catalogue import Candidate, confusable
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.fisher_scoring import (
+    Linearisation,
+    fit,
+    fit_flow,
+    one_step,
+    start_of_clipping,
+)
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.likelihood.likelihood import TimeIsUp, Workers, in_blocks, total
+from cg2raw.diagnose.likelihood.nuisance import refitted
+from cg2raw.diagnose.likelihood.prediction import Model, place
+
+MOST_FITTED = 6  # candidates that are fitted in full, of those screened
+WORTH_FITTING = 0.05  # of the best screening score
+LEAST_SCORE = 2.0  # nats that screening finds, beyond one for every parameter
+CLEAR = 5.0  # nats between two names: an e-value ratio of 150
+CLEAR_SHARE = 0.05  # of the gain
+MEAN_FIRST = 0.25  # of the gain that an effect of the mean needs to go first
+MOST_SWAPS = 3
+LEAST_GAIN = 0.3  # nats, of a change after all that depends on it was looked at again
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A candidate that was fitted: what it gains on the select frames, nats.
+
+    evidence : the gain, less what the model without it gains by moving there."""
+
+    name: str
+    gain: float
+    blocks: Array
+    model: Model
+    evidence: float = -np.inf
+
+
+@dataclass(frozen=True)
+class Step:
+    """One change of the model. ambiguous: names that explain it as well. rule: why this
+    one of the ranking, in words."""
+
+    action: str
+    name: str
+    gain: float
+    evidence: float = 0.0
+    ranking: Sequence[tuple[str, float]] = ()
+    ambiguous: Sequence[str] = ()
+    rule: str = ""
+
+
+def _rule(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
+    """Return why one of the trials was taken, in words."""
+    if best is not first:
+        return (
+            f"It and {first.name} explain these frames alike: the one with fewer "
+            "parameters is taken."
+        )
+    top = max(trials, key=lambda trial: trial.gain)
+    if best is top:
+        return "It gains most on the held-out frames."
+    if top.evidence < best.evidence:
+        return f"{top.name} gains more, but is not sure."
+    return (
+        f"{top.name} gains more, but is noise, which takes up any error of the mean: "
+        f"an effect of the mean that gains {MEAN_FIRST:.0%} as much goes first."
+    )
+
+
+@dataclass
+class Search:
+    """The state of one search; run() goes on until nothing more is accepted."""
+
+    fit_frames: Sequence[Frame]
+    select_frames: Sequence[Frame]
+    candidates: Sequence[Candidate]
+    workers: Workers
+    alpha: float
+    most: int
+    report: Callable[[str], None]
+    realign: Callable[[Model], None] | None = None
+    steps: list[Step] = field(default_factory=list)
+    interrupted: bool = False
+    timed_out: bool = False
+    _reached: Model | None = None
+    _swapped: set[tuple[str, str]] = field(default_factory=set)
+
+    @property
+    def threshold(self) -> float:
+        """Nats that a name must gain."""
+        return float(np.log(max(len(self.candidates), 1) / self.alpha))
+
+    def run(self, model: Model) -> Model:
+        """Return the model with all effects that are accepted. Ctrl-C and the workers'
+        deadline end the search with what was accepted until then."""
+        self._reached = model
+        try:
+            self._climb(model)
+        except KeyboardInterrupt:
+            self.interrupted = True
+        except TimeIsUp:
+            self.timed_out = True
+        return self._reached
+
+    def _climb(self, model: Model) -> None:
+        """Add and swap as long as the select frames gain by it."""
+        height = -np.inf
+        for _ in range(self.most + MOST_SWAPS):
+            steps = len(self.steps)
+            changed = self._add(model)
+            if changed is None:
+                changed = self._swap(model)
+            if changed is None:
+                return
+            before, height = height, float(self._select(changed).sum())
+            if height < before + LEAST_GAIN:
+                # What was added took older effects' place, and would go on doing so.
+                self._reached = model
+                del self.steps[steps:]
+                return
+            model = self._reached = changed
+
+    def _select(self, model: Model) -> Array:
+        return in_blocks(model, self.select_frames, self.workers)
+
+    def _add(self, model: Model) -> Model | None:
+        """Return the model with the best candidate that passes; None if none does."""
+        if len(model.found_names) >= self.most:
+            return None
+        self.report(f"looking for effect {len(model.found_names) + 1}")
+        current = self._select(model)
+        trials = self._trials(model, current)
+        if not trials:
+            return None
+        null_gain = self._null_gain(model)
+        trials = [self._weighed(trial, null_gain) for trial in trials]
+        sure = [trial for trial in trials if trial.evidence >= self.threshold]
+        if not sure:
+            return None
+        first = self._mean_first(sure)
+        best, ambiguous = self._decide(first, trials)
+        self.steps.append(
+            Step(
+                "added",
+                best.name,
+                best.gain,
+                best.evidence,
+                [(t.name, t.gain) for t in trials],
+                ambiguous,
+                _rule(best, first, trials),
+            )
+        )
+        self._reached = best.model
+        return self._settled(best.model, best.name)
+
+    def _weighed(self, trial: Trial, null_gain: float) -> Trial:
+        """Return the trial with its evidence."""
+        evidence = trial.gain - null_gain
+        if evidence < self.threshold <= 2 * trial.gain:
+            evidence += self._null_gain(trial.model, trial.name)
+        return replace(trial, evidence=evidence)
+
+    def _settled(self, model: Model, newest: str) -> Model:
+        """Return the model after all that depends on it was looked at again."""
+        if self.realign is not None:
+            self.report("aligning again")
+            self.realign(model)
+        if model.nuisance is not None:
+            better = refitted(model, self.fit_frames, self.workers)
+            model = fit(replace(model, nuisance=better), self.fit_frames, self.workers)
+        return self._pruned(model, newest)
+
+    def _null_gain(self, model: Model, but: str = "") -> float:
+        """What the model gains on the select frames by fitting itself to them.
+
+        but : name of a term that stays as it is."""
+        if not any(t.candidate.way == "smooth" and t.name != but for t in model.terms):
+            return 0.0
+        current = total(model, self.select_frames, self.workers)
+        base = Linearisation(model, self.select_frames, self.workers)
+        return one_step(model, base, current, but)[1]
+
+    def _trials(self, model: Model, current: Array) -> list[Trial]:
+        """Screen all candidates, fit the best; sorted by gain on the select frames."""
+        screened = self._screened(model, current)
+        best = max((score for score, _, _ in screened), default=0.0)
+        trials = []
+        for rank, (score, candidate, start) in enumerate(screened[:MOST_FITTED]):
+            chance = 0 if candidate.way == "pattern" else len(candidate.parameters)
+            if score < LEAST_SCORE + chance:
+                continue
+            if rank >= 3 and score < WORTH_FITTING * best:
+                continue
+            self.report(f"fitting {candidate.name}")
+            fitted = fit(start, self.fit_frames, self.workers)
+            blocks = self._select(fitted) - current
+            trials.append(Trial(candidate.name, float(blocks.sum()), blocks, fitted))
+        return sorted(trials, key=lambda trial: trial.gain, reverse=True)
+
+    def _screened(
+        self, model: Model, current: Array
+    ) -> list[tuple[float, Candidate, Model]]:
+        """Return (score, candidate, first guess), best first."""
+        base = Linearisation(model, self.fit_frames, self.workers)
+        height = total(model, self.fit_frames, self.workers)
+        found = []
+        for candidate in self.candidates:
+            if candidate.name in model.names:
+                continue
+            self.report(f"screening {candidate.name}")
+            guess = self._guess(model, candidate, base, height)
+            if guess is None:
+                continue
+            start, score = guess
+            if candidate.way == "pattern":
+                score = float(self._select(start).sum() - current.sum())
+            found.append((score, candidate, start))
+        return sorted(found, key=lambda item: item[0], reverse=True)
+
+    def _guess(
+        self,
+        model: Model,
+        candidate: Candidate,
+        base: Linearisation | None,
+        height: float,
+    ) -> tuple[Model, float] | None:
+        """Return (model with a first guess of the candidate, its gain when fitted)."""
+        frames, workers = self.fit_frames, self.workers
+        if candidate.name == "early_clipping":
+            start = start_of_clipping(model, candidate, frames, workers)
+            if start is None:
+                return None
+            return start, total(start, frames, workers) - height
+        if candidate.way == "smooth":
+            base = base or Linearisation(model, frames, workers)
+            return one_step(place(model, candidate), base, height)
+        if candidate.way == "flow":
+            start = place(model, candidate, np.array(candidate.starts[0]))
+            start, score = fit_flow(start, candidate.name, frames, workers, quick=True)
+            return start, score - height
+        return fit_patterns(place(model, candidate), frames, workers), 0.0
+
+    def _mean_first(self, trials: Sequence[Trial]) -> Trial:
+        """Noise absorbs any misfit of the mean: an effect of the mean goes first."""
+        kinds = {candidate.name: candidate for candidate in self.candidates}
+        best = trials[0]
+        if kinds[best.name].absorbs:
+            for trial in trials:
+                known = kinds[trial.name]
+                enough = trial.gain > MEAN_FIRST * best.gain
+                if known.moves_mean and not known.absorbs and enough:
+                    if trial.name != "noise_reduction":
+                        return trial
+        return best
+
+    def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
+        """Return (the trial to accept, names that are as good); a tie goes to the one
+        with fewer parameters."""
+        tied = []
+        for trial in trials:
+            if trial is best or trial.gain > best.gain:
+                continue
+            lead = best.blocks - trial.blocks
+            error = lead.std() * np.sqrt(lead.size)
+            small = lead.sum() < 2 * error and lead.sum() < CLEAR_SHARE * best.gain
+            if lead.sum() < CLEAR or small:
+                tied.append(trial)
+        if not tied:
+            return best, []
+        able = [best, *(t for t in tied if t.evidence >= self.threshold)]
+        simplest = min(able, key=lambda t: (self._cost(t.name), -t.gain))
+        if best.gain - simplest.gain >= CLEAR:
+            simplest = best
+        others = [t.name for t in [best, *tied] if t.name != simplest.name]
+        return simplest, others
+
+    def _cost(self, name: str) -> int:
+        known = next(c for c in self.candidates if c.name == name)
+        return 1000 if known.way == "pattern" else len(known.parameters)
+
+    def _pruned(self, model: Model, newest: str) -> Model:
+        """Drop older effects that are not needed any more."""
+        height = self._select(model).sum()
+        for name in model.found_names:
+            if name == newest:
+                continue
+            if len(model.found_names) < 2:
+                break
+            self.report(f"is {name} still needed")
+            rest = fit(model.without(name), self.fit_frames, self.workers)
+            without = self._select(rest).sum()
+            if height - without < self.threshold:
+                self.steps.append(Step("dropped", name, float(without - height)))
+                model, height = rest, without
+                self._reached = model
+        return model
+
+    def _swap(self, model: Model) -> Model | None:
+        """Exchange an effect for one that looks alike, if held-out frames say so."""
+        if len(model.found_names) < 2 or len(self._swapped) >= MOST_SWAPS:
+            return None
+        height = self._select(model).sum()
+        best: tuple[float, str, str, Model] | None = None
+        for term in model.terms:
+            if term.calibration:
+                continue
+            rest = model.without(term.name)
+            loss = height - self._select(rest).sum()
+            for candidate in self.candidates:
+                pair = (term.name, candidate.name)
+                known = pair in self._swapped or pair[::-1] in self._swapped
+                if candidate.name in model.names or known:
+                    continue
+                if not confusable(term.candidate, candidate):
+                    continue
+                trial = self._swapped_model(rest, candidate, height, loss)
+                if trial is None:
+                    continue
+                gain = float(self._select(trial).sum() - height)
+                if gain > CLEAR and (best is None or gain > best[0]):
+                    best = (gain, *pair, trial)
+        if best is None:
+            return None
+        gain, old, new, trial = best
+        self._swapped.add((old, new))
+        rule = f"With the other effects it explains {gain:.1f} nats more than {old}."
+        self.steps.append(Step("swapped", new, gain, gain, [(old, 0.0)], rule=rule))
+        self._reached = trial
+        return self._settled(trial, new)
+
+    def _swapped_model(
+        self, rest: Model, candidate: Candidate, height: float, loss: float
+    ) -> Model | None:
+        """Return the rest with a candidate fitted; None if it is nowhere near."""
+        self.report(f"would {candidate.name} do as well")
+        before = total(rest, self.fit_frames, self.workers)
+        guess = self._guess(rest, candidate, None, before)
+        if guess is None:
+            return None
+        if self._select(guess[0]).sum() < height - 0.5 * abs(loss) - 50:
+            return None
+        return fit(guess[0], self.fit_frames, self.workers)

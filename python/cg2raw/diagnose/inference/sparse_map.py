@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Hot pixels: which pixels leak charge, how fast, and how sure that is.
+
+A few pixels leak at rates of an exponential law, the others do not leak: a spike and a
+slab, whose share and mean rate are found by expectation and maximisation. Source: A. P.
+Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39(1), 1977.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import expit, log_ndtr
+
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.likelihood.likelihood import Workers
+from cg2raw.diagnose.likelihood.prediction import (
+    Model,
+    Pattern,
+    Prediction,
+    Term,
+    flow_values,
+    pattern_bearing,
+    photon_gain,
+    predict,
+)
+
+LEAST = 3.0  # standard deviations above the others that a pixel must lie
+UNSURE = 0.02  # probability below which a pixel counts as any other
+ROUNDS = 30  # of expectation and maximisation
+CLOSE = 1e-3  # relative change of the share that ends them
+FARTHEST = 6.0  # standard deviations of chi-square between frames
+MISFIT = 0.02  # of the evidence, which the model of light may be wrong by
+LEAST_INFORMATION = 1e-200
+
+
+@dataclass(frozen=True)
+class _Leak:
+    """Of every pixel, (T, h, w): rate, its standard deviation, and how far the frames
+    contradict each other: chi-square and its degrees of freedom."""
+
+    rate: Array
+    deviation: Array
+    known: Mask
+    chi2: Array
+    freedom: Array
+
+    @property
+    def agreed(self) -> Mask:
+        """Where the frames tell of one rate, as they do not of an outlier in one."""
+        freedom = np.maximum(self.freedom, 1)
+        most = freedom + FARTHEST * np.sqrt(2 * freedom)
+        return self.chi2 < most + MISFIT * (self.rate / self.deviation) ** 2
+
+
+def fit_hot_pixels(
+    term: Term, rest: Model, frames: Sequence[Frame], workers: Workers
+) -> Term:
+    """Return the term with its map: rates in signal per second, 0 of most pixels.
+
+    rest : all but this term. frames : of one shape."""
+    predictions = workers.map(lambda frame: predict(rest, frame), frames)
+    cold = np.zeros(frames[0].signal.shape)
+    first = _leak(rest, frames, predictions, cold)
+    leak = _leak(rest, frames, predictions, np.maximum(first.rate, 0))
+    if not leak.known.any():
+        return replace(term, values=np.zeros(1), pattern=Pattern(cold, cold))
+    hot, rate, variance = _posterior(leak, first, _tails(rest, frames[0]))
+    mean = hot * rate
+    doubt = hot * (variance + rate**2) - mean**2
+    share = float(hot[leak.known].mean())
+    return replace(term, values=np.array([share]), pattern=Pattern(mean, doubt))
+
+
+def _leak(
+    rest: Model,
+    frames: Sequence[Frame],
+    predictions: Sequence[Prediction],
+    rate: Array,
+) -> _Leak:
+    """Weighted least squares per pixel; a rate brings shot noise of its own."""
+    information, score, squares, count = np.zeros((4, *rate.shape))
+    for frame, p in zip(frames, predictions, strict=True):
+        bearing = pattern_bearing("hot_pixels", frame, np.maximum(p.exposed, 0))
+        used = frame.keep & ~frame.censored
+        weight = used / (p.variance + photon_gain(rest, frame) * bearing * rate)
+        residual = np.where(used, frame.signal - p.mean, 0)
+        information += bearing**2 * weight
+        score += bearing * residual * weight
+        squares += residual**2 * weight
+        count += used
+    known = information > LEAST_INFORMATION
+    information = np.where(known, information, 1.0)
+    found = np.where(known, score / information, 0.0)
+    chi2 = squares - found**2 * information
+    deviation = 1 / np.sqrt(information)
+    middle = np.median(found[known]) if known.any() else 0.0
+    z = np.where(known, (found - middle) / deviation, 0.0)
+    spread = 1.4826 * np.median(np.abs(z[known])) if known.any() else 1.0
+    return _Leak(found - middle, deviation * max(1.0, spread), known, chi2, count - 1)
+
+
+def _tails(rest: Model, frame: Frame) -> tuple[float, float]:
+    """Return (share, variance ratio) of noise that is wider than the rest."""
+    values = flow_values(rest, frame, "heavy_tailed_noise")
+    return (0.0, 1.0) if values is None else (float(values[0]), float(values[1]))
+
+
+def _posterior(
+    leak: _Leak, cold: _Leak, tails: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Return (probability to be hot, rate if hot, its variance) of every pixel.
+
+    leak, cold : with and without the shot noise of the rate."""
+    z = np.where(leak.known & leak.agreed, cold.rate / cold.deviation, 0.0)
+    likely = z > LEAST
+    hot, rate, variance = np.zeros((3, *z.shape))
+    if not likely.any():
+        return hot, rate, variance
+    e, s, narrow = leak.rate[likely], leak.deviation[likely], cold.deviation[likely]
+    spike = np.logaddexp(
+        np.log1p(-tails[0]) + _log_normal(e, narrow),
+        np.log(tails[0] + 1e-300) + _log_normal(e, narrow * np.sqrt(tails[1])),
+    )
+    pixels = int(leak.known.sum())
+    share, mean = max(likely.sum(), 1) / pixels, float(e.mean())
+    probability = np.zeros(e.shape)
+    for _ in range(ROUNDS):
+        inside = (e - s * s / mean) / s
+        slab = 0.5 * (s / mean) ** 2 - e / mean + log_ndtr(inside) - np.log(mean)
+        odds = np.log(share) - np.log1p(-min(share, 0.5)) + slab - spike
+        probability = expit(odds)
+        before, share = share, max(float(probability.sum()) / pixels, 1e-12)
+        mean = float((probability * e).sum() / max(float(probability.sum()), 1e-12))
+        if abs(share - before) < CLOSE * before:
+            break
+    step = np.exp(-0.5 * inside**2 - log_ndtr(inside)) / np.sqrt(2 * np.pi)
+    hot[likely] = np.where(probability > UNSURE, probability, 0.0)
+    rate[likely] = s * (inside + step)
+    variance[likely] = np.maximum(s * s * (1 - step * (inside + step)), 0)
+    return hot, rate, variance
+
+
+def _log_normal(x: Array, deviation: Array) -> Array:
+    return -0.5 * (x / deviation) ** 2 - np.log(np.sqrt(2 * np.pi) * deviation)

@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Capture sets with hidden effects, to try the diagnosis on.
+
+    python -m cg2raw.synthetic -s nikon-d40 \\
+        --hide lens_shading=0.3,row_noise=0.2 --seed 1 -o blind/
+"""
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from cg2raw import Sensor
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
+from cg2raw.synthetic import conditions, disk
+from cg2raw.synthetic.camera import camera_of
+from cg2raw.synthetic.measured import Measured
+from cg2raw.synthetic.sensors import ASSUMED, ISO, with_noise
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, draw_effect
+from cg2raw.synthetic.world import GROUPS, World, plan, stream
+
+ILLUMINANT = "D65"
+SHAPE = (112, 144)
+# Stand-ins for a sensor whose noise nobody has measured, electrons.
+FULL_WELL, READ_NOISE = 10000.0, 5.0
+
+
+def simulate_captures(
+    sensor: Any,
+    hidden: Mapping[str, Mapping[str, float]],
+    *,
+    seed: int,
+    shape: tuple[int, int] = SHAPE,
+    illuminant: str = ILLUMINANT,
+    iso: float | None = None,
+    groups: tuple[Group, ...] = GROUPS,
+    nuisances: Mapping[str, float] | None = None,
+    measured: Measured | None = None,
+) -> CaptureSet:
+    """Return frames that a Sensor would take if it had hidden effects.
+
+    hidden : effect -> the generator's own parameters, as draw_hidden returns them.
+    seed : of scenes, patterns and noise; what is hidden does not change the scenes.
+    shape : (H, W), even, at least 48.
+    iso : of the profile's noise; None for the first it has.
+    groups : of GROUPS, 8 frames each.
+    nuisances : of conditions.STUDIO: what else is wrong with the captures.
+    measured : a real lens or read noise that is hidden too.
+
+    log_density of the captures is that of the model that drew them, which knows the
+    nuisances too; None where its read noise was measured. Raises ValueError."""
+    iso = noise_iso(sensor, iso)
+    world = world_of(sensor, hidden, seed, shape, illuminant, iso, nuisances, measured)
+    known = not (measured and measured.read_noise)
+    captures = [
+        Capture(
+            name=shot.name,
+            kind=shot.kind,
+            shape=world.shape,
+            group=shot.group,
+            set=shot.set,
+            illuminant=illuminant,
+            iso=iso,
+            exposure_time=shot.seconds,
+            raw=partial(world.raw, shot),
+            scene=partial(world.render, shot),
+            log_density=partial(world.log_density, shot) if known else None,
+        )
+        for shot in plan(seed, groups)
+    ]
+    return CaptureSet(
+        sensor=sensor,
+        captures=captures,
+        nuisances=conditions.declared(world.nuisances),
+        uncertainty=conditions.uncertainty(world.nuisances),
+    )
+
+
+def world_of(
+    sensor: Any,
+    hidden: Mapping[str, Mapping[str, float]],
+    seed: int,
+    shape: tuple[int, int],
+    illuminant: str,
+    iso: float,
+    nuisances: Mapping[str, float] | None,
+    measured: Measured | None = None,
+) -> World:
+    """Return the world that draws the frames; arguments as of simulate_captures."""
+    if min(shape) < 48 or shape[0] % 2 or shape[1] % 2:
+        raise ValueError(f"shape {tuple(shape)} must be even and at least 48 x 48")
+    camera = camera_of(sensor, illuminant, iso)
+    for name, values in hidden.items():
+        wanted = draw_effect(name, stream(seed, name), camera)
+        if set(values) != set(wanted):
+            raise ValueError(
+                f"hidden effect {name} needs {', '.join(wanted)}, not "
+                f"{', '.join(values)}"
+            )
+    given = conditions.checked(nuisances)
+    field = None if measured is None else measured.transmission
+    if field is not None and (field.shape != tuple(shape) or not (field >= 0).all()):
+        raise ValueError(
+            f"measured transmission, {field.shape}, must have the frames' shape "
+            f"{tuple(shape)} and no value below 0"
+        )
+    size = (int(shape[0]), int(shape[1]))
+    return World(camera, hidden, seed, size, given, measured)
+
+
+def noise_iso(sensor: Any, iso: float | None) -> float:
+    """Return the ISO of the noise to be simulated. Raises ValueError for none."""
+    if not sensor.noise:
+        raise ValueError(
+            f"sensor {sensor.id} has no measured noise; take one that has, or give it "
+            "a full well and a read noise"
+        )
+    return float(sensor.noise[0]["iso"]) if iso is None else iso
+
+
+def draw_hidden(
+    sensor: Any,
+    strengths: Mapping[str, float | None],
+    *,
+    seed: int,
+    illuminant: str = ILLUMINANT,
+    iso: float | None = None,
+) -> dict[str, dict[str, float]]:
+    """Return the parameters of hidden effects, for simulate_captures.
+
+    strengths : effect -> its strength, in the unit of strengths.KINDS; None to draw it.
+    Other arguments as of simulate_captures. Raises ValueError."""
+    camera = camera_of(sensor, illuminant, noise_iso(sensor, iso))
+    return {
+        name: draw_effect(name, stream(seed, f"strength/{name}"), camera, strength)
+        for name, strength in strengths.items()
+    }
+
+
+def strengths_of(text: str, seed: int) -> dict[str, float | None]:
+    """Return effect -> strength of "NAME=STRENGTH,NAME,..."; "random" is any one name.
+
+    Raises ValueError."""
+    strengths: dict[str, float | None] = {}
+    for word in filter(None, text.split(",")):
+        name, given, value = word.partition("=")
+        if name == "random":
+            left = [one for one in KINDS if one not in strengths]
+            name = str(stream(seed, f"random/{len(strengths)}").choice(left))
+        if name in strengths:
+            raise ValueError(f"--hide names {name} twice")
+        try:
+            strengths[name] = float(value) if given else None
+        except ValueError:
+            raise ValueError(f"--hide {word}: {value!r} is no number") from None
+    return strengths
+
+
+def _effects_page() -> str:
+    lines = ["effects that can be hidden, and what their strength is:"]
+    for kinds in (KINDS, UNKNOWN_KINDS):
+        for name, kind in kinds.items():
+            lines.append(f"  {name:30}{kind.low:g}..{kind.high:g}  {kind.strength}")
+        lines.append("and outside the vocabulary of the diagnosis:")
+    return "\n".join(lines[:-1])
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m cg2raw.synthetic",
+        description=__doc__.splitlines()[0],
+        epilog=_effects_page(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = parser.add_argument
+    add("-s", "--sensor", required=True, help="id or profile of the doubted model")
+    add("-o", "--output", required=True, metavar="FOLDER")
+    add("--hide", default="", metavar="NAME[=STRENGTH],...", help="or random")
+    add("--seed", type=int, default=0)
+    add("--size", default=f"{SHAPE[1]}x{SHAPE[0]}", metavar="WxH", help="%(default)s")
+    add("--illuminant", default=ILLUMINANT, metavar="WORD", help="%(default)s")
+    add("--iso", type=float, help="of the sensor's noise; its first if not given")
+    stead = "electrons, in place of the sensor's noise; if it has none,"
+    add("--full-well", type=float, metavar="E", help=f"{stead} {FULL_WELL:g}")
+    add("--read-noise", type=float, metavar="E", help=f"{stead} {READ_NOISE:g}")
+    studio = "with what goes wrong in a studio: light, exposure, registration, render"
+    add("--studio", action="store_true", help=studio)
+    add("--quiet", action="store_true", help="errors alone")
+    return parser.parse_args(argv)
+
+
+def _size(text: str) -> tuple[int, int]:
+    """Return (H, W) of "WxH"."""
+    width, by, height = text.partition("x")
+    if not (by and width.isdecimal() and height.isdecimal()):
+        raise ValueError(f"--size {text} must be WxH, such as 720x480")
+    return int(height), int(width)
+
+
+def _sensor(given: argparse.Namespace) -> tuple[Any, str]:
+    """Return the doubted model and what captures.yaml calls it."""
+    sensor = Sensor(given.sensor)
+    assumed = given.full_well is not None or given.read_noise is not None
+    if sensor.noise and not assumed:
+        return sensor, disk.SENSOR if given.sensor.endswith(".json") else given.sensor
+    full_well = FULL_WELL if given.full_well is None else given.full_well
+    read_noise = READ_NOISE if given.read_noise is None else given.read_noise
+    iso = ISO if given.iso is None else given.iso
+    return with_noise(sensor, full_well, read_noise, iso), disk.SENSOR
+
+
+def _folder(given: argparse.Namespace) -> disk.Folder:
+    """Return what the command line asks for. Raises ValueError."""
+    if given.seed < 0:
+        raise ValueError(f"--seed {given.seed} must be 0 or more")
+    sensor, name = _sensor(given)
+    iso = noise_iso(sensor, given.iso)
+    strengths = strengths_of(given.hide, given.seed)
+    hidden = draw_hidden(
+        sensor, strengths, seed=given.seed, illuminant=given.illuminant, iso=iso
+    )
+    nuisances = conditions.STUDIO if given.studio else None
+    shape = _size(given.size)
+    world = world_of(
+        sensor, hidden, given.seed, shape, given.illuminant, iso, nuisances
+    )
+    return disk.Folder(world, plan(given.seed), sensor, name, given.illuminant, iso)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Write a capture set; 1 with a message for what cannot be."""
+    given = _arguments(argv)
+    try:
+        folder = _folder(given)
+        disk.write_captures(given.output, folder)
+    except (ValueError, OSError) as error:
+        print(f"cg2raw: {error}", file=sys.stderr)
+        return 1
+    if given.quiet:
+        return 0
+    assumed = dict(folder.sensor.sources).get("noise", "")
+    if assumed.startswith(ASSUMED):
+        print(f"{folder.sensor.id}: noise {assumed}, in {disk.SENSOR}")
+    print(f"{given.output}: {len(folder.shots)} frames")
+    print(f"{disk.TRUTH} sha256 {folder.seal}")
+    return 0

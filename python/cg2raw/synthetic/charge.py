@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""From light on the sensor to electrons in its pixels; the patterns of one sensor."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.random import Generator
+
+from cg2raw.synthetic.camera import Camera, Plane
+from cg2raw.synthetic.light import Hidden
+
+
+@dataclass(frozen=True)
+class Patterns:
+    """What differs from pixel to pixel and is the same in all frames.
+
+    gain : (H, W) relative, 0 on average. leak : (H, W) electrons per second.
+    offset : (H, W) electrons at read-out. column : (W,) electrons at read-out.
+    """
+
+    gain: Plane
+    leak: Plane
+    offset: Plane
+    column: Plane
+
+    @staticmethod
+    def none(shape: tuple[int, int]) -> "Patterns":
+        zeros = np.zeros(shape)
+        return Patterns(zeros, zeros, zeros, np.zeros(shape[1]))
+
+
+def patterns(
+    rng: Generator, shape: tuple[int, int], hidden: Hidden, camera: Camera
+) -> Patterns:
+    """Draw the patterns of one sensor."""
+    drawn = Patterns.none(shape)
+    read = float(camera.read_noise.mean())
+    if "prnu" in hidden:  # lognormal: gains are products
+        sigma = hidden["prnu"]["sigma"]
+        gain = np.expm1(sigma * rng.standard_normal(shape) - sigma**2 / 2)
+        drawn = replace(drawn, gain=gain)
+    if "dsnu" in hidden:  # leakage has a tail to one side: gamma
+        v = hidden["dsnu"]
+        gamma = rng.gamma(v["shape"], size=shape) - v["shape"]
+        drawn = replace(
+            drawn, offset=v["read_noises"] * read * gamma / v["shape"] ** 0.5
+        )
+    if "column_noise" in hidden:
+        half = np.sqrt(3) * hidden["column_noise"]["read_noises"] * read
+        drawn = replace(drawn, column=rng.uniform(-half, half, shape[1]))
+    if "hot_pixels" in hidden:
+        v = hidden["hot_pixels"]
+        hot = rng.random(shape) < v["share"]
+        rate = v["electrons_per_second"] * rng.exponential(size=shape)
+        drawn = replace(drawn, leak=np.where(hot, rate, 0.0))
+    return drawn
+
+
+def mosaic_light(
+    rgb: Plane, hidden: Hidden, camera: Camera, flicker_phase: float
+) -> Plane:
+    """Return the light that each pixel collects, (H, W), white at 1."""
+    x = camera.mosaic(rgb)
+    if "flicker" in hidden:
+        v = hidden["flicker"]
+        turns = np.arange(x.shape[0]) / v["rows"] + flicker_phase
+        x = x * (1 + v["swing"] * np.sin(2 * np.pi * turns))[:, None]
+    if "crosstalk" in hidden:
+        v = hidden["crosstalk"]
+        p = np.pad(x, 1, "reflect")
+        shares = (v["from_left"], v["from_right"], v["from_above"], v["from_below"])
+        near = (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1], p[2:, 1:-1])
+        x = x * (1 - sum(shares)) + sum(
+            s * n for s, n in zip(shares, near, strict=True)
+        )
+    if "gr_gb_imbalance" in hidden:
+        x = x * camera.over(_green_gains(camera, hidden["gr_gb_imbalance"]), x.shape)
+    if "pdaf_pixels" in hidden:
+        v = hidden["pdaf_pixels"]
+        rows, cols = np.indices(x.shape)
+        period = int(v["period"])
+        shaded = (rows % period == 2) & (cols % period == 3)
+        x = np.where(shaded, (1 - v["loss"]) * x, x)
+    return x
+
+
+def _green_gains(camera: Camera, values) -> Plane:
+    """Greens in red rows and in blue rows differ by split, shared unevenly."""
+    gains = np.ones((2, 2))
+    for row in range(2):
+        in_red_row = 0 in camera.colors[row]
+        share = values["lean"] if in_red_row else values["lean"] - 1
+        gains[row, camera.colors[row] == 1] += values["split"] * share
+    return gains
+
+
+def electrons(
+    x: Plane, hidden: Hidden, camera: Camera, fixed: Patterns, seconds: float
+) -> Plane:
+    """Return the expected charge, (H, W) electrons, of a mosaic of light."""
+    full = camera.over(camera.full_well, x.shape)
+    dark = fixed.leak
+    if "dark_current" in hidden:
+        dark = dark + hidden["dark_current"]["electrons_per_second"]
+    charge = np.maximum(full * x * (1 + fixed.gain) + dark * seconds, 0.0)
+    if "nonlinearity" not in hidden:
+        return charge
+    v = hidden["nonlinearity"]
+    if v["power"] == 0:  # pixels that fill up: 1 - exp
+        scale = _filling_scale(v["loss"])
+        return full * -np.expm1(-charge / full * scale) / scale
+    level = np.minimum(charge / full, 1.5)
+    return charge * (1 - v["loss"] * level ** v["power"])
+
+
+def _filling_scale(loss: float) -> float:
+    """Return s with (1 - exp(-s)) / s = 1 - loss, by Newton's method."""
+    s = 2 * loss
+    for _ in range(20):
+        value = -np.expm1(-s) / s - (1 - loss)
+        s -= value / ((np.exp(-s) * (1 + s) - 1) / s**2)
+    return s
+
+
+def pedestal(
+    hidden: Hidden, camera: Camera, fixed: Patterns, shape: tuple[int, int]
+) -> Plane:
+    """Return the expected DN without charge, (H, W)."""
+    black = camera.over(camera.black, shape)
+    if "black_level" in hidden:
+        v = hidden["black_level"]
+        shift = [v[f"dn_{row}{col}"] for row in range(2) for col in range(2)]
+        black = black + camera.over(np.reshape(shift, (2, 2)), shape)
+    gain = camera.over(camera.dn_per_electron, shape)
+    return black + gain * (fixed.offset + fixed.column)

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""The true log density of a frame, in nats per pixel; its unit of level is 1 DN."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.special import log_ndtr, logsumexp
+
+from cg2raw.synthetic.camera import Camera, Plane
+from cg2raw.synthetic.photons import ROUNDING, normal, photon_density
+from cg2raw.synthetic.readout import (
+    Noise,
+    blend_response,
+    blended,
+    row_unit,
+)
+
+LOWEST = -1e4  # nats; what cannot have happened
+ROW_NODES = 11
+
+
+def log_density(
+    dn: NDArray[np.uint16],
+    charge: Plane,
+    pedestal: Plane,
+    noise: Noise,
+    camera: Camera,
+    unsure: Plane | float = 0.0,
+) -> NDArray[np.float32]:
+    """Return (H, W) log densities of a frame under the model that drew it.
+
+    charge, pedestal : expected, electrons and DN. unsure : variance, DN^2, of the
+    expectation, where patterns are known from other frames only.
+
+    The probability of the rounded value, of all beyond where it clipped. A row's offset
+    is integrated out and its density shared by the row's pixels; noise reduction is
+    undone first and its determinant counted, with the rounding that came after it."""
+    level = dn.astype(np.float64)
+    low, high = dn == 0, dn >= camera.white
+    if noise.blend:
+        level, more = _before_blend(level, noise.blend)
+        margin = 3 * np.sqrt(more)
+        low, high = level < margin, level > camera.white - margin
+        unsure = unsure + more - ROUNDING
+
+    def at_offset(offset: Plane | float) -> Plane:
+        moved = pedestal + offset
+        return _independent(level, low, high, charge, moved, noise, camera, unsure)
+
+    density = _row_mean(at_offset, noise.row * row_unit(camera))
+    if noise.blend:
+        density = density - _log_determinant(level.shape, noise.blend)
+    return np.maximum(density, LOWEST).astype(np.float32)
+
+
+def _before_blend(level: Plane, blend: float) -> tuple[Plane, float]:
+    """Undo noise reduction; return also the variance that rounding has become."""
+    response = blend_response((level.shape[0] // 2, level.shape[1] // 2), blend)
+    return blended(level, blend, inverse=True), ROUNDING * float(np.mean(response**-2))
+
+
+def _log_determinant(shape: tuple[int, int], blend: float) -> Plane:
+    """Return each pixel's share of the filter's log determinant."""
+    share = np.empty(shape)
+    for row in range(2):
+        for col in range(2):
+            sites = share[row::2, col::2]
+            sites[:] = np.log(np.abs(blend_response(sites.shape, blend))).mean()
+    return share
+
+
+def _row_mean(at_offset, half: float) -> Plane:
+    """Integrate over a row's uniform offset: its likelihood is smooth, so a few nodes
+    carry a spline that is summed finely. Pixels have their density at the row's mean
+    offset; what a row is less sure than that is shared by its pixels."""
+    if not half:
+        return at_offset(0.0)
+    nodes = half * np.cos(np.pi * (np.arange(ROW_NODES) + 0.5) / ROW_NODES)[::-1]
+    planes = [at_offset(node) for node in nodes]
+    rows = np.stack([plane.sum(1) for plane in planes])  # (nodes, H)
+    fine = np.linspace(-half, half, 2001)
+    sums = CubicSpline(nodes, rows, axis=0)(fine)
+    weights = np.full(len(fine), 1.0 / (len(fine) - 1))
+    weights[[0, -1]] /= 2
+    total = logsumexp(sums, axis=0, b=weights[:, None])
+    odds = np.exp(sums - sums.max(0)) * weights[:, None]
+    mean = (fine @ odds / odds.sum(0))[:, None]
+    there = at_offset(mean)
+    return there + (total - there.sum(1))[:, None] / there.shape[1]
+
+
+def _independent(
+    level, low, high, charge, pedestal, noise: Noise, camera: Camera, unsure
+) -> Plane:
+    """Log density of pixels that know nothing of each other."""
+    shape = level.shape
+    gain = camera.over(camera.dn_per_electron, shape)
+    read = (gain * camera.over(camera.read_noise, shape)) ** 2  # DN^2
+    parts = []
+    for weight, ratio in zip(noise.weights, noise.variances, strict=True):
+        around = ratio * read + unsure
+        if np.isfinite(noise.well):
+            well = pedestal + gain * noise.well * camera.over(camera.full_well, shape)
+            one = _clipped(level, charge, pedestal, gain, around, well, noise.excess)
+        else:
+            well = np.inf
+            variance = gain**2 * noise.excess * charge + around
+            one = _rounded(level, pedestal + gain * charge, np.sqrt(variance))
+        if noise.poisson:  # near a well, many photons: they are Gaussian there
+            room = gain * 6 * np.sqrt(noise.excess * charge + 1)
+            inner = ~low & ~high & (pedestal + gain * charge + room < well)
+            one = np.where(
+                inner,
+                photon_density(level, charge, pedestal, gain, around, noise.excess),
+                one,
+            )
+        ends = _ends(charge, pedestal, gain, around, noise, camera)
+        one = np.where(low, ends[0], np.where(high, ends[1], one))
+        parts.append(np.log(weight) + one)
+    return logsumexp(parts, axis=0)
+
+
+def _rounded(level: Plane, mean: Plane, sd: Plane) -> Plane:
+    """Log probability that a Gaussian rounds to a level."""
+    a, b = (level - 0.5 - mean) / sd, (level + 0.5 - mean) / sd
+    a, b = np.where(a > 0, -b, a), np.where(a > 0, -a, b)  # the accurate tail
+    upper, lower = log_ndtr(b), log_ndtr(a)
+    return upper + np.log1p(-np.exp(np.minimum(lower - upper, -1e-300)))
+
+
+def _ends(charge, pedestal, gain, around, noise: Noise, camera: Camera):
+    """Log probabilities of 0 DN and of white; the charge as a Gaussian."""
+    mean = pedestal + gain * charge
+    if np.isfinite(noise.well):
+        full = camera.over(camera.full_well, charge.shape)
+        mean = np.minimum(mean, pedestal + gain * noise.well * full)
+    sd = np.sqrt(gain**2 * noise.excess * charge + around)
+    return log_ndtr((0.5 - mean) / sd), log_ndtr((mean - camera.white + 0.5) / sd)
+
+
+def _clipped(level, charge, pedestal, gain, around, well, excess) -> Plane:
+    """Log density where charge stops at the full well and is read with noise.
+
+    Either the charge was below the well, or the well was read."""
+    mean = pedestal + gain * charge
+    shot = gain**2 * excess * charge + 1e-12
+    around = around + ROUNDING
+    total = shot + around
+    middle = (mean * around + level * shot) / total
+    spread = np.sqrt(shot * around / total)
+    below = normal(level - mean, total) + log_ndtr((well - middle) / spread)
+    at_well = log_ndtr((mean - well) / np.sqrt(shot)) + normal(level - well, around)
+    return np.logaddexp(below, at_well)

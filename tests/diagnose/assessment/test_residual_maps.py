@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Residual tests of frames whose sensor has a map: its slow part is no structure."""
+
+import numpy as np
+from cg2raw.diagnose.assessment import residual_tests
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.likelihood.prediction import Model, predict
+from diagnose.planted import (
+    ONE,
+    captures_of,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
+
+SENSOR = sensor_of()
+GAINS = 0.02
+
+
+def flats(group):
+    return captures_of(["flat"] * 6, group, level=0.6)
+
+
+def p_values(frames, model):
+    return {
+        test.name: test.p_value
+        for test in residual_tests.residual_tests(model, frames, ONE)
+        if "mean" in test.name and "frame mean" not in test.name
+    }
+
+
+def test_the_slow_part_of_a_map_is_no_structure(monkeypatch):
+    """A map is high-passed: means of tiles and columns stay in the residuals."""
+    both = frames_of(SENSOR, flats("fit") + flats("report"))
+    pattern = GAINS * np.random.default_rng(5).standard_normal(both[0].signal.shape)
+
+    def extra(frame, _):
+        return pattern * predict(Model(SENSOR), frame).mean
+
+    shown = drawn(both, Model(SENSOR), 6, extra)
+    model = fit_patterns(model_of(SENSOR, prnu=[0.0]), shown[:6], ONE)
+    assert min(p_values(shown[6:], model).values()) > 1e-3
+    monkeypatch.setattr(residual_tests, "SLOW_IS_LEFT", ())
+    assert min(p_values(shown[6:], model).values()) < 1e-6
+
+
+def test_a_structure_beside_a_map_is_still_seen():
+    both = frames_of(SENSOR, flats("fit") + flats("report"))
+    pattern = GAINS * np.random.default_rng(5).standard_normal(both[0].signal.shape)
+
+    def extra(frame, _):
+        light = predict(Model(SENSOR), frame).mean
+        u, _ = frame.tiles.field()
+        return (pattern + 0.01 * np.sin(6 * u)) * light
+
+    shown = drawn(both, Model(SENSOR), 6, extra)
+    model = fit_patterns(model_of(SENSOR, prnu=[0.0]), shown[:6], ONE)
+    assert p_values(shown[6:], model)["tile mean"] < 1e-9

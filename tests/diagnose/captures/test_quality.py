@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What is wrong with frames is found before they are diagnosed."""
+
+import cg2raw
+import numpy as np
+import pytest
+from cg2raw.diagnose.captures.phase_correlation import shift_between
+from cg2raw.diagnose.captures.quality import comb, integrity
+from cg2raw.diagnose.captures.reader import read_frames
+from diagnose import capture_files as files
+
+
+def checked(folder, lines):
+    """Return the Integrity of each frame of a manifest."""
+    _, sensor, frames, _ = read_frames(files.manifest(folder, lines))
+    return [integrity(frame.capture, sensor) for frame in frames]
+
+
+def smooth(shape, down=0.0, right=0.0, seed=1):
+    """Return a band-limited periodic picture, shifted by any part of a pixel."""
+    rng = np.random.default_rng(seed)
+    v, u = np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1])[None, :]
+    spectrum = np.fft.rfft2(rng.standard_normal(shape)) * np.exp(-40 * (u * u + v * v))
+    return np.fft.irfft2(spectrum * np.exp(-2j * np.pi * (v * down + u * right)), shape)
+
+
+@pytest.mark.parametrize("shift", [(0, 0), (0.3, -0.7), (-2.5, 1.25), (7, -4)])
+@pytest.mark.parametrize("noise", [0, 0.2])
+def test_a_planted_shift_is_found(shift, noise):
+    shape = (128, 160)
+    first = smooth(shape)
+    second = smooth(shape, *shift)
+    second = 3 * second + 1
+    rng = np.random.default_rng(2)
+    first = first + noise * first.std() * rng.standard_normal(shape)
+    found = shift_between(first, second)
+    assert (found.down, found.right) == pytest.approx(shift, abs=0.15)
+    assert found.correlation > 0.75
+
+
+def test_another_picture_does_not_correlate():
+    found = shift_between(smooth((128, 160)), smooth((128, 160), seed=3))
+    assert abs(found.correlation) < 0.3
+
+
+@pytest.mark.parametrize(
+    ("codes", "step", "missing"),
+    [
+        (np.arange(1000), 1, 0.0),
+        (np.arange(0, 4000, 4), 4, 0.0),
+        (np.arange(1000)[np.arange(1000) % 4 != 3], 1, 0.25),
+        (np.full(1000, 7), 1, 0.0),
+    ],
+)
+def test_a_comb_is_seen(codes, step, missing):
+    found = comb(np.bincount(np.repeat(codes, 3)))
+    assert found[0] == step and found[1] == pytest.approx(missing, abs=0.01)
+
+
+def test_frames_that_are_right(tmp_path):
+    path = files.standard_set(tmp_path)
+    _, sensor, frames, _ = read_frames(path)
+    for frame in frames:
+        found = integrity(frame.capture, sensor)
+        assert found.complaints == (), found
+        assert (found.shift is None) == (found.kind != "scene")
+    assert abs(found.shift.down) < 0.2 and abs(found.shift.right) < 0.2
+    raw = frames[-1].capture.raw()
+    assert (found.low, found.high) == (raw.min(), raw.max())
+    assert found.mean == pytest.approx(raw.mean())
+
+
+def test_a_scene_that_does_not_correspond(tmp_path):
+    files.frame(tmp_path, "a.dng", files.picture(seed=1))
+    np.save(tmp_path / "r.npy", files.picture(seed=2))
+    [found] = checked(tmp_path, ["{file: a.dng, kind: scene, scene: r.npy}"])
+    assert "the scene does not correspond: correlation" in found.complaints[0]
+
+
+def test_a_render_that_is_shifted(tmp_path):
+    big = files.picture((192, 256), seed=4)
+    cg2raw.write_dng(
+        tmp_path / "a.dng",
+        cg2raw.Sensor(files.SENSOR).simulate(big, illuminant="D65", iso=100),
+    )
+    np.save(tmp_path / "r.npy", np.roll(big, (6, -10), axis=(0, 1)))
+    [found] = checked(tmp_path, ["{file: a.dng, kind: scene, scene: r.npy}"])
+    assert (found.shift.down, found.shift.right) == pytest.approx((6, -10), abs=0.5)
+    assert "a diagnosis takes up 3 px" in found.complaints[0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "words"),
+    [
+        ("dark", 500, "all pixels are 500 DN: holds no picture"),
+        ("dark", 500, "its mean is 436 DN above black: is it dark?"),
+        ("flat, scene: unknown, illuminant: A", 64, "holds no light: is it a dark?"),
+        ("flat, scene: unknown, illuminant: A", 1023, "100% of the pixels are clipped"),
+        ("dark", 4000, "4000 DN does not fit into 10 bits (1023)"),
+    ],
+)
+def test_levels_that_are_wrong(tmp_path, kind, value, words):
+    np.save(tmp_path / "a.npy", np.full(files.SHAPE, value, np.uint16))
+    [found] = checked(tmp_path, [f"{{file: a.npy, kind: {kind}}}"])
+    assert words in " ".join(found.complaints)
+
+
+def test_shares_of_clipped_and_empty_pixels(tmp_path):
+    raw = files.frame(tmp_path, "a.npy", files.picture())
+    raw = raw.copy()
+    raw[:12] = 1023
+    raw[12:24] = 0
+    np.save(tmp_path / "a.npy", raw)
+    line = "{file: a.npy, kind: flat, scene: unknown, illuminant: A}"
+    [found] = checked(tmp_path, [line])
+    assert found.clipped == pytest.approx(0.25, abs=0.01)
+    assert found.below == pytest.approx(0.25)

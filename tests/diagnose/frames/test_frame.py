@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Frames: where tiles lie, and what is known of a capture."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cg2raw import Sensor
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.splits import third
+from cg2raw.diagnose.frames.frame import (
+    BORDER,
+    UNIFORM_BORDER,
+    frame_of,
+    planes_of_sites,
+    source_of,
+)
+from cg2raw.diagnose.frames.tiling import MARGIN, tiling, whole_tilings
+from cg2raw.diagnose.inference.noise_level import noise_models
+from diagnose.planted import SHAPE, capture_of, frames_of, scene_of, sensor_of
+
+SENSOR = sensor_of()
+LARGE = (3000, 4000)
+
+
+def inner(tiles):
+    """Return (top, bottom, left, right) of the tiles."""
+    rows, columns = tiles.rows_and_columns()
+    return rows[:, 0, 0], rows[:, -1, 0] + 1, columns[:, 0, 0], columns[:, 0, -1] + 1
+
+
+@pytest.mark.parametrize("repeat", [2, 6])
+@pytest.mark.parametrize("shape", [LARGE, (260, 400), (700, 177), (400, 3000)])
+def test_tiles_lie_inside_start_a_repeat_and_do_not_overlap(shape, repeat):
+    tiles = tiling(shape, 65536, repeat)
+    assert (tiles.origins % repeat == 0).all() and tiles.margin % repeat == 0
+    for places, size in ((tiles.origins, tiles.size), (tiles.blocks, tiles.block_size)):
+        assert (places >= 0).all()
+        assert (places + size <= shape).all()
+    covered = np.zeros(shape, int)
+    for top, bottom, left, right in zip(*inner(tiles), strict=True):
+        covered[top:bottom, left:right] += 1
+    assert covered.max() == 1
+    assert covered.sum() >= 0.3 * min(65536, shape[0] * shape[1])
+
+
+SIZES = [(480, 640), (640, 480), (1200, 1600), LARGE, (288, 4000), (6000, 9000)]
+
+
+@pytest.mark.parametrize("pixels", [8192, 65536, 10**6])
+@pytest.mark.parametrize("shape", SIZES)
+def test_tiles_are_in_all_corners_and_in_the_middle(shape, pixels):
+    """Sizes around those from which on a frame is not taken whole, too."""
+    tiles = tiling(shape, pixels)
+    covered = np.zeros(shape, bool)
+    for top, bottom, left, right in zip(*inner(tiles), strict=True):
+        covered[top:bottom, left:right] = True
+    assert covered[:: shape[0] - 1, :: shape[1] - 1].all()  # the corners' own pixels
+    assert covered[shape[0] // 2, shape[1] // 2]
+    assert covered[0, shape[1] // 2] and covered[shape[0] // 2, 0]
+    if len(tiles.origins) > 1:
+        assert 0.5 * pixels < covered.sum() < 1.6 * pixels
+    again = tiling(shape, pixels)
+    assert (again.origins == tiles.origins).all()
+
+
+@pytest.mark.parametrize("length", [*range(288, 600, 7), 1001, 3000])
+@pytest.mark.parametrize("repeat", [2, 6])
+def test_radii_between_centre_and_corner_are_seen(length, repeat):
+    tiles = tiling((length, length * 4 // 3), 65536, repeat)
+    u, v = tiles.field()
+    radius = np.hypot(u, v)
+    assert radius.min() < 0.02 and radius.max() > 0.985
+    share, _ = np.histogram(radius, 10, (0, 1))
+    assert (share > 100).sum() >= 7
+
+
+def test_a_small_frame_is_one_tile():
+    tiles = tiling(SHAPE, 65536)
+    assert (tiles.size, tiles.margin, len(tiles.origins)) == (SHAPE, 0, 1)
+
+
+@pytest.mark.parametrize("group", ["fit", "select", "report"])
+def test_tiles_lie_where_a_mask_counts(group):
+    wanted = np.zeros((1200, 1600), bool)
+    wanted[500:620, 700:900] = third((120, 200), group)
+    tiles = tiling(wanted.shape, 8192, 2, wanted)
+    assert tiles.cut(wanted).sum() > 0.5 * min(8192, wanted.sum())
+    assert tiles.cut(wanted).mean() > 1 / 9
+
+
+def test_cut_and_field_agree_with_the_frame():
+    tiles = tiling((600, 900), 32768)
+    rows, columns = np.mgrid[:600, :900]
+    u, v = tiles.field()
+    half = np.hypot(600, 900) / 2
+    assert tiles.cut((columns + 0.5 - 450) / half) == pytest.approx(u)
+    assert tiles.cut((rows + 0.5 - 300) / half) == pytest.approx(v)
+    wide = tiles.cut(rows, with_margin=True)
+    middle = len(wide) // 2
+    inside = wide[middle, MARGIN:-MARGIN, MARGIN:-MARGIN]
+    assert (inside == tiles.cut(rows)[middle]).all()
+    assert (tiles.inner(wide[:, None])[:, 0] == tiles.cut(rows)).all()
+    assert (wide[0, 0, 0], wide[-1, -1, -1]) == (0, 599)  # moved into the frame
+
+
+@pytest.mark.parametrize("kind", ["scene", "flat", "dark"])
+def test_the_frames_own_edges_count_wherever_tiles_lie(kind):
+    shape = (320, 480)
+    (frame,) = frames_of(SENSOR, [capture_of(kind, shape=shape)], 16384)
+    border = BORDER if kind == "scene" else UNIFORM_BORDER
+    assert len(frame.tiles.origins) > 1
+    rows, columns = (
+        np.broadcast_to(p, frame.keep.shape) for p in frame.tiles.rows_and_columns()
+    )
+    ends = np.minimum(
+        np.minimum(rows, shape[0] - 1 - rows),
+        np.minimum(columns, shape[1] - 1 - columns),
+    )
+    assert (frame.keep == (ends >= border)).all()
+
+
+def test_planes_of_sites():
+    site, color, values = planes_of_sites("GBRG", (4, 6), [1, 2, 3, 4])
+    assert site[:2, :2].tolist() == [[0, 1], [2, 3]]
+    assert color[:2, :2].tolist() == [[1, 2], [0, 1]]
+    assert (values == site + 1).all()
+    assert (planes_of_sites("GBRG", (4, 6), [7])[2] == 7).all()
+    per_color = planes_of_sites("GBRG", (4, 6), [1, 2, 3])
+    assert (per_color[2] == per_color[1] + 1).all()
+
+
+def test_borders_of_a_whole_frame_and_masks_do_not_count():
+    mask = np.ones(SHAPE, bool)
+    mask[30:34, 40:44] = False
+    (frame,) = frames_of(SENSOR, [capture_of(mask=lambda: mask)])
+    assert not frame.keep[0, :BORDER].any() and not frame.keep[0, :, -BORDER:].any()
+    assert not frame.keep[0, 30:34, 40:44].any()
+    assert frame.keep.sum() == (SHAPE[0] - 16) * (SHAPE[1] - 16) - 16
+
+
+def test_signal_and_ends_of_the_adc():
+    raw = np.full(SHAPE, 1000, np.uint16)
+    raw[10, 10], raw[10, 11] = 0, SENSOR.white_level
+    (frame,) = frames_of(SENSOR, [capture_of(raw=lambda: raw)])
+    black, white = SENSOR.black_level[0], SENSOR.white_level
+    assert frame.signal[0, 20, 20] == pytest.approx((1000 - black) / (white - black))
+    assert frame.at_zero.sum() == 1 and frame.at_zero[0, 10, 10]
+    assert frame.at_white.sum() == 1 and frame.at_white[0, 10, 11]
+    assert frame.range == pytest.approx(white - black)
+
+
+@pytest.mark.parametrize("name", ["sony-a57", "fujifilm-x-m1"])
+def test_a_flat_of_unknown_level_takes_its_own(name):
+    sensor = Sensor(name)
+    shape = (72, 108)
+    rng = np.random.default_rng(3)
+    color = planes_of_sites(sensor.cfa, shape, [0])[1]
+    span = sensor.white_level - np.mean(sensor.black_level)
+    levels = np.array([0.2, 0.4, 0.3])
+    dn = levels[color] * span + np.mean(sensor.black_level)
+    raw = (dn + rng.normal(0, 5, shape)).astype(np.uint16)
+    capture = capture_of("flat", shape=shape, scene=None, raw=lambda: raw, iso=None)
+    captures = CaptureSet(sensor, [capture])
+    tiles = tiling(shape, 65536, round(len(sensor.cfa) ** 0.5))
+    frame = frame_of(source_of(captures, capture), tiles, noise_models(captures)[None])
+    assert frame.level_free
+    assert frame.camera[0, :, 30, 30] == pytest.approx(levels, rel=0.01)
+
+
+def test_frames_of_one_capture_are_the_same_and_of_another_are_not():
+    captures = [capture_of(), capture_of(), capture_of(name="b")]
+    a, b, c = frames_of(SENSOR, captures)
+    assert (a.uniform == b.uniform).all() and (a.uniform != c.uniform).any()
+
+
+def test_exposure_time_that_is_not_known_makes_rates_per_frame():
+    (frame,) = frames_of(SENSOR, [capture_of(exposure_time=None)])
+    assert frame.seconds == 1.0
+    (frame,) = frames_of(SENSOR, [capture_of(exposure_time=0.25)])
+    assert frame.seconds == 0.25
+
+
+def test_a_large_frame_is_kept_as_its_tiles():
+    shape = (1000, 1400)
+    scene = scene_of(2, shape)
+    (frame,) = frames_of(
+        SENSOR, [replace(capture_of(shape=shape), scene=lambda: scene)]
+    )
+    whole = sum(x.nbytes for x in vars(frame).values() if isinstance(x, np.ndarray))
+    assert whole < 65536 * 1.6 * 80
+    assert frame.camera.base is None or frame.camera.base.nbytes < 4 * 1400 * 1000
+
+
+@pytest.mark.parametrize("repeat", [2, 6])
+@pytest.mark.parametrize("shape", [(260, 400), (700, 177), (1000, 1400)])
+def test_pieces_of_a_whole_frame_cover_it_once(shape, repeat):
+    covered = np.zeros(shape, int)
+    for tiles in whole_tilings(tiling(shape, 16384, repeat), repeat):
+        assert (tiles.origins % repeat == 0).all()
+        fresh = np.ones((len(tiles.origins), *tiles.size), bool)
+        fresh = fresh if tiles.fresh is None else tiles.fresh
+        for new, top, bottom, left, right in zip(fresh, *inner(tiles), strict=True):
+            covered[top:bottom, left:right] += new
+    assert covered.max() == 1
+    missing = np.argwhere(covered == 0)  # part of a repeat at the far ends
+    assert all(shape[0] - r < repeat or shape[1] - c < repeat for r, c in missing)

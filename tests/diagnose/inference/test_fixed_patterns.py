@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Fixed patterns: priors and maps are recovered, and know what they do not know."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cg2raw.diagnose.captures.splits import third
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.likelihood.prediction import Model, predict
+from diagnose.planted import ONE, READ, SHAPE, capture_of, drawn, frames_of, model_of
+from diagnose.planted import sensor_of as made
+
+SENSOR = made()
+TILE = (1, *SHAPE)
+
+
+def captures_of(group="fit", count=4, mask=None, kinds=("dark", "flat")):
+    return [
+        capture_of(kind, seed, group=group, name=f"{kind}{seed}{group}", mask=mask)
+        for kind in kinds
+        for seed in range(count)
+    ]
+
+
+def planted(captures, seed, bearing_of, pattern):
+    """Return frames that show a pattern; bearing_of(frame) is what multiplies it."""
+
+    def extra(frame, _):
+        return bearing_of(frame) * pattern
+
+    return drawn(frames_of(SENSOR, captures), Model(SENSOR), seed, extra)
+
+
+def white(frame):
+    return 1.0
+
+
+def light(frame):
+    return predict(Model(SENSOR), frame).exposed
+
+
+def fitted(name, frames):
+    return fit_patterns(model_of(SENSOR, **{name: [0.0]}), frames, ONE).terms[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "sigma", "bearing"), [("prnu", 0.01, light), ("dsnu", READ / 2, white)]
+)
+def test_a_map_and_its_prior_are_recovered(name, sigma, bearing):
+    rng = np.random.default_rng(1)
+    pattern = sigma * rng.standard_normal(TILE)
+    frames = planted(captures_of(count=8), 2, bearing, pattern)
+    term = fitted(name, frames)
+    keep = frames[0].keep
+    assert term.values[0] == pytest.approx(sigma, rel=0.07)
+    error = (term.pattern.mean - pattern)[keep]
+    doubt = term.pattern.variance[keep]
+    assert np.mean(error**2 / doubt) == pytest.approx(1, abs=0.08)
+    assert doubt.mean() < 0.75 * sigma**2
+
+
+@pytest.mark.parametrize(("name", "bearing"), [("prnu", light), ("dsnu", white)])
+def test_noise_alone_makes_no_map(name, bearing):
+    frames = planted(captures_of(count=8), 3, bearing, np.zeros(TILE))
+    term = fitted(name, frames)
+    alone = READ / 4 if name == "dsnu" else 0.01
+    assert term.values[0] < 0.35 * alone
+    assert np.abs(term.pattern.mean).max() < alone
+
+
+def test_more_frames_shrink_less():
+    rng = np.random.default_rng(4)
+    pattern = READ / 2 * rng.standard_normal(TILE)
+    shares = []
+    for count in (1, 16):
+        frames = planted(captures_of(count=count), 5, white, pattern)
+        term = fitted("dsnu", frames)
+        keep = frames[0].keep
+        slope = (term.pattern.mean * pattern)[keep].sum() / (pattern**2)[keep].sum()
+        shares.append(slope)
+    assert shares[0] < 0.5 < 0.75 < shares[1]
+
+
+def test_slow_maps_are_shading():
+    rows, cols = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    slow = 0.02 * np.sin(2 * np.pi * cols / SHAPE[1]) * np.ones(TILE)
+    frames = planted(captures_of(count=8), 6, light, slow)
+    assert fitted("prnu", frames).values[0] < 0.003
+
+
+def test_columns_are_recovered():
+    rng = np.random.default_rng(7)
+    sigma = 0.3 * READ
+    columns = sigma * rng.standard_normal((1, 1, SHAPE[1]))
+    frames = planted(captures_of(count=4), 8, white, columns)
+    term = fitted("column_noise", frames)
+    inner = frames[0].keep.any(1)[0]
+    assert term.values[0] == pytest.approx(sigma, rel=0.25)
+    error = (term.pattern.mean[0, 20] - columns[0, 0])[inner]
+    assert error.std() < 0.35 * sigma
+
+
+def test_pixels_that_do_not_count_tell_nothing():
+    """Of a frame that is divided by pixels, those of the other groups."""
+    rng = np.random.default_rng(12)
+    pattern = READ * rng.standard_normal(TILE)
+    mask = third(SHAPE, "fit")
+    frames = planted(captures_of(mask=lambda: mask), 13, white, pattern)
+    whole = capture_of("dark", 50, shape=SHAPE)
+    frames += planted([whole], 14, white, pattern)
+    term = fitted("dsnu", frames)
+    spoilt = [replace(f, signal=np.where(f.keep, f.signal, 0.5)) for f in frames]
+    again = fitted("dsnu", spoilt)
+    assert (again.pattern.mean == term.pattern.mean).all()
+    assert again.values == term.values
+    inside = frames[0].keep
+    others = frames[-1].keep & ~inside
+    assert (
+        term.pattern.variance[others].mean() > 2 * term.pattern.variance[inside].mean()
+    )
+
+
+def test_pixels_that_nobody_saw_have_the_prior():
+    rng = np.random.default_rng(15)
+    mask = third(SHAPE, "fit")
+    pattern = READ * rng.standard_normal(TILE)
+    frames = planted(captures_of(mask=lambda: mask, count=8), 16, white, pattern)
+    term = fitted("dsnu", frames)
+    unseen = ~frames[0].keep
+    assert (term.pattern.mean[unseen] == 0).all()
+    assert term.pattern.variance[unseen] == pytest.approx(term.values[0] ** 2)
+    assert term.values[0] == pytest.approx(READ, rel=0.08)
+
+
+def test_pixels_clipped_in_all_frames_do_not_spoil_the_prior():
+    rng = np.random.default_rng(17)
+    few = rng.random(TILE) < 0.1
+    pattern = np.where(few, 6, 0.0) * READ * rng.standard_normal(TILE)
+    frames = planted(captures_of(count=8), 18, white, pattern)
+    sigma = fitted("dsnu", frames).values[0]
+    for frame in frames:
+        frame.at_white[:, 20, 20:60] = True
+    assert fitted("dsnu", frames).values[0] == pytest.approx(sigma, rel=0.1)
+
+
+def test_a_map_takes_its_variance_from_fitted_frames_and_adds_it_to_others():
+    rng = np.random.default_rng(19)
+    pattern = READ * rng.standard_normal(TILE)
+    both = captures_of("fit", 3, kinds=("dark",)) + captures_of(
+        "select", 3, kinds=("dark",)
+    )
+    frames = planted(both, 20, white, pattern)
+    model = fit_patterns(model_of(SENSOR, dsnu=[0.0]), frames[:3], ONE)
+    for frame in frames:
+        p = predict(model, frame)
+        z = ((frame.signal - p.mean) / np.sqrt(p.variance))[frame.keep]
+        assert np.mean(z**2) == pytest.approx(1, abs=0.06), frame.capture.group

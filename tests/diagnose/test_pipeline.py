@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""diagnose() as a whole, on small sets."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cg2raw import Sensor
+from cg2raw.diagnose import pipeline as engine
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.diagnose.inference.model_selection import Search
+from cg2raw.diagnose.likelihood.prediction import Model
+from cg2raw.diagnose.pipeline import diagnose
+from cg2raw.synthetic.captures import draw_hidden, simulate_captures
+from cg2raw.synthetic.sensors import ISO, with_noise
+from diagnose.planted import (
+    BY_NAME,
+    ONE,
+    capture_of,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
+
+SENSOR = sensor_of()
+SHAPE = (64, 84)  # of whole repeats of X-Trans too
+FEW = ("exposure", "read_noise", "black_level", "gr_gb_imbalance")
+
+
+def set_of(sensor, seed=1, extra=0.0, shape=SHAPE, model=None, **more):
+    """Return a set whose pixels a model draws: 2 darks, flats and repeats a group."""
+    captures = []
+    for number, group in enumerate(GROUPS):
+        for repeat in range(2):
+            name = f"{group}{repeat}"
+            given = {"group": group, "shape": shape, **more}
+            dark = {"exposure_time": 0.5 + repeat, "name": f"dark-{name}"}
+            flat = {"level": 0.2 + 0.4 * repeat, "name": f"flat-{name}"}
+            scene = {"set": f"scene-{group}", "name": f"scene-{name}"}
+            captures += [
+                capture_of("dark", 7 * number + repeat, **{**dark, **given}),
+                capture_of("flat", 7 * number + repeat, **{**flat, **given}),
+                capture_of("scene", number, **{**scene, **given}),
+            ]
+    return shown_set(sensor, captures, seed, extra, model)
+
+
+def shown_set(sensor, captures, seed, extra=0.0, model=None):
+    black = np.mean(sensor.black_level)
+    frames = frames_of(sensor, captures, 10**9)
+    result = []
+    for frame in drawn(frames, model or Model(sensor), seed, extra):
+        dn = np.clip(np.round(frame.signal[0] * frame.range + black), 0, None)
+        raw = np.minimum(dn, sensor.white_level).astype(np.uint16)
+        result.append(replace(frame.capture, raw=lambda raw=raw: raw))
+    return CaptureSet(sensor, result)
+
+
+def run(captures, **more):
+    return diagnose(captures, **{"only": FEW, "details": False, "threads": 1, **more})
+
+
+def summary(found):
+    """Return all of a verdict that could depend on how it was computed."""
+    effects = [
+        (e.name, e.gain_nats, {n: p.value for n, p in e.parameters.items()})
+        for e in found.effects
+    ]
+    tests = [(t.name, t.p_value) for t in found.tests_after]
+    return found.verdict, effects, tests, found.gap, found.profile_json
+
+
+def test_nothing_hidden_is_no_gap():
+    found = run(set_of(SENSOR), only=())
+    assert (found.verdict, found.effects) == ("no gap", [])
+    assert found.gap.chi2_after == pytest.approx(1, abs=0.03)
+    assert {p.name for p in found.power} > {"exposure", "lens_shading"}
+
+
+def test_the_verdict_does_not_depend_on_threads():
+    true = model_of(SENSOR, exposure=[0.03], read_noise=[0.4])
+    captures = set_of(SENSOR, model=true)
+    one, three = (summary(run(captures, threads=n)) for n in (1, 3))
+    assert one == three
+    assert one[0] == "identified"
+    assert sorted(name for name, _, _ in one[1]) == ["exposure", "read_noise"]
+    values = {name: list(parameters.values()) for name, _, parameters in one[1]}
+    assert values["exposure"][0] == pytest.approx(0.03, abs=0.002)
+    assert values["read_noise"][0] == pytest.approx(0.4, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "strength", "value"),
+    [
+        ("row_noise", 0.3, 0.3 * 5 / 10000),
+        ("column_noise", 0.3, 0.3 * 5 / 10000),
+        ("dark_current", 2.0, 2 / 10000),
+    ],
+)
+def test_noise_that_is_cut_at_zero_hides_no_effect(name, strength, value):
+    """A camera without a pedestal shows half of a dark's noise: of 5 in 10000 e-."""
+    sensor = with_noise(Sensor("nikon-d40"), 10000, 5, ISO)
+    assert sensor.black_level == [0.0] * 4
+    hidden = draw_hidden(sensor, {name: strength}, seed=1)
+    captures = simulate_captures(sensor, hidden, seed=1, shape=(64, 96))
+    found = diagnose(captures, details=False, threads=2)
+    assert found.verdict == "identified"
+    (effect,) = found.effects
+    (parameter,) = effect.parameters.values()
+    assert effect.name == name
+    assert parameter.value == pytest.approx(value, rel=0.15)
+    assert found.gap.chi2_after == pytest.approx(1, abs=0.015)
+
+
+def test_an_interrupted_search_still_reports(monkeypatch):
+    captures = set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05], read_noise=[0.5]))
+    added = []
+    add = Search._add
+
+    def interrupted(self, model):
+        if added:
+            raise KeyboardInterrupt
+        added.append(1)
+        return add(self, model)
+
+    monkeypatch.setattr(Search, "_add", interrupted)
+    found = run(captures)
+    assert isinstance(found, Diagnosis) and found.interrupted
+    assert len(found.effects) == 1
+    assert Sensor.from_json(found.profile_json, "found").id == SENSOR.id
+
+
+def test_an_interrupt_at_once_reports_the_gap(monkeypatch):
+    def interrupted(self, model):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Search, "_add", interrupted)
+    found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
+    assert found.interrupted and found.effects == []
+    assert found.verdict == "unknown structure"
+
+
+def test_an_interrupt_before_the_search_reports_the_gap(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(engine, "_base_model", interrupted)
+    found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
+    assert found.interrupted and found.effects == []
+    assert found.gap.chi2_before == found.gap.chi2_after > 1.05
+
+
+def test_x_trans_goes_through_with_nothing_hidden():
+    """Its noise is not known: that is fitted, and named by nobody."""
+    base = Sensor("fujifilm-x-m1")
+    sites = len(base.cfa)
+    profile = json.loads(base.to_json())
+    profile["noise"] = [{"iso": 100, "beta1": [2e-4] * sites, "beta2": [4e-7] * sites}]
+    sensor = Sensor.from_json(json.dumps(profile), "xtrans")
+    captures = set_of(sensor)
+    found = diagnose(captures, details=True, threads=1)
+    assert (found.verdict, found.effects) == ("no gap", [])
+    unmeasured = CaptureSet(base, captures.captures)
+    found = diagnose(unmeasured, only=("exposure", "lens_shading"), threads=1)
+    assert found.effects == []
+    assert any("fitted to the captures" in note for note in found.notes)
+    assert Sensor.from_json(found.profile_json, "found").noise
+
+
+def test_frames_without_exposure_time_name_no_rates():
+    found = run(set_of(SENSOR, exposure_time=None), only=("dark_current", "exposure"))
+    assert found.verdict == "no gap"
+    visible = {power.name: power.strength for power in found.power}
+    assert visible["exposure"] > 0 and visible["dark_current"] is None
+
+
+def test_masked_borders_are_darks_of_another_shape():
+    """They come first, have their own shape, and an offset shows in them alone."""
+    scenes = set_of(SENSOR).captures
+    borders = [
+        capture_of("dark", 90 + n, shape=(64, 20), group=group, name=f"border {group}")
+        for n, group in enumerate(GROUPS)
+    ]
+    offset = model_of(SENSOR, black_level=[2e-4, 2e-4, 2e-4, 2e-4])
+    narrow = shown_set(SENSOR, borders, 3, model=offset).captures
+    bright = [c for c in scenes if c.kind != "dark"]
+    wide = shown_set(SENSOR, bright, 4, model=offset).captures
+    found = run(CaptureSet(SENSOR, [*narrow, *wide]))
+    assert [e.name for e in found.effects] == ["black_level"]
+    assert found.verdict == "identified"
+    prnu = run(CaptureSet(SENSOR, [*narrow, *wide]), only=("prnu", "dsnu"))
+    assert prnu.effects == []
+
+
+def test_isos_have_their_own_noise_and_share_what_is_missing():
+    table = [
+        {"iso": iso, "beta1": [gain * 2e-4] * 4, "beta2": [gain * 4e-7] * 4}
+        for iso, gain in ((100, 1), (800, 8))
+    ]
+    profile = json.loads(SENSOR.to_json())
+    profile["noise"] = table
+    sensor = Sensor.from_json(json.dumps(profile), "isos")
+    low, high = (set_of(sensor, seed=n, iso=iso) for n, iso in ((1, 100.0), (2, 800.0)))
+    renamed = [replace(c, name=c.name + "h", set=c.set + "h") for c in high.captures]
+    found = run(CaptureSet(sensor, [*low.captures, *renamed]))
+    assert found.verdict == "no gap"
+
+
+def test_a_profile_with_effects_is_the_base():
+    old = {"r2": -0.3, "r4": -0.1, "r6": 0.0, "tilt_x": 0.02, "tilt_y": 0.0}
+    old |= {"tilt_x_r2": 0.0, "tilt_y_r2": 0.0}
+    shaded = sensor_of(effects=[{"name": "lens_shading", "parameters": old}])
+    captures = set_of(shaded)
+    only = {"only": ("lens_shading", "exposure")}
+    assert run(captures, **only).verdict == "no gap"
+    doubted = run(CaptureSet(SENSOR, captures.captures), **only)
+    assert [e.name for e in doubted.effects] == ["lens_shading"]
+    repaired = Sensor.from_json(doubted.profile_json, "found")
+    again = run(CaptureSet(repaired, captures.captures), **only)
+    assert (again.verdict, again.effects) == ("no gap", [])
+
+
+@pytest.mark.parametrize("name", ["prnu", "dsnu"])
+def test_a_profile_with_a_pattern_does_not_know_the_camera_s_map(name):
+    sigma = {"prnu": 0.01, "dsnu": 5e-4}[name]
+    sensor = sensor_of(effects=[{"name": name, "parameters": {"sigma": sigma}}])
+    pattern = sigma * np.random.default_rng(8).standard_normal((1, *SHAPE))
+
+    def exposed(frame, rng):
+        light = frame.camera.transpose(0, 2, 3, 1)
+        at = np.take_along_axis(light, frame.color[None, :, :, None], 3)[..., 0]
+        return pattern * (at if name == "prnu" else 1.0)
+
+    captures = set_of(sensor_of(), extra=exposed)
+    found = run(CaptureSet(sensor, captures.captures), only=("prnu", "dsnu"))
+    assert (found.verdict, found.effects) == ("no gap", [])
+    (effect,) = Sensor.from_json(found.profile_json, "found").effects
+    assert effect["parameters"]["sigma"] == pytest.approx(sigma)
+
+
+def test_flats_of_unknown_level_show_what_does_not_need_one():
+    captures = set_of(SENSOR, model=model_of(SENSOR, gr_gb_imbalance=[0.01, -0.01]))
+    free = [
+        replace(c, scene=None) if c.kind == "flat" else c for c in captures.captures
+    ]
+    found = run(CaptureSet(SENSOR, [c for c in free if c.kind != "scene"]))
+    assert [e.name for e in found.effects] == ["gr_gb_imbalance"]
+
+
+def test_a_large_frame_is_worked_on_in_tiles():
+    captures = set_of(SENSOR, shape=(200, 264), model=model_of(SENSOR, exposure=[0.02]))
+    given = {"pixels": 16384, "only": ("exposure", "read_noise")}
+    found = run(captures, **given, details=True)
+    assert [e.name for e in found.effects] == ["exposure"]
+    assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
+    again = run(captures, **given)
+    assert summary(again) == summary(found)
+
+
+def test_groups_that_are_empty_say_so():
+    captures = [c for c in set_of(SENSOR).captures if c.group != "select"]
+    with pytest.raises(ValueError, match="no frame is in the group select"):
+        run(CaptureSet(SENSOR, captures))
+    with pytest.raises(ValueError, match="alpha 0 must lie between 0 and 1"):
+        run(CaptureSet(SENSOR, captures), alpha=0)
+
+
+def test_a_dropped_effect_says_what_it_was_worth(monkeypatch):
+    """The ladder gives what dropping cost, not the difference to itself."""
+    captures = set_of(SENSOR, model=model_of(SENSOR, exposure=[0.03]))
+    frames = frames_of(SENSOR, captures.captures)
+    groups = [[f for f in frames if f.capture.group == g] for g in ("fit", "select")]
+    every = list(BY_NAME.values())
+    search = Search(*groups, every, ONE, 0.01, 6, lambda text: None)
+    model = model_of(SENSOR, exposure=[0.03], gr_gb_imbalance=[1e-5, 0.0])
+    left = search._pruned(model, "exposure")
+    assert left.names == ["exposure"]
+    assert search.steps[0].name == "gr_gb_imbalance"
+    assert search.steps[0].gain != 0

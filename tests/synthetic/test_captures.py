@@ -1,0 +1,343 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The generator of hidden effects keeps to the physics that it states."""
+
+import ast
+import hashlib
+import json
+from pathlib import Path
+
+import cg2raw
+import numpy as np
+import pytest
+from cg2raw.synthetic import captures as command
+from cg2raw.synthetic import charge, conditions, light
+from cg2raw.synthetic.camera import camera_of
+from cg2raw.synthetic.captures import draw_hidden, simulate_captures
+from cg2raw.synthetic.density import log_density
+from cg2raw.synthetic.readout import Noise, blended, read_out
+from cg2raw.synthetic.sensors import ISO, drawn_sensor
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+
+SHAPE = (96, 128)
+SOURCE = Path(command.__file__).parent
+ALLOWED = ("cg2raw.synthetic", "cg2raw.diagnose.captures.capture")
+# What the core predicts or draws effects with.
+FORBIDDEN = {
+    *("simulate", "simulation", "signal", "expectation", "apply_effect"),
+    *("expect_effect", "add_noise", "to_camera", "mosaic_of", "Simulation", "_core"),
+}
+
+
+@pytest.fixture(scope="module")
+def sensor():
+    return drawn_sensor(3)
+
+
+@pytest.fixture(scope="module")
+def camera(sensor):
+    return camera_of(sensor, "D65", ISO)
+
+
+def world_of(captures):
+    return captures.captures[0].raw.func.__self__
+
+
+def report(captures, kind):
+    return [c for c in captures.captures if c.group == "report" and c.kind == kind]
+
+
+def imports_of(tree):
+    """Return the modules that a source imports from."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module
+
+
+@pytest.mark.parametrize(
+    "path",
+    sorted(SOURCE.glob("*.py")),
+    ids=lambda path: path.name,
+)
+def test_nothing_is_shared_with_what_is_tested(path):
+    tree = ast.parse(path.read_text())
+    ours = [name for name in imports_of(tree) if name.startswith("cg2raw")]
+    extra = {"cg2raw", "cg2raw.atomic_file"}
+    assert [n for n in ours if n not in extra and not n.startswith(ALLOWED)] == []
+    used = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    names = {a.name for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)
+             for a in n.names}  # fmt: skip
+    assert (used | names) & FORBIDDEN == set()
+
+
+def test_one_seed_makes_one_set(sensor):
+    hidden = draw_hidden(sensor, {"prnu": None, "row_noise": 0.3}, seed=4)
+    assert hidden == draw_hidden(sensor, {"prnu": None, "row_noise": 0.3}, seed=4)
+    first = simulate_captures(sensor, hidden, seed=4, shape=SHAPE)
+    again = simulate_captures(sensor, hidden, seed=4, shape=SHAPE)
+    other = simulate_captures(sensor, hidden, seed=5, shape=SHAPE)
+    for one, same, another in zip(
+        first.captures, again.captures, other.captures, strict=True
+    ):
+        np.testing.assert_array_equal(one.raw(), same.raw())
+        assert (one.raw() != another.raw()).any()
+
+
+def test_a_set_has_three_disjoint_groups(sensor):
+    captures = simulate_captures(sensor, {}, seed=0, shape=SHAPE).captures
+    for group in ("fit", "select", "report"):
+        mine = [one for one in captures if one.group == group]
+        assert [one.kind for one in mine] == ["dark"] * 2 + ["flat"] * 2 + ["scene"] * 4
+        assert len({one.exposure_time for one in mine if one.kind == "dark"}) == 2
+    sets = {(one.set, one.group) for one in captures}
+    assert len({name for name, _ in sets}) == len(sets)
+
+
+def test_scenes_have_shadows_colours_and_clipped_lights(sensor):
+    for one in report(simulate_captures(sensor, {}, seed=1, shape=SHAPE), "scene"):
+        scene = one.scene()
+        assert scene.shape == (*SHAPE, 3) and scene.dtype == np.float32
+        assert scene.min() > 0
+        assert np.quantile(scene, 0.95) / np.quantile(scene, 0.05) > 10
+        assert (np.ptp(scene, -1) / scene.mean(-1) > 0.3).mean() > 0.1
+        assert 0 < (one.raw() == sensor.white_level).mean() < 0.05
+
+
+def test_camera_rgb_is_that_of_the_core(sensor, camera):
+    scene = np.random.default_rng(0).uniform(0.3, 0.6, (8, 8, 3)).astype(np.float32)
+    core = sensor.to_camera(scene, illuminant="D65", highlights=False)
+    np.testing.assert_allclose(camera.light(scene), core, rtol=2e-6)
+    np.testing.assert_array_equal(
+        camera.mosaic(core.astype(float)), sensor.mosaic(core)
+    )
+
+
+@pytest.mark.parametrize("poisson", [False, True])
+@pytest.mark.parametrize("electrons", [0.0, 20.0, 900.0])
+def test_frames_have_the_stated_mean_and_variance(camera, electrons, poisson):
+    shape = (400, 400)
+    level = np.full(shape, electrons)
+    foot = camera.over(camera.black, shape)
+    noise = Noise(excess=1.3, poisson=poisson)
+    raw = read_out(np.random.default_rng(1), level, foot, noise, camera).astype(float)
+    gain, read = camera.dn_per_electron[0, 0], camera.read_noise[0, 0]
+    variance = gain**2 * (1.3 * electrons + read**2) + 1 / 12
+    count = raw.size
+    mean_error = (raw - foot).mean() - gain * electrons
+    assert abs(mean_error) < 4.5 * np.sqrt(variance / count)
+    assert raw.var() == pytest.approx(variance, rel=4.5 * np.sqrt(2 / count))
+
+
+def test_density_of_the_plain_model_is_the_entropy_of_a_gaussian(sensor, camera):
+    captures = simulate_captures(sensor, {}, seed=2, shape=SHAPE)
+    world = world_of(captures)
+    for one in report(captures, "flat") + report(captures, "dark"):
+        charges, _ = world.expected(one.raw.args[0], world.patterns)
+        gain = camera.over(camera.dn_per_electron, SHAPE)
+        read = camera.over(camera.read_noise, SHAPE)
+        variance = gain**2 * (charges + read**2) + 1 / 12
+        entropy = 0.5 * np.log(2 * np.pi * np.e * variance)
+        error = -one.log_density().mean() - entropy.mean()
+        assert abs(error) < 4.5 * np.sqrt(0.5 / charges.size)
+
+
+PERTURBED = {  # effect -> what stands for "a little otherwise"
+    "lens_shading": ("corner_loss", 0.97),
+    "crosstalk": ("from_left", 0.8),
+    "shot_noise": ("log_gain", 0.6),
+    "read_noise": ("log_variance", 0.6),
+    "row_noise": ("read_noises", 0.7),
+    "heavy_tailed_noise": ("share", 0.4),
+    "noise_reduction": ("blend", 0.9),
+    "early_clipping": ("below_white", 0.98),
+    "black_level": ("dn_00", 0.9),
+    "nonlinearity": ("loss", 0.9),
+}
+STRENGTH = {"row_noise": 0.5, "early_clipping": 0.25, "heavy_tailed_noise": 0.05,
+            "noise_reduction": 0.3, "read_noise": 0.5, "shot_noise": 0.3,
+            "black_level": 1.0}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PERTURBED)
+def test_truth_is_denser_than_what_is_a_little_otherwise(sensor, name):
+    hidden = draw_hidden(sensor, {name: STRENGTH.get(name)}, seed=7)
+    field, factor = PERTURBED[name]
+    other = {name: {**hidden[name], field: factor * hidden[name][field]}}
+    frames = simulate_captures(sensor, hidden, seed=7, shape=SHAPE)
+    wrong = world_of(simulate_captures(sensor, other, seed=7, shape=SHAPE))
+    gain = 0.0
+    for one in frames.captures:
+        if one.group == "report":
+            expected = wrong.expected(one.raw.args[0], wrong.patterns)
+            there = log_density(one.raw(), *expected, wrong.noise, wrong.camera)
+            gain += float((one.log_density() - there).sum())
+    assert gain > 10
+
+
+@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_noise", "hot_pixels"])
+def test_patterns_are_known_as_far_as_the_fit_frames_tell(sensor, name):
+    strength = {"hot_pixels": 5e-3}.get(name, KINDS[name].high)
+    hidden = draw_hidden(sensor, {name: strength}, seed=8)
+    captures = simulate_captures(sensor, hidden, seed=8, shape=SHAPE)
+    world = world_of(captures)
+    feasible = knowing = ignorant = 0.0
+    for one in report(captures, "dark") + report(captures, "flat"):
+        shot = one.raw.args[0]
+        rest = (world.noise, world.camera)
+        flat = charge.Patterns.none(SHAPE)
+        feasible += one.log_density().sum()
+        knowing += log_density(
+            one.raw(), *world.expected(shot, world.patterns), *rest
+        ).sum()
+        ignorant += log_density(one.raw(), *world.expected(shot, flat), *rest).sum()
+    assert ignorant + 10 < feasible < knowing
+
+
+def test_densities_of_few_levels_add_up_to_one(camera):
+    black = camera.black[0, 0]
+    levels = (black + np.arange(-60, 340)).astype(np.uint16)[None]
+    shape = levels.shape
+    foot = camera.over(camera.black, shape)
+    gain = camera.dn_per_electron[0, 0]
+    for noise in (
+        Noise(),
+        Noise(poisson=True),
+        Noise(weights=(0.9, 0.1), variances=(0.6, 4.6)),
+    ):
+        charges = np.full(shape, 30 / gain)
+        total = np.exp(log_density(levels, charges, foot, noise, camera)).sum()
+        assert total == pytest.approx(1, abs=2e-3)
+
+
+def test_blend_is_undone(camera):
+    plane = np.random.default_rng(0).standard_normal((20, 30))
+    again = blended(blended(plane, 0.4), 0.4, inverse=True)
+    np.testing.assert_allclose(again, plane, atol=1e-12)
+    assert blended(np.ones((20, 30)), 0.4) == pytest.approx(1)
+
+
+def test_fall_off_is_the_fourth_power_of_the_cosine():
+    field = light.Field((101, 101), 0)
+    values = {"corner_loss": 0.4, "axis_x": 0.0, "axis_y": 0.0}
+    rgb = light.through_lens(np.ones((101, 101, 3)), {"lens_shading": values}, field)
+    assert rgb[50, 50] == pytest.approx(1)
+    assert rgb[0, 0] == pytest.approx(0.6)
+    tangent = np.sqrt(0.6**-0.5 - 1)
+    half_way = np.cos(np.arctan(tangent / 2)) ** 4
+    assert rgb[25, 25] == pytest.approx(half_way)
+
+
+@pytest.mark.parametrize("name", ["blur", "motion_blur", "veiling_glare"])
+def test_spread_light_is_kept(sensor, name):
+    hidden = draw_hidden(sensor, {name: None}, seed=9)
+    field = light.Field((64, 64), 12)
+    rows, cols = np.mgrid[-44:44, -44:44]
+    spot = np.exp(-(rows**2 + cols**2) / 4)  # as sharp as a render, nearly
+    image = np.repeat(spot[..., None], 3, axis=-1)
+    after = light.through_lens(image, hidden, field)
+    assert after.sum((0, 1)) == pytest.approx(image.sum((0, 1)), rel=0.02)
+    assert after.max() < 0.995
+
+
+@pytest.mark.parametrize("name", [*KINDS, *UNKNOWN_KINDS])
+def test_every_effect_can_be_hidden_and_seen(sensor, name):
+    kind = KINDS.get(name) or UNKNOWN_KINDS[name]
+    hidden = draw_hidden(sensor, {name: kind.high}, seed=10)
+    frames = simulate_captures(sensor, hidden, seed=10, shape=SHAPE)
+    clean = world_of(simulate_captures(sensor, {}, seed=10, shape=SHAPE))
+    gap = []
+    for one in frames.captures:
+        if one.group == "report":
+            expected = clean.expected(one.raw.args[0], clean.patterns)
+            there = log_density(one.raw(), *expected, clean.noise, clean.camera)
+            gap.append(float((one.log_density() - there)[8:-8, 8:-8].mean()))
+    assert np.mean(gap) > (5e-5 if name == "photon_statistics" else 3e-4)
+
+
+def test_nuisances_change_the_capture_and_are_declared(sensor):
+    clean = simulate_captures(sensor, {}, seed=11, shape=SHAPE)
+    studio = simulate_captures(
+        sensor, {}, seed=11, shape=SHAPE, nuisances=conditions.STUDIO
+    )
+    assert studio.nuisances == {"light", "exposure", "registration", "radiance"}
+    assert clean.nuisances == frozenset() and clean.uncertainty == {}
+    for one, other in zip(clean.captures, studio.captures, strict=True):
+        if one.kind == "scene":
+            ratio = other.scene() / one.scene()
+            assert 0.005 < ratio.std() < 0.02
+        if one.kind == "flat":
+            black = sensor.black_level[0]
+            factor = (other.raw().mean() - black) / (one.raw().mean() - black)
+            assert 0.78 < factor < 1.22 and abs(factor - 1) > 1e-3
+        if one.kind == "dark":
+            np.testing.assert_array_equal(one.raw(), other.raw())
+
+
+def test_command_writes_a_set_that_readers_take(tmp_path, capsys):
+    folder = tmp_path / "blind"
+    argv = ["-s", "nikon-d40", "--hide", "lens_shading=0.3,random", "--seed", "2"]
+    assert command.main([*argv, "--size", "96x64", "-o", str(folder)]) == 0
+    out = capsys.readouterr().out
+    truth = (folder / "truth.json").read_bytes()
+    assert hashlib.sha256(truth).hexdigest() in out
+    assert "assumed, not measured: full well 10000 e-, read noise 5 e-" in out
+    hidden = json.loads(truth)["hidden"]
+    assert hidden["lens_shading"]["corner_loss"] == 0.3 and len(hidden) == 2
+    dng = cg2raw.read_dng_metadata(str(folder / "fit_dark_1.dng"))
+    assert dng.cfa == "BGGR" and dng.shot["exposure_time"] > 1
+    assert np.load(folder / "report_scene_1.npy").shape == (64, 96, 3)
+    assert cg2raw.Sensor(str(folder / "sensor.json")).noise_at(100)["beta1"][0] == 1e-4
+    assert command.main([*argv, "--size", "96x64", "-o", str(folder)]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--hide", "fog"], "hidden effect 'fog' is unknown"),
+        (["--hide", "prnu=much"], "'much' is no number"),
+        (["--hide", "prnu=-1"], "must be above 0"),
+        (["--hide", "prnu,prnu"], "names prnu twice"),
+        (["--size", "96"], "must be WxH"),
+        (["--size", "95x64"], "must be even"),
+        (["--read-noise", "0"], "must be above 0"),
+        (["--seed", "-1"], "must be 0 or more"),
+        (["-s", "fujifilm-x-m1"], "must be a Bayer pattern"),
+        (["-s", "gopro-hero6-black"], "has effects of its own, lens_shading"),
+    ],
+)
+def test_command_says_what_is_wrong(tmp_path, capsys, options, message):
+    folder = tmp_path / "blind"
+    assert command.main(["-s", "canon-70d", *options, "-o", str(folder)]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("cg2raw: ") and message in error
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "place"), [("prnu", "gain", 0), ("dsnu", "offset", 2)]
+)
+def test_what_is_unknown_of_a_pattern_is_stated(sensor, name, field, place):
+    hidden = draw_hidden(sensor, {name: KINDS[name].high}, seed=12)
+    world = world_of(simulate_captures(sensor, hidden, seed=12, shape=SHAPE))
+    error = getattr(world.patterns, field) - getattr(world.found.mean, field)
+    sure = world.found.covariance[..., place, place]
+    assert np.mean(error**2) == pytest.approx(sure.mean(), rel=0.06)
+    assert sure.mean() < 0.7 * getattr(world.patterns, field).var()
+
+
+def test_density_of_blended_noise_is_the_entropy_of_its_spectrum(camera):
+    shape, blend = (200, 200), 0.35
+    charges = np.full(shape, 800.0)
+    foot = camera.over(camera.black, shape)
+    noise = Noise(blend=blend)
+    raw = read_out(np.random.default_rng(5), charges, foot, noise, camera)
+    gain, read = camera.dn_per_electron[0, 0], camera.read_noise[0, 0]
+    u = np.cos(np.pi * np.arange(100) / 100)
+    v = u[:, None]
+    response = 1 - blend + blend / 4 * (u + v + 2 * u * v)
+    power = gain**2 * (800 + read**2) * response**2 + 1 / 12
+    entropy = 0.5 * np.mean(np.log(2 * np.pi * np.e * power))
+    measured = -log_density(raw, charges, foot, noise, camera).mean()
+    assert measured == pytest.approx(entropy, abs=4.5 * np.sqrt(0.5 / raw.size))
