@@ -73,7 +73,7 @@ What a profile lacks to explain measured frames: [diagnose.md](diagnose.md) has 
 example. It is imported by itself, and needs `pip install "cg2raw[diagnose]"`.
 """
 # What a Diagnosis is made of, beside its public name.
-PARTS = ("Finding", "Estimate", "Alternative", "Gap", "ResidualTest", "Power")
+PARTS = ("Finding", "Estimate", "Alternative", "Gap", "ResidualTest", "DetectionLimit")
 
 
 def stub_classes():

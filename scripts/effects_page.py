@@ -13,7 +13,7 @@ from pathlib import Path
 
 import cg2raw
 from cg2raw.cli.effects import PATTERNS
-from cg2raw.diagnose.effects import catalogue as vocabulary
+from cg2raw.diagnose.effects import catalogue
 
 ROOT = Path(__file__).resolve().parent.parent
 INTRO = """\
@@ -101,7 +101,7 @@ def sentence(text):
 def page():
     """Return the whole page."""
     effects = cg2raw.effects()
-    searched = {c.name: c.parameters for c in vocabulary.candidates("RGGB")}
+    searched = {c.name: c.parameters for c in catalogue.candidates("RGGB")}
     parts = [INTRO.rstrip(), overview(effects), legend()]
     parts += [effect_section(effect, searched) for effect in effects]
     return "\n\n".join(parts) + "\n"

@@ -6,12 +6,12 @@ import numpy as np
 from cg2raw.diagnose.diagnosis import (
     Alternative,
     Curve,
+    DetectionLimit,
     Diagnosis,
     Estimate,
     Finding,
     Gap,
     Picture,
-    Power,
     ResidualTest,
     Rung,
 )
@@ -69,7 +69,10 @@ def diagnosis(verdict="identified", **changes):
         "ladder": [
             Rung("added", "lens_shading", 18342.1, [Alternative("veiling_glare", 2.0)])
         ],
-        "power": [Power("blur", "ring_1", None, "1"), Power("prnu", "sigma", 0.1, "")],
+        "detection_limits": [
+            DetectionLimit("blur", "ring_1", None, "1"),
+            DetectionLimit("prnu", "sigma", 0.1, ""),
+        ],
         "next_captures": ["add flats at two levels"],
         "notes": ["exposure floated"],
         "groups": {"fit": ["a.dng"], "select": ["b.dng"], "report": ["shot_7.dng"]},

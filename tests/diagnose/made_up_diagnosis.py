@@ -8,12 +8,12 @@ import numpy as np
 from cg2raw.diagnose.diagnosis import (
     Alternative,
     Curve,
+    DetectionLimit,
     Diagnosis,
     Estimate,
     Finding,
     Gap,
     Picture,
-    Power,
     ResidualTest,
     Rung,
 )
@@ -161,18 +161,20 @@ def findings():
     return [shading, rows]
 
 
-def power():
+def detection_limits():
     """Return smallest visible strengths, one of them out of reach."""
     return [
-        Power("exposure", "gain", 4.2e-4, "1"),
-        Power("white_balance", "red", 7e-4, "1"),
-        Power("white_balance", "blue", 8e-4, "1"),
-        Power("blur", "ring_1", 0.0031, "1"),
-        Power("lateral_chromatic_aberration", "red", 0.008, "px at the corner"),
-        Power("black_level", "offset_00", 0.02, "DN"),
-        Power("dark_current", "per_second", None, "1/s"),
-        Power("prnu", "sigma", 6e-4, "1"),
-        Power("veiling_glare", "uniform", 5e-4, "1"),
+        DetectionLimit("exposure", "gain", 4.2e-4, "1"),
+        DetectionLimit("white_balance", "red", 7e-4, "1"),
+        DetectionLimit("white_balance", "blue", 8e-4, "1"),
+        DetectionLimit("blur", "ring_1", 0.0031, "1"),
+        DetectionLimit(
+            "lateral_chromatic_aberration", "red", 0.008, "px at the corner"
+        ),
+        DetectionLimit("black_level", "offset_00", 0.02, "DN"),
+        DetectionLimit("dark_current", "per_second", None, "1/s"),
+        DetectionLimit("prnu", "sigma", 6e-4, "1"),
+        DetectionLimit("veiling_glare", "uniform", 5e-4, "1"),
     ]
 
 
@@ -199,7 +201,7 @@ def made_up_diagnosis(**changes):
         "unexplained": [ResidualTest("row autocorrelation", 4.1, 2e-5, 2.3e-4,
                                      "odd rows of the left half")],
         "ladder": ladder,
-        "power": power(),
+        "detection_limits": detection_limits(),
         "next_captures": ["Ten darks of one exposure time would tell row noise from "
                           "read noise."],
         "notes": ["The exposure of every set was floated.",

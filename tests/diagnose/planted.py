@@ -13,15 +13,22 @@ from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.frame import frame_of, source_of
 from cg2raw.diagnose.frames.tiling import tiling
 from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.likelihood.likelihood import Workers
-from cg2raw.diagnose.likelihood.prediction import Model, place, predict
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.likelihood.workers import Workers
 from cg2raw.synthetic.sensors import ISO, with_noise
 
 SHAPE = (64, 96)
 FULL_WELL, READ_NOISE = 5000.0, 3.0  # electrons
 READ = READ_NOISE / FULL_WELL  # read noise in signal
 ONE = Workers(1)
-BY_NAME = {candidate.name: candidate for candidate in candidates("RGGB")}
+BY_NAME = {effect.name: effect for effect in candidates("RGGB")}
+
+
+def on(frames):
+    """Return the likelihood of frames, on one thread."""
+    return Likelihood(frames, ONE)
 
 
 def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, **fields):
@@ -98,7 +105,7 @@ def model_of(sensor, **terms):
     """Return a model with terms at values, in the order of their parameters."""
     model = Model(sensor)
     for name, values in terms.items():
-        model = place(model, BY_NAME[name], values)
+        model = model.with_effect(BY_NAME[name], values)
     return model
 
 
@@ -109,7 +116,7 @@ def drawn(frames, model, seed, extra=0.0):
     result = []
     for number, frame in enumerate(frames):
         rng = np.random.default_rng([seed, number])
-        p = predict(model, replace(frame, store={}))
+        p = predict(model, frame)
         spread = np.sqrt(np.maximum(p.variance - 1 / 12 / frame.range**2, 0))
         signal = p.mean + spread * rng.standard_normal(p.mean.shape)
         more = extra(frame, rng) if callable(extra) else extra
@@ -120,7 +127,7 @@ def drawn(frames, model, seed, extra=0.0):
 def shown(frame, signal):
     """Return the frame as an ADC that rounds, and clips at white, shows a signal."""
     dn = np.minimum(np.round(signal * frame.range), frame.range)
-    return replace(frame, signal=dn / frame.range, at_white=dn >= frame.range, store={})
+    return replace(frame, signal=dn / frame.range, at_white=dn >= frame.range)
 
 
 def cut_at_zero(frames, black=0.0):
@@ -130,7 +137,7 @@ def cut_at_zero(frames, black=0.0):
         lowest = -black / frame.range
         signal = np.maximum(frame.signal, lowest)
         shows = {"signal": signal, "at_zero": signal <= lowest}
-        result.append(replace(frame, **shows, store={}))
+        result.append(replace(frame, **shows))
     return result
 
 

@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cg2raw import Sensor
-from cg2raw.diagnose import pipeline as engine
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.diagnose.inference import baseline
 from cg2raw.diagnose.inference.model_selection import Search
-from cg2raw.diagnose.likelihood.prediction import Model
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import ISO, with_noise
@@ -79,7 +80,7 @@ def test_nothing_hidden_is_no_gap():
     found = run(set_of(SENSOR), only=())
     assert (found.verdict, found.effects) == ("no gap", [])
     assert found.gap.chi2_after == pytest.approx(1, abs=0.03)
-    assert {p.name for p in found.power} > {"exposure", "lens_shading"}
+    assert {p.name for p in found.detection_limits} > {"exposure", "lens_shading"}
 
 
 def test_the_verdict_does_not_depend_on_threads():
@@ -149,7 +150,7 @@ def test_an_interrupt_before_the_search_reports_the_gap(monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(engine, "_base_model", interrupted)
+    monkeypatch.setattr(baseline, "_fitted", interrupted)
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
     assert found.interrupted and found.effects == []
     assert found.gap.chi2_before == found.gap.chi2_after > 1.05
@@ -175,7 +176,7 @@ def test_x_trans_goes_through_with_nothing_hidden():
 def test_frames_without_exposure_time_name_no_rates():
     found = run(set_of(SENSOR, exposure_time=None), only=("dark_current", "exposure"))
     assert found.verdict == "no gap"
-    visible = {power.name: power.strength for power in found.power}
+    visible = {limit.name: limit.strength for limit in found.detection_limits}
     assert visible["exposure"] > 0 and visible["dark_current"] is None
 
 
@@ -274,9 +275,8 @@ def test_a_dropped_effect_says_what_it_was_worth(monkeypatch):
     """The ladder gives what dropping cost, not the difference to itself."""
     captures = set_of(SENSOR, model=model_of(SENSOR, exposure=[0.03]))
     frames = frames_of(SENSOR, captures.captures)
-    groups = [[f for f in frames if f.capture.group == g] for g in ("fit", "select")]
-    every = list(BY_NAME.values())
-    search = Search(*groups, every, ONE, 0.01, 6, lambda text: None)
+    prepared = baseline.Baseline(Model(SENSOR), Splits(frames, ONE))
+    search = Search(prepared, list(BY_NAME.values()), 0.01, 6)
     model = model_of(SENSOR, exposure=[0.03], gr_gb_imbalance=[1e-5, 0.0])
     left = search._pruned(model, "exposure")
     assert left.names == ["exposure"]

@@ -194,9 +194,9 @@ def run_diagnosis(arguments):
 
 def names_of(arguments, option):
     """Return the effects that --without or --only lists. Raises ValueError."""
-    from cg2raw.diagnose.effects import catalogue as vocabulary
+    from cg2raw.diagnose.effects import catalogue
 
-    known = vocabulary.names()
+    known = catalogue.names()
     words = (getattr(arguments, option) or "").split(",")
     names = tuple(word.strip() for word in words if word.strip())
     for name in names:
@@ -279,7 +279,7 @@ def with_closed_share(first, second):
     """Return the second Diagnosis without structures that are traces of what it closed.
 
     A diagnosis that finds effects says so of its rest; here nothing was searched."""
-    from cg2raw.diagnose.assessment.verdict import (
+    from cg2raw.diagnose.diagnosis import (
         CHI_SQUARE_NAME,
         LARGE_NATS,
         SHARE_LEFT,

@@ -19,6 +19,18 @@ VERDICTS = {
 }
 
 
+# What the verdict goes by; reports and the command show the same.
+STRUCTURE = 1e-3  # chance of one false alarm among all residual tests
+LEAST_NATS = 2e-4  # per pixel; what is smaller is a trace, and no structure
+SHARE_LEFT = 1e-3  # of what was closed, likewise
+# Absolute bounds, whatever was closed: nats per pixel that nobody calls a trace, and
+# how far reduced chi-square of whole frames may be from 1.
+LARGE_NATS, LARGE_P = 1e-3, 1e-4
+CHI_SQUARE, CHI_SQUARE_ERRORS = 0.02, 4.0  # standard errors, where pixels are few
+CHI_SQUARE_NAME = "chi-square of whole frames"
+LARGEST_LOG_E = 690.0  # log of the largest e-value that is written
+
+
 @dataclass(frozen=True)
 class Estimate:
     """A parameter: value, unit, and the interval that holds it with 95 %."""
@@ -136,7 +148,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Power:
+class DetectionLimit:
     """The smallest strength of an effect that these captures would have shown."""
 
     name: str
@@ -145,7 +157,7 @@ class Power:
     unit: str
 
 
-@dataclass
+@dataclass(frozen=True)
 class Diagnosis:
     """All of a verdict. histogram_*: (bin edges, counts) of z on the report frames."""
 
@@ -157,7 +169,7 @@ class Diagnosis:
     tests_after: list[ResidualTest]
     unexplained: list[ResidualTest]
     ladder: list[Rung]
-    power: list[Power]
+    detection_limits: list[DetectionLimit]
     next_captures: list[str]  # sentences: what to capture to decide or to go on
     notes: list[str]  # sentences: nuisances that were floated, what was not tested
     groups: Mapping[str, Sequence[str]]  # fit, select, report -> names of frames

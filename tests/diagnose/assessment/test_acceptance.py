@@ -15,14 +15,14 @@ from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.diagnosis import Estimate, ResidualTest
 from cg2raw.diagnose.inference.model_selection import Search, Step
-from cg2raw.diagnose.likelihood.likelihood import TimeIsUp, Workers
+from cg2raw.diagnose.likelihood.workers import TimeIsUp, Workers
 from diagnose.planted import (
     BY_NAME,
-    ONE,
     capture_of,
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 from diagnose.test_pipeline import SENSOR, run, set_of, shown_set
@@ -43,7 +43,7 @@ def unfounded(model, **intervals):
     (term,) = model.terms
     parameters = {
         name: Estimate(1.0, "1", intervals.get(name, (0.9, 1.1)))
-        for name in term.candidate.parameters
+        for name in term.effect.parameters
     }
     return acceptance._unfounded(model, term, {term.name: parameters})
 
@@ -102,7 +102,7 @@ def test_the_bounds_of_the_registry_count_with_what_the_profile_has():
 def test_what_is_not_founded_is_left_out_and_the_rest_fitted_again():
     frames = frames_with(exposure=[0.05])
     model = model_of(SENSOR, exposure=[0.02], gr_gb_imbalance=[1e-5, 0.0])
-    left, values, refused = founded(model, frames, ONE)
+    left, values, refused = founded(model, on(frames))
     assert left.names == ["exposure"] and set(values) == {"exposure"}
     assert refused["gr_gb_imbalance"].startswith("its 95 % interval holds")
     assert left.terms[0].values[0] == pytest.approx(0.05, abs=0.002)
@@ -135,7 +135,8 @@ def test_by_chance_one_model_in_twenty_at_most_is_better():
 def misled(monkeypatch, **terms):
     """Let the search end with terms that the frames do not have."""
 
-    def search(self, model):
+    def search(self):
+        model = self.baseline.model
         self.steps += [Step("added", name, 99.0, 99.0) for name in terms]
         for name, values in terms.items():
             model = model.with_term(model_of(SENSOR, **{name: values}).terms[0])
@@ -182,7 +183,7 @@ def test_effects_of_light_are_not_named_of_darks():
     """A map that grows with the charge of the dark current looks like PRNU."""
     found = run(set_of_darks(dark_current=[2e-3]), only=())
     assert [effect.name for effect in found.effects] == ["dark_current"]
-    cannot = {power.name for power in found.power if power.strength is None}
+    cannot = {limit.name for limit in found.detection_limits if limit.strength is None}
     assert {"prnu", "shot_noise", "exposure", "lens_shading", "blur"} <= cannot
     assert "row_noise" not in cannot
 
@@ -192,7 +193,7 @@ def test_without_an_image_nothing_of_images_is_looked_for(kinds):
     captures = set_of(SENSOR).captures
     kept = CaptureSet(SENSOR, [c for c in captures if c.kind in kinds])
     found = run(kept, only=("blur", "color_matrix", "exposure", "read_noise"))
-    cannot = {power.name for power in found.power if power.strength is None}
+    cannot = {limit.name for limit in found.detection_limits if limit.strength is None}
     assert {"blur", "color_matrix"} <= cannot
     assert ("exposure" in cannot) == ("flat" not in kinds)
 

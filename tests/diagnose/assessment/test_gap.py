@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from cg2raw.diagnose.assessment.gap import Sums, gap_of, systematic
 from cg2raw.diagnose.likelihood.likelihood import log_density
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     capture_of,
     cut_at_zero,
@@ -100,10 +101,10 @@ def test_chi_square_of_darks_with_cut_row_noise_is_one():
     assert sums_of(Model(sensor), shown).chi2 > 1.1
 
 
-def with_truth(frames, model):
+def with_truth(frames, model, dtype=np.float32):
     result = []
     for frame in frames:
-        density = log_density(model, frame)[0][0].astype(np.float32)
+        density = log_density(model, frame)[0][0].astype(dtype)
         capture = replace(frame.capture, log_density=lambda density=density: density)
         result.append(replace(frame, capture=capture))
     return result
@@ -152,10 +153,7 @@ def test_intervals_hold_the_gap(known):
         true = model_of(SENSOR, **TRUE)
         frames = drawn(frames, true, seed)
         if known:
-            for frame in frames:
-                density = log_density(true, frame)[0][0]
-                capture = replace(frame.capture, log_density=lambda d=density: d)
-                frame.capture = capture
+            frames = with_truth(frames, true, float)
         sums = sums_of(Model(SENSOR), frames), sums_of(true, frames)
         gaps.append(gap_of(*sums, (None, None), []))
     truth = np.mean([gap.before for gap in gaps])

@@ -3,15 +3,17 @@
 """Residual tests of frames whose sensor has a map: its slow part is no structure."""
 
 import numpy as np
-from cg2raw.diagnose.assessment import residual_tests
+from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
-    ONE,
+    BY_NAME,
     captures_of,
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 
@@ -26,7 +28,7 @@ def flats(group):
 def p_values(frames, model):
     return {
         test.name: test.p_value
-        for test in residual_tests.residual_tests(model, frames, ONE)
+        for test in residual_tests(model, on(frames), on([]))
         if "mean" in test.name and "frame mean" not in test.name
     }
 
@@ -40,9 +42,9 @@ def test_the_slow_part_of_a_map_is_no_structure(monkeypatch):
         return pattern * predict(Model(SENSOR), frame).mean
 
     shown = drawn(both, Model(SENSOR), 6, extra)
-    model = fit_patterns(model_of(SENSOR, prnu=[0.0]), shown[:6], ONE)
+    model = fit_patterns(model_of(SENSOR, prnu=[0.0]), on(shown[:6]))
     assert min(p_values(shown[6:], model).values()) > 1e-3
-    monkeypatch.setattr(residual_tests, "SLOW_IS_LEFT", ())
+    monkeypatch.setattr(type(BY_NAME["prnu"]), "lacks_slow_part", False)
     assert min(p_values(shown[6:], model).values()) < 1e-6
 
 
@@ -56,5 +58,5 @@ def test_a_structure_beside_a_map_is_still_seen():
         return (pattern + 0.01 * np.sin(6 * u)) * light
 
     shown = drawn(both, Model(SENSOR), 6, extra)
-    model = fit_patterns(model_of(SENSOR, prnu=[0.0]), shown[:6], ONE)
+    model = fit_patterns(model_of(SENSOR, prnu=[0.0]), on(shown[:6]))
     assert p_values(shown[6:], model)["tile mean"] < 1e-9

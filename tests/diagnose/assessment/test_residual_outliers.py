@@ -2,11 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """The residual test of pixels that stand out in two groups of frames."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
-from cg2raw.diagnose.likelihood.prediction import Model, predict
-from diagnose.planted import ONE, captures_of, drawn, frames_of, model_of, sensor_of
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import captures_of, drawn, frames_of, model_of, on, sensor_of
 from scipy.stats import kstest
 
 SENSOR = sensor_of()
@@ -43,7 +46,7 @@ def drawn_groups(groups, seed, *extra):
 
 
 def found(frames, others, model=None):
-    tests = residual_tests(model or Model(SENSOR), frames, ONE, others)
+    tests = residual_tests(model or Model(SENSOR), on(frames), on(others))
     return next((test for test in tests if test.name == NAME), None)
 
 
@@ -99,8 +102,12 @@ def test_without_other_frames_nothing_is_asked(groups):
 def test_pixels_that_do_not_count_are_not_suspected(groups, why):
     others, frames = drawn_groups(groups, 23, outlying(24), outlying(24))
     pattern = np.random.default_rng(24).random(others[0].signal.shape) < 0.002
-    for frame in others:
+
+    def spoilt(frame):
         flags = getattr(frame, why)
-        setattr(frame, why, flags & ~pattern if why == "keep" else flags | pattern)
-    silent = found(frames, others)
+        return replace(
+            frame, **{why: flags & ~pattern if why == "keep" else flags | pattern}
+        )
+
+    silent = found(frames, [spoilt(frame) for frame in others])
     assert silent is None or silent.p_value > 1e-3

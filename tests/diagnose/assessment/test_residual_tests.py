@@ -9,9 +9,9 @@ import pytest
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.captures.splits import third
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
-    ONE,
     READ,
     capture_of,
     captures_of,
@@ -19,6 +19,7 @@ from diagnose.planted import (
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 from scipy.stats import kstest
@@ -36,7 +37,7 @@ def frames():
 
 
 def p_values(frames, model=None):
-    tests = residual_tests(model or Model(SENSOR), frames, ONE)
+    tests = residual_tests(model or Model(SENSOR), on(frames), on([]))
     return {test.name: test.p_value for test in tests}
 
 
@@ -57,7 +58,7 @@ def test_statistics_without_a_gap_have_the_variance_they_say(frames):
     found = {}
     for seed in range(60):
         shown = drawn(frames, Model(SENSOR), 100 + seed)
-        for test in residual_tests(Model(SENSOR), shown, ONE):
+        for test in residual_tests(Model(SENSOR), on(shown), on([])):
             if test.name.startswith(scalar):
                 found.setdefault(test.name, []).append(test.statistic)
     assert len(found) == 17
@@ -212,7 +213,7 @@ def test_opposite_signs_at_two_sites_ring_by_channel(frames, name, structure, si
 
 
 def test_every_test_says_where(frames):
-    for test in residual_tests(Model(SENSOR), frames, ONE):
+    for test in residual_tests(Model(SENSOR), on(frames), on([])):
         assert test.where != test.name
         assert ("by site of the CFA" in test.where) == ("by channel" in test.name)
 
@@ -237,7 +238,7 @@ def test_a_map_explains_the_fixed_pattern():
     shown = drawn(both, Model(SENSOR), 42, lambda frame, rng: pattern)
     name = "fixed pattern: the same pixel in all frames"
     assert p_values(shown[6:])[name] < 1e-9
-    model = fit_patterns(model_of(SENSOR, dsnu=[0.0]), shown[:6], ONE)
+    model = fit_patterns(model_of(SENSOR, dsnu=[0.0]), on(shown[:6]))
     after = p_values(shown[6:], model)
     assert after[name] > 1e-3
     assert min(after.values()) > ALARM / 10
@@ -298,7 +299,7 @@ def test_darks_that_are_clipped_at_zero_are_no_structure(black):
     made = frames_of(sensor, captures_of(KINDS, "report"))
     shown = cut_at_zero(drawn(made, Model(sensor), 49), black)
     assert shown[0].at_zero.mean() > 0.2
-    tests = residual_tests(Model(sensor), shown, ONE)
+    tests = residual_tests(Model(sensor), on(shown), on([]))
     assert min(test.p_value for test in tests) > ALARM
 
 

@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cg2raw import Sensor
-from cg2raw.diagnose.assessment.updated_profile import found_profile
+from cg2raw.diagnose.assessment.updated_profile import updated_profile
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.likelihood.prediction import Model, Pattern, predict
+from cg2raw.diagnose.effects.base import SensorMap
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     BY_NAME,
     bare,
@@ -24,8 +26,8 @@ from diagnose.planted import (
 SENSOR = sensor_of()
 SMOOTH = [
     name
-    for name, candidate in BY_NAME.items()
-    if candidate.way == "smooth" and name not in ("shot_noise", "read_noise")
+    for name, effect in BY_NAME.items()
+    if effect.estimator == "smooth" and name not in ("shot_noise", "read_noise")
 ]
 OLD = {
     "name": "lens_shading",
@@ -47,7 +49,7 @@ def estimates_of(model):
         term.name: {
             parameter: Estimate(float(value), "1", (float(value) - 1, float(value) + 1))
             for parameter, value in zip(
-                term.candidate.parameters, term.values, strict=True
+                term.effect.parameters, term.values, strict=True
             )
         }
         for term in model.terms
@@ -55,14 +57,14 @@ def estimates_of(model):
 
 
 def profile_of(model, frames):
-    text = found_profile(model, frames, [], estimates_of(model))
+    text = updated_profile(model, frames, [], estimates_of(model))
     return Sensor.from_json(text, "found"), json.loads(text)
 
 
 def values_for(name):
-    candidate = BY_NAME[name]
-    spread = np.minimum(0.02 + 0.01 * np.arange(len(candidate.low)), candidate.high)
-    return np.clip(spread * (-1) ** np.arange(len(spread)), candidate.low, None)
+    effect = BY_NAME[name]
+    spread = np.minimum(0.02 + 0.01 * np.arange(len(effect.low)), effect.high)
+    return np.clip(spread * (-1) ** np.arange(len(spread)), effect.low, None)
 
 
 @pytest.mark.parametrize("name", [*SMOOTH, "noise_reduction"])
@@ -112,7 +114,7 @@ def test_patterns_keep_their_strength_and_not_their_map(frames, name):
     hot = np.zeros(shape)
     hot[0, 30, 30:34] = 0.02
     model = model_of(SENSOR, **{name: [0.004]})
-    term = replace(model.terms[0], pattern=Pattern(hot, 0 * hot))
+    term = replace(model.terms[0], sensor_map=SensorMap(hot, 0 * hot))
     found, text = profile_of(model.with_term(term), frames)
     (effect,) = text["effects"]
     first = BY_NAME[name].parameters[0]

@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The smallest visible strength gains, when it is drawn, what a name has to gain."""
+"""The detection limit gains, when it is drawn, what a name has to gain."""
 
 import numpy as np
 import pytest
-from cg2raw.diagnose.inference.detection_limits import NOISY, smallest_visible
+from cg2raw.diagnose.effects.heavy_tailed_noise import NOISY
+from cg2raw.diagnose.inference.detection_limits import detection_limits
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
-from cg2raw.diagnose.likelihood.likelihood import total
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     BY_NAME,
-    ONE,
     capture_of,
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
     shown,
 )
@@ -45,13 +46,14 @@ def fitted():
 
 def strength_of(name, frames, model=None, fitted=()):
     model = model or Model(SENSOR)
-    (power,) = smallest_visible(model, [BY_NAME[name]], frames, ONE, 0.01, fitted)
-    return power.strength
+    effects = [BY_NAME[name]]
+    (limit,) = detection_limits(model, effects, on(frames), on(fitted), 0.01)
+    return limit.strength
 
 
 def mean_gain(frames, best, draw):
     gains = [
-        total(best, seen, ONE) - total(Model(SENSOR), seen, ONE)
+        on(seen).total(best) - on(seen).total(Model(SENSOR))
         for seen in (draw(seed) for seed in range(SEEDS))
     ]
     return np.mean(gains)
@@ -138,8 +140,8 @@ def test_maps(name, frames, fitted):
 
         learnt = drawn(fitted, Model(SENSOR), seed, extra)
         seen = drawn(frames, Model(SENSOR), 100 + seed, extra)
-        best = fit_patterns(model_of(SENSOR, **{name: [0.0]}), learnt, ONE)
-        gains.append(total(best, seen, ONE) - total(Model(SENSOR), seen, ONE))
+        best = fit_patterns(model_of(SENSOR, **{name: [0.0]}), on(learnt))
+        gains.append(on(seen).total(best) - on(seen).total(Model(SENSOR)))
     assert np.mean(gains) == pytest.approx(NEEDED, abs=1.5 * TOLERANCE)
 
 
@@ -175,5 +177,5 @@ def test_strengths_that_the_model_takes_up_are_not_visible():
 def test_without_fit_frames_nothing_is_said_of_maps(frames):
     names = ("prnu", "dsnu", "exposure", "hot_pixels")
     known = [BY_NAME[name] for name in names]
-    powers = smallest_visible(Model(SENSOR), known, frames, ONE, 0.01)
-    assert [power.name for power in powers] == ["exposure"]
+    limits = detection_limits(Model(SENSOR), known, on(frames), on([]), 0.01)
+    assert [limit.name for limit in limits] == ["exposure"]

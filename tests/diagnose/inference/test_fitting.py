@@ -4,21 +4,21 @@
 
 import numpy as np
 import pytest
+from cg2raw.diagnose.inference.coordinate_search import climb, fit_transform
 from cg2raw.diagnose.inference.fisher_scoring import (
     Linearisation,
-    fit,
-    fit_flow,
     free_parameters,
     information_of,
     moved,
     one_step,
-    search,
     solve,
-    start_of_clipping,
 )
+from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.intervals import estimates, standard_errors
-from cg2raw.diagnose.likelihood.likelihood import Workers, total
-from cg2raw.diagnose.likelihood.prediction import Model, place, predict
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.likelihood.workers import Workers
 from diagnose.planted import (
     BY_NAME,
     ONE,
@@ -27,6 +27,7 @@ from diagnose.planted import (
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 
@@ -72,16 +73,15 @@ def planted(frames, seed, **terms):
 def test_planted_values_are_found_within_their_errors(frames, name):
     true = np.array(PLANTED[name])
     shown = planted(frames, 1, **{name: true})
-    start = place(Model(SENSOR), BY_NAME[name])
-    found = fit(start, shown, ONE)
-    errors = standard_errors(found, shown, ONE)
+    start = Model(SENSOR).with_effect(BY_NAME[name])
+    found = fit(start, on(shown))
+    errors = standard_errors(found, on(shown))
     sigma = np.array([errors[name, i] for i in range(len(true))])
     assert (sigma > 0).all()
     away = (found.terms[0].values - true) / sigma
     assert np.abs(away).max() < 4
     assert (
-        total(found, shown, ONE)
-        > total(model_of(SENSOR, **{name: true}), shown, ONE) - 1
+        on(shown).total(found) > on(shown).total(model_of(SENSOR, **{name: true})) - 1
     )
     strongest = np.abs(true / sigma).max()
     assert strongest > 3, "the data show it"
@@ -95,8 +95,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     inside = []
     for seed in range(40):
         shown = planted(frames, seed, gr_gb_imbalance=true)
-        found = fit(place(Model(SENSOR), BY_NAME["gr_gb_imbalance"]), shown, ONE)
-        of_term = estimates(found, shown, ONE)["gr_gb_imbalance"]
+        found = fit(Model(SENSOR).with_effect(BY_NAME["gr_gb_imbalance"]), on(shown))
+        of_term = estimates(found, on(shown))["gr_gb_imbalance"]
         for value, estimate in zip(true, of_term.values(), strict=True):
             inside.append(estimate.ci95[0] < value < estimate.ci95[1])
     assert 0.85 <= np.mean(inside) <= 1.0
@@ -111,16 +111,16 @@ def test_intervals_of_offsets_know_that_rows_move():
         shown = planted_rows(frames, seed, 0.5)
         start = model_of(SENSOR, row_noise=[0.5], black_level=[0.0] * 4)
         found = fit_smooth(start, shown)
-        errors = standard_errors(found, shown, ONE)
+        errors = standard_errors(found, on(shown))
         values = found.term("black_level").values
         away += [values[i] / errors["black_level", i] for i in range(4)]
     assert 0.8 < np.std(away) < 1.25
 
 
 def fit_smooth(model, frames):
-    current = total(model, frames, ONE)
+    current = on(frames).total(model)
     for _ in range(3):
-        model, gain = one_step(model, Linearisation(model, frames, ONE), current)
+        model, gain = one_step(model, Linearisation(model, on(frames)), current)
         current += gain
     return model
 
@@ -138,14 +138,14 @@ def test_information_is_the_bend_of_the_likelihood(frames, name):
     true = PLANTED[name]
     shown = planted(frames, 2, **{name: true})
     model = model_of(SENSOR, **{name: true})
-    parameters, information = information_of(model, shown, ONE)
+    parameters, information = information_of(model, on(shown))
     for number, (_, index) in enumerate(parameters):
         step = 1.0 / np.sqrt(information[number, number])
         heights = []
         for delta in (-step, 0.0, step):
             values = np.array(true, float)
             values[index] += delta
-            heights.append(total(model.with_values(name, values), shown, ONE))
+            heights.append(on(shown).total(model.with_values(name, values)))
         bend = (2 * heights[1] - heights[0] - heights[2]) / step**2
         assert bend == pytest.approx(information[number, number], rel=0.15)
 
@@ -153,11 +153,11 @@ def test_information_is_the_bend_of_the_likelihood(frames, name):
 def test_score_is_the_slope_of_the_likelihood(frames):
     shown = planted(frames, 3, exposure=[0.01], read_noise=[0.1])
     model = model_of(SENSOR, exposure=[0.0], read_noise=[0.0])
-    parameters, score, _ = Linearisation(model, shown, ONE).system(model)
+    parameters, score, _ = Linearisation(model, on(shown)).system(model)
     assert parameters == [("exposure", 0), ("read_noise", 0)]
     for (name, _), slope in zip(parameters, score, strict=True):
         heights = [
-            total(model.with_values(name, np.array([delta])), shown, ONE)
+            on(shown).total(model.with_values(name, np.array([delta])))
             for delta in (-1e-4, 1e-4)
         ]
         assert slope == pytest.approx((heights[1] - heights[0]) / 2e-4, rel=0.02)
@@ -182,32 +182,37 @@ def test_steps_end_at_the_bounds():
 
 def test_two_effects_are_told_apart(frames):
     shown = planted(frames, 4, lens_shading=PLANTED["lens_shading"], exposure=[0.02])
-    start = place(place(Model(SENSOR), BY_NAME["exposure"]), BY_NAME["lens_shading"])
-    found = fit(start, shown, ONE)
-    errors = standard_errors(found, shown, ONE)
+    start = model_of(SENSOR, exposure=[0.0], lens_shading=[0.0] * 7)
+    found = fit(start, on(shown))
+    errors = standard_errors(found, on(shown))
     assert abs(found.term("exposure").values[0] - 0.02) < 4 * errors["exposure", 0]
+
+
+def guessed(name, frames):
+    """Return what a search begins with."""
+    base = Linearisation(Model(SENSOR), on(frames))
+    return first_guess(BY_NAME[name], base, on(frames).total(Model(SENSOR)))
 
 
 def test_where_charge_clips_is_found(frames):
     true = model_of(SENSOR, early_clipping=[0.55])
     shown = planted(frames, 5, early_clipping=[0.55])
-    candidate = BY_NAME["early_clipping"]
-    start = start_of_clipping(Model(SENSOR), candidate, shown, ONE)
+    start, _ = guessed("early_clipping", shown)
     assert start.terms[0].values[0] == pytest.approx(0.55, abs=0.03)
-    found = fit(start, shown, ONE)
+    found = fit(start, on(shown))
     assert found.terms[0].values[0] == pytest.approx(0.55, abs=0.005)
-    assert total(found, shown, ONE) > total(true, shown, ONE) - 10
+    assert on(shown).total(found) > on(shown).total(true) - 10
     clean = planted(frames, 6)
-    assert start_of_clipping(Model(SENSOR), candidate, clean, ONE) is None
+    assert guessed("early_clipping", clean) is None
 
 
 def test_row_noise_is_found(frames):
     shown = planted_rows(frames, 7, 0.4)
     start = model_of(SENSOR, row_noise=[0.03])
-    found, height = fit_flow(start, "row_noise", shown, ONE)
+    found, height = fit_transform(start, "row_noise", on(shown))
     assert found.terms[0].values[0] == pytest.approx(0.4, rel=0.1)
-    assert height == pytest.approx(total(found, shown, ONE))
-    of_term = estimates(found, shown, ONE)["row_noise"]["sigma"]
+    assert height == pytest.approx(on(shown).total(found))
+    of_term = estimates(found, on(shown))["row_noise"]["sigma"]
     read_noise = np.sqrt(frames[0].beta2.mean())
     assert of_term.ci95[0] < 0.4 * read_noise < of_term.ci95[1]
 
@@ -224,34 +229,32 @@ def test_heavy_tails_are_found(frames):
 
     silent = model_of(SENSOR, read_noise=[-40.0])
     shown = drawn(darks, silent, 8, tails)
-    found, _ = fit_flow(
-        model_of(SENSOR, heavy_tailed_noise=[0.01, 9.0]),
-        "heavy_tailed_noise",
-        shown,
-        ONE,
-    )
-    values, errors = found.terms[0].values, standard_errors(found, shown, ONE)
+    start = model_of(SENSOR, heavy_tailed_noise=[0.01, 9.0])
+    found, _ = fit_transform(start, "heavy_tailed_noise", on(shown))
+    values, errors = found.terms[0].values, standard_errors(found, on(shown))
     for index, true in enumerate((share, ratio)):
         assert abs(values[index] - true) < 4 * errors["heavy_tailed_noise", index]
 
 
 def test_coordinate_search_climbs_a_ridge():
-    candidate = BY_NAME["heavy_tailed_noise"]
+    effect = BY_NAME["heavy_tailed_noise"]
 
     def score(values):
         x, y = values[0] / 0.05 - 1, values[1] / 20 - 1
         return -(x * x) - y * y - x * y
 
     start = np.array([0.02, 10.0])
-    values, height = search(candidate, start, score(start), score)
+    values, height = climb(effect, start, score(start), score)
     assert values == pytest.approx([0.05, 20], rel=0.05)
     assert height > -0.01
 
 
 def test_threads_change_nothing(frames):
     shown = planted(frames, 9, crosstalk=PLANTED["crosstalk"])
-    start = place(Model(SENSOR), BY_NAME["crosstalk"])
-    one, three = (fit(start, shown, workers) for workers in (ONE, Workers(3)))
+    start = Model(SENSOR).with_effect(BY_NAME["crosstalk"])
+    one, three = (
+        fit(start, Likelihood(shown, workers)) for workers in (ONE, Workers(3))
+    )
     assert (one.terms[0].values == three.terms[0].values).all()
 
 
@@ -274,7 +277,7 @@ def test_noise_reduction_leaves_the_noise_of_a_mean_as_it_was():
     known = []
     for more in ({}, {"noise_reduction": [0.3, 0.0]}):
         parameters, information = information_of(
-            model_of(SENSOR, exposure=[0.0], **more), flats, ONE
+            model_of(SENSOR, exposure=[0.0], **more), on(flats)
         )
         at = parameters.index(("exposure", 0))
         known.append(information[at, at])

@@ -8,8 +8,17 @@ import numpy as np
 import pytest
 from cg2raw.diagnose.captures.splits import third
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
-from cg2raw.diagnose.likelihood.prediction import Model, predict
-from diagnose.planted import ONE, READ, SHAPE, capture_of, drawn, frames_of, model_of
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import (
+    READ,
+    SHAPE,
+    capture_of,
+    drawn,
+    frames_of,
+    model_of,
+    on,
+)
 from diagnose.planted import sensor_of as made
 
 SENSOR = made()
@@ -42,7 +51,7 @@ def light(frame):
 
 
 def fitted(name, frames):
-    return fit_patterns(model_of(SENSOR, **{name: [0.0]}), frames, ONE).terms[0]
+    return fit_patterns(model_of(SENSOR, **{name: [0.0]}), on(frames)).terms[0]
 
 
 @pytest.mark.parametrize(
@@ -55,8 +64,8 @@ def test_a_map_and_its_prior_are_recovered(name, sigma, bearing):
     term = fitted(name, frames)
     keep = frames[0].keep
     assert term.values[0] == pytest.approx(sigma, rel=0.07)
-    error = (term.pattern.mean - pattern)[keep]
-    doubt = term.pattern.variance[keep]
+    error = (term.sensor_map.mean - pattern)[keep]
+    doubt = term.sensor_map.variance[keep]
     assert np.mean(error**2 / doubt) == pytest.approx(1, abs=0.08)
     assert doubt.mean() < 0.75 * sigma**2
 
@@ -67,7 +76,7 @@ def test_noise_alone_makes_no_map(name, bearing):
     term = fitted(name, frames)
     alone = READ / 4 if name == "dsnu" else 0.01
     assert term.values[0] < 0.35 * alone
-    assert np.abs(term.pattern.mean).max() < alone
+    assert np.abs(term.sensor_map.mean).max() < alone
 
 
 def test_more_frames_shrink_less():
@@ -78,7 +87,7 @@ def test_more_frames_shrink_less():
         frames = planted(captures_of(count=count), 5, white, pattern)
         term = fitted("dsnu", frames)
         keep = frames[0].keep
-        slope = (term.pattern.mean * pattern)[keep].sum() / (pattern**2)[keep].sum()
+        slope = (term.sensor_map.mean * pattern)[keep].sum() / (pattern**2)[keep].sum()
         shares.append(slope)
     assert shares[0] < 0.5 < 0.75 < shares[1]
 
@@ -98,7 +107,7 @@ def test_columns_are_recovered():
     term = fitted("column_noise", frames)
     inner = frames[0].keep.any(1)[0]
     assert term.values[0] == pytest.approx(sigma, rel=0.25)
-    error = (term.pattern.mean[0, 20] - columns[0, 0])[inner]
+    error = (term.sensor_map.mean[0, 20] - columns[0, 0])[inner]
     assert error.std() < 0.35 * sigma
 
 
@@ -113,12 +122,13 @@ def test_pixels_that_do_not_count_tell_nothing():
     term = fitted("dsnu", frames)
     spoilt = [replace(f, signal=np.where(f.keep, f.signal, 0.5)) for f in frames]
     again = fitted("dsnu", spoilt)
-    assert (again.pattern.mean == term.pattern.mean).all()
+    assert (again.sensor_map.mean == term.sensor_map.mean).all()
     assert again.values == term.values
     inside = frames[0].keep
     others = frames[-1].keep & ~inside
     assert (
-        term.pattern.variance[others].mean() > 2 * term.pattern.variance[inside].mean()
+        term.sensor_map.variance[others].mean()
+        > 2 * term.sensor_map.variance[inside].mean()
     )
 
 
@@ -129,8 +139,8 @@ def test_pixels_that_nobody_saw_have_the_prior():
     frames = planted(captures_of(mask=lambda: mask, count=8), 16, white, pattern)
     term = fitted("dsnu", frames)
     unseen = ~frames[0].keep
-    assert (term.pattern.mean[unseen] == 0).all()
-    assert term.pattern.variance[unseen] == pytest.approx(term.values[0] ** 2)
+    assert (term.sensor_map.mean[unseen] == 0).all()
+    assert term.sensor_map.variance[unseen] == pytest.approx(term.values[0] ** 2)
     assert term.values[0] == pytest.approx(READ, rel=0.08)
 
 
@@ -152,7 +162,7 @@ def test_a_map_takes_its_variance_from_fitted_frames_and_adds_it_to_others():
         "select", 3, kinds=("dark",)
     )
     frames = planted(both, 20, white, pattern)
-    model = fit_patterns(model_of(SENSOR, dsnu=[0.0]), frames[:3], ONE)
+    model = fit_patterns(model_of(SENSOR, dsnu=[0.0]), on(frames[:3]))
     for frame in frames:
         p = predict(model, frame)
         z = ((frame.signal - p.mean) / np.sqrt(p.variance))[frame.keep]

@@ -4,9 +4,11 @@
 
 import numpy as np
 import pytest
-from cg2raw.diagnose.inference.fisher_scoring import fit
+from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.model_selection import Search, Trial
-from cg2raw.diagnose.likelihood.prediction import Model
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model
 from diagnose.planted import (
     BY_NAME,
     ONE,
@@ -15,6 +17,7 @@ from diagnose.planted import (
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 
@@ -43,12 +46,14 @@ def groups_of(seed, sigma=0.0):
 
 
 def search_of(groups=((), ()), names=tuple(BY_NAME), report=lambda text: None):
-    return Search(*groups, [BY_NAME[n] for n in names], ONE, 0.01, 6, report)
+    splits = Splits([*groups[0], *groups[1]], ONE)
+    baseline = Baseline(Model(SENSOR), splits)
+    return Search(baseline, [BY_NAME[n] for n in names], 0.01, 6, report)
 
 
 def shaded(groups):
     """Return the model that knows the shading, fitted."""
-    return fit(model_of(SENSOR, **SHADING), groups[0], ONE)
+    return fit(model_of(SENSOR, **SHADING), on(groups[0]))
 
 
 def weighed(monkeypatch, gain, null_gain, own=0.0):
@@ -111,7 +116,7 @@ def test_parameters_gain_one_nat_each_by_chance():
 def test_a_term_that_rests_gains_nothing():
     groups = groups_of(1)
     search, model = search_of(groups), shaded(groups)
-    both = fit(model_of(SENSOR, **SHADING, exposure=[0.0]), groups[0], ONE)
+    both = fit(model_of(SENSOR, **SHADING, exposure=[0.0]), on(groups[0]))
     assert search._null_gain(model, "lens_shading") == 0
     assert search._null_gain(model_of(SENSOR, row_noise=[0.1])) == 0
     rested = [search._null_gain(both, but) for but in ("lens_shading", "exposure", "")]
@@ -165,5 +170,5 @@ def test_the_search_ends_when_it_stops_gaining(monkeypatch):
         Search, "_select", lambda self, model: np.array([heights[model.names[0]]])
     )
     search = search_of()
-    assert search.run(Model(SENSOR)).names == ["exposure"]
+    assert search.run().names == ["exposure"]
     assert search.steps == ["exposure"]

@@ -9,7 +9,7 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.likelihood.prediction import Model
+from cg2raw.diagnose.likelihood.model import Model
 from diagnose.planted import bare, capture_of, drawn, frames_of, sensor_of
 
 SHAPE = (128, 160)

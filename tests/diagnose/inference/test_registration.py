@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cg2raw.diagnose.inference.registration import Registration, _first_guess
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import capture_of, drawn, frames_of, scene_of, sensor_of
 from scipy.ndimage import map_coordinates
 
@@ -44,7 +45,12 @@ def misplaced(affine, gain, seed=5, repeats=2):
     shown = drawn(frames_of(SENSOR, true), Model(SENSOR), seed)
     rendered = frames_of(SENSOR, captures)
     return [
-        replace(frame, camera=other.camera, surround=other.surround)
+        replace(
+            frame,
+            camera=other.camera,
+            surround=other.surround,
+            rendered=other.rendered,
+        )
         for frame, other in zip(shown, rendered, strict=True)
     ]
 
@@ -61,61 +67,63 @@ def misplaced(affine, gain, seed=5, repeats=2):
 def test_planted_shifts_and_gains_are_found(affine, gain):
     frames = misplaced(affine, gain)
     registration = Registration(frames, shift=True, exposure=True)
-    registration.first(Model(SENSOR))
+    registration.first(Model(SENSOR), frames)
     row, col, brightness = registration.found()["a"]
     assert (row, col) == pytest.approx((affine[0][0], affine[1][0]), abs=0.02)
     assert brightness == pytest.approx(gain, rel=0.002)
-    for frame in frames:
+    for frame in map(registration.placed, frames):
         p = predict(Model(SENSOR), frame)
         used = frame.keep & (p.mean < 0.95)
         z = ((frame.signal - p.mean) / np.sqrt(p.variance))[used]
         assert np.mean(z**2) < 1.1
     before = registration.found()
-    registration.again(Model(SENSOR))
+    registration.again(Model(SENSOR), frames)
     after = registration.found()
     assert after["a"] == pytest.approx(before["a"], abs=2e-3)
 
 
 def test_what_does_not_float_is_left_alone():
     frames = misplaced([[0.4, 0, 0], [0.3, 0, 0]], 1.1)
-    camera = frames[0].camera.copy()
     registration = Registration(frames, shift=False, exposure=True)
-    registration.first(Model(SENSOR))
+    registration.first(Model(SENSOR), frames)
     row, col, gain = registration.found()["a"]
     assert (row, col) == (0, 0) and gain == pytest.approx(1.1, rel=0.03)
-    assert frames[0].camera == pytest.approx(gain * camera, rel=1e-5)
+    placed = registration.placed(frames[0])
+    assert placed.camera == pytest.approx(gain * frames[0].camera, rel=1e-5)
     still = misplaced([[0.4, 0, 0], [0.3, 0, 0]], 1.1)
     registration = Registration(still, shift=True, exposure=False)
-    registration.first(Model(SENSOR))
+    registration.first(Model(SENSOR), still)
     assert registration.found()["a"][2] == 1.0
 
 
 def test_darks_and_flats_of_unknown_level_have_no_place():
     frames = frames_of(SENSOR, [capture_of("dark"), capture_of("flat", scene=None)])
     registration = Registration(frames, shift=True, exposure=True)
-    registration.first(Model(SENSOR))
+    registration.first(Model(SENSOR), frames)
     assert registration.found() == {}
+    assert all(registration.placed(frame) is frame for frame in frames)
 
 
-def test_a_further_piece_of_a_frame_is_moved_alike():
+def test_a_frame_is_placed_by_its_render_however_often():
     frames = misplaced([[1.2, 0.1, 0], [-0.6, 0, 0.2]], 1.1)
     registration = Registration(frames, shift=True, exposure=True)
-    fresh = replace(frames[0], camera=frames[0].camera.copy(), store={})
-    registration.first(Model(SENSOR))
-    registration.place(fresh)
-    assert fresh.camera == pytest.approx(frames[0].camera, abs=1e-6)
-    assert fresh.surround.wide == pytest.approx(frames[0].surround.wide)
+    registration.first(Model(SENSOR), frames)
+    once = registration.placed(frames[0])
+    twice = registration.placed(once)
+    assert (once.camera != frames[0].camera).any()
+    assert (twice.camera == once.camera).all()
+    assert (twice.surround.wide == once.surround.wide).all()
 
 
 def test_what_scatters_far_is_as_bright_as_the_render():
     frames = misplaced([[0.0, 0, 0], [0.0, 0, 0]], 1.2)
     before = frames[0].surround
     registration = Registration(frames, shift=False, exposure=True)
-    registration.first(Model(SENSOR))
-    registration.again(Model(SENSOR))  # of what was rendered, and not once more
+    registration.first(Model(SENSOR), frames)
+    registration.again(Model(SENSOR), frames)  # of what was rendered, not once more
     gain = registration.found()["a"][2]
     assert gain == pytest.approx(1.2, rel=0.002)
-    for frame in frames:
+    for frame in map(registration.placed, frames):
         assert frame.surround.wide == pytest.approx(gain * before.wide, rel=1e-5)
         assert frame.surround.mean == pytest.approx(gain * np.array(before.mean))
 

@@ -6,17 +6,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
-from cg2raw.diagnose.likelihood.likelihood import total
-from cg2raw.diagnose.likelihood.prediction import Model, Pattern, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     FULL_WELL,
-    ONE,
     READ,
     capture_of,
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 
@@ -48,7 +49,7 @@ def leaking(rates):
 
 def fitted(frames, sensor=SENSOR, **terms):
     model = model_of(sensor, **terms, hot_pixels=[0.0])
-    return fit_patterns(model, frames, ONE)
+    return fit_patterns(model, on(frames))
 
 
 def by_threshold(frames):
@@ -58,7 +59,7 @@ def by_threshold(frames):
     score = sum(frame.seconds * frame.signal for frame in frames) / variance
     hot = score / np.sqrt(information) > 5.5
     none = np.zeros(hot.shape)
-    return Pattern(
+    return SensorMap(
         np.where(hot, score / information, none), np.where(hot, 1 / information, none)
     )
 
@@ -74,8 +75,8 @@ class Faint:
     model: Model
 
     @property
-    def pattern(self):
-        return self.model.terms[0].pattern
+    def sensor_map(self):
+        return self.model.terms[0].sensor_map
 
 
 @pytest.fixture(
@@ -104,12 +105,12 @@ def test_the_map_of_faint_ones_is_better_than_a_threshold(faint):
     keep = faint.fit_frames[0].keep
     errors = [
         ((pattern.mean - faint.rates) ** 2)[keep].sum()
-        for pattern in (faint.pattern, hard)
+        for pattern in (faint.sensor_map, hard)
     ]
     assert errors[0] < 0.7 * errors[1]
-    term = replace(faint.model.terms[0], pattern=hard)
+    term = replace(faint.model.terms[0], sensor_map=hard)
     heights = [
-        total(model, faint.held_out, ONE)
+        on(faint.held_out).total(model)
         for model in (faint.model, faint.model.with_term(term))
     ]
     assert heights[0] > heights[1] + 400
@@ -117,18 +118,18 @@ def test_the_map_of_faint_ones_is_better_than_a_threshold(faint):
 
 def test_its_doubt_is_calibrated(faint):
     """Of pixels whose charge is doubtful by a tenth of the read noise or more."""
-    doubt = faint.pattern.variance
+    doubt = faint.sensor_map.variance
     asked = faint.fit_frames[0].keep & (doubt * LONG**2 > (0.1 * faint.read) ** 2)
-    square = (faint.rates - faint.pattern.mean)[asked] ** 2
+    square = (faint.rates - faint.sensor_map.mean)[asked] ** 2
     assert asked.sum() > 150
     assert np.mean(square / doubt[asked]) == pytest.approx(1, abs=0.35)
 
 
 def test_its_doubt_is_the_variance_of_other_frames_alone(faint):
-    sure = Pattern(faint.pattern.mean, np.zeros(faint.pattern.mean.shape))
-    without = faint.model.with_term(replace(faint.model.terms[0], pattern=sure))
+    sure = SensorMap(faint.sensor_map.mean, np.zeros(faint.sensor_map.mean.shape))
+    without = faint.model.with_term(replace(faint.model.terms[0], sensor_map=sure))
     own, others = (
-        total(faint.model, frames, ONE) - total(without, frames, ONE)
+        on(frames).total(faint.model) - on(frames).total(without)
         for frames in (faint.fit_frames, faint.held_out)
     )
     assert own == 0 and others > 50
@@ -141,8 +142,8 @@ def test_hot_pixels_are_found_and_no_others():
     frames = drawn(darks((0.5, 1, 2, 2)), Model(SENSOR), 10, leaking(rates))
     (term,) = fitted(frames).terms
     keep = frames[0].keep
-    assert ((term.pattern.mean > READ) == hot)[keep].all()
-    assert term.pattern.mean[hot & keep] == pytest.approx(rates[hot & keep], rel=0.1)
+    assert ((term.sensor_map.mean > READ) == hot)[keep].all()
+    assert term.sensor_map.mean[hot & keep] == pytest.approx(rates[hot & keep], rel=0.1)
     assert term.values[0] == pytest.approx(hot[keep].mean(), rel=0.02)
 
 
@@ -151,17 +152,17 @@ def test_an_outlier_in_one_of_several_darks_is_no_hot_pixel(count, size):
     frames = drawn(darks([1] * count), Model(SENSOR), 11)
     frames[0].signal[0, 30, 40] += size * READ
     (term,) = fitted(frames).terms
-    assert term.pattern.mean[0, 30, 40] == 0
+    assert term.sensor_map.mean[0, 30, 40] == 0
     for frame in frames[1:]:
         frame.signal[0, 30, 40] += size * READ
-    assert fitted(frames).terms[0].pattern.mean[0, 30, 40] > 0.8 * size * READ
+    assert fitted(frames).terms[0].sensor_map.mean[0, 30, 40] > 0.8 * size * READ
 
 
 def test_noise_alone_has_hardly_any():
     frames = drawn(darks([1, LONG, LONG]), Model(SENSOR), 12)
     (term,) = fitted(frames).terms
     assert term.values[0] < 1e-4
-    assert term.pattern.mean.sum() < 1e-4 * READ * term.pattern.mean.size
+    assert term.sensor_map.mean.sum() < 1e-4 * READ * term.sensor_map.mean.size
 
 
 def test_heavy_tails_that_the_model_has_are_no_hot_pixels():
@@ -189,5 +190,5 @@ def test_pixels_that_tell_nothing_have_no_map(why):
         (frame.keep if why == "masked" else frame.at_zero)[:] = why != "masked"
     model = fitted(frames)
     (term,) = model.terms
-    assert term.values == 0 and not term.pattern.mean.any()
+    assert term.values == 0 and not term.sensor_map.mean.any()
     assert np.isfinite(predict(model, frames[0]).variance).all()

@@ -10,17 +10,18 @@ from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.frame import frame_of, source_of
 from cg2raw.diagnose.frames.tiling import Tiling
 from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.likelihood.censored_rows import cut_rows
-from cg2raw.diagnose.likelihood.likelihood import log_density, total
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.censored_rows import censored_rows
+from cg2raw.diagnose.likelihood.likelihood import log_density
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
-    ONE,
     READ,
     capture_of,
     cut_at_zero,
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 
@@ -73,7 +74,7 @@ def test_pixels_at_white_do_not_move_their_row():
     bright = replace(frame, signal=np.where(white, 1.0, frame.signal), at_white=white)
     unseen = replace(frame, keep=frame.keep & ~white)
     found, wanted = (
-        cut_rows(p, [0.3], one).likeliest.mean - p.mean for one in (bright, unseen)
+        censored_rows(p, [0.3], one).likeliest.mean - p.mean for one in (bright, unseen)
     )
     assert (found == wanted).all() and np.abs(found).max() > 0.1 * READ
 
@@ -96,9 +97,9 @@ def test_without_a_cut_pixel_it_is_the_flow_of_row_noise(sigma):
 def test_no_row_noise_changes_nothing():
     (frame,) = cut_at_zero(darks(0.0))
     p = predict(Model(SENSOR), frame)
-    same = cut_rows(p, [0.0], frame)
+    same = censored_rows(p, [0.0], frame)
     assert same.likeliest is p and same.drawn is p and not same.log_density.any()
-    nearly = cut_rows(p, [1e-4], frame)
+    nearly = censored_rows(p, [1e-4], frame)
     assert nearly.likeliest.mean == pytest.approx(p.mean, abs=1e-5 * READ)
     assert nearly.drawn.mean == pytest.approx(p.mean, abs=1e-3 * READ)
     assert np.abs(nearly.log_density).max() < 1e-6
@@ -109,7 +110,7 @@ def test_row_noise_that_is_cut_is_recovered(sigma):
     """By 4 darks of 64 rows, each row of which tells sigma to a share of root 2."""
     frames = cut_at_zero(darks(sigma, seed=5, count=4, shape=(64, 96)))
     grid = np.arange(0, sigma + 0.3, 0.02)
-    heights = [total(model_of(SENSOR, row_noise=[x]), frames, ONE) for x in grid]
+    heights = [on(frames).total(model_of(SENSOR, row_noise=[x])) for x in grid]
     assert grid[np.argmax(heights)] == pytest.approx(sigma, rel=0.12, abs=0.05)
 
 
@@ -118,7 +119,7 @@ def test_likely_offsets_are_those_of_the_rows():
     (frame,) = frames_of(SENSOR, [capture_of("dark")])
     (frame,) = cut_at_zero(drawn([frame], Model(SENSOR), 6, offsets))
     p = predict(Model(SENSOR), frame)
-    found = cut_rows(p, [0.5], frame).likeliest.mean - p.mean
+    found = censored_rows(p, [0.5], frame).likeliest.mean - p.mean
     seen = frame.keep.any(-1)
     error = (found[..., :1] - offsets)[seen] / READ
     assert error.std() == pytest.approx(1 / np.sqrt(0.82 * 88), rel=0.25)
@@ -139,17 +140,17 @@ def tiles_of(frame, *origins):
 def test_tiles_beside_each_other_share_their_rows():
     (frame,) = cut_at_zero(darks(0.5))
     p = predict(Model(SENSOR), frame)
-    whole = cut_rows(p, [0.5], frame)
+    whole = censored_rows(p, [0.5], frame)
     halves = tiles_of(frame, (0, 0), (0, 16))
     q = predict(Model(SENSOR), halves)
-    beside = cut_rows(q, [0.5], halves)
+    beside = censored_rows(q, [0.5], halves)
     as_cut = halves.tiles.cut(whole.likeliest.mean[0])
     assert beside.likeliest.mean == pytest.approx(as_cut, rel=1e-9)
     assert beside.log_density.sum() == pytest.approx(whole.log_density.sum())
     away = beside.drawn.mean - beside.likeliest.mean
     assert away[0] == pytest.approx(away[1]) and away[0].std() > 0.05 * READ
     below = tiles_of(frame, (0, 0), (12, 0))
-    stacked = cut_rows(predict(Model(SENSOR), below), [0.5], below)
+    stacked = censored_rows(predict(Model(SENSOR), below), [0.5], below)
     as_cut = below.tiles.cut(whole.likeliest.mean[0])
     assert stacked.likeliest.mean == pytest.approx(as_cut, rel=1e-9)
     assert stacked.log_density.sum() == pytest.approx(whole.log_density.sum())

@@ -7,14 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cg2raw.diagnose.likelihood.censoring import LARGEST_Z, residuals, scores
-from cg2raw.diagnose.likelihood.likelihood import Workers, in_blocks, log_density, total
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.likelihood.workers import Workers
 from diagnose.planted import (
-    ONE,
     capture_of,
     drawn,
     frames_of,
     model_of,
+    on,
     sensor_of,
 )
 from scipy.stats import kstest, norm
@@ -170,28 +172,28 @@ def test_density_is_in_dn(frames):
 
 def test_sums_count_what_is_kept_alone(frames):
     model = model_of(SENSOR, row_noise=[0.2])
-    whole = total(model, frames, ONE)
+    whole = on(frames).total(model)
     keep = [f.keep.copy() for f in frames]
     keep[2][:, 20:30, 40:60] = False
     masked = [replace(f, keep=k) for f, k in zip(frames, keep, strict=True)]
     wild = frames[2].signal.copy()
     wild[:, 20:30, 40:60] = 0.9
     spoilt = [*masked[:2], replace(masked[2], signal=wild)]
-    assert total(model, masked, ONE) != whole
-    assert total(model, spoilt, ONE) == pytest.approx(total(model, masked, ONE))
+    assert on(masked).total(model) != whole
+    assert on(spoilt).total(model) == pytest.approx(on(masked).total(model))
 
 
 def test_blocks_and_threads_add_up(frames):
     model = model_of(SENSOR, row_noise=[0.2])
-    whole = total(model, frames, ONE)
-    assert in_blocks(model, frames, ONE).sum() == pytest.approx(whole)
-    assert total(model, frames, Workers(3)) == whole
+    whole = on(frames).total(model)
+    assert on(frames).in_blocks(model).sum() == pytest.approx(whole)
+    assert Likelihood(frames, Workers(3)).total(model) == whole
     known = [predict(model, frame) for frame in frames]
-    assert total(model, frames, ONE, known) == whole
+    assert on(frames).total(model, known) == whole
 
 
 def test_the_true_model_is_the_best(frames):
-    best = total(Model(SENSOR), frames, ONE)
+    best = on(frames).total(Model(SENSOR))
     others = (
         {"read_noise": [0.2]},
         {"shot_noise": [-0.2]},
@@ -202,4 +204,4 @@ def test_the_true_model_is_the_best(frames):
         {"noise_reduction": [0.1, 0.0]},
     )
     for terms in others:
-        assert total(model_of(SENSOR, **terms), frames, ONE) < best - 3, terms
+        assert on(frames).total(model_of(SENSOR, **terms)) < best - 3, terms

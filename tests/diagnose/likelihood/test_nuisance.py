@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.likelihood.likelihood import log_density, total
-from cg2raw.diagnose.likelihood.nuisance import (
-    Nuisance,
-    hide_highlights,
+from cg2raw.diagnose.inference.nuisance_fit import (
     nuisance_of,
     refitted,
+    without_highlights,
 )
-from cg2raw.diagnose.likelihood.prediction import Model, predict
-from diagnose.planted import ONE, capture_of, drawn, frames_of, model_of, sensor_of
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.nuisance import Nuisance
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import capture_of, drawn, frames_of, model_of, on, sensor_of
 from scipy.stats import multivariate_normal
 
 SENSOR = sensor_of()
@@ -31,11 +31,11 @@ def nuisance(light=0.02, radiance=0.03, registration=0.0, texture=0.0, floating=
 def test_whitening_is_the_dense_normal(kind, floating):
     (frame,) = frames_of(SENSOR, [capture_of(kind, shape=(24, 30))])
     rng = np.random.default_rng(1)
-    frame.keep &= rng.random(frame.keep.shape) < 0.8
+    frame = replace(frame, keep=frame.keep & (rng.random(frame.keep.shape) < 0.8))
     one = nuisance(floating=floating)
     p = predict(Model(SENSOR), frame)
     z = rng.standard_normal(frame.signal.shape)
-    white, cost = one.whiten(z, p, frame)
+    white, cost = one.shrinkage(p, frame).apply(z, frame)
     keep = frame.keep
     density = (-0.5 * white**2 - 0.5 * np.log(2 * np.pi) + cost)[keep].sum()
     columns = one._columns(frame, p)[:, keep.ravel()].astype(float)
@@ -48,7 +48,7 @@ def test_a_dark_has_no_nuisance():
     (frame,) = frames_of(SENSOR, [capture_of("dark")])
     z = np.ones(frame.signal.shape)
     p = predict(Model(SENSOR), frame)
-    white, cost = nuisance().whiten(z, p, frame)
+    white, cost = nuisance().shrinkage(p, frame).apply(z, frame)
     assert (white == z).all() and np.sum(cost) == 0
     assert nuisance(registration=1.0, texture=1.0).pixel_variance(frame, z) == 0
 
@@ -64,8 +64,8 @@ def test_brightness_that_flickers_is_no_evidence():
     still = drawn(frames, Model(SENSOR), 2)
     base = Model(SENSOR)
     floating = replace(base, nuisance=nuisance())
-    assert total(base, still, ONE) - total(base, shown, ONE) > 100
-    assert total(floating, still, ONE) - total(floating, shown, ONE) < 15
+    assert on(still).total(base) - on(shown).total(base) > 100
+    assert on(still).total(floating) - on(shown).total(floating) < 15
 
 
 def test_sizes_are_recovered():
@@ -79,18 +79,16 @@ def test_sizes_are_recovered():
 
     shown = drawn(frames, Model(SENSOR), 4, flicker)
     start = nuisance(light=0.005, radiance=0.0, floating=frozenset({"light"}))
-    found = refitted(Model(SENSOR, nuisance=start), shown, ONE)
+    found = refitted(Model(SENSOR, nuisance=start), on(shown))
     assert found.light == pytest.approx(size, rel=0.5)
-    quiet = refitted(
-        Model(SENSOR, nuisance=start), drawn(frames, Model(SENSOR), 5), ONE
-    )
+    quiet = refitted(Model(SENSOR, nuisance=start), on(drawn(frames, Model(SENSOR), 5)))
     assert quiet.light == pytest.approx(0.005)
 
 
 def test_no_nuisance_is_declared_and_none_is_there():
     frames = frames_of(SENSOR, [capture_of("dark"), capture_of("scene")])
     declared = CaptureSet(SENSOR, [f.capture for f in frames])
-    assert nuisance_of(declared, frames, ONE) is None
+    assert nuisance_of(declared, on(frames)) is None
 
 
 def test_declared_lower_bounds_hold():
@@ -103,7 +101,7 @@ def test_declared_lower_bounds_hold():
         nuisances=frozenset({"light", "radiance"}),
         uncertainty={"light": 0.02, "radiance": 0.04},
     )
-    found = nuisance_of(declared, frames, ONE)
+    found = nuisance_of(declared, on(frames))
     assert found.light >= 0.02 and found.radiance >= 0.04
 
 
@@ -111,12 +109,12 @@ def test_highlights_of_scenes_do_not_count():
     frames = frames_of(SENSOR, [capture_of("scene"), capture_of("flat", level=0.95)])
     brighter = model_of(SENSOR, exposure=[0.6])
     for frame in frames:
-        before = frame.keep.copy()
-        hide_highlights(frame, brighter)
-        hidden = before & ~frame.keep
+        less = without_highlights(frame, brighter)
+        hidden = frame.keep & ~less.keep
         bright = predict(brighter, frame).mean >= 0.85
-        assert (hidden == (before & bright & (frame.capture.kind == "scene"))).all()
-        assert (frame.counted == before).all()
+        shown = frame.capture.kind == "scene"
+        assert (hidden == (frame.keep & bright & shown)).all()
+        assert (less.counted == frame.keep).all()
     assert hidden.sum() == 0
 
 
@@ -125,14 +123,12 @@ def test_highlights_show_what_clips_and_little_else():
     hidden = nuisance(0.01, 0.02, registration=0.1)
     bright = replace(model_of(SENSOR, exposure=[1.5]), nuisance=hidden)
     truth = replace(model_of(SENSOR, exposure=[1.5], early_clipping=[0.08]))
-    seen = drawn(frames, truth, 3)
-    for frame in seen:
-        hide_highlights(frame, bright)
+    seen = [without_highlights(frame, bright) for frame in drawn(frames, truth, 3)]
     assert sum(frame.highlights.sum() for frame in seen) > 100
 
     def gain(**terms):
         model = replace(model_of(SENSOR, exposure=[1.5], **terms), nuisance=hidden)
-        return total(model, seen, ONE) - total(bright, seen, ONE)
+        return on(seen).total(model) - on(seen).total(bright)
 
     clipped = gain(early_clipping=[0.08])
     assert clipped > 100
@@ -153,6 +149,5 @@ def test_a_shift_is_variance_on_edges():
 def test_memory_of_what_is_kept_is_bounded():
     """Per frame, what whitening keeps is below 150 bytes a pixel."""
     (frame,) = frames_of(SENSOR, [capture_of("scene")])
-    log_density(Model(SENSOR, nuisance=nuisance()), frame)
-    kept = frame.store["shrinking"][2][0]
-    assert kept.nbytes / frame.signal.size < 150
+    p = predict(Model(SENSOR, nuisance=nuisance()), frame)
+    assert p.shrinkage.columns.nbytes / frame.signal.size < 150

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Flows: densities that are densities, and white noise of structured noise."""
+"""Whitening: densities stay densities, structured noise becomes white."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from cg2raw.diagnose.likelihood import whitening as flows
-from cg2raw.diagnose.likelihood.prediction import Prediction
-from diagnose.planted import capture_of, frames_of, sensor_of
+from cg2raw.diagnose.frames.prediction import Prediction
+from diagnose.planted import BY_NAME, capture_of, frames_of, sensor_of
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm, poisson
 
@@ -28,6 +27,12 @@ def prediction(mean=0.3, variance=1e-4, photon_variance=None):
     return Prediction(*full)
 
 
+def whitened(name, z, p, values, frame=None, read=None):
+    """Return (residuals, log of the determinant) as an effect whitens them."""
+    read = frame.beta2 if read is None and frame else read
+    return BY_NAME[name].whiten(z, p, values, frame, read)
+
+
 def numerical_slope(white, z, step=1e-5):
     return (white(z + step) - white(z - step)) / (2 * step)
 
@@ -44,9 +49,9 @@ def test_photon_statistics_cost_is_the_log_of_its_slope(frame, fraction):
     p = prediction(mean=0.02, variance=frame.beta1.mean() * 0.02 + frame.beta2.mean())
 
     def white(at):
-        return flows.photon_statistics(at, p, np.array([fraction]), frame)[0]
+        return whitened("photon_statistics", at, p, np.array([fraction]), frame)[0]
 
-    cost = flows.photon_statistics(z, p, np.array([fraction]), frame)[1]
+    cost = whitened("photon_statistics", z, p, np.array([fraction]), frame)[1]
     inner = np.abs(z) < 4
     assert np.exp(cost)[inner] == pytest.approx(numerical_slope(white, z)[inner], 1e-3)
 
@@ -57,9 +62,9 @@ def test_heavy_tails_cost_is_the_log_of_its_slope(frame):
     values = np.array([0.03, 9.0])
 
     def white(at):
-        return flows.heavy_tailed_noise(at, p, values, frame, frame.beta2)[0]
+        return whitened("heavy_tailed_noise", at, p, values, frame)[0]
 
-    cost = flows.heavy_tailed_noise(z, p, values, frame, frame.beta2)[1]
+    cost = whitened("heavy_tailed_noise", z, p, values, frame)[1]
     assert np.exp(cost) == pytest.approx(numerical_slope(white, z), 1e-3)
 
 
@@ -68,7 +73,7 @@ def test_heavy_tails_are_the_mixture_of_two_normals(frame):
     z = np.linspace(-16, 16, SHAPE[1] * SHAPE[2]).reshape(SHAPE)
     share, f, r = 0.7, 0.04, 16.0
     p = prediction(0.1, frame.beta2.mean() / share)
-    white, cost = flows.heavy_tailed_noise(z, p, np.array([f, r]), frame, frame.beta2)
+    white, cost = whitened("heavy_tailed_noise", z, p, np.array([f, r]), frame)
     core = share / (1 + f * (r - 1))
     expected = f * norm.pdf(z, scale=np.sqrt(1 - share + r * core))
     expected += (1 - f) * norm.pdf(z, scale=np.sqrt(1 - share + core))
@@ -92,7 +97,7 @@ def test_photon_statistics_near_the_convolution_of_poisson_and_normal(electrons)
     z = ((y - electrons) / variance**0.5).reshape(SHAPE)
     x = electrons / full_well
     p = prediction(x, variance / full_well**2, x / full_well)
-    white, cost = flows.photon_statistics(z, p, np.array([1.0]), frame)
+    white, cost = whitened("photon_statistics", z, p, np.array([1.0]), frame)
     flow = np.exp(cost).ravel() * norm.pdf(white.ravel()) / variance**0.5
     step = y[1] - y[0]
     assert flow.sum() * step == pytest.approx(1, abs=2e-3)
@@ -109,7 +114,7 @@ def test_photons_of_another_gain_are_lopsided_by_it(frame):
     for gain in (1.0, 2.0):
         photons = gain * frame.beta1.mean() * 0.05
         p = prediction(0.05, photons, photons)
-        white, _ = flows.photon_statistics(z, p, np.array([1.0]), frame)
+        white, _ = whitened("photon_statistics", z, p, np.array([1.0]), frame)
         moved.append(-white.mean())
     assert moved[1] / moved[0] == pytest.approx(2**0.5, rel=0.05)
 
@@ -122,7 +127,7 @@ def test_row_noise_is_the_dense_normal(frame):
     variance = beta2 * (1 + rng.random(SHAPE))
     p = replace(prediction(), variance=variance)
     z = rng.standard_normal(SHAPE)
-    white, cost = flows.row_noise(z, p, np.array([sigma]), masked)
+    white, cost = whitened("row_noise", z, p, np.array([sigma]), masked)
     density = (-0.5 * white**2 - 0.5 * np.log(2 * np.pi) + cost)[keep].sum()
     expected = 0.0
     for row in range(SHAPE[1]):
@@ -142,8 +147,13 @@ def test_row_noise_becomes_white(frame):
     below = np.stack([24 * np.arange(400), np.zeros(400)], 1).astype(np.int32)
     tiles = replace(frame.tiles, origins=below)
     many = replace(frame, keep=np.ones(z.shape, bool), tiles=tiles)
-    p = Prediction(*(np.broadcast_to(np.mean(x), z.shape) for x in vars(p).values()))
-    white, _ = flows.row_noise(z, p, np.array([sigma]), many)
+    p = Prediction(
+        *(
+            np.broadcast_to(np.mean(x), z.shape)
+            for x in (p.mean, p.variance, p.exposed, p.photon_variance)
+        )
+    )
+    white, _ = whitened("row_noise", z, p, np.array([sigma]), many)
     assert z.mean(-1).var() > 1
     assert white.mean(-1).var() * 20 == pytest.approx(1, abs=0.05)
     assert white.var() == pytest.approx(1, abs=0.01)
@@ -157,10 +167,11 @@ def test_tiles_beside_each_other_share_their_rows(frame):
     tiles = replace(frame.tiles, origins=np.array([[0, 0], [0, 20]], np.int32))
     pair = replace(frame, keep=np.ones(z.shape, bool), tiles=tiles)
     p = Prediction(*(np.full(z.shape, x) for x in (0.0, beta2, 0.0, 0.0)))
-    white, _ = flows.row_noise(z, p, np.array([1.0]), pair)
+    white, _ = whitened("row_noise", z, p, np.array([1.0]), pair)
     left, right = white.mean(-1)
     assert abs(np.corrcoef(left, right)[0, 1]) < 0.15
-    together, _ = flows.row_noise(
+    together, _ = whitened(
+        "row_noise",
         z.swapaxes(0, 1).reshape(1, 400, 40),
         Prediction(*(np.full((1, 400, 40), x) for x in (0.0, beta2, 0.0, 0.0))),
         np.array([1.0]),
@@ -172,7 +183,7 @@ def test_tiles_beside_each_other_share_their_rows(frame):
 
 def filter_matrix(shape, blend, diagonal):
     """Return the dense matrix of a camera's blend of same-colour neighbours; borders
-    are those of a torus, as the flow has them."""
+    are those of a torus, as the effect has them."""
     count = shape[0] * shape[1]
     matrix = np.zeros((count, count))
     index = np.arange(count).reshape(shape)
@@ -194,7 +205,7 @@ def test_noise_reduction_against_the_dense_matrix(shape):
     matrix /= np.sqrt((matrix[0] ** 2).sum())
     source = rng.standard_normal((1, *shape))
     z = (matrix @ source.ravel()).reshape(source.shape)
-    white, cost = flows.noise_reduction(z, np.array([blend, diagonal]))
+    white, cost = whitened("noise_reduction", z, None, np.array([blend, diagonal]))
     assert white == pytest.approx(source, abs=0.01)
     _, log_determinant = np.linalg.slogdet(matrix)
     assert cost * source.size == pytest.approx(-log_determinant, abs=0.05)
@@ -206,7 +217,7 @@ def test_noise_that_was_reduced_becomes_white():
     matrix = filter_matrix((16, 16), *values)
     matrix /= np.sqrt((matrix[0] ** 2).sum())
     z = (rng.standard_normal((500, 256)) @ matrix.T).reshape(500, 16, 16)
-    white, _ = flows.noise_reduction(z, values)
+    white, _ = whitened("noise_reduction", z, None, values)
     for lag in ((0, 2), (2, 0), (2, 2)):
         shifted = np.roll(white, lag, (1, 2))
         assert abs((white * shifted).mean()) < 4 / np.sqrt(z.size)
@@ -214,7 +225,7 @@ def test_noise_that_was_reduced_becomes_white():
 
 
 def clipping_density(frame, mean, below_white, read, signal, light=0.0):
-    """Return the flow's density of signals (n,) at a mean, per unit of signal, and its
+    """Return the density of signals (n,) at a mean, per unit of signal, and their
     residuals. light : variance of light that nobody measured."""
     photons = frame.beta1.mean() * mean
     well = 1 - below_white
@@ -227,7 +238,9 @@ def clipping_density(frame, mean, below_white, read, signal, light=0.0):
     p = Prediction(*known)
     z = ((signal - first) / variance**0.5).reshape(SHAPE)
     values = np.array([below_white])
-    white, extra = flows.early_clipping(z, p, values, frame, np.full(SHAPE[1:], read))
+    white, extra = whitened(
+        "early_clipping", z, p, values, frame, np.full(SHAPE[1:], read)
+    )
     density = np.exp(extra + norm.logpdf(white) - 0.5 * np.log(variance))
     return density.ravel(), white.ravel()
 
@@ -268,8 +281,8 @@ def test_a_density_of_photons_integrates_to_one(frame):
     p = prediction(0.006, frame.beta1.mean() * 0.006 + frame.beta2.mean())
 
     def density(z):
-        white, cost = flows.photon_statistics(
-            np.full(SHAPE, z), p, np.array([1.0]), frame
+        white, cost = whitened(
+            "photon_statistics", np.full(SHAPE, z), p, np.array([1.0]), frame
         )
         return float((np.exp(cost) * norm.pdf(white))[0, 0, 0])
 

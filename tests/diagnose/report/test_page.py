@@ -35,7 +35,8 @@ from diagnose.made_up_diagnosis import made_up_diagnosis, pictures
 
 EMPTY = {
     "effects": [], "tests_before": [], "tests_after": [], "unexplained": [],
-    "ladder": [], "power": [], "next_captures": [], "notes": [], "groups": {},
+    "ladder": [], "detection_limits": [], "next_captures": [], "notes": [],
+    "groups": {},
     "pictures": [], "curves": [], "histogram_before": None, "histogram_after": None,
     "profile_json": "",
 }  # fmt: skip
@@ -116,7 +117,9 @@ def test_every_string_is_shown(diagnosis):
     # What separates two effects is said of the runner-up alone.
     others = {path for path in hidden if path[-1] == "separation" and path[-2] > 0}
     assert len(strings) > 150 and len(others) == 6
-    assert hidden - others == {("power", 6, "unit")}  # of what cannot be seen
+    assert hidden - others == {
+        ("detection_limits", 6, "unit")
+    }  # of what cannot be seen
 
 
 def test_every_name_of_a_parameter_and_group_is_shown(diagnosis):

@@ -7,11 +7,6 @@ import unicodedata
 
 import pytest
 from cg2raw.diagnose.diagnosis import Estimate, Gap
-from cg2raw.diagnose.effects.discriminating_captures import (
-    GENERAL,
-    known_effects,
-    separation,
-)
 from cg2raw.diagnose.report import text as words
 
 NAN = float("nan")
@@ -102,28 +97,3 @@ def test_an_e_value_in_words(e_value, shown, strength, odds):
 def test_long_runs_are_told_in_minutes():
     assert words.duration(12.34) == "12.3 s"
     assert words.duration(3 * 60 + 7.9) == "3 min 7 s"
-
-
-def test_the_effects_that_are_told_apart_exist():
-    assert set(known_effects()) <= set(EFFECTS)
-
-
-@pytest.mark.parametrize("first", EFFECTS)
-def test_what_separates_two_effects_does_not_depend_on_their_order(first):
-    for second in EFFECTS:
-        assert separation(first, second) == separation(second, first)
-
-
-@pytest.mark.parametrize(
-    ("first", "second", "word"),
-    [
-        ("prnu", "shot_noise", "repeats in every frame"),
-        ("lens_shading", "exposure", "three or more levels"),
-        ("blur", "noise_reduction", "leaves it white"),
-        ("black_level", "dark_current", "two exposure times"),
-        ("lens_shading", "read_noise", "Repeated frames of one scene"),
-        ("blur", "prnu", GENERAL),
-    ],
-)
-def test_what_separates_effects_that_look_alike(first, second, word):
-    assert word in separation(first, second)

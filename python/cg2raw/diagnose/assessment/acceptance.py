@@ -14,18 +14,11 @@ import numpy as np
 
 from cg2raw.diagnose.assessment.gap import Sums
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.effects import words
-from cg2raw.diagnose.frames.frame import Frame
-from cg2raw.diagnose.inference.fisher_scoring import fit
+from cg2raw.diagnose.effects.catalogue import title
+from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.intervals import estimates
-from cg2raw.diagnose.likelihood.likelihood import Workers
-from cg2raw.diagnose.likelihood.prediction import (
-    PATTERNS,
-    Model,
-    Term,
-    ordered_effects,
-    within_bounds,
-)
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model, Term
 
 Estimates = Mapping[str, Mapping[str, Estimate]]
 
@@ -36,15 +29,16 @@ LEAST_GAIN = float(np.log(20))
 
 
 def founded(
-    model: Model, frames: Sequence[Frame], workers: Workers
+    model: Model, likelihood: Likelihood
 ) -> tuple[Model, Estimates, dict[str, str]]:
     """Return (model of the effects that may be named, their estimates, why others may
     not by name).
 
-    frames : that it was fitted to, and is fitted to again without them."""
+    likelihood : of the frames that it was fitted to, and is fitted to again without
+    them."""
     refused: dict[str, str] = {}
     while True:
-        values = estimates(model, frames, workers)
+        values = estimates(model, likelihood)
         reasons = {
             term.name: reason
             for term in model.terms
@@ -55,13 +49,13 @@ def founded(
         # One at a time: without it the others may lie elsewhere.
         name = next(iter(reasons))
         refused[name] = reasons[name]
-        model = fit(model.without(name), frames, workers)
+        model = fit(model.without(name), likelihood)
 
 
 def _unfounded(model: Model, term: Term, values: Estimates) -> str:
     """Return why an effect may not be named; nothing if it may."""
     parameters = values[term.name]
-    switches = term.candidate.switches or tuple(parameters)
+    switches = term.effect.switches or tuple(parameters)
     if all(_holds_null(parameters[name]) for name in switches):
         held = " and ".join(f"{name} 0" for name in switches)
         return f"its 95 % interval holds {held}"
@@ -76,12 +70,10 @@ def _holds_null(estimate: Estimate) -> bool:
 
 def _bound_of(model: Model, term: Term) -> str:
     """Return which parameter sits on a bound that is not its null, in words."""
-    if term.name in PATTERNS:
+    effect = term.effect
+    if effect.estimator == "fixed pattern":
         return ""
-    candidate = term.candidate
-    rows = zip(
-        candidate.parameters, term.values, candidate.low, candidate.high, strict=True
-    )
+    rows = zip(effect.parameters, term.values, effect.low, effect.high, strict=True)
     for name, value, low, high in rows:
         near = ON_BOUND * (high - low)
         for bound in (low, high):
@@ -92,13 +84,12 @@ def _bound_of(model: Model, term: Term) -> str:
 
 def _registry_bound(model: Model, term: Term) -> str:
     """The same of what is found and what the profile has together."""
-    listed = {e["name"]: e["parameters"] for e in ordered_effects(model.sensor)}
-    if term.name not in listed or len(listed[term.name]) != len(term.values):
+    listed = model.profile_parameters.get(term.name, {})
+    if len(listed) != len(term.values):
         return ""
-    sums = np.array(list(listed[term.name].values()), float) + term.values
-    for name, total, kept in zip(
-        term.candidate.parameters, sums, within_bounds(term.name, sums), strict=True
-    ):
+    sums = np.array(list(listed.values()), float) + term.values
+    bounded = term.effect.within_registry_bounds(sums)
+    for name, total, kept in zip(term.effect.parameters, sums, bounded, strict=True):
         if total != kept:
             return f"{name} is {kept:g} together with the profile's"
     return ""
@@ -112,7 +103,7 @@ def is_better(before: Sums, after: Sums) -> bool:
 def refusals(refused: Mapping[str, str]) -> list[str]:
     """Return a sentence on each effect that may not be named."""
     return [
-        f"{words.title(name).capitalize()} is not named, though it was found: {reason}."
+        f"{title(name).capitalize()} is not named, though it was found: {reason}."
         for name, reason in refused.items()
     ]
 
@@ -120,7 +111,7 @@ def refusals(refused: Mapping[str, str]) -> list[str]:
 def not_better(names: Sequence[str], before: Sums, after: Sums) -> str:
     """Return a sentence on effects that the report frames do not confirm."""
     gain = after.log_likelihood - before.log_likelihood
-    listed = ", ".join(words.title(name) for name in names)
+    listed = ", ".join(title(name) for name in names)
     more = "more" if gain > 0 else "less"
     return (
         f"Not confirmed: with {listed} the report frames, whole, are {more} likely by "

@@ -1,25 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""What a diagnosis shows: frames side by side, residual maps, fitted curves."""
-
-from collections.abc import Mapping, Sequence
-from typing import Any
+"""Figures: frames side by side, residual maps, histograms."""
 
 import numpy as np
 
 from cg2raw.cfa import demosaic
-from cg2raw.diagnose.diagnosis import Curve, Estimate, Picture
+from cg2raw.diagnose.diagnosis import Picture
 from cg2raw.diagnose.frames.frame import Frame, repeat_of
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.likelihood.likelihood import Workers, log_density
-from cg2raw.diagnose.likelihood.prediction import Model, Prediction
+from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
+from cg2raw.diagnose.likelihood.model import Model
 
 LARGEST_SIDE = 512
 FARTHEST_Z = 20.0
 CELL = 4  # pixels a side of a cell of the residual map, at least
 EDGES = np.linspace(-6, 6, 97)
-POINTS = 60
 
 
 class Canvas:
@@ -89,9 +85,7 @@ def _mount(canvas: Array, tiles: Array, frame: Frame, scale: int) -> None:
         canvas[top : top + h, left : left + w] = mean
 
 
-def histogram(
-    model: Model, frames: Sequence[Frame], workers: Workers
-) -> tuple[Array, Array]:
+def histogram(model: Model, report: Likelihood) -> tuple[Array, Array]:
     """Return (edges, counts) of the standardised residuals of frames."""
 
     def counted(frame: Frame) -> Array:
@@ -99,159 +93,4 @@ def histogram(
         used = z[frame.keep & ~frame.censored]
         return np.histogram(np.clip(used, EDGES[0], EDGES[-1]), EDGES)[0]
 
-    return EDGES, np.sum(workers.map(counted, frames), 0)
-
-
-def curves_of(
-    model: Model,
-    values: Mapping[str, Mapping[str, Estimate]],
-    frames: Sequence[Frame],
-) -> list[Curve]:
-    """Return the curves that belong to a model's terms."""
-    drawn = {
-        "lens_shading": _fall_off,
-        "blur": _transfer,
-        "nonlinearity": _response,
-    }
-    curves = [
-        drawn[term.name](model, term.values, values[term.name], frames)
-        for term in model.terms
-        if term.name in drawn
-    ]
-    noisy = {"shot_noise", "read_noise", "row_noise"} & set(model.names)
-    if frames:
-        curves.append(_photon_transfer(model, frames, sorted(noisy)))
-    return curves
-
-
-def _curve(
-    values: Array, estimates: Mapping[str, Estimate], design: Array
-) -> tuple[Array, Array, Array]:
-    """Return (y, low, high) of 1 + design @ values; intervals add as independent."""
-    errors = np.array([(e.ci95[1] - e.ci95[0]) / 2 for e in estimates.values()])
-    y = 1 + design @ values
-    half = np.sqrt((design**2) @ errors**2)
-    return y, y - half, y + half
-
-
-def _measured_ratio(
-    model: Model, name: str, frames: Sequence[Frame], labels: Any, count: int
-) -> tuple[Array, Array]:
-    """Return (label, measured over predicted without the effect), light-weighted."""
-    rest = model.without(name)
-    above, below = np.zeros(count), np.zeros(count)
-    for frame in frames:
-        if frame.capture.kind == "dark":
-            continue
-        p: Prediction = log_density(rest, frame)[2]
-        used = frame.keep & ~frame.censored & (p.mean < 0.9)
-        chosen = labels(frame, p)[used]
-        weight = (p.mean / p.variance)[used]
-        above += np.bincount(chosen, weight * frame.signal[used], count)[:count]
-        below += np.bincount(chosen, weight * p.mean[used], count)[:count]
-    seen = below > 0
-    return np.flatnonzero(seen).astype(float), above[seen] / below[seen]
-
-
-def _fall_off(
-    model: Model, values: Array, estimates: Any, frames: Sequence[Frame]
-) -> Curve:
-    r = np.linspace(0, 1, POINTS)
-    design = np.zeros((POINTS, len(values)))
-    design[:, :3] = np.stack([r**2, r**4, r**6], 1)
-    count = 20
-
-    def labels(frame: Frame, p: Prediction) -> Any:
-        u, v = frame.tiles.field()
-        return np.minimum((np.hypot(u, v) * count).astype(int), count - 1)
-
-    x, y = _measured_ratio(model, "lens_shading", frames, labels, count)
-    return Curve(
-        "Fall-off of the lens",
-        "radius, 1 in the corner",
-        "relative illumination",
-        r,
-        *_curve(values, estimates, design),
-        (x + 0.5) / count,
-        y,
-        "lens_shading",
-    )
-
-
-def _transfer(
-    model: Model, values: Array, estimates: Any, frames: Sequence[Frame]
-) -> Curve:
-    f = np.linspace(0, 1, POINTS)
-    design = np.zeros((POINTS, len(values)))
-    for n in range(1, 11):
-        design[:, n - 1] = np.cos(n * np.pi * f) - 1
-    nothing = np.zeros(0)
-    return Curve(
-        "Transfer of contrast by the lens",
-        "spatial frequency, 1 is Nyquist's",
-        "contrast",
-        f,
-        *_curve(values, estimates, design),
-        nothing,
-        nothing,
-        "blur",
-    )
-
-
-def _response(
-    model: Model, values: Array, estimates: Any, frames: Sequence[Frame]
-) -> Curve:
-    x = np.linspace(0.02, 1, POINTS)
-    design = np.stack([-x, -(x**2)], 1)
-    count = 20
-
-    def labels(frame: Frame, p: Prediction) -> Any:
-        return np.clip((p.mean * count).astype(int), 0, count - 1)
-
-    level, ratio = _measured_ratio(model, "nonlinearity", frames, labels, count)
-    return Curve(
-        "Response of the sensor",
-        "light, 1 is white",
-        "signal per light",
-        x,
-        *_curve(values, estimates, design),
-        (level + 0.5) / count,
-        ratio,
-        "nonlinearity",
-    )
-
-
-def _photon_transfer(
-    model: Model, frames: Sequence[Frame], noisy: Sequence[str]
-) -> Curve:
-    """Variance against level: of the model, and of the residuals."""
-    count = 16
-    edges = np.geomspace(1e-3, 1, count)
-    square, weight, level = np.zeros((3, count + 1))
-    expected = np.zeros(count + 1)
-    for frame in frames:
-        p = log_density(model, frame)[2]
-        used = frame.keep & ~frame.censored & (p.mean < 0.95)
-        chosen = np.digitize(p.mean[used], edges)
-        residual = (frame.signal - p.mean)[used]
-        square += np.bincount(
-            chosen, np.minimum(residual**2, 50 * p.variance[used]), count + 1
-        )
-        level += np.bincount(chosen, np.maximum(p.mean[used], 0), count + 1)
-        expected += np.bincount(chosen, p.variance[used], count + 1)
-        weight += np.bincount(chosen, minlength=count + 1)
-    seen = weight > 200
-    x, y = level[seen] / weight[seen], expected[seen] / weight[seen]
-    half = 1.96 * y * np.sqrt(2 / weight[seen])
-    return Curve(
-        "Photon transfer",
-        "level, 1 is white",
-        "variance",
-        x,
-        y,
-        y - half,
-        y + half,
-        x,
-        square[seen] / weight[seen],
-        ", ".join(noisy),
-    )
+    return EDGES, np.sum(report.each(counted), 0)

@@ -10,11 +10,13 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Gap
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.intervals import NORMAL_95
 from cg2raw.diagnose.likelihood.censoring import MEASURED, residuals
 from cg2raw.diagnose.likelihood.likelihood import block_sums, log_density
-from cg2raw.diagnose.likelihood.prediction import Model, Prediction, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 
 LARGEST = 50.0  # standard deviations that count in chi-square
 HIGHEST = 0.95  # of white, for repeats
@@ -85,7 +87,7 @@ def systematic(model: Model, base: Model, frames: Sequence[Frame]) -> float | No
     squared error of the mean, without a bias by noise. None without repeats."""
     sets: dict[str, list[Frame]] = {}
     for frame in frames:
-        if frame.capture.kind in ("scene", "chart"):
+        if frame.capture.shows.image:
             sets.setdefault(frame.capture.set, []).append(frame)
     products, pixels = 0.0, 0
     for members in sets.values():

@@ -15,13 +15,13 @@ from cg2raw.diagnose.frames.frame import (
     frame_of,
     repeat_of,
     source_of,
-    take_level_from,
+    with_level_of,
 )
 from cg2raw.diagnose.frames.tiling import whole_tilings
+from cg2raw.diagnose.inference.nuisance_fit import without_highlights
 from cg2raw.diagnose.inference.registration import Registration
-from cg2raw.diagnose.likelihood.likelihood import Workers
-from cg2raw.diagnose.likelihood.nuisance import hide_highlights
-from cg2raw.diagnose.likelihood.prediction import Model
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
 
 
 @dataclass(frozen=True)
@@ -42,63 +42,52 @@ class Look:
         return Look(self.before, self.before, same)
 
 
-def look_at(
-    capture_set: CaptureSet,
-    frames: Sequence[Frame],
-    base: Model,
-    model: Model,
-    registration: Registration | None,
-    workers: Workers,
-    details: bool,
-) -> Look:
-    """Go through all of the report frames under two models."""
+@dataclass(frozen=True)
+class WholeFrames:
+    """The report frames, to be gone through from edge to edge.
 
-    def one(frame: Frame) -> tuple[Sums, Sums, Picture | None]:
-        return _look_at_one(capture_set, frame, base, model, registration, details)
+    base : the baseline's model. details : with pictures."""
 
-    parts = workers.map(one, frames)
-    return Look(
-        sum((part[0] for part in parts), Sums()),
-        sum((part[1] for part in parts), Sums()),
-        [part[2] for part in parts if part[2] is not None],
-    )
+    capture_set: CaptureSet
+    report: Likelihood
+    base: Model
+    registration: Registration | None
+    details: bool
 
+    def look_at(self, model: Model) -> Look:
+        """Go through all of the frames under the baseline and a model."""
+        parts = self.report.each(lambda frame: self._look_at_one(frame, model))
+        return Look(
+            sum((part[0] for part in parts), Sums()),
+            sum((part[1] for part in parts), Sums()),
+            [part[2] for part in parts if part[2] is not None],
+        )
 
-def _look_at_one(
-    capture_set: CaptureSet,
-    frame: Frame,
-    base: Model,
-    model: Model,
-    registration: Registration | None,
-    details: bool,
-) -> tuple[Sums, Sums, Picture | None]:
-    before, after = Sums(), Sums()
-    canvas = Canvas(frame, capture_set.sensor.cfa) if details else None
-    for piece in _pieces(capture_set, frame, base, registration):
-        z_before, p_before = before.add(base, piece)
-        z_after, p_after = after.add(model, piece)
-        if canvas is not None:
-            canvas.mount(piece, p_before.mean, p_after.mean, z_before, z_after)
-    return before, after, None if canvas is None else canvas.picture()
+    def _look_at_one(
+        self, frame: Frame, model: Model
+    ) -> tuple[Sums, Sums, Picture | None]:
+        before, after = Sums(), Sums()
+        canvas = Canvas(frame, self.capture_set.sensor.cfa) if self.details else None
+        for piece in self._pieces(frame):
+            z_before, p_before = before.add(self.base, piece)
+            z_after, p_after = after.add(model, piece)
+            if canvas is not None:
+                canvas.mount(piece, p_before.mean, p_after.mean, z_before, z_after)
+        return before, after, None if canvas is None else canvas.picture()
 
-
-def _pieces(
-    capture_set: CaptureSet,
-    frame: Frame,
-    base: Model,
-    registration: Registration | None,
-) -> Iterator[Frame]:
-    """Yield all of a frame; a small one as it is."""
-    if frame.tiles.margin == 0:
-        yield frame
-        return
-    source = source_of(capture_set, frame.capture)
-    for tiles in whole_tilings(frame.tiles, repeat_of(capture_set.sensor.cfa)):
-        piece = frame_of(source, tiles, frame.noise)
-        if piece.level_free:
-            take_level_from(piece, frame)
-        elif registration is not None:
-            registration.place(piece)
-        if capture_set.nuisances:
-            hide_highlights(piece, base)
-        yield piece
+    def _pieces(self, frame: Frame) -> Iterator[Frame]:
+        """Yield all of a frame; a small one as it is."""
+        if frame.tiles.margin == 0:
+            yield frame
+            return
+        source = source_of(self.capture_set, frame.capture)
+        repeat = repeat_of(self.capture_set.sensor.cfa)
+        for tiles in whole_tilings(frame.tiles, repeat):
+            piece = frame_of(source, tiles, frame.noise)
+            if piece.level_free:
+                piece = with_level_of(piece, frame)
+            elif self.registration is not None:
+                piece = self.registration.placed(piece)
+            if self.capture_set.nuisances:
+                piece = without_highlights(piece, self.base)
+            yield piece

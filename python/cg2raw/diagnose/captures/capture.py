@@ -14,6 +14,24 @@ from cg2raw.arrays import FloatImage, RawImage
 
 Kind = Literal["dark", "flat", "scene", "chart"]
 Group = Literal["fit", "select", "report"]
+
+
+@dataclass(frozen=True)
+class Shows:
+    """What captures of a kind show. light : any at all. image : differing parts.
+    render : the pixels of one, whose edges are known."""
+
+    light: bool
+    image: bool
+    render: bool
+
+
+KINDS: Mapping[Kind, Shows] = {
+    "dark": Shows(light=False, image=False, render=False),
+    "flat": Shows(light=True, image=False, render=False),
+    "scene": Shows(light=True, image=True, render=True),
+    "chart": Shows(light=True, image=True, render=False),
+}
 NUISANCES = ("exposure", "white_balance", "registration", "light", "radiance")
 
 
@@ -52,12 +70,16 @@ class Capture:
     as_shot: Sequence[float] | None = None
     log_density: Callable[[], NDArray[np.float32]] | None = None
 
+    @property
+    def shows(self) -> Shows:
+        return KINDS[self.kind]
+
 
 @dataclass(frozen=True)
 class CaptureSet:
     """The frames of one sensor, and what of their capture is not to be trusted.
 
-    sensor : the doubted model, a Sensor.
+    sensor : the baseline, a Sensor.
     nuisances : what may float without being called an effect: "exposure" (each set's
         brightness), "white_balance" (each set's), "registration" (affine, each set),
         "light" (brightness from frame to frame), "radiance" (smooth error of a render).

@@ -5,7 +5,7 @@
 
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
-from cg2raw.diagnose.inference.noise_level import NoiseModel
 
 # Pixels along the edges of a frame that are left out: what lies beyond an image
 # is not known; beyond a uniform frame it is, but for filters of the file.
@@ -23,15 +23,16 @@ BORDER, UNIFORM_BORDER = 8, 4
 MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
 
 
-@dataclass
+@dataclass(frozen=True)
 class Frame:
     """What the inference knows of one capture; arrays of tiles are (T, h, w).
 
     signal : measured, 0..1 above black.
     at_white, at_zero : the ADC's ends were reached: censored.
     keep : pixels that count. highlights : others, that show what clips and little else.
-    camera : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens, of the
-        tiles' blocks.
+    rendered : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens, of
+        the tiles' blocks, with its surround. camera, surround : the same where the
+        capture shows it, and as bright.
     noise : betas at the CFA's sites, for the registry; beta1, beta2 : (h, w) of them.
     range : (h, w) DN from black to white.
     uniform : (T, h, w) for the randomised residuals of censored pixels.
@@ -54,9 +55,9 @@ class Frame:
     uniform: Array
     site: NDArray[np.int64]
     color: NDArray[np.int64]
+    rendered: tuple[NDArray[np.float32], Any]
     level_free: bool = False
     highlights: Mask | None = None
-    store: dict[str, Any] = field(default_factory=dict)
 
     @property
     def seconds(self) -> float:
@@ -67,6 +68,19 @@ class Frame:
     def is_cut(self) -> bool:
         """Whether the ADC cuts the noise at 0, as that of darks at black level 0."""
         return bool((self.at_zero & self.keep).sum() > MOST_AT_ZERO * self.keep.sum())
+
+    @cached_property
+    def squared_slope_and_light(self) -> tuple[Array, Array]:
+        """The squares of the light's slope (per px) and of light at each pixel."""
+        camera = self.camera.astype(float)
+        squared = np.gradient(camera, axis=2) ** 2 + np.gradient(camera, axis=3) ** 2
+        return self.of_site(squared), self.of_site(camera**2)
+
+    def of_site(self, planes: Array) -> Array:
+        """Return from (T, 3, H, W) with margins what each site's filter passes."""
+        inner, color = self.tiles.inner(planes), self.color[None]
+        green_or_blue = np.where(color == 1, inner[:, 1], inner[:, 2])
+        return np.where(color == 0, inner[:, 0], green_or_blue)
 
     @property
     def counted(self) -> Mask:
@@ -174,6 +188,7 @@ def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
     )
     place = "/".join(map(str, tiles.origins[0]))
     key = f"{capture.name}/{capture.set}/{capture.group}/{place}"
+    camera = _camera_tiles(source.camera, tiles)
     frame = Frame(
         capture=capture,
         tiles=tiles,
@@ -181,8 +196,9 @@ def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
         at_white=cut >= sensor.white_level,
         at_zero=cut == 0,
         keep=_keep(source, tiles),
-        camera=_camera_tiles(source.camera, tiles),
+        camera=camera,
         surround=source.surround,
+        rendered=(camera, source.surround),
         neutral=source.neutral,
         noise=noise,
         beta1=beta1,
@@ -193,18 +209,17 @@ def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
         color=color,
         level_free=capture.scene is None and capture.kind != "dark",
     )
-    if frame.level_free:
-        take_level_from(frame, frame)
-    return frame
+    return with_level_of(frame, frame) if frame.level_free else frame
 
 
-def take_level_from(frame: Frame, known: Frame) -> None:
-    """The light of a flat that nobody measured: what another frame of it shows."""
+def with_level_of(frame: Frame, known: Frame) -> Frame:
+    """Return a flat whose light nobody measured with what another frame of it shows."""
     middle = [
         np.median(known.signal[:, known.color == c][known.keep[:, known.color == c]])
         for c in range(3)
     ]
     color = np.maximum(np.array(middle, np.float32), 0)
-    frame.camera = _camera_tiles(color, frame.tiles)
+    camera = _camera_tiles(color, frame.tiles)
     whole = np.ascontiguousarray(np.broadcast_to(color, (64, 64, 3)))
-    frame.surround = _core.surround(whole)
+    surround = _core.surround(whole)
+    return replace(frame, camera=camera, surround=surround, rendered=(camera, surround))

@@ -15,18 +15,15 @@ from scipy.ndimage import gaussian_filter
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
+from cg2raw.diagnose.effects.base import SensorMap
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
-from cg2raw.diagnose.inference.sparse_map import fit_hot_pixels
+from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
 from cg2raw.diagnose.likelihood.censoring import scores
-from cg2raw.diagnose.likelihood.likelihood import Workers
-from cg2raw.diagnose.likelihood.prediction import (
-    Model,
-    Pattern,
-    Term,
-    pattern_bearing,
-    predict,
-)
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model, Term
+from cg2raw.diagnose.likelihood.prediction import predict
 
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
@@ -36,14 +33,12 @@ LEAST_SHARE = 1e-6  # of the best pixel's information; a pixel with less is not 
 LEAST_INFORMATION = 1e-200
 
 
-def fit_patterns(model: Model, frames: Sequence[Frame], workers: Workers) -> Model:
+def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
     """Return the model with the maps of all its fixed patterns estimated."""
     for term in model.terms:
-        if term.candidate.way == "pattern":
-            rest = replace(
-                model, terms=tuple(t for t in model.terms if t.name != term.name)
-            )
-            model = model.with_term(_fitted(term, rest, frames, workers))
+        if isinstance(term.effect, FixedPattern):
+            rest = model.without(term.name)
+            model = model.with_term(_fitted(term, term.effect, rest, likelihood))
     return model
 
 
@@ -62,30 +57,30 @@ class _Evidence:
         return np.where(self.known, self.score / self.information, 0)
 
 
-def _fitted(term: Term, rest: Model, frames: Sequence[Frame], workers: Workers) -> Term:
+def _fitted(
+    term: Term, effect: FixedPattern, rest: Model, likelihood: Likelihood
+) -> Term:
     """Weighted least squares per pixel, then shrinkage."""
-    chosen = _of_common_shape(frames)
-    if term.name == "hot_pixels":
-        return fit_hot_pixels(term, rest, chosen, workers)
-    evidence = _evidence(term, rest, chosen, workers)
-    if term.name == "column_noise":
-        return _columns(term, evidence, chosen[0].tiles)
+    chosen = likelihood.of(_of_common_shape(likelihood.frames))
+    if effect.layout == "sparse":
+        return fit_sparse_map(term, effect, rest, chosen)
+    evidence = _evidence(effect, rest, chosen)
+    if effect.layout == "columns":
+        return _columns(term, evidence, chosen.frames[0].tiles)
     return _pixels(term, evidence)
 
 
-def _evidence(
-    term: Term, rest: Model, frames: Sequence[Frame], workers: Workers
-) -> _Evidence:
+def _evidence(effect: FixedPattern, rest: Model, likelihood: Likelihood) -> _Evidence:
     def of_frame(frame: Frame) -> tuple[Array, Array]:
         p = predict(rest, frame)
-        bearing = pattern_bearing(term.name, frame, np.maximum(p.exposed, 0))
+        sensitivity = effect.sensitivity(frame, np.maximum(p.exposed, 0))
         z, _, weight = scores(p, frame)
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)
         spread = np.sqrt(p.variance)
-        return (bearing * weight / spread) ** 2, bearing / spread * weight * z
+        return (sensitivity * weight / spread) ** 2, sensitivity / spread * weight * z
 
-    information, score = np.zeros((2, *frames[0].signal.shape))
-    for part in workers.map(of_frame, frames):
+    information, score = np.zeros((2, *likelihood.frames[0].signal.shape))
+    for part in likelihood.each(of_frame):
         information += part[0]
         score += part[1]
     known = information > max(LEAST_SHARE * information.max(), LEAST_INFORMATION)
@@ -150,8 +145,8 @@ def _pixels(term: Term, evidence: _Evidence) -> Term:
     mean = ((bounded - of_known) * weight).sum() / max(weight.sum(), 1e-300)
     prior = max(prior, 0.5 * float(mean))
     share = prior / (prior + error)
-    pattern = Pattern(estimate * share, np.where(known, error * share, prior))
-    return replace(term, values=np.array([np.sqrt(prior)]), pattern=pattern)
+    sensor_map = SensorMap(estimate * share, np.where(known, error * share, prior))
+    return replace(term, values=np.array([np.sqrt(prior)]), sensor_map=sensor_map)
 
 
 def _columns(term: Term, evidence: _Evidence, tiles: Tiling) -> Term:
@@ -164,8 +159,8 @@ def _columns(term: Term, evidence: _Evidence, tiles: Tiling) -> Term:
     prior = _prior((estimate**2)[used], error[used])
     share = prior / (prior + error)
     shape = evidence.known.shape
-    pattern = Pattern(
+    sensor_map = SensorMap(
         np.broadcast_to(estimate * share, shape),
         np.broadcast_to(np.where(used, error * share, prior), shape),
     )
-    return replace(term, values=np.array([np.sqrt(prior)]), pattern=pattern)
+    return replace(term, values=np.array([np.sqrt(prior)]), sensor_map=sensor_map)

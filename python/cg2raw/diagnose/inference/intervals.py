@@ -3,26 +3,25 @@
 
 """Intervals of what was fitted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.inference.fisher_scoring import information_of
-from cg2raw.diagnose.likelihood.likelihood import Workers, total
-from cg2raw.diagnose.likelihood.prediction import Model, Term
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model, Term
 
 NORMAL_95 = 1.96
 
 
 def standard_errors(
-    model: Model, frames: Sequence[Frame], workers: Workers
+    model: Model, likelihood: Likelihood
 ) -> dict[tuple[str, int], float]:
     """Return the standard error of every value of a model's terms."""
-    parameters, information = information_of(model, frames, workers)
+    parameters, information = information_of(model, likelihood)
     errors = {}
     if parameters:
         scale = np.sqrt(np.maximum(np.diag(information), 1e-30))
@@ -30,43 +29,27 @@ def standard_errors(
         inverse = np.linalg.pinv(correlation, rcond=1e-9, hermitian=True)
         spread = np.sqrt(np.maximum(np.diag(inverse), 0)) / scale
         errors = dict(zip(parameters, map(float, spread), strict=True))
+    for term, effect, sensor_map in model.maps:
+        value = float(term.values[0])
+        errors[term.name, 0] = effect.standard_error(value, sensor_map)
     for term in model.terms:
-        if (term.name, 0) in errors:
-            continue
-        if term.pattern is not None:
-            errors[term.name, 0] = _error_of_prior(term)
-            continue
-        of_term = _errors_by_likelihood(model, term, frames, workers)
-        errors.update({(term.name, i): e for i, e in enumerate(of_term)})
+        if (term.name, 0) not in errors:
+            of_term = _errors_by_likelihood(model, term, likelihood)
+            errors.update({(term.name, i): e for i, e in enumerate(of_term)})
     return errors
 
 
-def _error_of_prior(term: Term) -> float:
-    """Of a map's standard deviation, from its pixels' number and what is known of each;
-    of a share of pixels, from their number."""
-    assert term.pattern is not None
-    value, count = float(term.values[0]), term.pattern.mean.size
-    if term.name == "column_noise":
-        count = term.pattern.mean[:, 0].size
-    if term.name == "hot_pixels":
-        return float(np.sqrt(max(value * (1 - value), 1 / count) / count))
-    prior = max(value, 1e-12) ** 2
-    share = min(max(1 - float(np.mean(term.pattern.variance)) / prior, 1e-3), 1.0)
-    return float(value / np.sqrt(2 * count) / share)
-
-
 def _errors_by_likelihood(
-    model: Model, term: Term, frames: Sequence[Frame], workers: Workers
+    model: Model, term: Term, likelihood: Likelihood
 ) -> list[float]:
-    """Errors of a flow's values from the bend of the likelihood in all of them."""
-    low, high = term.candidate.low, term.candidate.high
+    """Errors of a transform's values from the bend of the likelihood in all of them."""
+    low, high = term.effect.low, term.effect.high
     steps = np.maximum(0.1 * np.abs(term.values), 1e-3)
     steps = np.minimum(steps, (high - low) / 4)
     centre = np.clip(term.values, low + steps, high - steps)
 
     def height(shift: NDArray[np.float64]) -> float:
-        values = centre + shift * steps
-        return total(model.with_values(term.name, values), frames, workers)
+        return likelihood.total(model.with_values(term.name, centre + shift * steps))
 
     axes = np.eye(len(steps))
     bend = np.zeros((len(steps), len(steps)))
@@ -86,40 +69,27 @@ def _errors_by_likelihood(
 
 
 def estimates(
-    model: Model, frames: Sequence[Frame], workers: Workers
+    model: Model, likelihood: Likelihood
 ) -> dict[str, Mapping[str, Estimate]]:
     """Return the values of every term with their intervals, in the registry's units."""
-    errors = standard_errors(model, frames, workers)
+    errors = standard_errors(model, likelihood)
     result: dict[str, Mapping[str, Estimate]] = {}
     for term in model.terms:
-        scale = scale_of(term.name, frames)
+        scale = term.effect.unit_scale(likelihood.frames)
         of_term = {}
         for index, (name, unit) in enumerate(
-            zip(term.candidate.parameters, term.candidate.units, strict=True)
+            zip(term.effect.parameters, term.effect.units, strict=True)
         ):
             value = float(term.values[index]) * scale
             half = NORMAL_95 * errors[term.name, index] * scale
-            interval = (value - half, value + half)
-            if term.name == "hot_pixels":
-                interval = _of_share(term)
+            interval = _own_interval(term) or (value - half, value + half)
             of_term[name] = Estimate(value, unit, interval)
         result[term.name] = of_term
     return result
 
 
-def _of_share(term: Term) -> tuple[float, float]:
-    """Return the 95 % interval of a share of few pixels: their number is Poisson's.
-
-    Source: F. Garwood, Biometrika 28(3/4), 1936."""
-    assert term.pattern is not None
-    pixels = term.pattern.mean.size
-    count = float(term.values[0]) * pixels
-    low = 0.5 * chi2.ppf(0.025, 2 * count) if count > 0 else 0.0
-    return float(low / pixels), float(0.5 * chi2.ppf(0.975, 2 * count + 2) / pixels)
-
-
-def scale_of(name: str, frames: Sequence[Frame]) -> float:
-    """Return what turns a value of the search into the registry's unit."""
-    if name != "row_noise" or not frames:
-        return 1.0
-    return float(np.sqrt(np.mean([frame.beta2.mean() for frame in frames])))
+def _own_interval(term: Term) -> tuple[float, float] | None:
+    """Return the interval of a map that is not normal; None of all else."""
+    if term.sensor_map is None or not isinstance(term.effect, FixedPattern):
+        return None
+    return term.effect.interval(float(term.values[0]), term.sensor_map)

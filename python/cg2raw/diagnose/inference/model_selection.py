@@ -13,24 +13,19 @@ Balakrishnan, Universal inference, PNAS 117(29), 2020.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cg2raw.diagnose.effects.catalogue import Candidate, confusable
-from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.catalogue import confusable
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.inference.fisher_scoring import (
-    Linearisation,
-    fit,
-    fit_flow,
-    one_step,
-    start_of_clipping,
-)
-from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
-from cg2raw.diagnose.likelihood.likelihood import TimeIsUp, Workers, in_blocks, total
-from cg2raw.diagnose.likelihood.nuisance import refitted
-from cg2raw.diagnose.likelihood.prediction import Model, place
+from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
+from cg2raw.diagnose.inference.fitting import first_guess, fit
+from cg2raw.diagnose.inference.nuisance_fit import refitted
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
 MOST_FITTED = 6  # candidates that are fitted in full, of those screened
 WORTH_FITTING = 0.05  # of the best screening score
@@ -39,6 +34,7 @@ CLEAR = 5.0  # nats between two names: an e-value ratio of 150
 CLEAR_SHARE = 0.05  # of the gain
 MEAN_FIRST = 0.25  # of the gain that an effect of the mean needs to go first
 MOST_SWAPS = 3
+MAP_COST = 1000  # parameters that a map counts as
 LEAST_GAIN = 0.3  # nats, of a change after all that depends on it was looked at again
 
 
@@ -87,35 +83,40 @@ def _rule(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
     )
 
 
-@dataclass
 class Search:
-    """The state of one search; run() goes on until nothing more is accepted."""
+    """The state of one search; run() goes on until nothing more is accepted.
 
-    fit_frames: Sequence[Frame]
-    select_frames: Sequence[Frame]
-    candidates: Sequence[Candidate]
-    workers: Workers
-    alpha: float
-    most: int
-    report: Callable[[str], None]
-    realign: Callable[[Model], None] | None = None
-    steps: list[Step] = field(default_factory=list)
-    interrupted: bool = False
-    timed_out: bool = False
-    _reached: Model | None = None
-    _swapped: set[tuple[str, str]] = field(default_factory=set)
+    report : is told of every step. steps : what changed the model."""
+
+    def __init__(
+        self,
+        baseline: Baseline,
+        effects: Sequence[Effect],
+        alpha: float,
+        most: int,
+        report: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self.baseline, self.effects = baseline, effects
+        self.alpha, self.most, self.report = alpha, most, report
+        self.splits = baseline.splits
+        self.steps: list[Step] = []
+        self.interrupted = baseline.ended is KeyboardInterrupt
+        self.timed_out = baseline.ended is TimeIsUp
+        self._reached = baseline.model
+        self._swapped: set[tuple[str, str]] = set()
 
     @property
     def threshold(self) -> float:
         """Nats that a name must gain."""
-        return float(np.log(max(len(self.candidates), 1) / self.alpha))
+        return float(np.log(max(len(self.effects), 1) / self.alpha))
 
-    def run(self, model: Model) -> Model:
-        """Return the model with all effects that are accepted. Ctrl-C and the workers'
-        deadline end the search with what was accepted until then."""
-        self._reached = model
+    def run(self) -> Model:
+        """Return the baseline with all effects that are accepted. Ctrl-C and the
+        workers' deadline end the search with what was accepted until then."""
+        if self.baseline.ended:
+            return self._reached
         try:
-            self._climb(model)
+            self._climb(self._reached)
         except KeyboardInterrupt:
             self.interrupted = True
         except TimeIsUp:
@@ -141,7 +142,7 @@ class Search:
             model = self._reached = changed
 
     def _select(self, model: Model) -> Array:
-        return in_blocks(model, self.select_frames, self.workers)
+        return self.splits.select.in_blocks(model)
 
     def _add(self, model: Model) -> Model | None:
         """Return the model with the best candidate that passes; None if none does."""
@@ -182,22 +183,25 @@ class Search:
 
     def _settled(self, model: Model, newest: str) -> Model:
         """Return the model after all that depends on it was looked at again."""
-        if self.realign is not None:
+        registration = self.baseline.registration
+        if registration is not None:
             self.report("aligning again")
-            self.realign(model)
+            registration.again(model, self.splits.frames)
+            self.splits = self.splits.placed(registration)
         if model.nuisance is not None:
-            better = refitted(model, self.fit_frames, self.workers)
-            model = fit(replace(model, nuisance=better), self.fit_frames, self.workers)
+            better = refitted(model, self.splits.fit)
+            model = fit(replace(model, nuisance=better), self.splits.fit)
         return self._pruned(model, newest)
 
     def _null_gain(self, model: Model, but: str = "") -> float:
         """What the model gains on the select frames by fitting itself to them.
 
         but : name of a term that stays as it is."""
-        if not any(t.candidate.way == "smooth" and t.name != but for t in model.terms):
+        smooth = [t for t in model.terms if t.effect.estimator == "smooth"]
+        if all(term.name == but for term in smooth):
             return 0.0
-        current = total(model, self.select_frames, self.workers)
-        base = Linearisation(model, self.select_frames, self.workers)
+        current = self.splits.select.total(model)
+        base = Linearisation(model, self.splits.select)
         return one_step(model, base, current, but)[1]
 
     def _trials(self, model: Model, current: Array) -> list[Trial]:
@@ -206,71 +210,48 @@ class Search:
         best = max((score for score, _, _ in screened), default=0.0)
         trials = []
         for rank, (score, candidate, start) in enumerate(screened[:MOST_FITTED]):
-            chance = 0 if candidate.way == "pattern" else len(candidate.parameters)
+            is_map = candidate.estimator == "fixed pattern"
+            chance = 0 if is_map else len(candidate.parameters)
             if score < LEAST_SCORE + chance:
                 continue
             if rank >= 3 and score < WORTH_FITTING * best:
                 continue
             self.report(f"fitting {candidate.name}")
-            fitted = fit(start, self.fit_frames, self.workers)
+            fitted = fit(start, self.splits.fit)
             blocks = self._select(fitted) - current
             trials.append(Trial(candidate.name, float(blocks.sum()), blocks, fitted))
         return sorted(trials, key=lambda trial: trial.gain, reverse=True)
 
     def _screened(
         self, model: Model, current: Array
-    ) -> list[tuple[float, Candidate, Model]]:
+    ) -> list[tuple[float, Effect, Model]]:
         """Return (score, candidate, first guess), best first."""
-        base = Linearisation(model, self.fit_frames, self.workers)
-        height = total(model, self.fit_frames, self.workers)
+        base = Linearisation(model, self.splits.fit)
+        height = self.splits.fit.total(model)
         found = []
-        for candidate in self.candidates:
+        for candidate in self.effects:
             if candidate.name in model.names:
                 continue
             self.report(f"screening {candidate.name}")
-            guess = self._guess(model, candidate, base, height)
+            guess = first_guess(candidate, base, height)
             if guess is None:
                 continue
             start, score = guess
-            if candidate.way == "pattern":
+            if candidate.estimator == "fixed pattern":
                 score = float(self._select(start).sum() - current.sum())
             found.append((score, candidate, start))
         return sorted(found, key=lambda item: item[0], reverse=True)
 
-    def _guess(
-        self,
-        model: Model,
-        candidate: Candidate,
-        base: Linearisation | None,
-        height: float,
-    ) -> tuple[Model, float] | None:
-        """Return (model with a first guess of the candidate, its gain when fitted)."""
-        frames, workers = self.fit_frames, self.workers
-        if candidate.name == "early_clipping":
-            start = start_of_clipping(model, candidate, frames, workers)
-            if start is None:
-                return None
-            return start, total(start, frames, workers) - height
-        if candidate.way == "smooth":
-            base = base or Linearisation(model, frames, workers)
-            return one_step(place(model, candidate), base, height)
-        if candidate.way == "flow":
-            start = place(model, candidate, np.array(candidate.starts[0]))
-            start, score = fit_flow(start, candidate.name, frames, workers, quick=True)
-            return start, score - height
-        return fit_patterns(place(model, candidate), frames, workers), 0.0
-
     def _mean_first(self, trials: Sequence[Trial]) -> Trial:
         """Noise absorbs any misfit of the mean: an effect of the mean goes first."""
-        kinds = {candidate.name: candidate for candidate in self.candidates}
+        kinds = {candidate.name: candidate for candidate in self.effects}
         best = trials[0]
         if kinds[best.name].absorbs:
             for trial in trials:
                 known = kinds[trial.name]
                 enough = trial.gain > MEAN_FIRST * best.gain
                 if known.moves_mean and not known.absorbs and enough:
-                    if trial.name != "noise_reduction":
-                        return trial
+                    return trial
         return best
 
     def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
@@ -295,8 +276,8 @@ class Search:
         return simplest, others
 
     def _cost(self, name: str) -> int:
-        known = next(c for c in self.candidates if c.name == name)
-        return 1000 if known.way == "pattern" else len(known.parameters)
+        known = next(c for c in self.effects if c.name == name)
+        return MAP_COST if known.estimator == "fixed pattern" else len(known.parameters)
 
     def _pruned(self, model: Model, newest: str) -> Model:
         """Drop older effects that are not needed any more."""
@@ -307,7 +288,7 @@ class Search:
             if len(model.found_names) < 2:
                 break
             self.report(f"is {name} still needed")
-            rest = fit(model.without(name), self.fit_frames, self.workers)
+            rest = fit(model.without(name), self.splits.fit)
             without = self._select(rest).sum()
             if height - without < self.threshold:
                 self.steps.append(Step("dropped", name, float(without - height)))
@@ -326,12 +307,12 @@ class Search:
                 continue
             rest = model.without(term.name)
             loss = height - self._select(rest).sum()
-            for candidate in self.candidates:
+            for candidate in self.effects:
                 pair = (term.name, candidate.name)
                 known = pair in self._swapped or pair[::-1] in self._swapped
                 if candidate.name in model.names or known:
                     continue
-                if not confusable(term.candidate, candidate):
+                if not confusable(term.effect, candidate):
                     continue
                 trial = self._swapped_model(rest, candidate, height, loss)
                 if trial is None:
@@ -349,14 +330,14 @@ class Search:
         return self._settled(trial, new)
 
     def _swapped_model(
-        self, rest: Model, candidate: Candidate, height: float, loss: float
+        self, rest: Model, candidate: Effect, height: float, loss: float
     ) -> Model | None:
         """Return the rest with a candidate fitted; None if it is nowhere near."""
         self.report(f"would {candidate.name} do as well")
-        before = total(rest, self.fit_frames, self.workers)
-        guess = self._guess(rest, candidate, None, before)
+        base = Linearisation(rest, self.splits.fit)
+        guess = first_guess(candidate, base, self.splits.fit.total(rest))
         if guess is None:
             return None
         if self._select(guess[0]).sum() < height - 0.5 * abs(loss) - 50:
             return None
-        return fit(guess[0], self.fit_frames, self.workers)
+        return fit(guess[0], self.splits.fit)

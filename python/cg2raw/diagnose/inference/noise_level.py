@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The doubted model's noise; estimated where the profile has none."""
+"""The noise of the baseline; estimated where the profile has none."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.frames.noise_model import NoiseModel
 
 MOST_OF_A_KIND = 6  # captures
 MOST_PIXELS = 1536  # a side
@@ -21,22 +22,7 @@ ERROR_OF_MEDIAN = 5.5  # variance of one pixel's squared median, of its variance
 FARTHEST = 2.0  # standard deviations; a level beyond it counts less and less
 WIDEST_NOISE = 6.0  # standard deviations of a level that its bin is wide
 MOST_AT_ZERO = 0.1  # of the pixels of a level, clipped
-
-
-@dataclass(frozen=True)
-class NoiseModel:
-    """variance(x) = beta1 x + beta2, x in 0..1 above black; one value a CFA site.
-
-    beta2 : without that of rows, where the profile draws them.
-    measured : False if it was estimated from the captures, and so proves nothing.
-    drawn : how the profile says that noise is drawn beyond its variance: values of
-        flows by name, in the units of the vocabulary.
-    """
-
-    beta1: tuple[float, ...]
-    beta2: tuple[float, ...]
-    measured: bool = True
-    drawn: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+LEAST_VARIANCE = 1e-12
 
 
 def noise_models(capture_set: CaptureSet) -> dict[float | None, NoiseModel]:
@@ -57,23 +43,15 @@ def noise_models(capture_set: CaptureSet) -> dict[float | None, NoiseModel]:
 def _of_row(sensor: Any, row: Mapping[str, Any]) -> NoiseModel:
     """Return the noise of one ISO as the profile draws it."""
     beta2 = np.asarray(row["beta2"], float)
-    drawn: dict[str, tuple[float, ...]] = {}
-    rows = 0.0
-    if "photon_statistics" in sensor.noise_effects:
-        drawn["photon_statistics"] = (1.0,)
-    if "heavy_tailed_noise" in sensor.noise_effects:
-        rows = row.get("row_sigma", 0.0)
-        beta2 = np.maximum(beta2 - rows**2, 1e-12)
-        if row.get("outlier_fraction", 0.0) > 0:
-            drawn["heavy_tailed_noise"] = (
-                row["outlier_fraction"],
-                row["outlier_variance_ratio"],
-            )
-    for effect in sensor.effects:
-        if effect["name"] == "row_noise":
-            rows = float(np.hypot(rows, effect["parameters"]["sigma"]))
-    if rows:
-        drawn["row_noise"] = (rows / float(np.sqrt(beta2.mean())),)
+    own = sum(effect.variance_in_table(sensor, row) for effect in every().values())
+    if own:
+        beta2 = np.maximum(beta2 - own, LEAST_VARIANCE)
+    read_noise = float(np.sqrt(beta2.mean()))
+    drawn = {
+        name: values
+        for name, effect in every().items()
+        if (values := effect.profile_values(sensor, row, read_noise)) is not None
+    }
     return NoiseModel(tuple(row["beta1"]), tuple(beta2), drawn=drawn)
 
 

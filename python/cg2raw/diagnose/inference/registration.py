@@ -8,8 +8,7 @@ Source: B. D. Lucas, T. Kanade, IJCAI 1981.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import fft
@@ -17,11 +16,11 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.likelihood.nuisance import of_site
-from cg2raw.diagnose.likelihood.prediction import Model, predict
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 
 ROUNDS = 30
-FARTHEST = 4  # pixels of the first guess
+LARGEST_SHIFT = 4  # pixels, of the first guess
 SLOW = 3.0  # pairs of pixels; what is slower does not say where edges lie
 LONGEST_STEP = 0.5  # px
 CLOSE_ENOUGH = 1e-3  # px
@@ -33,11 +32,9 @@ UNSURE = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
 
 
 @dataclass
-class _Set:
-    """Frames of one set, camera RGB and surround as rendered, and what was found."""
+class _Place:
+    """Where the render of one set lies, and how bright it is."""
 
-    frames: list[Frame]
-    rendered: list[tuple[Array, Any]]
     shifted: bool
     affine: Array = field(default_factory=lambda: np.zeros((2, 3)))
     gain: float = 1.0
@@ -51,46 +48,56 @@ class Registration:
 
     def __init__(self, frames: Sequence[Frame], shift: bool, exposure: bool) -> None:
         self._exposure = exposure
-        self._sets: dict[str, _Set] = {}
+        self._places: dict[str, _Place] = {}
         for frame in frames:
-            kind = frame.capture.kind
-            shifted = shift and kind == "scene"
-            if kind == "dark" or frame.level_free or not (shifted or exposure):
+            shows = frame.capture.shows
+            shifted = shift and shows.render
+            if not shows.light or frame.level_free or not (shifted or exposure):
                 continue
-            one = self._sets.setdefault(frame.capture.set, _Set([], [], shifted))
-            one.frames.append(frame)
-            one.rendered.append((frame.camera, frame.surround))
+            self._places.setdefault(frame.capture.set, _Place(shifted))
 
     def found(self) -> dict[str, tuple[float, float, float]]:
         """Return, per set, the shift in rows and columns and the gain."""
         return {
             name: (one.affine[0, 0], one.affine[1, 0], one.gain)
-            for name, one in self._sets.items()
+            for name, one in self._places.items()
         }
 
-    def place(self, frame: Frame) -> None:
-        """Move the camera RGB of one more frame as that of its set was moved."""
-        one = self._sets.get(frame.capture.set)
-        if one is not None and not frame.level_free:
-            _show(frame, (frame.camera, frame.surround), one)
+    def placed(self, frame: Frame) -> Frame:
+        """Return a frame whose camera RGB lies where that of its set was found, and is
+        as bright."""
+        one = self._places.get(frame.capture.set)
+        if one is None or frame.level_free:
+            return frame
+        camera, surround = frame.rendered
+        warped = (one.gain * _warped(camera, frame, one.affine)).astype("f4")
+        return replace(frame, camera=warped, surround=surround.scaled(one.gain))
 
-    def first(self, model: Model) -> None:
-        """Move the camera RGB of all frames to where and how bright they were seen."""
-        for one in self._sets.values():
+    def first(self, model: Model, frames: Sequence[Frame]) -> None:
+        """Find where and how bright the renders of all frames were seen."""
+        for name, one in self._places.items():
+            members = _members(name, frames)
             if one.shifted:
-                one.affine[:, 0] = _first_guess(one.frames[0], model)
-            self._align(one, model, UNSURE)
+                one.affine[:, 0] = _first_guess(members[0], model)
+            self._align(one, members, model, UNSURE)
 
-    def again(self, model: Model) -> None:
+    def again(self, model: Model, frames: Sequence[Frame]) -> None:
         """Do so from where they are, under a better model."""
-        for one in self._sets.values():
-            self._align(one, model, UNSURE[-1:])
+        for name, one in self._places.items():
+            members = _members(name, frames)
+            self._align(one, members, model, UNSURE[-1:])
 
-    def _align(self, one: _Set, model: Model, unsure: Sequence[float]) -> None:
+    def _align(
+        self,
+        one: _Place,
+        frames: Sequence[Frame],
+        model: Model,
+        unsure: Sequence[float],
+    ) -> None:
         for turn in range(ROUNDS):
-            _move(one)
+            placed = [self.placed(frame) for frame in frames]
             doubt = unsure[min(turn, len(unsure) - 1)]
-            step, brighter = _step(one.frames, model, one.shifted, doubt)
+            step, brighter = _step(placed, model, one.shifted, doubt)
             if self._exposure:
                 one.gain *= float(np.clip(1 + brighter, 0.8, 1.25))
             one.affine += np.clip(step, -LONGEST_STEP, LONGEST_STEP)
@@ -98,21 +105,10 @@ class Registration:
             still &= abs(brighter) < SAME_BRIGHTNESS or not self._exposure
             if still and turn >= len(unsure) - 1:
                 break
-        _move(one)
 
 
-def _move(one: _Set) -> None:
-    for frame, rendered in zip(one.frames, one.rendered, strict=True):
-        _show(frame, rendered, one)
-        frame.store.clear()
-
-
-def _show(frame: Frame, rendered: tuple[Array, Any], one: _Set) -> None:
-    """Show the camera RGB and the surround of a render where its set lies, and as
-    bright."""
-    camera, surround = rendered
-    frame.camera = (one.gain * _warped(camera, frame, one.affine)).astype("f4")
-    frame.surround = surround.scaled(one.gain)
+def _members(name: str, frames: Sequence[Frame]) -> list[Frame]:
+    return [f for f in frames if f.capture.set == name and not f.level_free]
 
 
 def _warped(camera: Array, frame: Frame, affine: Array) -> Array:
@@ -148,7 +144,7 @@ def _first_guess(frame: Frame, model: Model) -> Array:
         )
         product = fft.rfft2(measured) * np.conj(fft.rfft2(expected))
         correlation = correlation + fft.irfft2(product, measured.shape)
-    reach = FARTHEST // 2
+    reach = LARGEST_SHIFT // 2
     near = np.arange(-reach, reach + 1)
     window = np.asarray(correlation)[np.ix_(near, near)]
     row, col = np.unravel_index(np.argmax(window), window.shape)
@@ -184,7 +180,7 @@ def _step(
             camera = frame.camera.astype(float)
             u, v = frame.tiles.field()
             for axis in (2, 3):
-                slope = of_site(np.gradient(camera, axis=axis), frame) * weight
+                slope = frame.of_site(np.gradient(camera, axis=axis)) * weight
                 columns += [slope, slope * v, slope * u]
         design = np.array([column[used] for column in columns])
         normal += design @ design.T

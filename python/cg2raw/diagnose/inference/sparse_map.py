@@ -1,38 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Hot pixels: which pixels leak charge, how fast, and how sure that is.
+"""Sparse map, of hot pixels: which pixels leak charge, how fast, and how sure that is.
 
 A few pixels leak at rates of an exponential law, the others do not leak: a spike and a
 slab, whose share and mean rate are found by expectation and maximisation. Source: A. P.
 Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39(1), 1977.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import expit, log_ndtr
 
+from cg2raw.diagnose.effects.base import Predicted, SensorMap
+from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.likelihood.likelihood import Workers
-from cg2raw.diagnose.likelihood.prediction import (
-    Model,
-    Pattern,
-    Prediction,
-    Term,
-    flow_values,
-    pattern_bearing,
-    photon_gain,
-    predict,
-)
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model, Term
+from cg2raw.diagnose.likelihood.prediction import photon_gain
 
 LEAST = 3.0  # standard deviations above the others that a pixel must lie
 UNSURE = 0.02  # probability below which a pixel counts as any other
 ROUNDS = 30  # of expectation and maximisation
 CLOSE = 1e-3  # relative change of the share that ends them
-FARTHEST = 6.0  # standard deviations of chi-square between frames
+MOST_CHI_SQUARE = 6.0  # standard deviations of chi-square between frames
 MISFIT = 0.02  # of the evidence, which the model of light may be wrong by
 LEAST_INFORMATION = 1e-200
 
@@ -52,44 +46,41 @@ class _Leak:
     def agreed(self) -> Mask:
         """Where the frames tell of one rate, as they do not of an outlier in one."""
         freedom = np.maximum(self.freedom, 1)
-        most = freedom + FARTHEST * np.sqrt(2 * freedom)
+        most = freedom + MOST_CHI_SQUARE * np.sqrt(2 * freedom)
         return self.chi2 < most + MISFIT * (self.rate / self.deviation) ** 2
 
 
-def fit_hot_pixels(
-    term: Term, rest: Model, frames: Sequence[Frame], workers: Workers
+def fit_sparse_map(
+    term: Term, effect: FixedPattern, rest: Model, likelihood: Likelihood
 ) -> Term:
     """Return the term with its map: rates in signal per second, 0 of most pixels.
 
-    rest : all but this term. frames : of one shape."""
-    predictions = workers.map(lambda frame: predict(rest, frame), frames)
-    cold = np.zeros(frames[0].signal.shape)
-    first = _leak(rest, frames, predictions, cold)
-    leak = _leak(rest, frames, predictions, np.maximum(first.rate, 0))
+    rest : all but this term. likelihood : of frames of one shape."""
+    predicted = likelihood.predicted(rest)
+    cold = np.zeros(likelihood.frames[0].signal.shape)
+    first = _leak(effect, rest, predicted, cold)
+    leak = _leak(effect, rest, predicted, np.maximum(first.rate, 0))
     if not leak.known.any():
-        return replace(term, values=np.zeros(1), pattern=Pattern(cold, cold))
-    hot, rate, variance = _posterior(leak, first, _tails(rest, frames[0]))
+        return replace(term, values=np.zeros(1), sensor_map=SensorMap(cold, cold))
+    hot, rate, variance = _posterior(leak, first, _tails(rest, likelihood.frames[0]))
     mean = hot * rate
     doubt = hot * (variance + rate**2) - mean**2
     share = float(hot[leak.known].mean())
-    return replace(term, values=np.array([share]), pattern=Pattern(mean, doubt))
+    return replace(term, values=np.array([share]), sensor_map=SensorMap(mean, doubt))
 
 
 def _leak(
-    rest: Model,
-    frames: Sequence[Frame],
-    predictions: Sequence[Prediction],
-    rate: Array,
+    effect: FixedPattern, rest: Model, predicted: Predicted, rate: Array
 ) -> _Leak:
     """Weighted least squares per pixel; a rate brings shot noise of its own."""
     information, score, squares, count = np.zeros((4, *rate.shape))
-    for frame, p in zip(frames, predictions, strict=True):
-        bearing = pattern_bearing("hot_pixels", frame, np.maximum(p.exposed, 0))
+    for frame, p in predicted:
+        sensitivity = effect.sensitivity(frame, np.maximum(p.exposed, 0))
         used = frame.keep & ~frame.censored
-        weight = used / (p.variance + photon_gain(rest, frame) * bearing * rate)
+        weight = used / (p.variance + photon_gain(rest, frame) * sensitivity * rate)
         residual = np.where(used, frame.signal - p.mean, 0)
-        information += bearing**2 * weight
-        score += bearing * residual * weight
+        information += sensitivity**2 * weight
+        score += sensitivity * residual * weight
         squares += residual**2 * weight
         count += used
     known = information > LEAST_INFORMATION
@@ -105,8 +96,12 @@ def _leak(
 
 def _tails(rest: Model, frame: Frame) -> tuple[float, float]:
     """Return (share, variance ratio) of noise that is wider than the rest."""
-    values = flow_values(rest, frame, "heavy_tailed_noise")
-    return (0.0, 1.0) if values is None else (float(values[0]), float(values[1]))
+    for effect in every().values():
+        values = rest.values_of(effect, frame) if effect.whitening else None
+        tails = None if values is None else effect.tails(values)
+        if tails is not None:
+            return tails
+    return 0.0, 1.0
 
 
 def _posterior(

@@ -13,18 +13,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtri
 
-from cg2raw.diagnose.effects.catalogue import Values
+from cg2raw.diagnose.effects.base import Values
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.censoring import scores
-from cg2raw.diagnose.likelihood.prediction import Prediction
 
 NEWTON_STEPS = 10
 LEAST_CHANCE = 1e-12
 
 
 @dataclass(frozen=True)
-class CutRows:
+class CensoredRows:
     """A prediction with the offsets of a frame's rows.
 
     likeliest : for densities. drawn : with offsets from their posterior, for residuals,
@@ -36,13 +36,13 @@ class CutRows:
     log_density: Array
 
 
-def cut_rows(p: Prediction, values: Values, frame: Frame) -> CutRows:
+def censored_rows(p: Prediction, values: Values, frame: Frame) -> CensoredRows:
     """Return a prediction with row offsets. values : of row_noise: sigma, in read
     noises."""
     prior = values[0] ** 2 * frame.beta2.mean()
     offset = np.zeros((*p.mean.shape[:2], 1))
     if prior <= 0:
-        return CutRows(p, p, np.zeros_like(p.mean))
+        return CensoredRows(p, p, np.zeros_like(p.mean))
     for _ in range(NEWTON_STEPS):
         slope, bend = _derivatives(p, frame, offset)
         bend = bend + 1 / prior
@@ -55,7 +55,7 @@ def cut_rows(p: Prediction, values: Values, frame: Frame) -> CutRows:
     away = ndtri(np.clip(turn, LEAST_CHANCE, 1 - LEAST_CHANCE)) / np.sqrt(
         bend + 1 / prior
     )
-    return CutRows(
+    return CensoredRows(
         replace(p, mean=p.mean + offset),
         replace(p, mean=p.mean + offset + away),
         of_row / count * frame.keep,

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.likelihood.prediction import Prediction
 
 LOG_2PI = np.log(2 * np.pi)
 LARGEST_Z = 8.0

@@ -69,7 +69,7 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "ladder": sections.ladder(diagnosis),
         "residual_tests": sections.residual_tests(diagnosis),
         "unexplained": [sections.answer(t, count) for t in diagnosis.unexplained],
-        "power": sections.power(diagnosis.power),
+        "detection_limits": sections.detection_limits(diagnosis.detection_limits),
         "groups": sections.groups(diagnosis),
         "next_captures": diagnosis.next_captures,
         "notes": diagnosis.notes,

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from cg2raw.diagnose.diagnosis import (
+    DetectionLimit,
     Diagnosis,
     Finding,
     Gap,
-    Power,
     ResidualTest,
     Rung,
 )
-from cg2raw.diagnose.effects.discriminating_captures import separation
+from cg2raw.diagnose.effects.discriminating_captures import discriminating_captures
 from cg2raw.diagnose.report import text as words
 from cg2raw.diagnose.report.plots import SIGNIFICANT, paired
 
@@ -129,7 +129,7 @@ def finding(effect: Finding, accepted: Sequence[Finding]) -> Row:
 def told_apart(effect: Finding, name: str) -> str:
     """Return what would separate an effect from @name: the engine's words, or ours."""
     given = [a.separation for a in effect.alternatives if a.name == name]
-    return next(filter(None, given), separation(effect.name, name))
+    return next(filter(None, given), discriminating_captures(effect.name, name))
 
 
 def parameters(effect: Finding) -> list[Row]:
@@ -186,7 +186,8 @@ def runner_up(
         f"{'behind' if behind >= 0 else 'ahead'}",
         "is_close": second.name in ambiguous,
         "rule": rule,
-        "separation": second.separation or separation(name, second.name),
+        "separation": second.separation
+        or discriminating_captures(name, second.name),
     }
 
 
@@ -249,8 +250,8 @@ def p_words(p_value: float) -> str:
     return "< " + words.power_of_ten(-300) if is_small else words.number(p_value, 2)
 
 
-def power(entries: Sequence[Power]) -> list[Row]:
-    """Return the effects with the smallest visible strengths of their parameters."""
+def detection_limits(entries: Sequence[DetectionLimit]) -> list[Row]:
+    """Return the effects with the smallest strengths that would show,  of their parameters."""
     rows: dict[str, Row] = {}
     for entry in entries:
         row = rows.setdefault(

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Findings: the effects that were accepted, in words, and which of them are none."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cg2raw.diagnose.diagnosis import (
+    LARGEST_LOG_E,
+    Alternative,
+    Estimate,
+    Finding,
+    Gap,
+    Rung,
+)
+from cg2raw.diagnose.effects.catalogue import effect, title
+from cg2raw.diagnose.effects.sentences import sentence
+from cg2raw.diagnose.inference.fitting import fit
+from cg2raw.diagnose.inference.model_selection import Search, Step
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
+
+
+def findings_of(
+    model: Model,
+    steps: Sequence[Step],
+    values: Mapping[str, Mapping[str, Estimate]],
+    gap: Gap,
+    provisional: bool,
+) -> list[Finding]:
+    """Return the terms of a model that are findings, as they were accepted."""
+    findings = []
+    for name in model.found_names:
+        step = next(s for s in reversed(steps) if s.name == name)
+        others = [Alternative(n, height) for n, height in step.ranking if n != name]
+        findings.append(
+            Finding(
+                name=name,
+                parameters=values[name],
+                gain_nats=step.gain,
+                e_value=float(np.exp(min(step.evidence, LARGEST_LOG_E))),
+                alternatives=others,
+                ambiguous_with=list(step.ambiguous),
+                where=effect(name).where,
+                sentence=sentence(name, values[name], gap),
+                provisional=provisional,
+                rule=step.rule,
+            )
+        )
+    return findings
+
+
+def without_shapes(
+    findings: Sequence[Finding], model: Model, search: Search
+) -> tuple[list[Finding], list[str]]:
+    """Return (findings, notes on those that are no findings).
+
+    An effect's model has a shape; what the true one has beside it is taken up by
+    another. That stays in the model, and is not called an effect of its own."""
+    gains = {finding.name: finding.gain_nats for finding in findings}
+    kept, notes = [], []
+    for finding in findings:
+        enough = {
+            larger: effect(larger).taken_up_by[finding.name] * gains[larger]
+            for larger in gains
+            if finding.name in effect(larger).taken_up_by
+        }
+        # What it gained when it was added may since be explained by others.
+        gain, of_uniform = np.inf, 0.0
+        if enough:
+            gain, of_uniform = _losses_without(finding.name, model, search)
+        # Noise that shows where there is no image is noise all the same.
+        if effect(finding.name).shows_without_image and of_uniform > search.threshold:
+            gain = np.inf
+        larger = next((name for name, least in enough.items() if gain < least), None)
+        if larger is None:
+            kept.append(finding)
+            continue
+        notes.append(
+            f"{title(finding.name).capitalize()} takes up what the model of "
+            f"{title(larger)} does not describe ({gain / gains[larger]:.1%} of "
+            "its gain): it is in the profile, and is no finding of its own."
+        )
+    return kept, notes
+
+
+def _losses_without(name: str, model: Model, search: Search) -> tuple[float, float]:
+    """Return what the select frames lose, nats, if all but one effect explain them;
+    and what the uniform ones of them lose."""
+    selected = search.splits.select
+    rest = fit(model.without(name), search.splits.fit)
+    uniform = [f for f in selected.frames if not f.capture.shows.image]
+
+    def loss(likelihood: Likelihood) -> float:
+        return likelihood.total(model) - likelihood.total(rest)
+
+    return loss(selected), loss(selected.of(uniform))
+
+
+def rung_of(step: Step) -> Rung:
+    """Return one step of the search as the report shows it."""
+    ranking = [Alternative(name, gain) for name, gain in step.ranking]
+    return Rung(step.action, step.name, step.gain, ranking, step.rule)
+
+
+def refused_rung(name: str) -> Rung:
+    """Return the step of an effect that was found and may not be named."""
+    return Rung("dropped", name, 0.0, [], "It may not be named: see the notes.")

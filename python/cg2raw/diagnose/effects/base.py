@@ -1,0 +1,317 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Effect: what the inference has to know of an effect beside the registry's physics.
+
+The registry (cg2raw.effects()) says what an effect does to a signal. A file of this
+folder says the rest, and only where the default does not do. Three estimators:
+
+"smooth"         its parameters move mean and variance, and are fitted by Fisher scoring
+"transform"      it turns its structured noise into white noise, and is fitted by search
+"fixed pattern"  a map of the sensor, estimated pixel by pixel
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cache, cached_property
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw import _core
+from cg2raw.diagnose.diagnosis import Curve, Estimate
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.tiling import Array
+
+Estimator = Literal["smooth", "transform", "fixed pattern"]
+Values = NDArray[np.float64]
+Estimates = Mapping[str, Estimate]
+Whitened = tuple[Array, Array | float]
+Gain = Callable[[float], float]  # nats that a strength is expected to gain
+Predicted = Sequence[tuple[Frame, Prediction]]
+# (labels of the pixels of a frame, number of labels) -> label, measured over predicted
+MeasuredRatio = Callable[[Callable[[Frame, Prediction], Any], int], tuple[Array, Array]]
+
+# Families of effects that may pass for each other.
+GAIN = "gain"
+RESPONSE = "response"
+SPREAD = "spread"
+TEMPORAL = "temporal"
+PEDESTAL = "pedestal"
+
+LIGHT = frozenset({"light"})
+IMAGE = frozenset({"light", "image"})
+TIME = frozenset({"time"})
+
+
+class WhiteningStage(IntEnum):
+    """The order in which a model's effects whiten residuals: back through a camera."""
+
+    CLIPPING = 1
+    FILTER = 2
+    ROWS = 3
+    NUISANCE = 4
+    PHOTONS = 5
+    READOUT = 6
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that is searched: its bounds; 0 is none of the effect."""
+
+    name: str
+    low: float
+    high: float
+    unit: str = "1"
+
+
+@dataclass(frozen=True)
+class SensorMap:
+    """A fixed map of the sensor as the fit frames show it, on the tiles: (T, h, w) mean
+    and variance. An effect's sensitivity says what it is multiplied by."""
+
+    mean: Array
+    variance: Array
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the map where it is not known."""
+        return float(np.sqrt(np.mean(self.mean**2 + self.variance)))
+
+
+class Effect:
+    """An effect that may be named; subclasses state what differs.
+
+    name : of the registry. title : in plain words. where : what residuals look like.
+    search : parameters that are searched; none for the registry's own.
+    bounds : narrower than the registry's, by the beginning of a parameter's name.
+    step : of numerical derivatives.
+    starts, first_scale : of a search of values.
+    switches : parameters that are 0 without the effect; all of them if empty.
+    families : effects that share one look alike.
+    signature : what it changes, for the captures that discriminate it from others (see
+        discriminating_captures); told_apart : the same for one other effect.
+    absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
+    moves_mean : it explains a misfit of the mean.
+    needs : what some frames must have to show it: "light", an "image", a "time".
+    taken_up_by : effects that take up what this one's model does not describe, and the
+        share of its gain up to which they are no finding: about twice the largest that
+        single hidden effects and measured lenses left.
+    shows_without_image : darks and flats show it; then nothing takes it up.
+    bayer_only : other CFAs have none of it, or none that the registry simulates.
+    nameable : False for what a profile may have and no diagnosis looks for."""
+
+    name: ClassVar[str] = ""
+    title: ClassVar[str] = ""
+    where: ClassVar[str] = ""
+    estimator: ClassVar[Estimator] = "smooth"
+    search: ClassVar[tuple[Parameter, ...]] = ()
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    step: ClassVar[float] = 1e-3
+    starts: ClassVar[tuple[tuple[float, ...], ...]] = ()
+    first_scale: ClassVar[float] = 0.02
+    switches: ClassVar[tuple[str, ...]] = ()
+    families: ClassVar[frozenset[str]] = frozenset()
+    signature: ClassVar[frozenset[str]] = frozenset()
+    told_apart: ClassVar[Mapping[str, str]] = {}
+    absorbs: ClassVar[bool] = False
+    moves_mean: ClassVar[bool] = True
+    needs: ClassVar[frozenset[str]] = frozenset()
+    taken_up_by: ClassVar[Mapping[str, float]] = {}
+    shows_without_image: ClassVar[bool] = False
+    bayer_only: ClassVar[bool] = False
+    nameable: ClassVar[bool] = True
+
+    # How it is predicted.
+
+    # Of the noise model: its values are the log of a factor of these betas.
+    scales: ClassVar[Literal["", "beta1", "beta2"]] = ""
+    # Its offset is shared by the pixels of a row.
+    shares_rows: ClassVar[bool] = False
+
+    @property
+    def predicted(self) -> bool:
+        """Whether the registry moves a prediction by its values, on top of those that
+        the profile has."""
+        return self.estimator == "smooth" and not self.scales
+
+    @property
+    def scored(self) -> bool:
+        """Whether its values are fitted by Fisher scoring."""
+        return self.estimator == "smooth" or self.predicted
+
+    # How it whitens residuals.
+
+    whitening: ClassVar[WhiteningStage | None] = None
+    # Its whitening is linear and Gaussian, and so whitens derivatives too.
+    linear: ClassVar[bool] = False
+
+    def whiten(
+        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitened:
+        """Return (residuals (T, h, w) of which its structure is taken out, log of the
+        determinant per pixel), so that the density of a frame stays a density.
+
+        read : variance of the read noise."""
+        return z, 0.0
+
+    def colour(self, z: Array, p: Prediction, values: Values, frame: Frame) -> Array:
+        """Return residuals with the structure that whitening takes out of them."""
+        return z
+
+    def tails(self, values: Values) -> tuple[float, float] | None:
+        """Return (share, variance ratio) of noise that it makes wider than the rest."""
+        return None
+
+    # How it is found.
+
+    starts_from_data: ClassVar[bool] = False  # its likelihood has no slope at its null
+
+    def first_values(self, predicted: Predicted) -> Values | None:
+        """Return where a fit starts; None if the frames show nothing of it."""
+        return None
+
+    def unit_scale(self, frames: Sequence[Frame]) -> float:
+        """Return what turns a value of the search into the registry's unit."""
+        return 1.0
+
+    # How strong it would have to be to be found.
+
+    has_strength: ClassVar[bool] = True
+
+    def expected_gain(
+        self, selected: Predicted, fitted: Predicted, information: float
+    ) -> Gain | None:
+        """Return what a strength gains on the select frames; None where Fisher's
+        information says it, or nobody can know.
+
+        information : of its first value, by how mean and variance move."""
+        return None
+
+    # How it comes into a profile.
+
+    def profile_values(
+        self, sensor: Any, row: Mapping[str, Any], read_noise: float
+    ) -> tuple[float, ...] | None:
+        """Return the values, in the units of the search, by which a profile draws it
+        beyond its variance; None if it does not.
+
+        row : of the profile's noise table. read_noise : its standard deviation."""
+        return None
+
+    def variance_in_table(self, sensor: Any, row: Mapping[str, Any]) -> float:
+        """Return the part of a noise table's beta2 that is its own."""
+        return 0.0
+
+    def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
+        """Write it into a profile's noise table; False if that is not its place."""
+        return False
+
+    def registry_estimates(
+        self, estimates: Estimates, sensor_map: SensorMap | None
+    ) -> Estimates:
+        """Return the parameters by which the registry simulates it."""
+        return estimates
+
+    # What is said of it.
+
+    in_photon_transfer: ClassVar[bool] = False  # it moves that curve
+
+    def size(self, values: Estimates) -> str:
+        """Return how strong it is, in words with numbers."""
+        parts = (
+            f"{name} {e.value:.4g} ({e.ci95[0]:.4g} to {e.ci95[1]:.4g})"
+            for name, e in values.items()
+        )
+        return ", ".join(parts)
+
+    def curve(
+        self, values: Values, estimates: Estimates, measured: MeasuredRatio
+    ) -> Curve | None:
+        """Return its curve beside what was measured; None if it is none."""
+        return None
+
+    # Parameters; nothing below is meant to be overridden.
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return tuple(parameter.name for parameter in self._searched)
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        return tuple(parameter.unit for parameter in self._searched)
+
+    @cached_property
+    def low(self) -> Values:
+        return np.array([parameter.low for parameter in self._searched], float)
+
+    @cached_property
+    def high(self) -> Values:
+        return np.array([parameter.high for parameter in self._searched], float)
+
+    @cached_property
+    def steps(self) -> Values:
+        return np.full(len(self._searched), self.step)
+
+    @property
+    def null(self) -> Values:
+        return np.zeros(len(self._searched))
+
+    def clipped(self, values: Values) -> Values:
+        """Return values within the bounds of the search."""
+        return np.clip(values, self.low, self.high)
+
+    def within_registry_bounds(self, values: Values) -> Values:
+        """Return values within the bounds of the registry: a found value and the
+        profile's are each within them, and their sum need not be."""
+        known = registered()[self.name]["parameters"]
+        low, high = ([p[end] for p in known] for end in ("min", "max"))
+        return np.clip(values, low, high)
+
+    @cached_property
+    def _searched(self) -> tuple[Parameter, ...]:
+        if self.search:
+            return self.search
+        known = registered()[self.name]["parameters"]
+        return tuple(
+            Parameter(p["name"], *self._bounds_of(p), p["unit"]) for p in known
+        )
+
+    def _bounds_of(self, parameter: Mapping[str, Any]) -> tuple[float, float]:
+        for start, bounds in self.bounds.items():
+            if parameter["name"].startswith(start):
+                return bounds
+        return parameter["min"], parameter["max"]
+
+
+@cache
+def registered() -> Mapping[str, Mapping[str, Any]]:
+    """Return the registry's effects by name, in the order in which they act."""
+    return {effect["name"]: effect for effect in _core.effects()}
+
+
+def value_of(values: Estimates, name: str) -> float:
+    """Return a value of estimates; 0 if there is none."""
+    return values[name].value if name in values else 0.0
+
+
+def percent(x: float) -> str:
+    return f"{100 * x:.3g} %"
+
+
+def total(values: Estimates, *names: str) -> float:
+    """Return the sum of some values."""
+    return sum(value_of(values, name) for name in names)
+
+
+def curve_with_interval(
+    values: Values, estimates: Estimates, design: Array
+) -> tuple[Array, Array, Array]:
+    """Return (y, low, high) of 1 + design @ values; intervals add as independent."""
+    errors = np.array([(e.ci95[1] - e.ci95[0]) / 2 for e in estimates.values()])
+    y = 1 + design @ values
+    half = np.sqrt((design**2) @ errors**2)
+    return y, y - half, y + half

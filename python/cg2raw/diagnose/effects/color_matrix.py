@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Colour matrix: channels are mixed otherwise than the profile says."""
+
+from cg2raw.diagnose.effects.base import GAIN, IMAGE, Effect
+
+
+class ColorMatrix(Effect):
+    """Of a uniform frame a matrix makes what a white balance makes: it needs images."""
+
+    name = "color_matrix"
+    title = "the colour matrix"
+    where = "grows with chroma, none on greys"
+    families = frozenset({GAIN})
+    signature = frozenset({"mixer"})
+    needs = IMAGE
+
+
+EFFECT = ColorMatrix()

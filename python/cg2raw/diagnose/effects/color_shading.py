@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Colour shading: red and blue fall off otherwise than green."""
+
+from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect
+
+
+class ColorShading(Effect):
+    name = "color_shading"
+    title = "colour shading"
+    where = "with radius, red and blue unlike green"
+    step = 2e-3
+    families = frozenset({GAIN})
+    needs = LIGHT
+    told_apart = {
+        "lens_shading": "Flats: shading that differs between red, green and blue is "
+        "colour shading.",
+    }
+
+
+EFFECT = ColorShading()

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Early clipping: charge clips at a full well below white."""
+
+import numpy as np
+from scipy.special import log_ndtr, ndtr, ndtri, owens_t
+
+from cg2raw.diagnose.effects.base import (
+    LIGHT,
+    RESPONSE,
+    Effect,
+    Estimates,
+    Gain,
+    Predicted,
+    Values,
+    Whitened,
+    WhiteningStage,
+    percent,
+    value_of,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.tiling import Array
+
+LEAST_CHANCE = 1e-15
+NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
+LEAST_PILE = 2  # pixels at one level that may be a well's
+BRIGHT = 0.2  # of white, from which on pixels may be clipped
+
+
+class EarlyClipping(Effect):
+    name = "early_clipping"
+    title = "a full well below white"
+    where = "levels pile up below white"
+    bounds = {"below_white": (0.0, 0.7)}
+    families = frozenset({RESPONSE})
+    signature = frozenset({"gain"})
+    needs = LIGHT
+    whitening = WhiteningStage.CLIPPING
+    starts_from_data = True
+
+    def whiten(
+        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitened:
+        """The exact density of min(photons, well) + read noise near the well, and the
+        normal score of what was measured."""
+        well = 1 - values[0]
+        light = np.broadcast_to(p.light_variance, z.shape)
+        below = (well - p.exposed) / np.sqrt(p.photon_variance + light + 1e-14)
+        near = below < NEAR_WELL
+        extra = np.zeros_like(z)
+        if values[0] <= 0 or not near.any():
+            return z, extra
+        x, s2, light = p.exposed[near], p.photon_variance[near] + 1e-14, light[near]
+        mean, clipped = _clipped_photons(x, s2, well)
+        known = p.variance[near] - light
+        least = 0.2 * np.broadcast_to(read, z.shape)[near]
+        rest = np.maximum(known - clipped, least)
+        y = z[near] * np.sqrt(p.variance[near]) + mean  # before the read-out's offsets
+        s2 = s2 + light  # light that nobody measured is clipped too
+        sd, a, both = np.sqrt(s2), below[near], s2 + rest
+        split = np.sqrt(s2 * rest / both)
+        open_ = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
+        open_ += log_ndtr((well - (x * rest + y * s2) / both) / split)
+        shut = log_ndtr(-a) - 0.5 * (y - well) ** 2 / rest - 0.5 * np.log(rest)
+        below_y = _both_below(a, (y - x) / np.sqrt(both), sd / np.sqrt(both))
+        below_y += ndtr(-a) * ndtr((y - well) / np.sqrt(rest))
+        white = z.copy()
+        white[near] = ndtri(np.clip(below_y, LEAST_CHANCE, 1 - LEAST_CHANCE))
+        extra[near] = (
+            np.logaddexp(open_, shut)
+            + 0.5 * white[near] ** 2
+            + 0.5 * np.log(p.variance[near])
+        )
+        return white, extra
+
+    def first_values(self, predicted: Predicted) -> Values | None:
+        """Return where bright pixels pile up; None if none lie far below what is
+        predicted of them."""
+        values = np.concatenate([_low_pixels(frame, p) for frame, p in predicted])
+        if not values.size:
+            return None
+        widest = max(frame.beta2.mean() for frame, _ in predicted)
+        width = max(4 * np.sqrt(widest), 2e-4)
+        bins = (values / width).astype(int)
+        pile = values[bins == np.argmax(np.bincount(bins))]
+        if pile.size < LEAST_PILE:
+            return None
+        return np.array([max(1 - float(np.median(pile)), 1e-3)])
+
+    def expected_gain(
+        self, selected: Predicted, fitted: Predicted, information: float
+    ) -> Gain:
+        """A bright pixel stands at the well in place of where it was expected."""
+        bright = [
+            (p.mean[used], p.variance[used])
+            for frame, p in selected
+            for used in [frame.keep & ~frame.at_white & (p.mean > BRIGHT)]
+        ]
+
+        def gain(below_white: float) -> float:
+            return sum(
+                float((np.maximum(x - (1 - below_white), 0) ** 2 / v).sum()) / 2
+                for x, v in bright
+            )
+
+        return gain
+
+    def size(self, values: Estimates) -> str:
+        return f"charge clips {percent(value_of(values, 'below_white'))} below white"
+
+
+def _low_pixels(frame: Frame, p: Prediction) -> Array:
+    """Return the signals of pixels far below what is predicted of them."""
+    low = p.mean - frame.signal > 6 * np.sqrt(p.variance - p.light_variance)
+    used = frame.counted & ~frame.censored & low & (frame.signal > 0.25)
+    return np.asarray(frame.signal[used])
+
+
+def _clipped_photons(x: Array, variance: Array, well: float) -> tuple[Array, Array]:
+    """Return mean and variance of min(N(x, variance), well)."""
+    sd = np.sqrt(variance)
+    a = (well - x) / sd
+    density = np.exp(-0.5 * np.minimum(a * a, 1400)) / np.sqrt(2 * np.pi)
+    inside = ndtr(a)
+    mean = x - sd * (density - a * (1 - inside))
+    moment = variance * (inside - a * density) + (a * sd) ** 2 * (1 - inside)
+    return mean, np.maximum(moment - (mean - x) ** 2, 0)
+
+
+def _both_below(h: Array, k: Array, correlation: Array) -> Array:
+    """Return the chance that two standard normal numbers lie below h and k.
+
+    Source: D. B. Owen, Ann. Math. Stat. 27(4), 1956."""
+    h, k = (np.where(np.abs(v) < 1e-9, 1e-9, v) for v in (h, k))
+    root = np.sqrt(1 - correlation**2)
+    unlike = np.where(h * k < 0, 0.5, 0.0)
+    of_h = owens_t(h, (k / h - correlation) / root)
+    of_k = owens_t(k, (h / k - correlation) / root)
+    return np.asarray(0.5 * (ndtr(h) + ndtr(k)) - of_h - of_k - unlike)
+
+
+EFFECT = EarlyClipping()

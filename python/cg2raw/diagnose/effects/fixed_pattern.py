@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""FixedPattern: the family of effects that are a map of the sensor."""
+
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import (
+    TEMPORAL,
+    Effect,
+    Estimates,
+    Estimator,
+    Gain,
+    Parameter,
+    Predicted,
+    SensorMap,
+    value_of,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array
+
+
+class FixedPattern(Effect):
+    """A map that is the same in all frames; its value is the map's standard deviation.
+
+    layout : "pixels" each of their own, "columns" that share a value, or "sparse":
+        few pixels have any.
+    is_charge : the map adds charge, which has shot noise.
+    lacks_slow_part : a slow map is shading, and not of the pixels."""
+
+    estimator: ClassVar[Estimator] = "fixed pattern"
+    step: ClassVar[float] = 0.01
+    search: ClassVar[tuple[Parameter, ...]] = (Parameter("sigma", 0.0, 1.0),)
+    families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
+    signature: ClassVar[frozenset[str]] = frozenset({"map"})
+    layout: ClassVar[Literal["pixels", "columns", "sparse"]] = "pixels"
+    is_charge: ClassVar[bool] = False
+    lacks_slow_part: ClassVar[bool] = False
+
+    def sensitivity(self, frame: Frame, photons: Array) -> Array | float:
+        """Return what the map is multiplied by in a frame."""
+        return 1.0
+
+    def standard_error(self, value: float, sensor_map: SensorMap) -> float:
+        """Return that of the map's standard deviation, from the number of its values
+        and what is known of each."""
+        count = sensor_map.mean.size
+        if self.layout == "columns":
+            count = sensor_map.mean[:, 0].size
+        prior = max(value, 1e-12) ** 2
+        share = 1 - float(np.mean(sensor_map.variance)) / prior
+        return float(value / np.sqrt(2 * count) / min(max(share, 1e-3), 1.0))
+
+    def interval(
+        self, value: float, sensor_map: SensorMap
+    ) -> tuple[float, float] | None:
+        """Return its 95 % interval; None for the normal one by the standard error."""
+        return None
+
+    def expected_gain(
+        self, selected: Predicted, fitted: Predicted, information: float
+    ) -> Gain | None:
+        """The map is learnt from the fit frames as far as their noise lets it."""
+        if not fitted:
+            return None
+        shape, tiles = selected[0][0].signal.shape, selected[0][0].tiles
+        of_columns = self.layout == "columns"
+
+        def told(group: Predicted) -> list[Array]:
+            parts = []
+            for frame, p in group:
+                if frame.signal.shape == shape:
+                    bearing = self.sensitivity(frame, np.maximum(p.exposed, 0))
+                    used = frame.keep & ~frame.censored
+                    part = used * bearing**2 / p.variance
+                    parts.append(tiles.over_columns(part) if of_columns else part)
+            return parts
+
+        known, shown = sum(told(fitted)), told(selected)
+        # Columns of tiles above each other count once.
+        once = shape[1] / tiles.over_columns(np.ones(shape)) if of_columns else 1.0
+
+        def gain(sigma: float) -> float:
+            left = sigma**2 / (1 + sigma**2 * known)
+            nats = [(sigma**2 * each - np.log1p(left * each)) * once for each in shown]
+            return sum(float(each.sum()) for each in nats) / 2
+
+        return gain
+
+    def size(self, values: Estimates) -> str:
+        return f"standard deviation {value_of(values, 'sigma'):.4g} of white"

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Gr/Gb imbalance: the two greens of a Bayer CFA differ."""
+
+from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect
+
+
+class GrGbImbalance(Effect):
+    name = "gr_gb_imbalance"
+    title = "imbalance of the two greens"
+    where = "greens of red rows against greens of blue rows"
+    families = frozenset({GAIN})
+    needs = LIGHT
+    bayer_only = True
+    told_apart = {
+        "crosstalk": "Scenes with coloured edges: crosstalk follows the neighbours' "
+        "signal, a Gr/Gb imbalance does not.",
+    }
+
+
+EFFECT = GrGbImbalance()

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Heavy-tailed noise: a share of the read noise is wider than the rest."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from cg2raw.diagnose.effects.base import (
+    TEMPORAL,
+    Effect,
+    Gain,
+    Parameter,
+    Predicted,
+    Values,
+    Whitened,
+    WhiteningStage,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.tiling import Array
+
+NOISY = 9.0  # variance of the wide share, over the rest's, for what would be found
+READ_SHARES = 20  # classes of pixels by how much of their noise is read noise
+STANDARD = np.linspace(-15, 15, 1501)
+NORMAL_LAMBDA = 0.14  # Tukey's lambda that is nearest to a normal
+
+
+class HeavyTailedNoise(Effect):
+    name = "heavy_tailed_noise"
+    title = "read noise with heavy tails"
+    where = "outliers in darks that do not repeat"
+    estimator = "transform"
+    search = (
+        Parameter("fraction", 1e-4, 0.5),
+        Parameter("variance_ratio", 1.1, 80.0),
+    )
+    step = 0.01
+    starts = ((0.01, 9.0), (0.03, 9.0), (0.01, 25.0))
+    switches = ("fraction",)
+    families = frozenset({TEMPORAL})
+    signature = frozenset({"noise"})
+    absorbs = True
+    moves_mean = False
+    shows_without_image = True
+    whitening = WhiteningStage.READOUT
+
+    def whiten(
+        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitened:
+        """The normal score of a mixture of two normals, of the variance as it was."""
+        fraction, ratio = values
+        of_read = np.minimum(read / p.variance, 1)
+        core = of_read / (1 + fraction * (ratio - 1))
+        wide, narrow = 1 - of_read + ratio * core, 1 - of_read + core
+        log_wide = np.log(fraction) - 0.5 * z * z / wide - 0.5 * np.log(wide)
+        log_narrow = np.log1p(-fraction) - 0.5 * z * z / narrow - 0.5 * np.log(narrow)
+        tail = fraction * ndtr(-np.abs(z) / np.sqrt(wide))
+        tail += (1 - fraction) * ndtr(-np.abs(z) / np.sqrt(narrow))
+        white = -np.sign(z) * ndtri(np.maximum(tail, 1e-300))
+        return white, np.logaddexp(log_wide, log_narrow) + 0.5 * white**2
+
+    def tails(self, values: Values) -> tuple[float, float]:
+        return float(values[0]), float(values[1])
+
+    def expected_gain(
+        self, selected: Predicted, fitted: Predicted, information: float
+    ) -> Gain:
+        shares = np.concatenate(
+            [(np.minimum(f.beta2 / p.variance, 1))[f.keep] for f, p in selected]
+        )
+        count, edges = np.histogram(shares, READ_SHARES, (0, 1))
+        middles = (edges[1:] + edges[:-1]) / 2
+
+        def gain(fraction: float) -> float:
+            core = middles[:, None] / (1 + fraction * (NOISY - 1))
+            rest = 1 - middles[:, None]
+            density = (1 - fraction) * _normal(rest + core)
+            density = density + fraction * _normal(rest + NOISY * core)
+            ratio = np.log(density / _normal(np.ones((1, 1))))
+            nats = (density * ratio).sum(1) * (STANDARD[1] - STANDARD[0])
+            return float(count @ nats)
+
+        return gain
+
+    def profile_values(
+        self, sensor: Any, row: Mapping[str, Any], read_noise: float
+    ) -> tuple[float, ...] | None:
+        if self.name not in sensor.noise_effects:
+            return None
+        if not row.get("outlier_fraction", 0.0) > 0:
+            return None
+        return row["outlier_fraction"], row["outlier_variance_ratio"]
+
+    def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
+        drawn = profile.setdefault("noise_effects", ["shot_noise", "read_noise"])
+        profile["noise_effects"] = [
+            self.name if name == "read_noise" else name for name in drawn
+        ]
+        for row in profile.get("noise", []):
+            row["tukey_lambda"] = NORMAL_LAMBDA
+            row["row_sigma"] = 0.0
+            row["outlier_fraction"] = float(values[0])
+            row["outlier_variance_ratio"] = float(values[1])
+        return True
+
+
+def _normal(variance: Values) -> Values:
+    density: Values = np.exp(-0.5 * STANDARD**2 / variance)
+    return density / np.sqrt(2 * np.pi * variance)
+
+
+EFFECT = HeavyTailedNoise()

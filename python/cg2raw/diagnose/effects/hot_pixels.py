@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Hot pixels: few pixels leak charge."""
+
+import numpy as np
+from scipy.stats import chi2
+
+from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.effects.base import (
+    PEDESTAL,
+    TEMPORAL,
+    TIME,
+    Estimates,
+    Parameter,
+    SensorMap,
+    percent,
+    value_of,
+)
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array
+
+
+class HotPixels(FixedPattern):
+    """Its value is the share of pixels that are hot; its map is of rates."""
+
+    name = "hot_pixels"
+    title = "hot pixels"
+    where = "few pixels far above the others, with exposure time"
+    search = (Parameter("fraction", 0.0, 1.0),)
+    families = frozenset({TEMPORAL, PEDESTAL})
+    needs = TIME
+    layout = "sparse"
+    is_charge = True
+    has_strength = False  # how many are hot is not how strong they are
+    told_apart = {
+        "heavy_tailed_noise": "Several darks: hot pixels are the same ones in each and "
+        "grow with exposure time; the tails of read noise fall on other pixels each "
+        "time.",
+    }
+
+    def sensitivity(self, frame: Frame, photons: Array) -> float:
+        return frame.seconds
+
+    def standard_error(self, value: float, sensor_map: SensorMap) -> float:
+        """Of a share of pixels, from their number."""
+        count = sensor_map.mean.size
+        return float(np.sqrt(max(value * (1 - value), 1 / count) / count))
+
+    def interval(self, value: float, sensor_map: SensorMap) -> tuple[float, float]:
+        """Of few pixels: their number is Poisson's.
+
+        Source: F. Garwood, Biometrika 28(3/4), 1936."""
+        pixels = sensor_map.mean.size
+        count = value * pixels
+        low = 0.5 * chi2.ppf(0.025, 2 * count) if count > 0 else 0.0
+        high = 0.5 * chi2.ppf(0.975, 2 * count + 2)
+        return float(low / pixels), float(high / pixels)
+
+    def registry_estimates(
+        self, estimates: Estimates, sensor_map: SensorMap | None
+    ) -> Estimates:
+        """With the mean rate of those that are hot."""
+        assert sensor_map is not None
+        hot = sensor_map.mean[sensor_map.mean > 0]
+        rate = float(hot.mean()) if hot.size else 0.0
+        return {**estimates, "rate": Estimate(rate, "1/s", (rate, rate))}
+
+    def size(self, values: Estimates) -> str:
+        return f"{percent(value_of(values, 'fraction'))} of the pixels are hot"
+
+
+EFFECT = HotPixels()

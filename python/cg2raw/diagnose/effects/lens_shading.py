@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Lens shading: light falls off towards the corners."""
+
+from typing import Any
+
+import numpy as np
+
+from cg2raw.diagnose.diagnosis import Curve
+from cg2raw.diagnose.effects.base import (
+    GAIN,
+    LIGHT,
+    Effect,
+    Estimates,
+    MeasuredRatio,
+    Values,
+    curve_with_interval,
+    percent,
+    value_of,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+
+POINTS, RINGS = 60, 20
+CORNER = (0.832, 0.555)  # of a 3:2 frame, in half diagonals
+
+
+class LensShading(Effect):
+    name = "lens_shading"
+    title = "lens shading"
+    where = "falls off with radius, all channels, in proportion to signal"
+    step = 2e-3
+    families = frozenset({GAIN})
+    signature = frozenset({"gain"})
+    needs = LIGHT
+    # A fall-off that is no polynomial.
+    taken_up_by = {"exposure": 1e-4, "prnu": 5e-5}
+    told_apart = {
+        "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
+        "adds to dark regions what the bright ones give, shading multiplies.",
+    }
+
+    def size(self, values: Estimates) -> str:
+        loss = corner_loss(values)
+        verb = "loses" if loss >= 0 else "gains"
+        return f"the lens {verb} {percent(abs(loss))} at the darkest corner"
+
+    def curve(
+        self, values: Values, estimates: Estimates, measured: MeasuredRatio
+    ) -> Curve:
+        r = np.linspace(0, 1, POINTS)
+        design = np.zeros((POINTS, len(values)))
+        design[:, :3] = np.stack([r**2, r**4, r**6], 1)
+        x, y = measured(_ring, RINGS)
+        return Curve(
+            "Fall-off of the lens",
+            "radius, 1 in the corner",
+            "relative illumination",
+            r,
+            *curve_with_interval(values, estimates, design),
+            (x + 0.5) / RINGS,
+            y,
+            self.name,
+        )
+
+
+def _ring(frame: Frame, p: Prediction) -> Any:
+    u, v = frame.tiles.field()
+    return np.minimum((np.hypot(u, v) * RINGS).astype(int), RINGS - 1)
+
+
+def corner_loss(values: Estimates) -> float:
+    """Return the largest loss of light in a corner of a 3:2 frame, relative."""
+    r2, r4, r6, *tilts = (
+        value_of(values, n)
+        for n in ("r2", "r4", "r6", "tilt_x", "tilt_y", "tilt_x_r2", "tilt_y_r2")
+    )
+    x, y, x2, y2 = tilts
+    corners = [
+        1 + r2 + r4 + r6 + u * (x + x2) + v * (y + y2)
+        for u in (-CORNER[0], CORNER[0])
+        for v in (-CORNER[1], CORNER[1])
+    ]
+    return 1 - min(corners)
+
+
+EFFECT = LensShading()

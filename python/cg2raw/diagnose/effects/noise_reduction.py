@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Noise reduction: the camera blended a pixel with its neighbours."""
+
+import numpy as np
+from scipy import fft
+
+from cg2raw.diagnose.effects.base import (
+    SPREAD,
+    Effect,
+    Gain,
+    Parameter,
+    Predicted,
+    Values,
+    Whitened,
+    WhiteningStage,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.tiling import Array
+
+LEAST_POWER = 1e-4  # of a frequency that the filter takes out
+
+
+class NoiseReduction(Effect):
+    """It blurs the mean, too, and goes where noise goes all the same."""
+
+    name = "noise_reduction"
+    title = "noise reduction in the camera"
+    where = "neighbours of one colour share their noise"
+    estimator = "transform"
+    search = (Parameter("blend", 0.0, 0.9), Parameter("diagonal", -0.1, 0.4))
+    step = 5e-3
+    starts = ((0.004, 0), (0.02, 0), (0.05, 0), (0.2, 0), (0.4, 0.05))
+    first_scale = 0.004
+    families = frozenset({SPREAD})
+    signature = frozenset({"softener"})
+    moves_mean = False
+    shows_without_image = True
+    bayer_only = True
+    whitening = WhiteningStage.FILTER
+    linear = True
+
+    @property
+    def predicted(self) -> bool:
+        return True
+
+    def whiten(
+        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitened:
+        """Divide by the filter that a camera blended its noise with, in frequency."""
+        blend, diagonal = values
+        centre = 1 - blend - diagonal
+        height, width = z.shape[-2:]
+        cy = np.cos(4 * np.pi * np.fft.fftfreq(height))[:, None]
+        cx = np.cos(4 * np.pi * np.fft.rfftfreq(width))[None]
+        filter_ = centre + blend / 2 * (cy + cx) + diagonal * cy * cx
+        power = filter_**2 / (centre**2 + blend**2 / 4 + diagonal**2 / 4) + LEAST_POWER
+        log_sum = 2 * np.log(power).sum() - np.log(power[:, 0]).sum()
+        if width % 2 == 0:
+            log_sum -= np.log(power[:, -1]).sum()
+        white = fft.irfft2(fft.rfft2(z) / np.sqrt(power), z.shape[-2:])
+        return white, -0.5 * log_sum / (height * width)
+
+    def expected_gain(
+        self, selected: Predicted, fitted: Predicted, information: float
+    ) -> Gain:
+        """Of how noise is shared, and of mean and variance."""
+        pixels = sum(int(frame.keep.sum()) for frame, _ in selected)
+        waves = np.cos(2 * np.pi * np.arange(64) / 64)
+
+        def gain(blend: float) -> float:
+            response = 1 - blend + blend / 2 * (waves[:, None] + waves)
+            power = response**2 / ((1 - blend) ** 2 + blend**2 / 4)
+            shared = -0.5 * pixels * float(np.log(power + LEAST_POWER).mean())
+            return shared + 0.5 * information * blend**2
+
+        return gain
+
+
+EFFECT = NoiseReduction()

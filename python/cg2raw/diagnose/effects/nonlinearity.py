@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Nonlinearity: signal is no straight line of the light."""
+
+from typing import Any
+
+import numpy as np
+
+from cg2raw.diagnose.diagnosis import Curve
+from cg2raw.diagnose.effects.base import (
+    GAIN,
+    LIGHT,
+    RESPONSE,
+    Effect,
+    Estimates,
+    MeasuredRatio,
+    Values,
+    curve_with_interval,
+    percent,
+    total,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+
+POINTS, LEVELS = 60, 20
+
+
+class Nonlinearity(Effect):
+    name = "nonlinearity"
+    title = "a response that is not linear"
+    where = "depends on the level alone"
+    step = 2e-3
+    families = frozenset({GAIN, RESPONSE})
+    signature = frozenset({"gain"})
+    needs = LIGHT
+
+    def size(self, values: Estimates) -> str:
+        loss = total(values, "quadratic", "cubic")
+        return f"white reads {percent(abs(loss))} too {'low' if loss > 0 else 'high'}"
+
+    def curve(
+        self, values: Values, estimates: Estimates, measured: MeasuredRatio
+    ) -> Curve:
+        x = np.linspace(0.02, 1, POINTS)
+        design = np.stack([-x, -(x**2)], 1)
+        level, ratio = measured(_level, LEVELS)
+        return Curve(
+            "Response of the sensor",
+            "light, 1 is white",
+            "signal per light",
+            x,
+            *curve_with_interval(values, estimates, design),
+            (level + 0.5) / LEVELS,
+            ratio,
+            self.name,
+        )
+
+
+def _level(frame: Frame, p: Prediction) -> Any:
+    return np.clip((p.mean * LEVELS).astype(int), 0, LEVELS - 1)
+
+
+EFFECT = Nonlinearity()

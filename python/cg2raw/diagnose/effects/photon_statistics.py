@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Photon statistics: light is counted, by Poisson's law.
+
+A photon's skewness: E. A. Cornish, R. A. Fisher, Rev. Inst. Int. Stat. 5(4), 1938.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import (
+    LIGHT,
+    Effect,
+    Gain,
+    Parameter,
+    Predicted,
+    Values,
+    Whitened,
+    WhiteningStage,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.tiling import Array
+
+FAR = 7.0  # standard deviations beyond which a series is not trusted
+
+
+class PhotonStatistics(Effect):
+    name = "photon_statistics"
+    title = "photons that are counted (Poisson)"
+    where = "lopsided noise at low levels"
+    estimator = "transform"
+    search = (Parameter("fraction", 0, 1.5),)
+    step = 0.01
+    starts = ((0.5,), (1.0,))
+    signature = frozenset({"noise"})
+    moves_mean = False
+    needs = LIGHT
+    whitening = WhiteningStage.PHOTONS
+
+    def whiten(
+        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitened:
+        """Poisson's third and fourth cumulants, by the Cornish-Fisher series."""
+        photons = np.maximum(p.exposed, 1e-12)
+        third = values[0] * p.photon_variance**2 / photons
+        fourth = third * p.photon_variance / photons
+        skew = np.minimum(third / p.variance**1.5, 0.35)
+        excess = np.minimum(fourth / p.variance**2, 0.12)
+        c = np.clip(z, -FAR, FAR)
+        square = c * c
+        white = c - skew / 6 * (square - 1) - excess / 24 * (square - 3) * c
+        white += skew**2 / 36 * (4 * square - 7) * c
+        slope = 1 - skew / 3 * c - excess / 24 * (3 * square - 3)
+        slope += skew**2 / 36 * (12 * square - 7)
+        near = np.abs(z) < FAR
+        cost = np.where(near, np.log(np.maximum(slope, 0.05)), 0.0)
+        return np.where(near, white, z), cost
+
+    def expected_gain(
+        self, selected: Predicted, fitted: Predicted, information: float
+    ) -> Gain:
+        """Skewness and kurtosis of a normal distribution cost these shares of a nat."""
+        skew, excess = 0.0, 0.0
+        for frame, p in selected:
+            photons = np.maximum(p.exposed, 1e-12)
+            third = p.photon_variance**2 / photons / p.variance**1.5
+            fourth = p.photon_variance**3 / photons**2 / p.variance**2
+            skew += float((third[frame.keep] ** 2).sum()) / 12
+            excess += float((fourth[frame.keep] ** 2).sum()) / 48
+        return lambda fraction: fraction**2 * (skew + excess)
+
+    def profile_values(
+        self, sensor: Any, row: Mapping[str, Any], read_noise: float
+    ) -> tuple[float, ...] | None:
+        return (1.0,) if self.name in sensor.noise_effects else None
+
+    def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
+        drawn = profile.setdefault("noise_effects", ["shot_noise", "read_noise"])
+        profile["noise_effects"] = [
+            self.name if name == "shot_noise" else name for name in drawn
+        ]
+        return True
+
+
+EFFECT = PhotonStatistics()

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""PRNU: pixels of unequal gain."""
+
+from cg2raw.diagnose.effects.base import LIGHT
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array
+
+
+class Prnu(FixedPattern):
+    name = "prnu"
+    title = "pixels of unequal gain (PRNU)"
+    where = "the same pixels in all frames, in proportion to signal"
+    needs = LIGHT
+    lacks_slow_part = True
+    # The slow part of the map, which the map leaves out.
+    taken_up_by = {
+        "color_shading": 0.01,
+        "lens_shading": 0.01,
+        "gr_gb_imbalance": 0.003,
+    }
+
+    def sensitivity(self, frame: Frame, photons: Array) -> Array:
+        return photons
+
+
+EFFECT = Prnu()

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Sentences on effects that were found."""
+
+from collections.abc import Sequence
+
+from cg2raw.diagnose.diagnosis import Gap
+from cg2raw.diagnose.effects.base import Estimates
+from cg2raw.diagnose.effects.catalogue import effect, title
+from cg2raw.diagnose.effects.discriminating_captures import discriminating_captures
+
+
+def sentence(name: str, values: Estimates, gap: Gap) -> str:
+    """Return one sentence of what was found, and what adding it does."""
+    found = effect(name)
+    return (
+        f"{found.title.capitalize()}: {found.size(values)}; with all that was found, "
+        f"held-out chi-square goes from {gap.chi2_before:.4g} to {gap.chi2_after:.4g}."
+    )
+
+
+def deciding_captures(name: str, others: Sequence[str]) -> list[str]:
+    """Return what to capture to tell an effect from those that look alike."""
+    return [
+        f"To tell {title(name)} from {title(other)}: "
+        f"{discriminating_captures(name, other)}"
+        for other in others
+    ]

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Veiling glare: light scattered over the frame."""
+
+from cg2raw.diagnose.effects.base import (
+    IMAGE,
+    PEDESTAL,
+    SPREAD,
+    Effect,
+    Estimates,
+    percent,
+    total,
+)
+
+
+class VeilingGlare(Effect):
+    name = "veiling_glare"
+    title = "veiling glare"
+    where = "dark regions lifted, with the mean of the scene"
+    step = 2e-3
+    families = frozenset({SPREAD, PEDESTAL})
+    signature = frozenset({"offset"})
+    needs = IMAGE
+    told_apart = {
+        "black_level": "A dark, and flats at two levels: a gain grows with the signal, "
+        "an offset does not.",
+    }
+
+    def size(self, values: Estimates) -> str:
+        spread = percent(total(values, "uniform", "wide"))
+        return f"{spread} of the light is spread over the frame"
+
+
+EFFECT = VeilingGlare()

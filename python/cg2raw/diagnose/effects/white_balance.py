@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""White balance: gains of red and blue."""
+
+from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect, Estimates, value_of
+
+
+class WhiteBalance(Effect):
+    name = "white_balance"
+    title = "the white balance"
+    where = "in proportion to signal, in red and blue, greys too"
+    families = frozenset({GAIN})
+    signature = frozenset({"mixer"})
+    needs = LIGHT
+    told_apart = {
+        "gr_gb_imbalance": "A flat under a known light: exposure moves all colours "
+        "alike.",
+    }
+
+    def size(self, values: Estimates) -> str:
+        return (
+            f"red is {value_of(values, 'red'):+.2%} and blue "
+            f"{value_of(values, 'blue'):+.2%} of what the model says"
+        )
+
+
+EFFECT = WhiteBalance()

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Reader: the frames of a capture set, a tile or many of each."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.frames.frame import Frame, frame_of, repeat_of, source_of
+from cg2raw.diagnose.frames.noise_model import NoiseModel
+from cg2raw.diagnose.frames.tiling import Mask, tiling
+
+SHARE = 0.25  # of a diagnosis, that reading takes
+
+
+def read_frames(
+    capture_set: CaptureSet,
+    noise: Mapping[float | None, NoiseModel],
+    pixels: int,
+    report: Callable[[str, float], None],
+) -> list[Frame]:
+    """Return the frames of all captures, in their order.
+
+    noise : by ISO. pixels : of every frame that are taken; a small frame is whole."""
+    repeat = repeat_of(capture_set.sensor.cfa)
+    tiles = {
+        shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))
+        for shape in {capture.shape for capture in capture_set.captures}
+    }
+    frames = []
+    for number, capture in enumerate(capture_set.captures):
+        share = SHARE * number / len(capture_set.captures)
+        report(f"reading {capture.name}", share)
+        source = source_of(capture_set, capture)
+        frames.append(frame_of(source, tiles[capture.shape], noise[capture.iso]))
+    return frames
+
+
+def _wanted(capture_set: CaptureSet, shape: tuple[int, int]) -> Mask | None:
+    """Return where any capture of a shape counts; None if one counts everywhere."""
+    captures = [c for c in capture_set.captures if c.shape == shape]
+    wanted = np.zeros(shape, bool)
+    for capture in captures:
+        if capture.mask is None:
+            return None
+        wanted |= capture.mask()
+    return wanted

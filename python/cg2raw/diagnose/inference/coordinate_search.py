@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Coordinate search: parabolas along one coordinate after the other."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import Values
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
+
+ENOUGH = 0.3  # nats; a step that promises less is not taken
+SHARE = 0.4  # of a value that the first step is
+SMALLER = 0.35  # the next steps
+ROUNDS = 4
+MOST_RIDGE = 3  # steps along the way that coordinates led
+FARTHEST_TOP = 4.0  # steps, of the top of a parabola
+
+
+class SearchSpace(Protocol):
+    """What is searched: where values may lie, and the least first step."""
+
+    @property
+    def first_scale(self) -> float: ...
+
+    def clipped(self, values: Values) -> Values: ...
+
+
+class Box:
+    """A search space between bounds."""
+
+    def __init__(self, low: Values, high: Values, first_scale: float = 0.02) -> None:
+        self._low, self._high = low, high
+        self.first_scale = first_scale
+
+    def clipped(self, values: Values) -> Values:
+        return np.clip(values, self._low, self._high)
+
+
+def fit_transform(
+    model: Model, name: str, likelihood: Likelihood, quick: bool = False
+) -> tuple[Model, float]:
+    """Return (model with the best values of a transform, log-likelihood).
+
+    quick : no better ones than those that a search starts from."""
+    term = model.term(name)
+    assert term is not None
+    # What moves the prediction, too, is predicted anew.
+    known = None if term.effect.predicted else likelihood.predictions(model)
+
+    def score(values: Values) -> float:
+        return likelihood.total(model.with_values(name, values), known)
+
+    starts = [np.array(start, float) for start in term.effect.starts]
+    if np.any(term.values):
+        starts.append(term.values)
+    scores = [score(values) for values in starts]
+    best = int(np.argmax(scores))
+    values, highest = starts[best], scores[best]
+    if not quick:
+        values, highest = climb(term.effect, values, highest, score)
+    return model.with_values(name, values), highest
+
+
+def climb(
+    space: SearchSpace,
+    values: Values,
+    highest: float,
+    score: Callable[[Values], float],
+) -> tuple[Values, float]:
+    """Return (values, their score): parabolas along one coordinate after the other,
+    then along where these led, ever smaller.
+
+    Source: M. J. D. Powell, The Computer Journal 7(2), 1964."""
+    scale = np.maximum(np.abs(values) * SHARE, space.first_scale)
+    for _ in range(ROUNDS):
+        start = values
+        for index in range(len(values)):
+            unit = np.zeros(len(values))
+            unit[index] = scale[index]
+            values, highest = _climbed(space, values, highest, score, unit)
+        for _ in range(MOST_RIDGE if len(values) > 1 else 0):
+            led = values - start
+            if np.count_nonzero(led) < 2:
+                break
+            start, before = values, highest
+            values, highest = _climbed(space, values, highest, score, led)
+            if highest - before < ENOUGH / 3:
+                break
+        scale = scale * SMALLER
+    return values, highest
+
+
+def _climbed(
+    space: SearchSpace,
+    values: Values,
+    highest: float,
+    score: Callable[[Values], float],
+    unit: Values,
+) -> tuple[Values, float]:
+    """Return (values, score) of the best of a step to either side, and of the top of
+    the parabola through them."""
+    points = [space.clipped(values + d * unit) for d in (-1, 1)]
+    heights = [score(point) for point in points]
+    bend = heights[0] - 2 * highest + heights[1]
+    if bend < 0:
+        top = 0.5 * (heights[0] - heights[1]) / bend
+        top = np.clip(top, -FARTHEST_TOP, FARTHEST_TOP)
+        points.append(space.clipped(values + top * unit))
+        heights.append(score(points[-1]))
+    best = int(np.argmax(heights))
+    return (
+        (points[best], heights[best]) if heights[best] > highest else (values, highest)
+    )

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""fit(): all terms of a model together, each by its own estimator."""
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.inference.coordinate_search import ENOUGH, fit_transform
+from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
+
+TURNS = 2  # of smooth and other parameters
+STEPS = 7  # of Fisher scoring
+SETTLED = 0.5  # nats between two turns
+
+
+def fit(model: Model, likelihood: Likelihood) -> Model:
+    """Return the model of maximum likelihood near a model."""
+    current = likelihood.total(model)
+    for _ in range(TURNS):
+        start = current
+        model, current = _scored(model, current, likelihood)
+        others = [term for term in model.terms if term.effect.estimator != "smooth"]
+        if not others:
+            break
+        model = fit_patterns(model, likelihood)
+        for term in others:
+            if term.effect.estimator == "transform":
+                model, _ = fit_transform(model, term.name, likelihood)
+        current = likelihood.total(model)
+        if abs(current - start) < SETTLED:
+            break
+    return model
+
+
+def _scored(
+    model: Model, current: float, likelihood: Likelihood
+) -> tuple[Model, float]:
+    """Fisher scoring with damped steps until it gains no more."""
+    for _ in range(STEPS):
+        base = Linearisation(model, likelihood)
+        model, gain = one_step(model, base, current)
+        current += gain
+        if gain < ENOUGH:
+            break
+    return model, current
+
+
+def first_guess(
+    effect: Effect, base: Linearisation, height: float
+) -> tuple[Model, float] | None:
+    """Return (model with a first guess of an effect, its gain when fitted, 0 of a fixed
+    pattern); None if frames show nothing of it.
+
+    base : of the model that lacks it. height : log-likelihood of that."""
+    model, likelihood = base.model, base.likelihood
+    if effect.starts_from_data:
+        values = effect.first_values(likelihood.predicted(model))
+        if values is None:
+            return None
+        start = model.with_effect(effect, effect.clipped(values))
+        return start, likelihood.total(start) - height
+    if effect.estimator == "smooth":
+        return one_step(model.with_effect(effect), base, height)
+    if effect.estimator == "transform":
+        start = model.with_effect(effect, np.array(effect.starts[0]))
+        start, score = fit_transform(start, effect.name, likelihood, quick=True)
+        return start, score - height
+    return fit_patterns(model.with_effect(effect), likelihood), 0.0

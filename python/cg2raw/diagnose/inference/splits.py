@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Splits: which frames fit a model, which select it, which it is reported on."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+from cg2raw.diagnose.captures.capture import Group
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.inference.registration import Registration
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.workers import Workers
+
+
+class Splits:
+    """All frames of a diagnosis, in order, and the likelihood of each split."""
+
+    def __init__(self, frames: Sequence[Frame], workers: Workers) -> None:
+        self.frames = tuple(frames)
+        self.workers = workers
+
+    def check(self) -> None:
+        """Raise ValueError if a split has no frame."""
+        for name, members in self.by_name.items():
+            if not members.frames:
+                raise ValueError(
+                    f"no frame is in the group {name}: not enough to fit, select and "
+                    "report on different frames; add frames"
+                )
+
+    @cached_property
+    def by_name(self) -> dict[Group, Likelihood]:
+        return {
+            group: Likelihood(
+                [f for f in self.frames if f.capture.group == group], self.workers
+            )
+            for group in GROUPS
+        }
+
+    @property
+    def fit(self) -> Likelihood:
+        return self.by_name["fit"]
+
+    @property
+    def select(self) -> Likelihood:
+        return self.by_name["select"]
+
+    @property
+    def report(self) -> Likelihood:
+        return self.by_name["report"]
+
+    def placed(self, registration: Registration) -> "Splits":
+        """Return the same frames with their renders where a registration found them."""
+        return Splits(self.workers.map(registration.placed, self.frames), self.workers)

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Model: a sensor, effects on top of it, and what is wrong with the captures alone."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import Effect, SensorMap, Values, registered
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.likelihood.nuisance import Nuisance
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect of a model and its values; a fixed pattern has its map besides.
+
+    calibration : it is fitted with all others, and is no finding: nobody had said what
+        its value should be."""
+
+    effect: Effect
+    values: Values
+    sensor_map: SensorMap | None = None
+    calibration: bool = False
+
+    @property
+    def name(self) -> str:
+        return self.effect.name
+
+
+@dataclass(frozen=True)
+class Model:
+    """Effects on top of the baseline sensor; nuisances are of the captures alone."""
+
+    sensor: Any
+    terms: tuple[Term, ...] = ()
+    nuisance: Nuisance | None = None
+
+    @property
+    def names(self) -> list[str]:
+        return [term.name for term in self.terms]
+
+    @property
+    def found_names(self) -> list[str]:
+        """Names of the terms that are findings."""
+        return [term.name for term in self.terms if not term.calibration]
+
+    @property
+    def maps(self) -> Iterator[tuple[Term, FixedPattern, SensorMap]]:
+        """Fixed patterns whose map is known."""
+        for term in self.terms:
+            if term.sensor_map is not None and isinstance(term.effect, FixedPattern):
+                yield term, term.effect, term.sensor_map
+
+    def term(self, name: str) -> Term | None:
+        return next((term for term in self.terms if term.name == name), None)
+
+    def with_term(self, term: Term) -> "Model":
+        """Return the model with a term added, or in the place of its namesake."""
+        if self.term(term.name) is None:
+            return replace(self, terms=(*self.terms, term))
+        terms = tuple(term if t.name == term.name else t for t in self.terms)
+        return replace(self, terms=terms)
+
+    def with_effect(self, effect: Effect, values: Values | None = None) -> "Model":
+        """Return the model with an effect at its null, or at given values."""
+        start = effect.null if values is None else np.asarray(values, float)
+        return self.with_term(Term(effect, start))
+
+    def with_values(self, name: str, values: Values) -> "Model":
+        term = self.term(name)
+        assert term is not None
+        return self.with_term(replace(term, values=values))
+
+    def without(self, name: str) -> "Model":
+        return replace(self, terms=tuple(t for t in self.terms if t.name != name))
+
+    def noise_gain(self, betas: str) -> float:
+        """Return what multiplies betas of the noise model."""
+        logs = [float(t.values[0]) for t in self.terms if t.effect.scales == betas]
+        return float(np.exp(sum(logs)))
+
+    def values_of(self, effect: Effect, frame: Frame) -> Values | None:
+        """Return the values by which an effect whitens a frame: a term's, or what the
+        profile has; None if neither. What moves a prediction comes on top of what the
+        profile has."""
+        term = self.term(effect.name)
+        if not effect.predicted:
+            drawn = frame.noise.drawn.get(effect.name)
+            given = None if drawn is None else np.array(drawn)
+            return given if term is None else term.values
+        listed = self.profile_parameters.get(effect.name)
+        given = None if listed is None else np.array(list(listed.values()), float)
+        if term is None or given is None:
+            return given if term is None else term.values
+        return given + term.values
+
+    @property
+    def profile_parameters(self) -> Mapping[str, Mapping[str, float]]:
+        """Parameters of the effects that the sensor's profile has, in the order of the
+        registry."""
+        return {
+            effect["name"]: {
+                p["name"]: effect["parameters"][p["name"]]
+                for p in registered()[effect["name"]]["parameters"]
+            }
+            for effect in self.sensor.effects or ()
+        }
