@@ -251,7 +251,7 @@ def p_words(p_value: float) -> str:
 
 
 def detection_limits(entries: Sequence[DetectionLimit]) -> list[Row]:
-    """Return the effects with the smallest strengths that would show,  of their parameters."""
+    """Return the effects with the smallest strengths that would have shown."""
     rows: dict[str, Row] = {}
     for entry in entries:
         row = rows.setdefault(
