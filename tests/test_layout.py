@@ -13,15 +13,21 @@ import pytest
 # The way of the data. A file includes only what stands before it, and its own header.
 FLOW = (
     "types",
+    "parallel",
+    "random",
     "scene_file",
     "color",
     "profile",
     "illuminant",
     "transform",
     "mosaic",
-    "random",
+    "demosaic",
     "effect",
-    "pipeline",
+    "run",
+    "signal",
+    "simulation",
+    "camera_frame",
+    "frame",
     "prediction",
     "dng",
     "plugin",
@@ -57,14 +63,23 @@ def public_includes(path):
 
 
 def stage_of_source(path):
-    """Return the last place in FLOW that @path may include, or None for any of core."""
+    """Return the last place in FLOW that @path may include.
+
+    A source of core carries the name of the header that it implements or serves, then
+    perhaps more words; what carries none serves effects and what stands before them.
+    """
     folder = path.parent.name
-    if folder in ("dng", "effects", "dng.imageio"):
+    if folder != "core":
         return FLOW.index(
             {"effects": "effect", "dng.imageio": "plugin"}.get(folder, folder)
         )
-    stem = path.stem.partition("_")[0]
-    return FLOW.index(stem) if stem in FLOW else None
+    served = [name for name in FLOW if serves(path, name)]
+    return FLOW.index(max(served, key=len, default="effect"))
+
+
+def serves(source, header):
+    """Return whether @source carries the name of @header."""
+    return f"{source.stem}_".startswith(f"{header}_")
 
 
 @pytest.mark.parametrize("header", HEADERS, ids=lambda path: path.name)
@@ -78,9 +93,13 @@ def test_a_header_includes_only_what_stands_before_it(header):
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.name)
 def test_a_source_includes_nothing_that_stands_behind_it(source):
     last = stage_of_source(source)
-    last = FLOW.index("pipeline") if last is None else last
     late = [name for name in public_includes(source) if stage_of_header(name) > last]
     assert not late
+
+
+@pytest.mark.parametrize("header", HEADERS, ids=lambda path: path.name)
+def test_a_header_leads_to_its_sources(header):
+    assert any(serves(source, header.stem) for source in SOURCES)
 
 
 @pytest.mark.parametrize("path", HEADERS + SOURCES, ids=lambda path: path.name)

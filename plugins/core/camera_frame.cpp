@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
+#include "cg2raw/camera_frame.h"
+
 #include "simulation_state.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-#include "cg2raw/mosaic.h"
+#include "cg2raw/demosaic.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -4,7 +4,8 @@
 /// @file The last step of a pixel: its noise is drawn, and it becomes a DN.
 #pragma once
 
-#include "cg2raw/pipeline.h"
+#include "cg2raw/profile.h"
+#include "cg2raw/random.h"
 
 namespace cg2raw {
 

@@ -2,22 +2,13 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file Whole frames: strip by strip where every pixel stands for itself, else held.
-#include "cg2raw/pipeline.h"
+#include "cg2raw/frame.h"
 
-#include <algorithm>
+#include "cg2raw/camera_frame.h"
+
 #include <mutex>
 
 namespace cg2raw {
-
-void each_strip(int height, const ParallelFor& parallel,
-                const std::function<void(int first, int count)>& work)
-{
-    constexpr int strip_rows = 64;
-    parallel((height + strip_rows - 1) / strip_rows, [&](int strip) {
-        const int first = strip * strip_rows;
-        work(first, std::min(strip_rows, height - first));
-    });
-}
 
 Illegal each_strip(const SceneRows& rows, Size size, const ParallelFor& parallel,
                    const std::function<void(const RgbView&, int first, Illegal&)>& work)

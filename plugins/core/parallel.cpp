@@ -2,12 +2,14 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file The default way to use several cores.
-#include "cg2raw/pipeline.h"
+#include "cg2raw/parallel.h"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace cg2raw {
 
@@ -38,6 +40,16 @@ ParallelFor parallel_threads(int threads)
         if (first_error)
             std::rethrow_exception(first_error);
     };
+}
+
+void each_strip(int height, const ParallelFor& parallel,
+                const std::function<void(int first, int count)>& work)
+{
+    constexpr int strip_rows = 64;
+    parallel((height + strip_rows - 1) / strip_rows, [&](int strip) {
+        const int first = strip * strip_rows;
+        work(first, std::min(strip_rows, height - first));
+    });
 }
 
 } // namespace cg2raw

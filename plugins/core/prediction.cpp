@@ -3,7 +3,7 @@
 
 #include "cg2raw/prediction.h"
 
-#include "stages.h"
+#include "run_stages.h"
 
 #include <algorithm>
 

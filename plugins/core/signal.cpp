@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Single stages of the pipeline on a signal that is already there.
-#include "cg2raw/pipeline.h"
+#include "cg2raw/signal.h"
 
 #include "digitise.h"
-#include "stages.h"
+#include "run_stages.h"
 
 #include <algorithm>
 #include <cmath>

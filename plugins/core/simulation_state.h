@@ -4,8 +4,10 @@
 /// @file What a Simulation has decided before the first pixel.
 #pragma once
 
+#include "cg2raw/simulation.h"
+
 #include "digitise.h"
-#include "stages.h"
+#include "run_stages.h"
 
 namespace cg2raw {
 

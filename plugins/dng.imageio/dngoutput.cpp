@@ -2,6 +2,8 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file The face of cg2raw in OpenImageIO: ImageSpec attributes -> simulation -> DNG.
+#include "cg2raw/camera_frame.h"
+
 #include "host_pixels.h"
 #include "request.h"
 #include "row_assembly.h"

@@ -4,7 +4,7 @@
 /// @file What the parts of the module share: array types and the parts themselves.
 #pragma once
 
-#include "cg2raw/dng_reader.h"
+#include "cg2raw/frame.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>

@@ -3,6 +3,9 @@
 
 #include "bindings.h"
 
+#include "cg2raw/dng_reader.h"
+#include "cg2raw/dng_writer.h"
+
 #include <algorithm>
 #include <cmath>
 

@@ -3,6 +3,7 @@
 
 #include "bindings.h"
 
+#include "cg2raw/dng_reader.h"
 #include "cg2raw/effect.h"
 
 namespace cg2raw::python {

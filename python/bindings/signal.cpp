@@ -3,6 +3,9 @@
 
 #include "bindings.h"
 
+#include "cg2raw/demosaic.h"
+#include "cg2raw/signal.h"
+
 namespace cg2raw::python {
 namespace {
 

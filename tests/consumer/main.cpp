@@ -5,6 +5,7 @@
 /// libraries.
 #include <cg2raw/dng_reader.h>
 #include <cg2raw/dng_writer.h>
+#include <cg2raw/frame.h>
 
 #include <cstdio>
 #include <vector>

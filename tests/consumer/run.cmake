@@ -9,7 +9,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/../run.cmake)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
 foreach(file lib/cg2raw/oiio/dng.imageio.so share/cg2raw/profiles/nikon-d40.json
-        include/cg2raw/pipeline.h)
+        include/cg2raw/simulation.h)
   if(NOT EXISTS ${work}/prefix/${file})
     message(FATAL_ERROR "not installed: ${file}")
   endif()

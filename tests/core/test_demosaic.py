@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""mosaic.h: what sites lack is interpolated, to the edges, for any CFA."""
+"""demosaic.h: what sites lack is interpolated, to the edges, for any CFA."""
 
 import cg2raw
 import numpy as np

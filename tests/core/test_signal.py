@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""pipeline.h: noise, one effect, and DN, on a signal that is already there."""
+"""signal.h: noise, one effect, and DN, on a signal that is already there."""
 
 import cg2raw
 import numpy as np

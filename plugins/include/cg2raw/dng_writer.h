@@ -4,7 +4,8 @@
 /// @file 6 - A mosaic and what is known of it -> a DNG file, complete or absent.
 #pragma once
 
-#include "cg2raw/pipeline.h"
+#include "cg2raw/parallel.h"
+#include "cg2raw/simulation.h"
 
 namespace cg2raw {
 

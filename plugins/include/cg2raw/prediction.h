@@ -5,7 +5,8 @@
 /// fits, which ask it thousands of times.
 #pragma once
 
-#include "cg2raw/pipeline.h"
+#include "cg2raw/effect.h"
+#include "cg2raw/parallel.h"
 
 namespace cg2raw {
 

@@ -5,7 +5,8 @@
 /// noise of its ISO.
 #pragma once
 
-#include "cg2raw/pipeline.h"
+#include "cg2raw/effect.h"
+#include "cg2raw/run.h"
 
 namespace cg2raw {
 

@@ -4,7 +4,7 @@
 /// @file The effects of one run in the order of their stages, on a band of rows.
 #pragma once
 
-#include "active_effects.h"
+#include "run_effects.h"
 
 namespace cg2raw {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-#include "active_effects.h"
+#include "run_effects.h"
 
 #include "text.h"
 
@@ -117,15 +117,6 @@ void check_color_effects(const SensorProfile& profile, const Run& run)
 }
 
 } // namespace
-
-NoiseModel noise_model_from_name(std::string_view name)
-{
-    if (name == "gaussian")
-        return NoiseModel::gaussian;
-    if (name == "physical")
-        return NoiseModel::physical;
-    throw Error("noise \"" + std::string(name) + "\" must be gaussian or physical");
-}
 
 std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run& run,
                                          const std::optional<NoiseAtIso>& noise)

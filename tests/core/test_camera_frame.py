@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Effects that see more of the frame than their pixel: the result does not depend on
+"""camera_frame.h: effects that see more of the frame than their pixel do not depend on
 how the frame is cut, and a prediction is what is drawn on average."""
 
 import json

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-#include "stages.h"
+#include "run_stages.h"
 
 #include "digitise.h"
 

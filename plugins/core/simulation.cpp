@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-#include "cg2raw/pipeline.h"
+#include "cg2raw/simulation.h"
 
 #include "simulation_state.h"
 #include "text.h"
