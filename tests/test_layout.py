@@ -35,10 +35,18 @@ FLOW = (
 # Libraries and the folders that may include them.
 LIBRARIES = {
     r"OpenImageIO/": {"dng.imageio"},
-    r"tiff(io|vers|conf)?\.h": {"dng"},
+    r"tiff(io|vers|conf)?\.h": {"dng/tiff"},
     r"(pybind11/|Python\.h)": set(),
     r"OpenColorIO/": set(),
     r"nlohmann/": {"core"},
+}
+# The parts of dng, and what each may include of them and of dng's public headers.
+PARTS_OF_DNG = {
+    "dng": {"dng_description"},
+    "dng/tiff": {"tiff"},
+    "dng/jpeg": {"jpeg"},
+    "dng/reader": {"reader", "tiff", "dng_reader", "dng_description"},
+    "dng/writer": {"writer", "tiff", "jpeg", "dng_writer", "dng_description"},
 }
 MOST_LINES, MEDIAN_LINES = 500, 150
 
@@ -47,9 +55,19 @@ HEADERS = sorted((PLUGINS / "include" / "cg2raw").glob("*.h"))
 SOURCES = sorted(
     path
     for folder in ("core", "effects", "dng", "dng.imageio")
-    for path in (PLUGINS / folder).glob("*")
+    for path in (PLUGINS / folder).rglob("*")
     if path.suffix in (".cpp", ".h")
 )
+
+
+def folder_of(path):
+    """Return the folder of a source, as seen from plugins."""
+    return path.parent.relative_to(PLUGINS).as_posix()
+
+
+def name_of(path):
+    """Return the name of a source, as seen from plugins."""
+    return path.relative_to(PLUGINS).as_posix()
 
 
 def stage_of_header(name):
@@ -68,7 +86,7 @@ def stage_of_source(path):
     A source of core carries the name of the header that it implements or serves, then
     perhaps more words; what carries none serves effects and what stands before them.
     """
-    folder = path.parent.name
+    folder = folder_of(path).partition("/")[0]
     if folder != "core":
         return FLOW.index(
             {"effects": "effect", "dng.imageio": "plugin"}.get(folder, folder)
@@ -82,39 +100,58 @@ def serves(source, header):
     return f"{source.stem}_".startswith(f"{header}_")
 
 
-@pytest.mark.parametrize("header", HEADERS, ids=lambda path: path.name)
+@pytest.mark.parametrize("header", HEADERS, ids=name_of)
 def test_a_header_includes_only_what_stands_before_it(header):
     own = stage_of_header(header.stem)
     for name in public_includes(header):
         before = stage_of_header(name) < own
-        assert before or (FLOW[own] == "dng" and stage_of_header(name) == own), name
+        assert before or (FLOW[own] == "dng" and name == "dng_description"), name
 
 
-@pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.name)
+@pytest.mark.parametrize("source", SOURCES, ids=name_of)
 def test_a_source_includes_nothing_that_stands_behind_it(source):
     last = stage_of_source(source)
     late = [name for name in public_includes(source) if stage_of_header(name) > last]
     assert not late
 
 
-@pytest.mark.parametrize("header", HEADERS, ids=lambda path: path.name)
+@pytest.mark.parametrize("header", HEADERS, ids=name_of)
 def test_a_header_leads_to_its_sources(header):
     assert any(serves(source, header.stem) for source in SOURCES)
 
 
-@pytest.mark.parametrize("path", HEADERS + SOURCES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", HEADERS + SOURCES, ids=name_of)
 def test_a_library_has_one_user(path):
     included = re.findall(r'#include [<"]([^>"]+)[>"]', path.read_text())
     for pattern, folders in LIBRARIES.items():
-        if path.parent.name not in folders:
+        if folder_of(path) not in folders:
             assert not [name for name in included if re.match(pattern, name)]
+
+
+@pytest.mark.parametrize(
+    "source", [path for path in SOURCES if folder_of(path) in PARTS_OF_DNG], ids=name_of
+)
+def test_the_reader_of_dng_knows_nothing_of_the_writer(source):
+    text = source.read_text()
+    parts = re.findall(r'#include "(\w+)/', text)
+    headers = [name for name in public_includes(source) if name.startswith("dng_")]
+    included = {*parts, *headers} - {"cg2raw"}
+    assert included <= PARTS_OF_DNG[folder_of(source)]
+    assert '#include "../' not in text
+
+
+def test_all_of_dng_is_in_its_parts():
+    assert {folder_of(path) for path in (PLUGINS / "dng").rglob("*.[ch]*")} == set(
+        PARTS_OF_DNG
+    )
 
 
 def test_json_is_private_to_the_profile():
     users = [
-        path.name
+        name_of(path)
         for path in HEADERS + SOURCES
-        if "nlohmann/" in path.read_text() and not path.name.startswith("profile")
+        if "nlohmann/" in path.read_text()
+        and not name_of(path).startswith("core/profile")
     ]
     assert users == []
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-#include "dng_reader_tags.h"
+#include "reader/metadata_parts.h"
 #include "targets.h"
 
 #include <sstream>

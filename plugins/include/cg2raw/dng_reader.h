@@ -4,7 +4,7 @@
 /// @file Metadata of a real DNG, and the sensor profile that it amounts to.
 #pragma once
 
-#include "cg2raw/dng_writer.h"
+#include "cg2raw/dng_description.h"
 
 namespace cg2raw {
 

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Which directories of a DNG say what; the order in which they are asked.
+#include "reader/metadata_parts.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+namespace cg2raw {
+namespace {
+
+/// Real DNGs have up to ten; more would be a way to make us read for long.
+constexpr Bounds sub_ifd_count { 1, 32 };
+constexpr Bounds any_offset { 0, 0xFFFFFFFF };
+constexpr Bounds any_number { 0, 0xFFFFFFFF };
+/// The newest DNG version whose rules this reader knows.
+constexpr int newest_major = 1, newest_minor = 7;
+
+/// The directories of one file, each read once: a second way to the same one is a
+/// cycle.
+class Directories {
+public:
+    explicit Directories(const TiffReader& file)
+        : m_file(file)
+    {
+    }
+
+    TiffIfd read(std::uint64_t offset, const std::string& what)
+    {
+        if (std::find(m_seen.begin(), m_seen.end(), offset) != m_seen.end())
+            throw Error(
+                m_file.name() + ": " + what + " at byte " + std::to_string(offset)
+                + " is a directory that was read before; each must be another: the"
+                  " file is cyclic or damaged");
+        m_seen.push_back(offset);
+        return m_file.ifd(offset, what);
+    }
+
+private:
+    const TiffReader& m_file;
+    std::vector<std::uint64_t> m_seen;
+};
+
+void check_version(const TiffTags& ifd0)
+{
+    if (!ifd0.has(tag::dng_version))
+        ifd0.fail(
+            tag::dng_version,
+            "is missing: the file is no DNG; convert the camera's RAW to DNG first");
+    if (!ifd0.has(tag::dng_backward_version))
+        return;
+    const auto version = ifd0.bytes(tag::dng_backward_version, { 4, 4 });
+    if (version[0] > newest_major
+        || (version[0] == newest_major && version[1] > newest_minor))
+        ifd0.fail(tag::dng_backward_version,
+                  "is " + std::to_string(version[0]) + "." + std::to_string(version[1])
+                      + "; versions up to 1.7 are read: convert the file to DNG 1.7 or "
+                        "older");
+}
+
+/// Full-resolution images say 0 for NewSubfileType, or nothing.
+int photometric_of_main_image(const TiffTags& ifd)
+{
+    if (ifd.integer_or(tag::new_subfile_type, any_number, 0) != 0)
+        return 0;
+    return int(ifd.integer_or(tag::photometric, { 0, 65535 }, 0));
+}
+
+/// The directory of the mosaic: IFD0 or one of its SubIFDs.
+TiffIfd raw_ifd(const TiffReader& file, const TiffIfd& ifd0, Directories& directories)
+{
+    const TiffTags main(file, { &ifd0 });
+    int photometric = photometric_of_main_image(main);
+    if (photometric == photometric::cfa)
+        return ifd0;
+    bool linear = photometric == photometric::linear_raw;
+    std::vector<std::int64_t> offsets;
+    if (main.has(tag::sub_ifds))
+        offsets = main.integers(tag::sub_ifds, sub_ifd_count, any_offset);
+    for (std::int64_t offset : offsets) {
+        TiffIfd ifd = directories.read(std::uint64_t(offset), "SubIFD");
+        photometric = photometric_of_main_image({ file, { &ifd } });
+        if (photometric == photometric::cfa)
+            return ifd;
+        linear = linear || photometric == photometric::linear_raw;
+    }
+    if (linear)
+        main.fail(tag::photometric,
+                  "is LinearRaw (" + std::to_string(photometric::linear_raw)
+                      + "), already demosaicked; it must be a mosaic, CFA"
+                        " ("
+                      + std::to_string(photometric::cfa)
+                      + "), or nobody knows the sensor's: use a DNG that keeps the"
+                        " mosaic, no ProRAW, no lossy or linear conversion");
+    main.fail(tag::photometric,
+              "is CFA (" + std::to_string(photometric::cfa)
+                  + ") in no full-resolution image; a mosaic is required: use a DNG"
+                    " straight from the camera");
+}
+
+} // namespace
+
+DngMetadata read_dng_stream(std::istream& dng, const std::string& name)
+{
+    const TiffReader file(dng, name);
+    Directories directories(file);
+    const TiffIfd ifd0 = directories.read(file.first_ifd(), "IFD0");
+    const TiffTags main(file, { &ifd0 });
+    check_version(main);
+    const TiffIfd raw = raw_ifd(file, ifd0, directories);
+    TiffIfd exif;
+    if (main.has(tag::exif_ifd))
+        exif = directories.read(
+            std::uint64_t(main.integers(tag::exif_ifd, { 1, 1 }, any_offset)[0]),
+            "ExifIFD");
+
+    DngMetadata metadata {};
+    metadata.file = name;
+    read_dng_levels({ file, { &raw } }, metadata);
+    read_dng_color({ file, { &ifd0, &raw } }, metadata);
+    read_dng_noise({ file, { &raw, &ifd0 } }, metadata);
+    read_dng_opcodes({ file, { &raw } }, metadata);
+    read_dng_names({ file, { &ifd0, &raw } }, { file, { &exif, &ifd0 } }, metadata);
+    if (!metadata.noise_profile.empty() && !metadata.shot.iso)
+        metadata.notes.push_back(text_of(tag::iso_speed_ratings)
+                                 + " is missing: the ISO of"
+                                   " NoiseProfile is unknown");
+    return metadata;
+}
+
+DngMetadata read_dng_metadata(const std::string& path)
+{
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(path, unknown))
+        throw Error(path
+                    + ": is no file; the reference must be a DNG of the target camera");
+    std::ifstream dng(path, std::ios::binary);
+    if (!dng)
+        throw Error(path + ": cannot be opened for reading: check its permissions");
+    return read_dng_stream(dng, path);
+}
+
+} // namespace cg2raw

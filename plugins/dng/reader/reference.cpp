@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file What a file takes over from the image, and from a reference DNG.
+#include "cg2raw/dng_reader.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace cg2raw {
+namespace {
+
+bool same_but_for_case(const std::string& a, const std::string& b)
+{
+    const auto lower
+        = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+} // namespace
+
+Shot merged(Shot reference, const Shot& image)
+{
+    reference.orientation = image.orientation;
+    if (!reference.exposure_time)
+        reference.exposure_time = image.exposure_time;
+    if (!reference.f_number)
+        reference.f_number = image.f_number;
+    if (!reference.focal_length)
+        reference.focal_length = image.focal_length;
+    reference.artist = image.artist;
+    reference.copyright = image.copyright;
+    reference.description = image.description;
+    for (auto text : { &Shot::date_time_original, &Shot::lens_model })
+        if ((reference.*text).empty())
+            reference.*text = image.*text;
+    return reference;
+}
+
+SensorProfile with_measurements(SensorProfile reference, const SensorProfile& measured,
+                                const std::string& file)
+{
+    if (!same_but_for_case(reference.unique_camera_model, measured.unique_camera_model)
+        && !same_but_for_case(reference.model, measured.model))
+        throw Error("reference " + file + " is of a \"" + reference.unique_camera_model
+                    + "\", sensor " + measured.id + " is a \""
+                    + measured.unique_camera_model
+                    + "\": give only one of them, or a pair of the same camera");
+    reference.id = measured.id;
+    reference.illuminants = measured.illuminants;
+    reference.digital_gain = measured.digital_gain;
+    reference.effects = measured.effects;
+    if (!measured.noise.empty())
+        reference.noise = measured.noise;
+    reference.noise_effects = measured.noise_effects;
+    check(reference, file);
+    return reference;
+}
+
+} // namespace cg2raw

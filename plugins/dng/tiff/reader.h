@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file A small bounded reader of TIFF directories: entries and values, never pixels.
+///
+/// Why not libtiff, which writes our files: it hands out the RATIONALs of the DNG
+/// matrices as 32-bit floats, reads a directory whole and refuses it for a structural
+/// tag that we do not need, and allocates what such tags ask for. Here only what is
+/// asked for is read, its count is bounded by the caller before anything is allocated,
+/// and all 64 bits survive.
+#pragma once
+
+#include "cg2raw/types.h"
+
+#include "tiff/tag_numbers.h"
+
+#include <cstdint>
+#include <istream>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cg2raw {
+
+/// Lowest and highest legal value, both included.
+struct Bounds {
+    std::int64_t low, high;
+};
+
+/// One entry of a directory, as it stands in the file: nothing of it is believed yet.
+struct TiffEntry {
+    std::uint16_t tag, type;
+    std::uint32_t count;
+    std::uint64_t field; ///< file offset of the entry's four bytes of value or offset
+};
+
+using TiffIfd = std::vector<TiffEntry>;
+
+/// Bytes of one value of a TIFF type, by its number 1 to 13; 0: no such type.
+std::size_t tiff_value_size(std::uint16_t type);
+
+/// The bytes of a classic TIFF, in either byte order. The stream must outlive it.
+class TiffReader {
+public:
+    /// Throws Error if the header is not one of a classic TIFF.
+    TiffReader(std::istream& bytes, std::string name);
+
+    const std::string& name() const { return m_name; }
+    std::uint32_t first_ifd() const { return m_first_ifd; }
+    /// The directory at @p offset; @p what names it in messages. The chain of next
+    /// directories is not followed, so a cycle there is harmless.
+    /// Throws Error if it is not wholly inside the file.
+    TiffIfd ifd(std::uint64_t offset, const std::string& what) const;
+    /// The bytes of an entry's values, wherever they are; nothing if its type is
+    /// unknown or they reach beyond the file.
+    std::optional<std::vector<std::uint8_t>> values(const TiffEntry& entry) const;
+    /// An unsigned number of @p size bytes, in the file's order.
+    std::uint64_t number(const std::uint8_t* bytes, std::size_t size) const;
+
+private:
+    std::vector<std::uint8_t> bytes(std::uint64_t offset, std::uint64_t size) const;
+
+    std::istream& m_bytes;
+    std::string m_name;
+    std::uint64_t m_size = 0;
+    bool m_big_endian = false;
+    std::uint32_t m_first_ifd = 0;
+};
+
+/// Tags of one or more directories, the first that has a tag answering; what it hands
+/// out has been checked, and what fails the check is an Error with file, tag, value and
+/// bound.
+class TiffTags {
+public:
+    TiffTags(const TiffReader& file, std::vector<const TiffIfd*> ifds);
+
+    bool has(TiffTag tag) const { return find(tag) != nullptr; }
+    /// As many finite numbers, of any numeric type, as @p count allows.
+    std::vector<double> numbers(TiffTag tag, Bounds count) const;
+    /// Integers, of integer type, each within @p value.
+    std::vector<std::int64_t> integers(TiffTag tag, Bounds count, Bounds value) const;
+    /// The one integer of a tag, or @p otherwise if the file does not have the tag.
+    std::int64_t integer_or(TiffTag tag, Bounds value, std::int64_t otherwise) const;
+    /// The first number of a tag if it is there, finite and above 0, as Exif's unknown
+    /// values are not.
+    std::optional<double> positive(TiffTag tag) const;
+    /// Text up to its first NUL or, unterminated, to its end; without outer blanks,
+    /// control characters and bytes that are no UTF-8. Empty if there is none.
+    std::string text(TiffTag tag) const;
+    /// The values, undecoded, of a tag of type BYTE or UNDEFINED.
+    std::vector<std::uint8_t> bytes(TiffTag tag, Bounds count) const;
+
+    /// Throws Error: "FILE: Tag (number) what".
+    [[noreturn]] void fail(TiffTag tag, const std::string& what) const;
+
+private:
+    const TiffEntry* find(TiffTag tag) const;
+    const TiffEntry& required(TiffTag tag, Bounds count) const;
+    std::vector<std::uint8_t> raw_values(TiffTag tag, const TiffEntry& entry) const;
+    std::vector<double> decoded(TiffTag tag, const TiffEntry& entry) const;
+
+    const TiffReader& m_file;
+    std::vector<const TiffIfd*> m_ifds;
+};
+
+} // namespace cg2raw
