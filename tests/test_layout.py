@@ -22,6 +22,7 @@ FLOW = (
     "transform",
     "mosaic",
     "demosaic",
+    "surround",
     "effect",
     "run",
     "signal",
@@ -40,13 +41,21 @@ LIBRARIES = {
     r"OpenColorIO/": set(),
     r"nlohmann/": {"core"},
 }
-# The parts of dng, and what each may include of them and of dng's public headers.
+# The parts of dng, and what each may include of them and of dng's public headers; the
+# writer also the formulas of effects that it undoes.
 PARTS_OF_DNG = {
     "dng": {"dng_description"},
     "dng/tiff": {"tiff"},
     "dng/jpeg": {"jpeg"},
     "dng/reader": {"reader", "tiff", "dng_reader", "dng_description"},
-    "dng/writer": {"writer", "tiff", "jpeg", "dng_writer", "dng_description"},
+    "dng/writer": {
+        "writer",
+        "tiff",
+        "jpeg",
+        "effects",
+        "dng_writer",
+        "dng_description",
+    },
 }
 MOST_LINES, MEDIAN_LINES = 500, 150
 

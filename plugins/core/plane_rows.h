@@ -7,6 +7,7 @@
 
 #include "cg2raw/effect.h"
 
+#include <cmath>
 #include <vector>
 
 namespace cg2raw {
@@ -18,6 +19,19 @@ inline void scale(const Plane<float>& plane, float factor)
         for (int col = 0; col < plane.width; ++col)
             pixels[col] *= factor;
     }
+}
+
+/// Where a site lies: offset from the frame's centre in half diagonals, to the right
+/// and downwards.
+struct FieldPosition {
+    double u, v;
+};
+inline FieldPosition field_position(const Signal& signal, int row, int col)
+{
+    const auto [width, height] = signal.exposure.frame;
+    const double half = std::hypot(width, height) / 2.0;
+    return { (signal.origin.col + col + 0.5 - width / 2.0) / half,
+             (signal.origin.row + row + 0.5 - height / 2.0) / half };
 }
 
 /// Calls work(row, u, v) for every row: u of each of its columns, and the row's v.

@@ -3,6 +3,7 @@
 
 #include "run_effects.h"
 
+#include "effect_values.h"
 #include "text.h"
 
 #include <algorithm>

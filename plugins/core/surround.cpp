@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file The whole frame in few cells, for effects that scatter light far. Sums are of
-/// float64 in a fixed order.
-#include "cg2raw/effect.h"
+/// @file Sums are of float64 in a fixed order.
+#include "cg2raw/surround.h"
 
 #include "elementary.h"
 

@@ -4,7 +4,7 @@
 /// @file Fall-off that differs between colours: the angle at which light meets filters
 /// and microlenses grows to the corners. Green is the reference; what it loses is
 /// lens_shading's.
-#include "cg2raw/effect.h"
+#include "color_shading.h"
 
 #include "plane_rows.h"
 

@@ -3,7 +3,7 @@
 
 /// @file Fall-off of the lens: an even polynomial of the radius, and a tilt for lenses
 /// that are off centre. DNG carries its inverse as a GainMap.
-#include "cg2raw/effect.h"
+#include "lens_shading.h"
 
 #include "plane_rows.h"
 

@@ -2,6 +2,9 @@
 // Copyright Contributors to the cg2raw Project.
 #include "cg2raw/dng_writer.h"
 
+#include "effects/color_shading.h"
+#include "effects/lens_shading.h"
+
 #include <algorithm>
 #include <cmath>
 

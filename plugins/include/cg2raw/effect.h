@@ -7,6 +7,7 @@
 
 #include "cg2raw/mosaic.h"
 #include "cg2raw/random.h"
+#include "cg2raw/surround.h"
 
 #include <optional>
 #include <vector>
@@ -47,19 +48,6 @@ struct Parameter {
 
 /// Signals of this and above count as clipped: some chains round white down.
 constexpr float saturated = 0.99999f;
-
-/// The whole frame as a block of it knows it: camera RGB as it enters the optics,
-/// in few cells.
-struct Surround {
-    Size cells;
-    std::array<std::vector<float>, 3> wide; ///< spread over a sixth of the height
-    Vec3 mean; ///< of the frame
-};
-
-/// The surround of a frame of camera RGB, in cells of the same size that are about
-/// square, 64 across: cell i of n holds pixels i W / n ... (i + 1) W / n - 1. It is
-/// spread by a Gaussian whose sigma is a sixth of the height, mirrored at the borders.
-Surround surround_of(const std::array<Plane<const float>, 3>& camera);
 
 /// What all blocks of a frame have in common.
 struct Exposure {
@@ -118,29 +106,8 @@ struct Effect {
 const std::vector<Effect>& all_effects();
 /// Throws Error that lists the names.
 const Effect& effect(std::string_view name);
-/// Throws Error if a parameter of @p effect belongs to a site that @p cfa has not; @p
-/// file leads the message.
-void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string& file);
 /// Values of a setting: every parameter given and within its bounds. Throws Error.
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,
                  const std::string& file);
-
-/// Throws Error unless @p values are one per parameter, each within its bounds; @p file
-/// leads the message.
-void check_values(const Effect& effect, const Values& values, const std::string& file);
-
-/// Where a site lies: offset from the frame's centre in half diagonals, to the right
-/// and downwards.
-struct FieldPosition {
-    double u, v;
-};
-FieldPosition field_position(const Signal& signal, int row, int col);
-
-/// Relative illumination at (u, v) for the values of the effect lens_shading; never
-/// below 0.
-double lens_shading_at(const Values& values, double u, double v);
-/// That of colour @p color (0 = R, 2 = B) over green's for the values of the effect
-/// color_shading; never below 0, and 1 for green.
-double color_shading_at(const Values& values, int color, double u, double v);
 
 } // namespace cg2raw

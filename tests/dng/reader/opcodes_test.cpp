@@ -2,7 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file GainMaps as they are read, refused, and turned into lens_shading.
-#include "cg2raw/effect.h"
+#include "effects/lens_shading.h"
 
 #include "opcode_builder.h"
 #include "reader_test.h"
