@@ -38,6 +38,7 @@ public:
 
 private:
     template <class Work> bool reported(const Work& work);
+    template <class Work> bool written(const Work& work);
     void start(const std::string& name);
     void finish();
     void abandon();
@@ -63,7 +64,6 @@ int DngOutput::supports(string_view feature) const
 /// Runs @p work; whatever it throws becomes OpenImageIO's error message, and no file.
 template <class Work> bool DngOutput::reported(const Work& work)
 {
-    const std::lock_guard<std::mutex> lock(m_guard);
     try {
         work();
         return true;
@@ -81,8 +81,17 @@ template <class Work> bool DngOutput::reported(const Work& work)
     return false;
 }
 
+/// Runs @p work on the file that is open. Of threads that wait for each other, those
+/// behind one that failed find no file: the failure was reported when it happened.
+template <class Work> bool DngOutput::written(const Work& work)
+{
+    const std::lock_guard<std::mutex> lock(m_guard);
+    return m_sink && reported(work);
+}
+
 bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mode)
 {
+    const std::lock_guard<std::mutex> lock(m_guard);
     abandon();
     m_name = name;
     m_spec = spec;
@@ -113,6 +122,7 @@ void DngOutput::start(const std::string& name)
 
 bool DngOutput::close()
 {
+    const std::lock_guard<std::mutex> lock(m_guard);
     if (!m_sink)
         return true; // nothing was opened, or it failed and said so
     return reported([&] { finish(); });
@@ -166,9 +176,7 @@ bool DngOutput::write_scanline(int y, int z, TypeDesc format, const void* data,
 bool DngOutput::write_scanlines(int ybegin, int yend, int, TypeDesc format,
                                 const void* data, stride_t xstride, stride_t ystride)
 {
-    if (!m_sink)
-        return false; // the failure was reported when it happened
-    return reported([&] {
+    return written([&] {
         take(host_pixels(data, format, m_spec.width, yend - ybegin, xstride, ystride,
                          m_spec.width),
              { ybegin - m_spec.y, 0 });
@@ -178,9 +186,7 @@ bool DngOutput::write_scanlines(int ybegin, int yend, int, TypeDesc format,
 bool DngOutput::write_tile(int x, int y, int, TypeDesc format, const void* data,
                            stride_t xstride, stride_t ystride, stride_t)
 {
-    if (!m_sink)
-        return false;
-    return reported([&] {
+    return written([&] {
         const Site at { y - m_spec.y, x - m_spec.x };
         if (at.row < 0 || at.col < 0 || at.row >= m_spec.height
             || at.col >= m_spec.width)

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
@@ -181,6 +182,25 @@ TEST_P(OrderOf, RowsTwiceAreAnError)
     EXPECT_TRUE(output->write_scanline(0, 0, TypeDesc::FLOAT, row(0)));
     EXPECT_FALSE(output->write_scanline(0, 0, TypeDesc::FLOAT, row(0)));
     EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST_P(OrderOf, AFailureInOneThreadEndsTheOthers)
+{
+    for (int round = 0; round < 40; ++round) {
+        auto output = opened("a.dng", asked());
+        std::atomic<int> said { 0 }; // OpenImageIO keeps errors by thread
+        std::vector<std::thread> threads;
+        for (int i = 0; i < 4; ++i)
+            threads.emplace_back([&] {
+                if (!output->write_scanline(0, 0, TypeDesc::FLOAT, row(0)))
+                    said += output->geterror().find("was written") != std::string::npos;
+            });
+        for (std::thread& thread : threads)
+            thread.join();
+        EXPECT_TRUE(output->close()); // the failure was reported when it happened
+        EXPECT_EQ(said, 1);
+        EXPECT_TRUE(fs::is_empty(folder));
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, OrderOf,
