@@ -28,7 +28,8 @@ SHARE_LEFT = 1e-3  # of what was closed, likewise
 LARGE_NATS, LARGE_P = 1e-3, 1e-4
 CHI_SQUARE, CHI_SQUARE_ERRORS = 0.02, 4.0  # standard errors, where pixels are few
 CHI_SQUARE_NAME = "chi-square of whole frames"
-LARGEST_LOG_E = 690.0  # log of the largest e-value that is written
+LARGEST_E = 1e300  # the largest e-value that is written; it stands for more, too
+LARGEST_SHIFT = 4  # px of misregistration that is taken up
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,7 @@ def test_a_render_that_is_shifted(tmp_path):
     np.save(tmp_path / "r.npy", np.roll(big, (6, -10), axis=(0, 1)))
     [found] = checked(tmp_path, ["{file: a.dng, kind: scene, scene: r.npy}"])
     assert (found.shift.down, found.shift.right) == pytest.approx((6, -10), abs=0.5)
-    assert "a diagnosis takes up 3 px" in found.complaints[0]
+    assert "a diagnosis takes up 4 px" in found.complaints[0]
 
 
 @pytest.mark.parametrize(

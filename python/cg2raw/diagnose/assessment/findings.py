@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import (
-    LARGEST_LOG_E,
+    LARGEST_E,
     Alternative,
     Estimate,
     Finding,
@@ -40,7 +40,7 @@ def findings_of(
                 name=name,
                 parameters=values[name],
                 gain_nats=step.gain,
-                e_value=float(np.exp(min(step.evidence, LARGEST_LOG_E))),
+                e_value=_e_value(step.evidence),
                 alternatives=others,
                 ambiguous_with=list(step.ambiguous),
                 where=effect(name).where,
@@ -50,6 +50,11 @@ def findings_of(
             )
         )
     return findings
+
+
+def _e_value(evidence: float) -> float:
+    """Return the e-value of nats, as far as it is written."""
+    return LARGEST_E if evidence >= np.log(LARGEST_E) else float(np.exp(evidence))
 
 
 def without_shapes(

@@ -17,20 +17,40 @@ Group = Literal["fit", "select", "report"]
 
 
 @dataclass(frozen=True)
-class Shows:
+class CaptureKind:
     """What captures of a kind show. light : any at all. image : differing parts.
-    render : the pixels of one, whose edges are known."""
+    render : the pixels of one, whose edges are known. fields : of the manifest, that
+    this kind has besides those of all. scene : what its scene must be, "" for none."""
 
     light: bool
     image: bool
     render: bool
+    fields: frozenset[str] = frozenset()
+    scene: str = ""
 
 
-KINDS: Mapping[Kind, Shows] = {
-    "dark": Shows(light=False, image=False, render=False),
-    "flat": Shows(light=True, image=False, render=False),
-    "scene": Shows(light=True, image=True, render=True),
-    "chart": Shows(light=True, image=True, render=False),
+KINDS: Mapping[str, CaptureKind] = {
+    "dark": CaptureKind(light=False, image=False, render=False),
+    "flat": CaptureKind(
+        light=True,
+        image=False,
+        render=False,
+        fields=frozenset({"scene", "gain"}),
+        scene="its radiance, a number or [r, g, b], or unknown",
+    ),
+    "scene": CaptureKind(
+        light=True,
+        image=True,
+        render=True,
+        fields=frozenset({"scene", "gain"}),
+        scene="the render of it (EXR, TIFF, PNG or .npy)",
+    ),
+    "chart": CaptureKind(
+        light=True,
+        image=True,
+        render=False,
+        fields=frozenset({"gain", "patches", "chart", "corners"}),
+    ),
 }
 NUISANCES = ("exposure", "white_balance", "registration", "light", "radiance")
 
@@ -71,7 +91,7 @@ class Capture:
     log_density: Callable[[], NDArray[np.float32]] | None = None
 
     @property
-    def shows(self) -> Shows:
+    def shows(self) -> CaptureKind:
         return KINDS[self.kind]
 
 

@@ -131,7 +131,8 @@ def notes_on(frames: Sequence[Any], sensor: Any) -> list[str]:
             f"{some(without)}: neither manifest nor file says the ISO, which chooses "
             "the noise; add iso"
         )
-    charts = [frame.capture.name for frame in frames if frame.capture.kind == "chart"]
+    shown = [frame.capture for frame in frames if frame.capture.shows.image]
+    charts = [capture.name for capture in shown if not capture.shows.render]
     if charts:
         notes.append(
             f"{some(charts)}: the surround of the patches is taken to have their "
@@ -151,8 +152,8 @@ def notes_on(frames: Sequence[Any], sensor: Any) -> list[str]:
 def what_is_missing(frames: Sequence[Any]) -> list[str]:
     """Return sentences on what no diagnosis of these frames can tell apart."""
     captures = [capture for f in frames for capture in (f.capture, *f.borders)]
-    kinds = {capture.kind for capture in captures}
-    if kinds == {"dark"}:
+    darks = [capture for capture in captures if not capture.shows.light]
+    if len(darks) == len(captures):
         return [
             "only darks: gain, optics, colour and all else that needs light cannot be "
             "told; add flats at two levels, and scenes with their renders"
@@ -162,22 +163,22 @@ def what_is_missing(frames: Sequence[Any]) -> list[str]:
         notes.append(
             "one frame only: fixed patterns cannot be told from noise; add repeats"
         )
-    if "dark" not in kinds:
+    if not darks:
         notes.append(
             "no darks: black level and dark current cannot be told from glare; add "
             "darks of two exposure times"
         )
-    elif len({c.exposure_time for c in captures if c.kind == "dark"}) == 1:
+    elif len({capture.exposure_time for capture in darks}) == 1:
         notes.append(
             "darks of one exposure time: dark current cannot be told from black level; "
             "add darks of another"
         )
-    if not kinds & {"scene", "chart"}:
+    if not any(capture.shows.image for capture in captures):
         notes.append(
             "no scenes: colour matrix, blur, aberration, crosstalk and glare cannot be "
             "told; add scenes with their renders, or a chart"
         )
-        flats = [f.entry for f in frames if f.capture.kind == "flat"]
+        flats = [f.entry for f in frames if f.capture.shows.light]
         if len({(e.scene, e.gain) for e in flats}) == 1 and flats[0].scene != UNKNOWN:
             notes.append(
                 "flats of one level: non-linearity cannot be told from exposure, nor "

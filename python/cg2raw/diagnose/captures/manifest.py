@@ -7,10 +7,9 @@ import os
 from dataclasses import dataclass, field
 from typing import get_args
 
-from cg2raw.diagnose.captures.capture import NUISANCES, Group, Kind
+from cg2raw.diagnose.captures.capture import KINDS, NUISANCES, Group, Kind
 from cg2raw.diagnose.captures.yaml_lines import Value, read_yaml
 
-KINDS = get_args(Kind)
 GROUPS = get_args(Group)
 TOP = ("sensor", "frames", "nuisance", "uncertainty", "mask", "iso", "illuminant")
 FRAME = (
@@ -113,7 +112,7 @@ def frame_entry(
 ) -> FrameEntry:
     """Return a checked frame; iso and illuminant of the top level are its defaults."""
     own = value.fields(FRAME, required=("file", "kind"))
-    kind = own["kind"].word(KINDS)
+    kind = own["kind"].word(tuple(KINDS))
     check_fields_of_kind(value, own, kind)
     at = {"": value, **{name: top[name] for name in DEFAULTS if name in top}, **own}
 
@@ -140,21 +139,15 @@ def frame_entry(
 
 def check_fields_of_kind(value: Value, own: dict[str, Value], kind: str) -> None:
     """Raise ValueError for a field that a kind has not, or lacks."""
-    if kind in ("flat", "scene") and "scene" not in own:
-        remedy = (
-            "its radiance, a number or [r, g, b], or unknown"
-            if kind == "flat"
-            else "the render of it (EXR, TIFF, PNG or .npy)"
-        )
-        value.fail(f"has no scene, which a {kind} needs: add {remedy}")
-    if kind == "chart":
+    known = KINDS[kind]
+    if known.scene and "scene" not in own:
+        value.fail(f"has no scene, which a {kind} needs: add {known.scene}")
+    if "patches" in known.fields:
         check_chart(value, own)
-    foreign = [name for name in OF_CHARTS if name in own and kind != "chart"]
-    foreign += ["scene"] if "scene" in own and kind in ("dark", "chart") else []
-    foreign += ["gain"] if "gain" in own and kind == "dark" else []
-    for name in foreign:
-        own[name].fail(f"is not for a {kind}; remove it, or set another kind")
-    if kind == "flat" and own["scene"].node.value == UNKNOWN and "gain" in own:
+    for name in (*OF_CHARTS, "scene", "gain"):
+        if name in own and name not in known.fields:
+            own[name].fail(f"is not for a {kind}; remove it, or set another kind")
+    if "scene" in own and own["scene"].node.value == UNKNOWN and "gain" in own:
         own["gain"].fail("multiplies nothing: scene is unknown; remove it")
 
 
@@ -188,7 +181,7 @@ def scene_of(
         color = value.numbers(3, 0.0, LARGEST["radiance"])
     else:
         text = value.text()
-        if text == UNKNOWN and kind == "flat":
+        if text == UNKNOWN and not KINDS[kind].image:
             return UNKNOWN
         if text == UNKNOWN:
             value.fail("is unknown, which a flat alone may be; give the render")
@@ -197,7 +190,7 @@ def scene_of(
         except ValueError:
             return existing(value, manifest)
         color = (value.number(0.0, LARGEST["radiance"]),) * 3
-    if kind == "scene":
+    if KINDS[kind].render:
         value.fail(
             "is one colour; a scene needs its render: if it was uniform, kind: flat"
         )

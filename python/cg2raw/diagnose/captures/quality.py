@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
-from cg2raw.diagnose.captures.capture import Capture
+from cg2raw.diagnose.captures.capture import KINDS, Capture
 from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between
+from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 
 MUCH_CLIPPING = 0.05  # of a frame's pixels; then its highlights say nothing
-FARTHEST = 3.0  # px of misregistration that a diagnosis takes up
 LEAST_CORRELATION = 0.3  # of a scene and its render; unrelated ones have below 0.1
 DARK_SIGMAS = 10.0  # that a dark's mean may be off black: a light leak is more
 FEW = 100  # pixels whose values are worth a look at their comb
@@ -52,7 +52,7 @@ def integrity(capture: Capture, sensor: Any) -> Integrity:
     step, missing = comb(counts)
     scene = capture.scene() if capture.scene else None
     shift = None
-    if scene is not None and scene.ndim == 3 and capture.kind == "scene":
+    if scene is not None and scene.ndim == 3 and capture.shows.render:
         shift = registration(raw, scene, capture, sensor)
     found = Integrity(
         name=capture.name,
@@ -97,11 +97,12 @@ def level_complaints(found: Integrity, values: RawImage, sensor: Any) -> list[st
         words.append(f"{found.clipped:.0%} of the pixels are clipped: expose less")
     black = float(np.mean(sensor.black_level))
     spread = float(np.std(values))
-    if found.kind == "dark" and found.mean - black > max(DARK_SIGMAS * spread, 1.0):
+    is_lit = KINDS[found.kind].light
+    if not is_lit and found.mean - black > max(DARK_SIGMAS * spread, 1.0):
         words.append(
             f"its mean is {found.mean - black:.0f} DN above black: is it dark?"
         )
-    if found.kind != "dark" and found.mean - black < 1.0:
+    if is_lit and found.mean - black < 1.0:
         words.append("holds no light: is it a dark?")
     if found.step > 1:
         words.append(f"only every {found.step}th code occurs: scaled from fewer bits")
@@ -117,10 +118,10 @@ def scene_complaints(shift: Shift | None) -> list[str]:
             f"the scene does not correspond: correlation {shift.correlation:.2f} with "
             "its render"
         ]
-    if max(abs(shift.down), abs(shift.right)) > FARTHEST:
+    if max(abs(shift.down), abs(shift.right)) > LARGEST_SHIFT:
         return [
             f"its render is {shift.down:+.1f} px down, {shift.right:+.1f} px right of "
-            f"it; a diagnosis takes up {FARTHEST:g} px"
+            f"it; a diagnosis takes up {LARGEST_SHIFT:g} px"
         ]
     return []
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.diagnose.captures import consistency
-from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.capture import KINDS, Capture, CaptureSet
 from cg2raw.diagnose.captures.chart import ColorChecker, PatchChart
 from cg2raw.diagnose.captures.manifest import (
     UNKNOWN,
@@ -171,7 +171,7 @@ def dark() -> NDArray[np.float32]:
 def illuminant_of(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> str:
     """Return the word of a frame's light. Raises ValueError at its line."""
     word = entry.illuminant
-    if word is None and entry.kind == "dark":
+    if word is None and not KINDS[entry.kind].light:
         return LIGHT_OF_DARKS
     if word is None and header.as_shot is None:
         entry.fail(
@@ -203,9 +203,9 @@ def scene_of(
     entry: FrameEntry, shape: tuple[int, int]
 ) -> tuple[Callable[[], Any] | None, Callable[[], Any] | None]:
     """Return (scene, mask of a chart's patches); None where there is none."""
-    if entry.kind == "dark":
+    if not KINDS[entry.kind].light:
         return dark, None
-    if entry.kind == "chart":
+    if "patches" in KINDS[entry.kind].fields:
         try:
             chart = (
                 PatchChart(entry.patches, shape, entry.gain)

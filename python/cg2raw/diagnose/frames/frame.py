@@ -207,7 +207,7 @@ def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
         uniform=np.random.default_rng(zlib.crc32(key.encode())).random(cut.shape),
         site=site,
         color=color,
-        level_free=capture.scene is None and capture.kind != "dark",
+        level_free=capture.scene is None and capture.shows.light,
     )
     return with_level_of(frame, frame) if frame.level_free else frame
 

@@ -14,13 +14,13 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import gaussian_filter, map_coordinates
 
+from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
 ROUNDS = 30
-LARGEST_SHIFT = 4  # pixels, of the first guess
 SLOW = 3.0  # pairs of pixels; what is slower does not say where edges lie
 LONGEST_STEP = 0.5  # px
 CLOSE_ENOUGH = 1e-3  # px

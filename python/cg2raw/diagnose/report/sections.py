@@ -186,8 +186,7 @@ def runner_up(
         f"{'behind' if behind >= 0 else 'ahead'}",
         "is_close": second.name in ambiguous,
         "rule": rule,
-        "separation": second.separation
-        or discriminating_captures(name, second.name),
+        "separation": second.separation or discriminating_captures(name, second.name),
     }
 
 

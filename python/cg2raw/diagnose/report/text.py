@@ -6,7 +6,7 @@
 import math
 from typing import TypeGuard
 
-from cg2raw.diagnose.diagnosis import Diagnosis, Estimate, Gap
+from cg2raw.diagnose.diagnosis import LARGEST_E, Diagnosis, Estimate, Gap
 
 UNKNOWN = "unknown"
 MINUS = "\N{MINUS SIGN}"
@@ -28,7 +28,6 @@ STRENGTHS = (
     (1.0, "barely worth mentioning"),
 )
 SPELLED = {"prnu": "PRNU", "dsnu": "DSNU", "gr_gb_imbalance": "Gr/Gb imbalance"}
-CAP = 1e300  # of Finding.e_value
 
 
 def is_known(value: float | None) -> TypeGuard[float]:
@@ -138,8 +137,8 @@ def evidence(e_value: float) -> tuple[str, str]:
     """Return an e-value, and what it says in words."""
     if not is_known(e_value):
         return UNKNOWN, "The strength of the evidence is not known."
-    shown = power_of_ten(300) if e_value >= CAP else number(e_value, 2)
-    shown = f"at least {shown}" if e_value >= CAP else shown
+    is_largest = e_value >= LARGEST_E
+    shown = f"at least {power_of_ten(300)}" if is_largest else number(e_value, 2)
     strength = next((word for least, word in STRENGTHS if e_value >= least), "none")
     if strength == "none":
         return shown, "No evidence: the frames speak against this effect."

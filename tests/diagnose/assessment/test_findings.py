@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Findings: an e-value is written as far as a double holds it, and says so beyond."""
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.assessment.findings import findings_of
+from cg2raw.diagnose.diagnosis import LARGEST_E, Estimate
+from cg2raw.diagnose.inference.model_selection import Step
+from cg2raw.diagnose.report.text import evidence
+from diagnose.diagnoses import gap
+from diagnose.planted import model_of, sensor_of
+
+
+@pytest.mark.parametrize(
+    ("nats", "shown"),
+    [(5e4, "at least"), (float(np.log(LARGEST_E)), "at least"), (600.0, "3.8")],
+)
+def test_the_largest_evidence_is_reported_as_such(nats, shown):
+    model = model_of(sensor_of(), exposure=[0.1])
+    steps = [Step("added", "exposure", nats, nats)]
+    values = {"exposure": {"gain": Estimate(0.1, "1", (0.09, 0.11))}}
+    (finding,) = findings_of(model, steps, values, gap(), False)
+    assert finding.e_value <= LARGEST_E
+    assert evidence(finding.e_value)[0].startswith(shown)
