@@ -79,7 +79,7 @@ def timed(action):
 def bench_conversion(source, rounds):
     """Print megapixels per second of both conversions, and compare their DN."""
     import cg2raw
-    from cg2raw.image_file import read_image
+    from cg2raw.io.image_file import read_image
 
     scene = read_image(source, undo="stated").pixels
     sensor, arguments = cg2raw.Sensor(SENSOR), paper_arguments()

@@ -3,7 +3,6 @@
 
 """cg2raw: the RAW file that a chosen camera would have recorded of a CG image."""
 
-from cg2raw import oiio_plugin
 from cg2raw._core import (
     DngMetadata,
     Illuminant,
@@ -25,6 +24,7 @@ from cg2raw._core import (
 )
 from cg2raw.cfa import demosaic, mosaic
 from cg2raw.dng import write_dng
+from cg2raw.oiio import registration
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
 from cg2raw.upi import Upi
@@ -55,4 +55,4 @@ __all__ = [
     "write_dng",
 ]
 
-oiio_plugin.register()
+registration.register()

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cg2raw import _core, image_file, image_spaces
+from cg2raw import _core
 from cg2raw.dng import write_dng
+from cg2raw.io import image_file, image_spaces
 from cg2raw.sensor import Sensor
 from cg2raw.upi import Upi
 

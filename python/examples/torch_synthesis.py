@@ -10,7 +10,7 @@ import cg2raw
 import numpy as np
 import torch
 from cg2raw.dataset.packed import packed
-from cg2raw.image_file import read_image
+from cg2raw.io.image_file import read_image
 
 
 class SynthesisedPairs(torch.utils.data.Dataset):

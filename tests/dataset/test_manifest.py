@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 import pyarrow.parquet
 import pytest
 from cg2raw import read_dng_metadata
-from cg2raw.image_file import read_image
+from cg2raw.io.image_file import read_image
 
 from dataset.data_sets import check_agreement, rows, scene
 from python.commands import run

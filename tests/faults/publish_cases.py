@@ -17,7 +17,7 @@ from pathlib import Path
 
 import cg2raw
 import numpy as np
-from cg2raw.atomic_file import write_atomically, write_folder
+from cg2raw.io.atomic_file import write_atomically, write_folder
 from cg2raw.dataset import journal
 
 CALLS = ("open", "write", "pwrite", "fsync", "close", "link", "rename")

@@ -194,7 +194,7 @@ def test_a_folder_of_someone_else_stays(path, tmp_path):
 
 
 def test_a_write_that_fails_leaves_the_old_pair(path, tmp_path, monkeypatch):
-    from cg2raw import atomic_file
+    from cg2raw.io import atomic_file
 
     before = {file.name: file.read_bytes() for file in tmp_path.rglob("*.[co]*")}
     count, write_all = [0], atomic_file.write_all

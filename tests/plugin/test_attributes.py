@@ -7,7 +7,7 @@ import json
 
 import cg2raw
 import pytest
-from cg2raw.image_file import read_image
+from cg2raw.io.image_file import read_image
 from images import attributes, read_dn
 
 BASE = {"sensor": "samsung-s20fe", "illuminant": "D65"}

@@ -9,7 +9,7 @@ import cg2raw
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from cg2raw.image_file import read_image
+from cg2raw.io.image_file import read_image
 from images import attributes, read_dn, write_image
 from python import commands
 

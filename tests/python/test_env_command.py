@@ -9,7 +9,8 @@ import shutil
 import subprocess
 
 import pytest
-from cg2raw.cli import _elf, env
+from cg2raw.cli import env
+from cg2raw.oiio import elf, plugin_file
 from conftest import OIIOTOOLS, ROOT
 from python.commands import fails, run
 
@@ -94,14 +95,14 @@ def test_the_newest_plugin_api_comes_first_and_each_once(tmp_path, monkeypatch):
     for name in apis:
         folder = tmp_path / "build" / name / "lib/cg2raw/oiio"
         folder.mkdir(parents=True)
-        (folder / env.PLUGIN).touch()
+        (folder / plugin_file.NAME).touch()
 
     def read_library(path, symbol):
         name = os.path.relpath(path, tmp_path).split(os.sep)[1]
-        return _elf.Library(platform.machine(), apis[name])
+        return elf.Library(platform.machine(), apis[name])
 
     monkeypatch.setattr(env, "__file__", str(tmp_path / "python/cg2raw/cli/env.py"))
-    monkeypatch.setattr(_elf, "read_library", read_library)
+    monkeypatch.setattr(plugin_file, "read_library", read_library)
     found = told()
     folders = [f"{tmp_path}/build/{name}/lib/cg2raw/oiio" for name in apis]
     assert found["OIIO_LIBRARY_PATH"] == f"{folders[1]}:{folders[0]}"

@@ -9,8 +9,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import tifffile
-from cg2raw.image_file import image_size, read_image, read_plane
-from cg2raw.transfer_curve import table
+from cg2raw.io.image_file import image_size, read_image, read_plane
+from cg2raw.io.transfer_curve import table
 from PIL import ImageCms
 
 from dataset.data_sets import scene, write_deep, write_image

@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import cg2raw
 import numpy as np
 import pytest
-from cg2raw.profile import libraw
-from cg2raw.profile.json_text import checked
+from cg2raw.io import libraw
+from cg2raw.io.json_text import checked
+from cg2raw.profile.from_raw_files import profile_from_raw_files
 from python.commands import fails, run, write_dng
 
 # Nikon D1, XYZ to camera for D65, times 10^4. Source: LibRaw 0.22, colordata.cpp.
@@ -67,7 +68,7 @@ def test_files_of_one_camera_become_its_profile():
         example(neutral=(0.6, 0.6), black_level=(12.0, 14.0, 14.0, 12.0)),
         example(path="c.nef", neutral=None),
     ]
-    fields, notes = libraw.profile_from_raw_files(files)
+    fields, notes = profile_from_raw_files(files)
     profile, _ = checked(fields, "made")
     assert (profile.id, profile.unique_camera_model) == ("acme-x-1", "ACME X 1")
     assert profile.bits == 12 and profile.noise == []
@@ -83,7 +84,7 @@ def test_files_of_one_camera_become_its_profile():
 )
 def test_files_of_two_cameras_or_modes_are_refused(change):
     with pytest.raises(ValueError, match=f"b.nef: {next(iter(change))} "):
-        libraw.profile_from_raw_files([example(), example(path="b.nef", **change)])
+        profile_from_raw_files([example(), example(path="b.nef", **change)])
 
 
 GAINS = {

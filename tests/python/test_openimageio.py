@@ -65,8 +65,8 @@ def test_folders_that_were_there_stay_behind(wheel_plugin, tmp_path):
     code = """
 import OpenImageIO
 OpenImageIO.attribute("plugin_searchpath", "/mine:/yours")
-import cg2raw, cg2raw.oiio_plugin
-cg2raw.oiio_plugin.tell(OpenImageIO)
+import cg2raw, cg2raw.oiio.registration
+cg2raw.oiio.registration.tell(OpenImageIO)
 print(OpenImageIO.get_string_attribute("plugin_searchpath"))
 """
     assert python(code, tmp_path) == [f"{wheel_plugin}:/mine:/yours"]
@@ -107,14 +107,14 @@ except ImportError as error:
 
 def test_only_the_abi_of_that_version(wheel_plugin, tmp_path):
     code = """
-import cg2raw.oiio_plugin as p
+import cg2raw.oiio.registration as p
 print(p.plugin_for("3.2.2.0")); print(p.plugin_for("2.4.7")); print(p.plugin_for("9.0"))
 """
     found = python(code, tmp_path)
     assert found[0] == str(wheel_plugin / "dng.imageio.so")
     assert found[0] not in found[1:]
     assert (
-        python('import cg2raw.oiio_plugin as p; print(p.plugin_for("9.0"))', tmp_path)
+        python('import cg2raw.oiio.registration as p; print(p.plugin_for("9.0"))', tmp_path)
         == []
     )
 
@@ -144,7 +144,7 @@ def test_only_places_of_the_package_are_searched(package_alone, place, tmp_path)
     """A plugin is a program: one that lies in a folder above is not taken."""
     installed = tmp_path / "prefix" / place
     shutil.copytree(package_alone, installed)
-    code = "import cg2raw.oiio_plugin as p, sys; print(sys.prefix, *p.plugin_folders())"
+    code = "import cg2raw.oiio.registration as p, sys; print(sys.prefix, *p.plugin_folders())"
     prefix, *folders = python(code, tmp_path, PYTHONPATH=str(installed))
     expected = [str(tmp_path / "prefix/lib/cg2raw/oiio"), f"{prefix}/lib/cg2raw/oiio"]
     assert folders == expected

@@ -14,21 +14,13 @@ examples:
 
 import json
 import os
-import platform
 import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from cg2raw import _core, oiio_plugin
-from cg2raw.cli import _elf, _hosts
-
-PLUGIN = "dng.imageio.so"
-API_NAMES = {
-    25: "OpenImageIO 2.3 to 2.5",
-    26: "OpenImageIO 3.0",
-    27: "OpenImageIO 3.1 to 3.2",
-}
+from cg2raw import _core
+from cg2raw.oiio import hosts, plugin_file, registration
 
 
 @dataclass
@@ -60,17 +52,17 @@ def run(arguments):
 def examine():
     """Return the whole report as JSON's types."""
     folders, sensors = _core.profile_folders(), _core.installed_profiles()
-    hosts = [examine_host(host, sensors) for host in _hosts.find_hosts()]
+    found = [examine_host(host, sensors) for host in hosts.find_hosts()]
     return {
-        "works": any(host["works"] for host in hosts),
-        "hosts": hosts,
+        "works": any(host["works"] for host in found),
+        "hosts": found,
         "sensors": {"folders": folders, "ids": sensors},
     }
 
 
 def examine_host(host, sensors):
     """Return the report on one Host."""
-    trial = _hosts.try_to_write(host, sensors[0] if sensors else "none")
+    trial = hosts.try_to_write(host, sensors[0] if sensors else "none")
     plugins = plugins_of(host, trial)
     return {
         "kind": host.kind,
@@ -95,21 +87,21 @@ def plugin_of_import(host):
     beside = os.path.realpath(os.path.dirname(sys.executable))
     if host.kind != "python" or os.path.dirname(host.path) != beside:
         return None
-    return oiio_plugin.plugin_for(host.version)
+    return registration.plugin_for(host.version)
 
 
 def plugins_of(host, trial):
     """Return the Plugins in the folders that @host searches, in that order."""
     plugins, in_use = [], ""
     for path in dict.fromkeys(
-        os.path.join(folder, PLUGIN) for _, folder in host.search
+        os.path.join(folder, plugin_file.NAME) for _, folder in host.search
     ):
         if not os.path.exists(path):
             continue
         api, reason = None, ""
         try:
-            library = _elf.read_library(path, "dng_imageio_version")
-            api, reason = library.value, misfit(library, host)
+            library = plugin_file.read_plugin(path)
+            api, reason = library.value, plugin_file.misfit(library, host.version)
         except (ValueError, OSError) as error:
             reason = str(error)
         reason = reason or (
@@ -118,21 +110,6 @@ def plugins_of(host, trial):
         in_use = in_use or ("" if reason else path)
         plugins.append(Plugin(path, api, reason))
     return plugins
-
-
-def misfit(library, host):
-    """Return why @library cannot be a plugin of @host; empty if it may be."""
-    if library.machine != platform.machine():
-        return f"is for {library.machine}, this machine is {platform.machine()}"
-    if library.value is None:
-        return "is no OpenImageIO plugin for dng (no dng_imageio_version in it)"
-    if host.plugin_api is not None and library.value != host.plugin_api:
-        name = API_NAMES.get(library.value, "another OpenImageIO")
-        return (
-            f"is built for plugin API {library.value} ({name}); OpenImageIO "
-            f"{host.version} wants {host.plugin_api}"
-        )
-    return ""
 
 
 def loader_reason(path, log):
@@ -159,7 +136,8 @@ def remedy(host, plugins):
         return "the plugin is loaded; its message says what it lacks"
     for path in known_plugins():
         try:
-            fits = not misfit(_elf.read_library(path, "dng_imageio_version"), host)
+            library = plugin_file.read_plugin(path)
+            fits = not plugin_file.misfit(library, host.version)
         except (ValueError, OSError):
             continue
         if fits and path not in [plugin.path for plugin in plugins]:
@@ -180,8 +158,8 @@ def known_plugins():
         path
         for parent in parents
         for pattern in (
-            f"lib/cg2raw/oiio/{PLUGIN}",
-            f"build/*/lib/cg2raw/oiio/{PLUGIN}",
+            f"lib/cg2raw/oiio/{plugin_file.NAME}",
+            f"build/*/lib/cg2raw/oiio/{plugin_file.NAME}",
         )
         for path in sorted(parent.glob(pattern))
     ]
@@ -219,7 +197,7 @@ def host_lines(host):
     for plugin in host["plugins"]:
         lines.append(f"  plugin    {plugin['path']} {plugin['reason'] or 'loads'}")
     if host["search"] and not host["plugins"]:
-        lines.append(f"  plugin    no {PLUGIN} in these folders")
+        lines.append(f"  plugin    no {plugin_file.NAME} in these folders")
     if host["import_cg2raw"] is not None:
         found = host["import_cg2raw"] or f"no plugin for API {api} to make known"
         lines.append(f"  import cg2raw finds {found}")

@@ -20,8 +20,7 @@ import shlex
 import sys
 from pathlib import Path
 
-from cg2raw.cli import _elf
-from cg2raw.cli.doctor import PLUGIN
+from cg2raw.oiio import plugin_file
 
 CONFIG = "share/cg2raw/ocio/sensors.ocio"
 # OpenImageIO 2 reads OIIO_LIBRARY_PATH only; 3 that one first, then its own.
@@ -82,11 +81,11 @@ def plugins_in(places):
     """
     found: dict[int, str] = {}
     for place in places:
-        path = place / "lib/cg2raw/oiio" / PLUGIN
+        path = place / "lib/cg2raw/oiio" / plugin_file.NAME
         if not path.is_file():
             continue
         try:
-            library = _elf.read_library(path, "dng_imageio_version")
+            library = plugin_file.read_plugin(path)
         except (ValueError, OSError) as error:
             print(f"cg2raw env: {path} {error}; left out", file=sys.stderr)
             continue

@@ -188,7 +188,7 @@ def merged(arguments, profiles, illuminants, exposure):
 
 def make_context(arguments, profiles, illuminants, exposure):
     """Write a config of one space and the folder of its files."""
-    from cg2raw.atomic_file import write_folder
+    from cg2raw.io.atomic_file import write_folder
     from cg2raw_ocio import context
 
     stem = os.path.splitext(arguments.output)[0]
@@ -238,7 +238,7 @@ def make_exports(arguments, profile, illuminant, exposure):
 
 def write(path, text):
     """Write a text whole or not at all."""
-    from cg2raw.atomic_file import write_atomically
+    from cg2raw.io.atomic_file import write_atomically
 
     write_atomically(path, text.encode())
 

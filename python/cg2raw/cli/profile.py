@@ -75,7 +75,8 @@ def add_sensitivities(group):
 
 def run(arguments):
     """Make the profile; return 0."""
-    from cg2raw.profile import from_files, json_text, report
+    from cg2raw.io import json_text
+    from cg2raw.profile import from_files, report
 
     check_inputs(arguments)
     check_outputs(arguments)
@@ -203,7 +204,7 @@ def changed(fields, arguments):
 
 def write_outputs(arguments, profile, text, found):
     """Write picture and profile, each whole or not at all."""
-    from cg2raw.atomic_file import write_atomically
+    from cg2raw.io.atomic_file import write_atomically
 
     if arguments.plot:
         from cg2raw.profile.plot import plot_png

@@ -73,7 +73,7 @@ def run_one(arguments):
 
 def plot(profile, found, path):
     """Write the picture of the sensor's illuminants."""
-    from cg2raw.atomic_file import write_atomically
+    from cg2raw.io.atomic_file import write_atomically
     from cg2raw.profile.plot import plot_png
 
     if not path.lower().endswith(".png"):

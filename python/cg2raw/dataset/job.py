@@ -15,7 +15,7 @@ from cg2raw import __version__, _core, write_dng
 from cg2raw.dataset import journal, manifest, packed
 from cg2raw.dataset.methods import METHODS
 from cg2raw.dataset.plan import Plan
-from cg2raw.image_file import read_image
+from cg2raw.io.image_file import read_image
 
 PARTS = "parts"  # folder of files that are being written
 BLOCK = 1 << 20  # bytes that are hashed at a time

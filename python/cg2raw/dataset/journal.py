@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 
-from cg2raw.atomic_file import failing, write_atomically
+from cg2raw.io.atomic_file import failing, write_atomically
 
 FOLDER = ".cg2raw"
 ENDING = ".jsonl"

@@ -12,7 +12,7 @@ import sys
 from dataclasses import asdict
 from itertools import islice
 
-from cg2raw.atomic_file import create
+from cg2raw.io.atomic_file import create
 from cg2raw.dataset.job import give_up
 
 TRIES = 2  # of an image whose worker dies

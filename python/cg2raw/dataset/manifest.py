@@ -5,7 +5,7 @@
 import json
 import os
 
-from cg2raw.atomic_file import create, sync_folder
+from cg2raw.io.atomic_file import create, sync_folder
 from cg2raw.dataset import journal
 
 NAME = "manifest"

@@ -11,7 +11,7 @@ import re
 import shutil
 from dataclasses import dataclass
 
-from cg2raw.atomic_file import write_atomically
+from cg2raw.io.atomic_file import write_atomically
 from cg2raw.dataset import journal, manifest, options
 from cg2raw.dataset.images import Images
 from cg2raw.dataset.job import PARTS, Job

@@ -7,7 +7,8 @@ import os
 from dataclasses import dataclass, field
 
 from cg2raw import _core
-from cg2raw.profile import libraw
+from cg2raw.io import libraw
+from cg2raw.profile.from_raw_files import profile_from_raw_files
 
 # Read by our own reader; anything else goes through LibRaw.
 DNG_ENDINGS = (".dng", ".gpr", ".tif", ".tiff", "")
@@ -74,7 +75,7 @@ def profile_from_files(
     if reasons and (not skip_bad or not good):
         raise BadFiles(reasons, len(paths))
     fields, found = (
-        from_dngs(good, id) if dng else libraw.profile_from_raw_files(good, id)
+        from_dngs(good, id) if dng else profile_from_raw_files(good, id)
     )
     fields = renamed(fields, make=make, model=model)
     kind = "DNG" if dng else "RAW"

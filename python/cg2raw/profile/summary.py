@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """A sensor profile summed up in JSON's types, for reports and lists."""
 
-from cg2raw.profile.libraw import camera_name
+from cg2raw.profile.from_raw_files import camera_name
 
 LEAST_CCT, MOST_CCT = 1e6 / 600, 1e6 / 10  # K, where Robertson's table ends
 STOP = 2.0  # noise is interpolated up to one stop beyond the calibrated ISOs

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cg2raw import write_dng
-from cg2raw.atomic_file import write_folder
+from cg2raw.io.atomic_file import write_folder
 from cg2raw.synthetic import conditions
 from cg2raw.synthetic.world import Shot, World
 

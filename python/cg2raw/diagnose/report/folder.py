@@ -8,7 +8,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from cg2raw.atomic_file import write_atomically, write_folder
+from cg2raw.io.atomic_file import write_atomically, write_folder
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.report.verdict_json import verdict_json
 

@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from cg2raw.atomic_file import write_atomically
+from cg2raw.io.atomic_file import write_atomically
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.report import sections
 from cg2raw.diagnose.report.figures import MISSING, Figures, draw

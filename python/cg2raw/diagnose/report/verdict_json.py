@@ -16,7 +16,7 @@ from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from cg2raw.diagnose.diagnosis import VERDICTS, Diagnosis, Gap, ResidualTest
-from cg2raw.profile.json_text import formatted
+from cg2raw.io.json_text import formatted
 
 FIRST = ("verdict", "effects", "gap", "unexplained", "seconds")
 DRAWN = ("pictures", "curves", "histogram_before", "histogram_after", "profile_json")

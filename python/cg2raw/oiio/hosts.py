@@ -10,9 +10,9 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cg2raw.oiio.plugin_file import plugin_api_of, version_of
+
 SECONDS = 60  # patience with any program that is asked
-# OIIO_PLUGIN_VERSION since OpenImageIO 2.3, 3.0 and 3.1. Source: its oiioversion.h.
-PLUGIN_APIS = (((3, 3), None), ((3, 1), 27), ((2, 6), 26), ((2, 3), 25))
 # Environment variables with plugin folders, in the order of the search. Measured on
 # 2.4.7 and 3.2.2: 2.x has no OPENIMAGEIO_PLUGIN_PATH, 3.x prefers the obsolete name.
 SEARCH_2 = ("OIIO_LIBRARY_PATH", "LD_LIBRARY_PATH")
@@ -56,8 +56,7 @@ class Host:
     @property
     def plugin_api(self):
         """Return the plugin API that this OpenImageIO accepts, None if not known."""
-        known = [api for first, api in PLUGIN_APIS if version_of(self.version) >= first]
-        return known[0] if known else None
+        return plugin_api_of(self.version)
 
     def write_command(self, target, sensor):
         """Return the command by which this host writes a 16x16 DNG."""
@@ -78,11 +77,6 @@ class Host:
             "-o",
             target,
         ]
-
-
-def version_of(text):
-    """Return "3.2.2.0" as (3, 2)."""
-    return tuple(int(number) for number in re.findall(r"\d+", text)[:2])
 
 
 def programs(name):

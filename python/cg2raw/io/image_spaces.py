@@ -2,8 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """What an image file says of its colours: names of spaces, primaries, curves."""
 
-from cg2raw import _core, transfer_curve
-from cg2raw.openimageio import openimageio
+from cg2raw import _core
+from cg2raw.io import transfer_curve
+from cg2raw.oiio.openimageio import openimageio
 
 # Names of sRGB in OpenImageIO 2 and 3, and in common configs.
 SRGB_NAMES = {

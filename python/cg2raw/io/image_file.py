@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cg2raw import _core, image_spaces
-from cg2raw.openimageio import one_line, openimageio
+from cg2raw import _core
+from cg2raw.io import image_spaces
+from cg2raw.oiio.openimageio import one_line, openimageio
 
 SIDES = (2, 65535)  # of a RAW file, pixels
 ROWS = 256  # that are read at a time; the most that EXR compresses together (DWAB)

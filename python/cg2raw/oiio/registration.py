@@ -16,6 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
+from cg2raw.oiio import plugin_file
+
 MODULE = "OpenImageIO"
 
 
@@ -49,15 +51,12 @@ def plugin_for(version: str) -> str:
 
     Another OpenImageIO's is left out: to refuse it, OpenImageIO would load that library
     too."""
-    from cg2raw.cli import _elf, _hosts, doctor
-
-    host = _hosts.Host("python", sys.executable, version)
-    if host.plugin_api is None:
+    if plugin_file.plugin_api_of(version) is None:
         return ""
     for folder in plugin_folders():
-        path = os.path.join(folder, doctor.PLUGIN)
+        path = os.path.join(folder, plugin_file.NAME)
         try:
-            if not doctor.misfit(_elf.read_library(path, "dng_imageio_version"), host):
+            if not plugin_file.misfit(plugin_file.read_plugin(path), version):
                 return path
         except (OSError, ValueError):
             continue
@@ -70,9 +69,9 @@ def plugin_folders() -> list[str]:
     Plugins are programs, so no more than: the builds of the source tree that it is part
     of, the lib folder that it is installed in, and that of this Python's prefix."""
     here, source = Path(os.path.abspath(__file__)), Path(__file__).resolve()
-    folders = [here.parents[2], here.parents[3], Path(sys.prefix, "lib")]
+    folders = [here.parents[3], here.parents[4], Path(sys.prefix, "lib")]
     folders = [lib / "cg2raw/oiio" for lib in folders if lib.name == "lib"]
-    root = source.parents[2]
+    root = source.parents[3]
     if (root / "plugins/dng.imageio").is_dir():
         folders = [*sorted(root.glob("build/*/lib/cg2raw/oiio")), *folders]
     return [str(folder) for folder in dict.fromkeys(folders)]

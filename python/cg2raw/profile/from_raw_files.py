@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The profile that RAW files which are no DNG amount to, by what LibRaw says."""
+
+import os
+
+import numpy as np
+
+from cg2raw import _core
+
+NOTE = (
+    "read through LibRaw: its one colour matrix is for D65 and it knows no noise; the "
+    "DNG that Adobe DNG Converter makes of such a file has two matrices and noise"
+)
+
+
+def camera_name(make, model):
+    """Return what people call a camera: the make's first word once, then the model."""
+    brand = make.split()[0]
+    said = model.lower().startswith(brand.lower())
+    return model if said else f"{brand} {model}"
+
+
+def profile_from_raw_files(files, id=""):
+    """Return (fields of the profile, notes) of RawFiles of one camera.
+
+    id : stands in for the one made of the camera's name. Raises ValueError."""
+    first = files[0]
+    for file in files[1:]:
+        for name in ("make", "model", "cfa", "width", "height", "white_level"):
+            ours, others = getattr(first, name), getattr(file, name)
+            if ours != others:
+                raise ValueError(
+                    f"{file.path}: {name} {others} is not that of {first.path}, "
+                    f"{ours}: give files of one camera in one mode"
+                )
+    notes = [NOTE]
+    black, neutrals = black_of(files, notes), neutrals_of(files, notes)
+    name = camera_name(first.make, first.model)
+    fields = {
+        "schema": 1,
+        "id": id or _core.sensor_id_from_name(name),
+        "make": first.make,
+        "model": first.model,
+        "unique_camera_model": name,
+        "sources": sources_of(files, neutrals),
+        "cfa": first.cfa,
+        "width": first.width,
+        "height": first.height,
+        "bits": max(8, first.white_level.bit_length()),
+        "black_level": black,
+        "white_level": first.white_level,
+        "calibration_illuminant_1": "D65",
+        "color_matrix_1": list(first.camera_from_xyz),
+    }
+    return fields | ({"illuminants": {"neutrals": neutrals}} if neutrals else {}), notes
+
+
+def black_of(files, notes):
+    """Return the mean black level per CFA site; a note says if they differ."""
+    black = np.array([file.black_level for file in files])
+    if np.ptp(black, axis=0).any():
+        notes.append(
+            f"black levels differ from file to file, {black.min():g} to "
+            f"{black.max():g} DN: the profile has their mean"
+        )
+    return black.mean(axis=0).round(4).tolist()
+
+
+def neutrals_of(files, notes):
+    """Return [[R/G, B/G], ...] of those files that have one; a note names the rest."""
+    without = [file.path for file in files if file.neutral is None]
+    if without:
+        notes.append(
+            f"{len(without)} of {len(files)} files record no white balance that LibRaw "
+            f"can read, {os.path.basename(without[0])} first: no neutral of them"
+        )
+    return [list(file.neutral) for file in files if file.neutral is not None]
+
+
+def sources_of(files, neutrals):
+    """Return {field: where it is from}."""
+    import rawpy
+
+    libraw = "LibRaw " + ".".join(map(str, rawpy.libraw_version))
+    name = os.path.basename(files[0].path)
+    read = f"{name} as {libraw} reads it"
+    sources = {
+        **dict.fromkeys(("make", "model", "unique_camera_model"), f"{name}: Exif"),
+        **dict.fromkeys(("cfa", "width", "height"), f"{read}: visible area"),
+        "bits": "those that white_level needs",
+        **dict.fromkeys(("black_level", "white_level"), read),
+        "calibration_illuminant_1": f"{libraw}: its matrices are for D65",
+        "color_matrix_1": f"{libraw}: its table of cameras",
+    }
+    if neutrals:
+        sources["illuminants"] = f"as-shot white balance of {len(neutrals)} files"
+    return sources
