@@ -15,6 +15,7 @@ import pkgutil
 import sys
 
 from cg2raw import __version__
+from cg2raw.cli._messages import check_words, words_of
 
 
 def subcommands():
@@ -68,19 +69,3 @@ def main(argv=None):
     except KeyboardInterrupt:
         print(f"cg2raw {arguments.name}: interrupted", file=sys.stderr)
         return 130
-
-
-def check_words(words):
-    """Raise ValueError for a word that is no UTF-8; the core takes no other names."""
-    for word in words:
-        if not word.isascii() and word != word.encode(errors="replace").decode():
-            raise ValueError(f"{word!a} is no UTF-8; rename the file")
-
-
-def words_of(error):
-    """Return an exception's message in one line, what it is about first."""
-    if isinstance(error, OSError) and error.filename is not None and error.strerror:
-        message = f"{error.filename}: {error.strerror}"
-    else:
-        message = str(error)
-    return " ".join(message.splitlines())

@@ -90,7 +90,7 @@ def each_file(name, pairs, work, arguments, words, line):
     import json
     import sys
 
-    from cg2raw.cli import words_of
+    from cg2raw.cli._messages import words_of
     from cg2raw.cli._progress import tracked
 
     reports, errors = [], []

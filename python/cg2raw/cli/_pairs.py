@@ -2,8 +2,22 @@
 # Copyright Contributors to the cg2raw Project.
 """Sensors and illuminants that a command line lists, to be combined with each other."""
 
+import difflib
+
 from cg2raw import _core
-from cg2raw.cli.sensors import load_one
+
+
+def load_one(id):
+    """Return the SensorProfile; an unknown id is told the closest one."""
+    installed = _core.installed_profiles()
+    if id in installed or "/" in id or id.endswith(".json"):
+        return _core.load_profile(id)
+    close = difflib.get_close_matches(id.lower(), installed, 1)
+    hint = f"did you mean {close[0]}? " if close else ""
+    raise ValueError(
+        f'unknown sensor "{id}": {hint}installed: {", ".join(installed) or "none"}; '
+        "or give the path of a profile (.json)"
+    )
 
 
 def asked_sensors(words):

@@ -30,15 +30,13 @@ examples:
 """
 
 import argparse
-import math
 import os
 import sys
 from dataclasses import replace
 
+from cg2raw.cli._numbers import number, whole
 from cg2raw.cli._outputs import each_file, outputs_of
-from cg2raw.cli.sensors import load_one
-
-MOST_SEED = 2**64 - 1
+from cg2raw.cli._pairs import load_one
 
 
 def add_arguments(parser):
@@ -113,35 +111,9 @@ def add_writing(group):
     add("--tone-curve", choices=("camera", "linear"), default="camera")
 
 
-def number(low, high):
-    """Return a parser of numbers from @low to @high, for argparse."""
-
-    def parse(text):
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(
-                f"{text}: must be a number from {low:g} to {high:g}"
-            )
-        return value
-
-    return parse
-
-
 def gain(text):
     """Return the number, or sample."""
     return text if text == "sample" else number(0.001, 1000)(text)
-
-
-def whole(text):
-    """Return the whole number that @text is."""
-    if not (text.isdecimal() and text.isascii()) or int(text) > MOST_SEED:
-        raise argparse.ArgumentTypeError(
-            f"{text}: must be a whole number from 0 to {MOST_SEED}"
-        )
-    return int(text)
 
 
 def run(arguments):
@@ -179,11 +151,11 @@ def frames_of(arguments, outputs):
 
 def tell_alike(frames):
     """Say on stderr which outputs have the same noise; frames : {number: outputs}."""
-    for number, outputs in frames.items():
+    for frame, outputs in frames.items():
         if len(outputs) > 1:
             names = ", ".join(outputs[:2]) + (" ..." if len(outputs) > 2 else "")
             print(
-                f"cg2raw convert: {len(outputs)} files are frame {number} and have the "
+                f"cg2raw convert: {len(outputs)} files are frame {frame} and have the "
                 f"same noise ({names}): --frame-from index counts them",
                 file=sys.stderr,
             )

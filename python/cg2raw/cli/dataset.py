@@ -29,6 +29,8 @@ import importlib.util
 import os
 import sys
 
+from cg2raw.cli._numbers import number_list
+from cg2raw.cli._pairs import asked_illuminants, asked_sensors
 from cg2raw.cli._progress import tracked
 from cg2raw.dataset.methods import METHODS
 
@@ -161,6 +163,7 @@ def run(arguments):
 
 def plan_of(arguments):
     """Return the Plan that the options ask for. Raises ValueError."""
+    from cg2raw import Sensor
     from cg2raw.dataset import options
 
     def leave_out(sentence):
@@ -169,12 +172,12 @@ def plan_of(arguments):
         if not arguments.quiet:
             print(f"cg2raw dataset: left out: {sentence}", file=sys.stderr)
 
-    isos = options.numbers("--iso", arguments.iso, "clean")
+    isos = number_list("--iso", arguments.iso, "clean")
     return options.make_plan(
-        options.loaded_sensors(arguments.sensors),
+        [Sensor._of(profile) for profile in asked_sensors(arguments.sensors)],
         leave_out,
-        illuminants=options.illuminants(arguments.illuminants),
-        digital_gains=tuple(options.numbers("--gains", arguments.gains, "sample")),
+        illuminants=illuminants(arguments.illuminants),
+        digital_gains=tuple(number_list("--gains", arguments.gains, "sample")),
         isos=tuple(None if iso == "clean" else iso for iso in isos),
         noise=arguments.noise,
         exposure_time=arguments.exposure_time,
@@ -187,6 +190,15 @@ def plan_of(arguments):
         frame_from=arguments.frame_from,
         **files_of(arguments),
     )
+
+
+def illuminants(words):
+    """Return a number of drawn illuminants, or the words of a list."""
+    if words.isdecimal():
+        if not 1 <= int(words) <= 100000:
+            raise ValueError(f"--illuminants {words}: must be 1 to 100000")
+        return int(words)
+    return tuple(asked_illuminants(words))
 
 
 def files_of(arguments):

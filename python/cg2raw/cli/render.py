@@ -15,8 +15,8 @@ examples:
 
 import argparse
 
+from cg2raw.cli._numbers import number
 from cg2raw.cli._outputs import each_file, outputs_of
-from cg2raw.cli.convert import number
 
 
 def add_arguments(parser):

@@ -13,12 +13,12 @@ examples:
   cg2raw sensors --json | jq -r '.sensors[].id'
 """
 
-import difflib
 import json
 import shutil
 import sys
 
 from cg2raw import _core
+from cg2raw.cli._pairs import load_one
 
 COLUMNS = 120  # where there is no terminal
 
@@ -92,19 +92,6 @@ def load_all():
         except ValueError as error:
             errors.append({"id": id, "error": str(error)})
     return found, errors
-
-
-def load_one(id):
-    """Return the SensorProfile; an unknown id is told the closest one."""
-    installed = _core.installed_profiles()
-    if id in installed or "/" in id or id.endswith(".json"):
-        return _core.load_profile(id)
-    close = difflib.get_close_matches(id.lower(), installed, 1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    raise ValueError(
-        f'unknown sensor "{id}": {hint}installed: {", ".join(installed) or "none"}; '
-        "or give the path of a profile (.json)"
-    )
 
 
 def columns_of(stream):

@@ -4,7 +4,7 @@
 
 import json
 
-from cg2raw import Sensor, __version__
+from cg2raw import __version__
 from cg2raw.dataset.methods import METHODS, Scene
 from cg2raw.dataset.plan import Plan, short
 
@@ -135,37 +135,3 @@ def said(value):
     if isinstance(value, list):
         return ",".join("clean" if one is None else str(one) for one in value)
     return str(value)
-
-
-def loaded_sensors(words):
-    """Return the Sensors of "all" or of "id,id,path.json". Raises ValueError."""
-    from cg2raw.cli._pairs import asked_sensors
-
-    return [Sensor._of(profile) for profile in asked_sensors(words)]
-
-
-def numbers(option, words, word):
-    """Return the floats of a list, and @word as it is. Raises ValueError."""
-    found = []
-    for text in words.split(","):
-        try:
-            number = text.strip() if text.strip() == word else float(text)
-        except ValueError:
-            raise ValueError(
-                f"{option} {text}: must be a number or {word}, as in {word},100"
-            ) from None
-        if number in found:
-            raise ValueError(f"{option} {text}: is there twice; name it once")
-        found.append(number)
-    return found
-
-
-def illuminants(words):
-    """Return a number of drawn illuminants, or the words of a list."""
-    if words.isdecimal():
-        if not 1 <= int(words) <= 100000:
-            raise ValueError(f"--illuminants {words}: must be 1 to 100000")
-        return int(words)
-    from cg2raw.cli._pairs import asked_illuminants
-
-    return tuple(asked_illuminants(words))

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Numbers on a command line."""
+
+import argparse
+import math
+
+MOST_SEED = 2**64 - 1
+
+
+def number(low, high):
+    """Return a parser of numbers from @low to @high, for argparse."""
+
+    def parse(text):
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(
+                f"{text}: must be a number from {low:g} to {high:g}"
+            )
+        return value
+
+    return parse
+
+
+def whole(text):
+    """Return the whole number that @text is."""
+    if not (text.isdecimal() and text.isascii()) or int(text) > MOST_SEED:
+        raise argparse.ArgumentTypeError(
+            f"{text}: must be a whole number from 0 to {MOST_SEED}"
+        )
+    return int(text)
+
+
+def number_list(option, words, word):
+    """Return the floats of a list, and @word as it is. Raises ValueError."""
+    found = []
+    for text in words.split(","):
+        try:
+            value = text.strip() if text.strip() == word else float(text)
+        except ValueError:
+            raise ValueError(
+                f"{option} {text}: must be a number or {word}, as in {word},100"
+            ) from None
+        if value in found:
+            raise ValueError(f"{option} {text}: is there twice; name it once")
+        found.append(value)
+    return found
