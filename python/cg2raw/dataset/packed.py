@@ -4,6 +4,8 @@
 
 import numpy as np
 
+from cg2raw.oiio.openimageio import openimageio
+
 
 def packed(raw, cfa, black_level, white_level, element_type):
     """Return (4, H // 2, W // 2): planes R, G1, G2, B, 0..1 above black.
@@ -41,8 +43,7 @@ def write_npy(path, planes):
 
 def write_exr(path, planes):
     """Write (4, h, w) float32 planes as the channels R, G1, G2, B. Raises OSError."""
-    import OpenImageIO as oiio
-
+    oiio = openimageio()
     _, height, width = planes.shape
     spec = oiio.ImageSpec(width, height, 4, "float")
     spec.channelnames = ("R", "G1", "G2", "B")

@@ -38,7 +38,8 @@ def end_with_parent(parent):
 
 def use_one_thread():
     """Keep OpenImageIO from taking every core in every worker."""
-    import OpenImageIO as oiio
+    from cg2raw.oiio.openimageio import openimageio
 
+    oiio = openimageio()
     oiio.attribute("threads", 1)
     oiio.attribute("exr_threads", -1)  # -1: none of its own
