@@ -62,9 +62,8 @@ assert abs(developed.mean() - 0.18) < 0.01
 print(cg2raw.read_dng_metadata("shot.dng").as_shot_neutral)
 ```
 
-Once `cg2raw` is imported, the `OpenImageIO` of the same Python writes DNGs too:
-`import cg2raw` puts the plugin of the same installation on OpenImageIO's search path,
-before or after `import OpenImageIO`. `cg2raw doctor` tells if there is none that fits.
+`cg2raw.register_oiio_plugin()` lets the `OpenImageIO` of the same Python write DNGs,
+too, by the plugin of the same installation; `cg2raw doctor` tells which one that is.
 """
 DIAGNOSE = """\
 # cg2raw.diagnose

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-# A room is a module, or a package with all that is in it. Its modules import from it and
-# from rooms before it. "cg2raw" is the package's own __init__.py: the public names.
+# A room is a module, or a package with all that is in it. Its modules import from it
+# and from rooms before it. "cg2raw" is the package's __init__.py: the public names.
 ROOMS = (
     "cg2raw._core",
     "cg2raw.arrays",

@@ -24,7 +24,7 @@ from cg2raw._core import (
 )
 from cg2raw.cfa import demosaic, mosaic
 from cg2raw.dng import write_dng
-from cg2raw.oiio import registration
+from cg2raw.oiio.registration import register_oiio_plugin
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
 from cg2raw.upi import Upi
@@ -51,8 +51,7 @@ __all__ = [
     "raw_space_from_name",
     "raw_space_name",
     "read_dng_metadata",
+    "register_oiio_plugin",
     "temperature_from_xy",
     "write_dng",
 ]
-
-registration.register()

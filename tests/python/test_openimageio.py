@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""import cg2raw makes OpenImageIO's wheel write DNGs, without environment variables."""
+"""cg2raw.register_oiio_plugin() makes OpenImageIO's wheel write DNGs, without
+environment variables; import cg2raw alone changes nothing."""
 
 import os
 import shutil
@@ -17,14 +18,10 @@ image.specmod().attribute("dng:illuminant", "D65")
 print(image.write("shot.dng"))
 OpenImageIO.geterror()
 """
-FIRST = "import cg2raw; import OpenImageIO"
-SECOND = "import OpenImageIO; import cg2raw"
-LATER = """
-import cg2raw, sys
-assert "OpenImageIO" not in sys.modules
-import importlib; OpenImageIO = importlib.import_module("OpenImageIO")
-import cg2raw as again
-"""
+BEFORE = "import cg2raw; cg2raw.register_oiio_plugin(); import OpenImageIO"
+AFTER = "import OpenImageIO, cg2raw; cg2raw.register_oiio_plugin()"
+PLUGIN_FOR = "from cg2raw.oiio.registration import plugin_for"
+TWICE = f"{BEFORE}; cg2raw.register_oiio_plugin()"
 
 
 def python(code, folder, **environment):
@@ -51,25 +48,37 @@ def wheel_plugin(repository):
     return folder
 
 
-@pytest.mark.parametrize("order", [FIRST, SECOND, LATER])
+@pytest.mark.parametrize("order", [BEFORE, AFTER, TWICE])
 def test_it_writes_whichever_is_imported_first(wheel_plugin, order, tmp_path):
     assert python(order + "\n" + WRITE, tmp_path) == ["True"]
     assert (tmp_path / "shot.dng").read_bytes()[:4] == b"II*\0"
 
 
-def test_without_cg2raw_it_does_not(wheel_plugin, tmp_path):
-    assert python("import OpenImageIO\n" + WRITE, tmp_path) == ["False"]
+@pytest.mark.parametrize("words", ["import OpenImageIO", "import cg2raw, OpenImageIO"])
+def test_unasked_it_does_not(wheel_plugin, words, tmp_path):
+    assert python(f"{words}\n{WRITE}", tmp_path) == ["False"]
+
+
+def test_an_import_hooks_nothing_in(tmp_path):
+    code = """
+import sys
+before = list(sys.meta_path)
+import cg2raw
+print(sys.meta_path == before, "OpenImageIO" in sys.modules)
+"""
+    assert python(code, tmp_path) == ["True", "False"]
 
 
 def test_folders_that_were_there_stay_behind(wheel_plugin, tmp_path):
     code = """
 import OpenImageIO
 OpenImageIO.attribute("plugin_searchpath", "/mine:/yours")
-import cg2raw, cg2raw.oiio.registration
-cg2raw.oiio.registration.tell(OpenImageIO)
+import cg2raw
+print(cg2raw.register_oiio_plugin(), cg2raw.register_oiio_plugin())
 print(OpenImageIO.get_string_attribute("plugin_searchpath"))
 """
-    assert python(code, tmp_path) == [f"{wheel_plugin}:/mine:/yours"]
+    plugin = f"{wheel_plugin}/dng.imageio.so"
+    assert python(code, tmp_path) == [plugin, plugin, f"{wheel_plugin}:/mine:/yours"]
 
 
 @pytest.fixture(scope="module")
@@ -82,58 +91,56 @@ def package_alone(build_folder, tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("order", [FIRST, SECOND])
-def test_a_plugin_that_is_not_there_is_no_error(order, package_alone, tmp_path):
+REFUSED = """
+import cg2raw
+try:
+    cg2raw.register_oiio_plugin()
+except ValueError as error:
+    print(error)
+"""
+
+
+def test_a_plugin_that_is_not_there_is_told(package_alone, tmp_path):
     pytest.importorskip("OpenImageIO")
-    path = {"PYTHONPATH": str(package_alone)}
-    assert python(f"{order}\n{WRITE}", tmp_path, **path) == ["False"]
+    words = python(REFUSED, tmp_path, PYTHONPATH=str(package_alone))
+    assert " ".join(words).startswith("there is no DNG plugin for OpenImageIO 3.")
 
 
 def test_an_openimageio_that_is_none_and_one_that_is_missing(tmp_path):
     (tmp_path / "OpenImageIO.py").write_text("VERSION_STRING = 'new'")
-    code = "import cg2raw, OpenImageIO; print(OpenImageIO.VERSION_STRING)"
-    assert python(code, tmp_path) == ["new"]
-    code = """
-import cg2raw, sys
-sys.path = [p for p in sys.path if "site-packages" not in p and p]
-try:
-    import OpenImageIO
-except ImportError as error:
-    print(error.name)
-"""
-    (tmp_path / "OpenImageIO.py").unlink()
-    assert python(code, tmp_path) == ["OpenImageIO"]
+    words = " ".join(python(REFUSED, tmp_path))
+    assert words.startswith("there is no DNG plugin for OpenImageIO new in")
+    (tmp_path / "OpenImageIO.py").write_text("raise ImportError")
+    words = " ".join(python(REFUSED, tmp_path))
+    assert words.startswith("OpenImageIO is not installed for this Python")
 
 
 def test_only_the_abi_of_that_version(wheel_plugin, tmp_path):
-    code = """
-import cg2raw.oiio.registration as p
-print(p.plugin_for("3.2.2.0")); print(p.plugin_for("2.4.7")); print(p.plugin_for("9.0"))
+    code = f"""
+{PLUGIN_FOR}
+print(plugin_for("3.2.2.0")); print(plugin_for("2.4.7")); print(plugin_for("9.0"))
 """
     found = python(code, tmp_path)
     assert found[0] == str(wheel_plugin / "dng.imageio.so")
     assert found[0] not in found[1:]
-    assert (
-        python('import cg2raw.oiio.registration as p; print(p.plugin_for("9.0"))', tmp_path)
-        == []
-    )
+    assert python(f'{PLUGIN_FOR}; print(plugin_for("9.0"))', tmp_path) == []
 
 
-def test_doctor_tells_that_the_import_finds_none(package_alone, tmp_path):
+def test_doctor_tells_that_there_is_none_to_register(package_alone, tmp_path):
     pytest.importorskip("OpenImageIO")
     code = """
 import json
 from cg2raw.cli import doctor
 report = doctor.examine()
-hosts = [host for host in report["hosts"] if host["import_cg2raw"] is not None]
-print(json.dumps([host["import_cg2raw"] for host in hosts]))
+found = [host["register_oiio_plugin"] for host in report["hosts"]]
+print(json.dumps([path for path in found if path is not None]))
 print("no plugin for API" in doctor.as_text(report))
 """
     path = {"PYTHONPATH": str(package_alone)}
     assert python(code, tmp_path, **path) == ['[""]', "True"]
 
 
-def test_doctor_names_the_plugin_of_the_import(wheel_plugin, tmp_path):
+def test_doctor_names_the_plugin_that_would_be_registered(wheel_plugin, tmp_path):
     code = "from cg2raw.cli import doctor; print(doctor.as_text(doctor.examine()))"
     words = python(code, tmp_path)
     assert str(wheel_plugin / "dng.imageio.so") in words[words.index("finds") :]
@@ -144,7 +151,11 @@ def test_only_places_of_the_package_are_searched(package_alone, place, tmp_path)
     """A plugin is a program: one that lies in a folder above is not taken."""
     installed = tmp_path / "prefix" / place
     shutil.copytree(package_alone, installed)
-    code = "import cg2raw.oiio.registration as p, sys; print(sys.prefix, *p.plugin_folders())"
+    code = """
+import sys
+from cg2raw.oiio.registration import plugin_folders
+print(sys.prefix, *plugin_folders())
+"""
     prefix, *folders = python(code, tmp_path, PYTHONPATH=str(installed))
     expected = [str(tmp_path / "prefix/lib/cg2raw/oiio"), f"{prefix}/lib/cg2raw/oiio"]
     assert folders == expected

@@ -75,15 +75,15 @@ def examine_host(host, sensors):
         ],
         "plugins": [{**vars(plugin), "loads": plugin.loads} for plugin in plugins],
         "works": trial.wrote,
-        "import_cg2raw": plugin_of_import(host),
+        "register_oiio_plugin": plugin_to_register(host),
         "message": "" if trial.wrote else trial.message,
         "remedy": "" if trial.wrote else remedy(host, plugins),
     }
 
 
-def plugin_of_import(host):
-    """Return the plugin that import cg2raw makes known to this Python's OpenImageIO,
-    empty if none is here; None for other hosts."""
+def plugin_to_register(host):
+    """Return the plugin that cg2raw.register_oiio_plugin() finds for the OpenImageIO of
+    this Python, empty if none is here; None for other hosts."""
     beside = os.path.realpath(os.path.dirname(sys.executable))
     if host.kind != "python" or os.path.dirname(host.path) != beside:
         return None
@@ -198,9 +198,9 @@ def host_lines(host):
         lines.append(f"  plugin    {plugin['path']} {plugin['reason'] or 'loads'}")
     if host["search"] and not host["plugins"]:
         lines.append(f"  plugin    no {plugin_file.NAME} in these folders")
-    if host["import_cg2raw"] is not None:
-        found = host["import_cg2raw"] or f"no plugin for API {api} to make known"
-        lines.append(f"  import cg2raw finds {found}")
+    if host["register_oiio_plugin"] is not None:
+        found = host["register_oiio_plugin"] or f"no plugin for API {api}"
+        lines.append(f"  cg2raw.register_oiio_plugin() finds {found}")
     lines.append(
         "  writes    "
         + ("a 16x16 DNG: works" if host["works"] else f"no DNG: {host['message']}")
