@@ -187,7 +187,7 @@ def source_files(repository):
         and (
             path.suffix in suffixes
             or path.name == "CMakeLists.txt"
-            or path.parent.name in ("scripts", ".ci")
+            or path.parent.name in ("scripts", "studies", ".ci")
         )
     ]
 

@@ -14,6 +14,7 @@ import pytest
 import rawpy
 
 PROFILES = Path(__file__).parents[2] / "plugins" / "profiles"
+SCRIPTS = Path(__file__).parents[2] / "scripts" / "sensors"
 FIELDS = {
     path.stem: json.loads(path.read_text()) for path in sorted(PROFILES.glob("*.json"))
 }
@@ -34,7 +35,7 @@ def test_the_shelf_holds_the_papers_ten_and_more():
 
 
 def test_same_tables_same_bytes(camera_data, tmp_path):
-    script = PROFILES / "make_profiles.py"
+    script = SCRIPTS / "make_profiles.py"
     command = [sys.executable, script, "--data", camera_data, "--out", tmp_path]
     subprocess.run(list(map(str, command)), check=True)
     made = {path.stem: path.read_bytes() for path in tmp_path.glob("*.json")}
@@ -79,7 +80,7 @@ def test_every_number_has_a_source(name):
 def test_a_cfa_is_seen_from_the_corner_of_the_active_area(
     pattern, corner, seen, monkeypatch
 ):
-    monkeypatch.syspath_prepend(str(PROFILES))
+    monkeypatch.syspath_prepend(str(SCRIPTS))
     from shelf import tables
 
     letters = tables.phase_at(pattern, *corner)
@@ -209,7 +210,7 @@ def test_noise_rises_with_iso(name):
 
 def test_two_fits_of_one_read_noise_agree(camera_data, monkeypatch):
     """The meaning given to the fields of Wei et al. makes their two fits one."""
-    monkeypatch.syspath_prepend(str(PROFILES))
+    monkeypatch.syspath_prepend(str(SCRIPTS))
     from shelf import noise
 
     path = camera_data / "tables" / "noise" / "eld_camera_params.json"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""scripts/illuminant_study: its models, its measures, and the page that quotes it."""
+"""scripts/studies/illuminant_study: its models, measures, and the page it is on."""
 
 import re
 import subprocess
@@ -18,12 +18,12 @@ PAGE = "docs/illuminants.md"
 @pytest.fixture(scope="module")
 def study(repository):
     """The modules (study, models) of the command."""
-    sys.path.insert(0, str(repository / "scripts"))
+    sys.path.insert(0, str(repository / "scripts/studies"))
     import illuminant_models
     import illuminant_study
 
     yield illuminant_study, illuminant_models
-    sys.path.remove(str(repository / "scripts"))
+    sys.path.remove(str(repository / "scripts/studies"))
 
 
 def planted(count=150):
@@ -109,12 +109,14 @@ def test_the_page_says_that_cg2raw_leads_on_all_nine(repository):
 
 
 def test_the_figure_of_the_page_is_there_and_small(repository):
-    assert "(illuminants.png)" in (repository / PAGE).read_text()
-    assert 10_000 < (repository / "docs/illuminants.png").stat().st_size < 400_000
+    assert "(images/illuminants.png)" in (repository / PAGE).read_text()
+    size = (repository / "docs/images/illuminants.png").stat().st_size
+    assert 10_000 < size < 400_000
 
 
 def run_study(repository, *arguments):
-    command = [sys.executable, repository / "scripts/illuminant_study.py", *arguments]
+    script = repository / "scripts/studies/illuminant_study.py"
+    command = [sys.executable, script, *arguments]
     return subprocess.run(command, capture_output=True, text=True)
 
 

@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Measure the profiles made of spectral sensitivities; print docs/spectral.md's tables.
 
-    python scripts/ssf_report.py [--data ../shared/data]
+    python scripts/studies/ssf_report.py [--data ../shared/data]
 
 Against: the ColorMatrices that Adobe publishes, the fit of rawtoaces, and neutrals of
 photographed grey cards."""
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import Delaunay
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from oracles import adobe, spectral  # noqa: E402

@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Make the pictures of docs/diagnose.md: parts of the report of its example.
 
-    python scripts/diagnose_pictures.py [FOLDER]
+    python scripts/studies/diagnose_pictures.py [FOLDER]
 
 Needs Chromium. FOLDER is docs/images if it is not given.
 """
@@ -18,7 +18,7 @@ from PIL import Image, ImageChops
 
 from cg2raw.cli import main as cg2raw
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 CAPTURES = "--hide lens_shading=0.3,row_noise=0.2 -s canon-5d-mark-iv --seed 1"
 COLORS = 256  # of a picture's palette
 WIDTH, HEIGHT = 1000, 1600

@@ -135,7 +135,8 @@ CAMERAS = {
             "white_level, calibration_illuminant_1, color_matrix_1, "
             "calibration_illuminant_2, color_matrix_2": "a DNG of the "
             "camera (gopro/gpr, GOPR0024), as cg2raw reads it",
-            "noise": "NoiseProfile of that DNG, at its ISO 100 alone; read noise included",
+            "noise": "NoiseProfile of that DNG, at its ISO 100 alone; read noise "
+            "included",
             "effects": "the polynomial of lens_shading that fits the GainMaps of that "
             "DNG; what it leaves of their brightness is among its evidence",
         },
