@@ -9,6 +9,7 @@ With --check nothing is written: exits with 1 if the page is not what it would b
 
 import argparse
 import ast
+import dataclasses
 import inspect
 import sys
 import textwrap
@@ -139,11 +140,19 @@ def class_page(name, cls):
     if fields:
         page += "\n| property | type | |\n|---|---|---|\n"
     for field, value in fields.items():
-        type = ast.unparse(STUBS[name][field].returns).replace("|", "\\|")
+        type = type_of(name, field, value).replace("|", "\\|")
         meaning = " ".join(value.__doc__.split())
         page += f"| `{field}` | `{type}` | {meaning} |\n"
     methods = [(n, v) for n, v in public.items() if callable(v) or is_class_method(v)]
     return page + "".join("\n" + function_page(3, n, v, name) for n, v in methods)
+
+
+def type_of(name, field, value):
+    """Return the type of a property, of the stub's or of Python's."""
+    if name in STUBS:
+        return ast.unparse(STUBS[name][field].returns)
+    source = inspect.cleandoc("\n" + inspect.getsource(value.fget))
+    return ast.unparse(ast.parse(source).body[0].returns)
 
 
 def fields_page(name, cls):
@@ -187,7 +196,9 @@ def page():
     parts = [INTRO]
     for name in sorted(cg2raw.__all__, key=str.lower):
         value = getattr(cg2raw, name)
-        if inspect.isclass(value):
+        if dataclasses.is_dataclass(value):
+            parts.append(fields_page(f"cg2raw.{name}", value))
+        elif inspect.isclass(value):
             parts.append(class_page(name, value))
         elif callable(value):
             parts.append(function_page(2, name, value))

@@ -45,7 +45,7 @@ def paper_arguments():
 
     sensor = cg2raw.Sensor(SENSOR)
     light = sensor.illuminant(LIGHT)
-    transform = _core.camera_from_scene(sensor._profile, light, "paper")
+    transform = _core.camera_from_scene(sensor.profile, light, "paper")
     levels = sensor.black_level[0], sensor.white_level
     neutral = np.array(transform.gains)
     return (transform.first, transform.second), neutral, levels, sensor.cfa

@@ -8,7 +8,7 @@ what each does is asked of the core. No other effect can be a colour space."""
 import numpy as np
 
 from cg2raw import _core
-from cg2raw.exposure import run_of
+from cg2raw.exposure import Run, core_run
 
 STAGE = "color"
 # A matrix of a larger condition number is no way back from float32.
@@ -39,7 +39,7 @@ def applied(profile, illuminant, camera, settings=None):
     """Return (n, 3) float32 camera RGB with those effects, by the core.
 
     settings : those of the profile, or a part of them."""
-    run = run_of(illuminant=illuminant)
+    run = core_run(profile.id, Run(illuminant=illuminant))
     planes = np.array(np.transpose(camera), np.float32, order="C")[:, None]
     for setting in settings_of(profile) if settings is None else settings:
         planes = _core.apply_effect(

@@ -24,6 +24,7 @@ from cg2raw._core import (
 )
 from cg2raw.cfa import demosaic, mosaic
 from cg2raw.dng import write_dng
+from cg2raw.exposure import Run
 from cg2raw.oiio.registration import register_oiio_plugin
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
@@ -33,6 +34,7 @@ __all__ = [
     "DngMetadata",
     "Illuminant",
     "RawFrame",
+    "Run",
     "Sensor",
     "SensorProfile",
     "Simulation",

@@ -2,34 +2,35 @@
 # Copyright Contributors to the cg2raw Project.
 """From an image file to a DNG: the way of the plugin's attributes, without a host."""
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from cg2raw import _core
 from cg2raw.dng import write_dng
+from cg2raw.exposure import Run
 from cg2raw.io import image_file, image_spaces
 from cg2raw.sensor import Sensor
 from cg2raw.upi import Upi
 
-METHODS = ("g2r", "upi")
+# Fields of a Run that belong to the conversion to camera RGB, and their options.
+CONVERTING = {
+    "convention": "convention",
+    "digital_gain": "gain",
+    "highlights": "highlights",
+}
 
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of every image; None is not asked for."""
+    """What is asked of every image; None, or a field of run that is absent, is not."""
 
     sensor: Sensor | None = None
     reference: str | None = None  # a DNG
-    illuminant: str | None = None
-    convention: str | None = None
-    gain: float | str | None = None  # digital gain, or "sample"
-    highlights: bool | None = None
-    iso: float | None = None
-    noise: str | None = None
-    seed: int = 0
+    run: Mapping[str, Any] = field(default_factory=dict)  # fields of cg2raw.Run
     frame: int | None = None  # None: by the names of files, or the time code
-    effects: bool = True
     exposure: float = 0.0  # EV
     layer: str | None = None  # None: the picture, by the conventions of renderers
     space: str | None = None  # the name of the pixels' colour space, if the file errs
@@ -45,7 +46,7 @@ def convert(path, output, request):
     image = image_file.read_image(
         path, request.layer, undo=request.linearize, space=request.space
     )
-    request = replace(request, frame=frame_of(image, output, request))
+    asked = {**request.run, "frame": frame_of(image, output, request)}
     pixels = image.pixels
     if request.exposure:
         pixels = pixels * np.float32(2.0**request.exposure)
@@ -53,9 +54,10 @@ def convert(path, output, request):
     shot, drawn = _core.Shot(**image.shot), None
     if request.upi:
         image_spaces.check_rec709(image)
-        frame, drawn = upi_frame(pixels, request)
+        frame = request.upi.simulate(pixels, **asked)
+        drawn = request.upi.draw(asked.get("seed", Run.seed))
     else:
-        sensor, run = exposure_of(image, request)
+        sensor, run = exposure_of(image, request, asked)
         if request.reference:
             metadata = _core.read_dng_metadata(request.reference)
             sensor = sensor_of_reference(metadata, sensor)
@@ -64,7 +66,7 @@ def convert(path, output, request):
         run["exposure_time"] = shot.exposure_time
         frame = sensor.simulate(pixels, **run)
     write_dng(output, frame, shot=shot, **request.writing)
-    report = report_of(frame, request, drawn)
+    report = report_of(frame, request, asked, drawn)
     return {
         "input": str(path),
         "output": str(output),
@@ -91,40 +93,27 @@ def frame_of(image, output, request):
     return next((number for number in said if number is not None), 0)
 
 
-def exposure_of(image, request):
-    """Return (Sensor or None, keywords of Sensor.simulate). Raises ValueError."""
-    run = {
-        "iso": request.iso,
-        "seed": request.seed,
-        "frame": request.frame,
-        "effects": request.effects,
-    }
-    if request.noise:
-        if request.iso is None:
-            raise ValueError(
-                "--noise is given without --iso: add --iso NUMBER, or leave it out"
-            )
-        run["noise"] = request.noise
+def exposure_of(image, request, asked):
+    """Return (Sensor or None, fields of a Run) of those that are asked for.
+
+    Raises ValueError."""
+    if "noise" in asked and asked.get("iso") is None:
+        raise ValueError(
+            "--noise is given without --iso: add --iso NUMBER, or leave it out"
+        )
     space = raw_space_of(image, request)
     if space:
         sensor, illuminant = space
-        sensor = request.sensor or Sensor(sensor)
-        run |= {"camera_input": True, "color_effects": False}
-        return sensor, {**run, "illuminant": illuminant}
+        done = {"camera_input": True, "color_effects": False, "illuminant": illuminant}
+        return request.sensor or Sensor(sensor), asked | done
     if request.sensor is None and request.reference is None:
         raise ValueError("which sensor? Add --sensor ID (cg2raw sensors lists them)")
     image_spaces.check_rec709(image)
-    if request.illuminant is None:
+    if "illuminant" not in asked:
         raise ValueError(
             f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
         )
-    asked = {
-        "convention": request.convention,
-        "digital_gain": request.gain,
-        "highlights": request.highlights,
-    }
-    run |= {name: value for name, value in asked.items() if value is not None}
-    return request.sensor, {**run, "illuminant": request.illuminant}
+    return request.sensor, asked
 
 
 def raw_space_of(image, request):
@@ -138,14 +127,13 @@ def raw_space_of(image, request):
     sensor, illuminant = space
     if request.sensor and request.sensor.id.lower() != sensor.lower():
         raise ValueError(f"{pixels}, but --sensor is {request.sensor.id}: leave it out")
-    if request.illuminant and request.illuminant.lower() != illuminant.lower():
-        raise ValueError(
-            f"{pixels}, but --illuminant is {request.illuminant}: leave it out"
-        )
-    for name in ("convention", "gain", "highlights"):
-        if getattr(request, name) is not None:
+    asked = request.run.get("illuminant", illuminant)
+    if asked.lower() != illuminant.lower():
+        raise ValueError(f"{pixels}, but --illuminant is {asked}: leave it out")
+    for name, option in CONVERTING.items():
+        if name in request.run:
             raise ValueError(
-                f"{pixels}: --{name} belongs to the conversion, which has been done; "
+                f"{pixels}: --{option} belongs to the conversion, which has been done; "
                 "leave it out"
             )
     return space
@@ -155,23 +143,12 @@ def sensor_of_reference(metadata, sensor):
     """Return the sensor of a reference DNG, with what only @sensor may know."""
     profile = _core.profile_from_dng(metadata)
     if sensor is not None:
-        profile = _core.with_measurements(profile, sensor._profile, metadata.file)
-    return Sensor._of(profile)
+        profile = _core.with_measurements(profile, sensor.profile, metadata.file)
+    return Sensor.from_profile(profile)
 
 
-def upi_frame(pixels, request):
-    """Return (RawFrame, UpiDraw) of a camera that UPI draws."""
-    run = {"iso": request.iso, "effects": request.effects}
-    if request.noise:
-        run["noise"] = request.noise
-    if request.highlights is not None:
-        run["highlights"] = request.highlights
-    frame = request.upi.simulate(pixels, seed=request.seed, frame=request.frame, **run)
-    return frame, request.upi.draw(request.seed)
-
-
-def report_of(frame, request, drawn):
-    """Return what decided a frame, of JSON's types."""
+def report_of(frame, request, asked, drawn):
+    """Return what decided a frame, of JSON's types. asked : fields of its Run."""
     light = frame.simulation.illuminant
     report = {
         "width": frame.shape[1],
@@ -185,9 +162,9 @@ def report_of(frame, request, drawn):
             "duv": light.duv,
         },
         "digital_gain": frame.simulation.digital_gain,
-        "iso": request.iso,
-        "seed": request.seed,
-        "frame": request.frame,
+        "iso": asked.get("iso"),
+        "seed": asked.get("seed", Run.seed),
+        "frame": asked["frame"],
     }
     if drawn:
         report["upi"] = {

@@ -4,56 +4,74 @@
 """What one exposure is asked to be, as the core takes it."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from cg2raw import _core
 
 Light = str | _core.Illuminant
 
 
-def run_of(
-    *,
-    illuminant: str,
-    iso: float | None = None,
-    noise: str | None = None,
-    seed: int = 0,
-    frame: int = 0,
-    digital_gain: float | str = 1.0,
-    convention: str = "dng",
-    highlights: bool = True,
-    effects: bool = True,
-    camera_input: bool = False,
-    as_shot: Sequence[float] | None = None,
-    exposure_time: float | None = None,
-    color_effects: bool = True,
-) -> _core.Run:
-    """Return what one exposure is asked to be. Raises ValueError for other types."""
-    sampled = isinstance(digital_gain, str) and digital_gain == "sample"
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """What one exposure is asked to be: the keywords of Sensor.simulate and its like.
+
+    illuminant : word of the illuminant grammar, or an Illuminant.
+    iso : None for no noise; else within one stop of the calibrated ISOs.
+    noise : how it is drawn, with the same variance: None for what the profile says
+        (its noise_effects), "gaussian", or "physical" (Poisson photons, Tukey lambda
+        read noise with the profile's outliers, row noise), which needs an iso and a
+        profile whose noise has tukey_lambda and row_sigma.
+    seed, frame : key of everything random; noise differs from frame to frame.
+    digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
+        from the profile, by seed and frame.
+    convention : "dng" (inverse of a DNG renderer), "paper", or "sensor": the light as a
+        camera takes it, which clips where its effects and its white level say and no
+        earlier; noise falls on every site.
+    highlights : keep white white while white balance is undone; not with "sensor".
+    effects : False for neither the profile's effects nor noise.
+    camera_input : the image already is camera RGB under this illuminant.
+    as_shot : (3,) neutral that the word as-shot stands for.
+    exposure_time : seconds; effects of dark current need it.
+    color_effects : False if the image has the profile's effects of stage color
+        already, as pixels in a RAW space of OpenColorIO have."""
+
+    illuminant: Light
+    iso: float | None = None
+    noise: str | None = None
+    seed: int = 0
+    frame: int = 0
+    digital_gain: float | str = 1.0
+    convention: str = "dng"
+    highlights: bool = True
+    effects: bool = True
+    camera_input: bool = False
+    as_shot: Sequence[float] | None = None
+    exposure_time: float | None = None
+    color_effects: bool = True
+
+
+def core_run(sensor: str, run: Run) -> _core.Run:
+    """Return a Run as the core takes it.
+
+    sensor : the id of whose exposure it is. Raises ValueError for other types, and for
+    an Illuminant of another sensor."""
+    fields: dict[str, Any] = vars(run) | {
+        "illuminant": illuminant_word(run.illuminant, sensor)
+    }
+    if isinstance(run.digital_gain, str) and run.digital_gain == "sample":
+        fields |= {"digital_gain": 1.0, "sample_digital_gain": True}
     try:
-        return _core.Run(
-            illuminant=illuminant,
-            iso=iso,
-            noise=noise,
-            seed=seed,
-            frame=frame,
-            digital_gain=1.0 if sampled else digital_gain,  # type: ignore[arg-type]
-            sample_digital_gain=sampled,
-            convention=convention,
-            highlights=highlights,
-            effects=effects,
-            camera_input=camera_input,
-            as_shot=as_shot,
-            exposure_time=exposure_time,
-            color_effects=color_effects,
-        )
+        return _core.Run(**fields)
     except TypeError:
         raise ValueError(
-            f"iso {iso!r}, exposure_time {exposure_time!r} and digital_gain "
-            f"{digital_gain!r} must be numbers (or digital_gain sample), "
-            f"seed {seed!r} and frame {frame!r} whole numbers from 0 to 2**64 - 1, "
-            f"noise {noise!r} and convention {convention!r} texts, highlights "
-            f"{highlights!r}, effects {effects!r}, color_effects {color_effects!r} and "
-            f"camera_input {camera_input!r} True or False, and as_shot {as_shot!r} "
-            "three numbers"
+            f"iso {run.iso!r}, exposure_time {run.exposure_time!r} and digital_gain "
+            f"{run.digital_gain!r} must be numbers (or digital_gain sample), "
+            f"seed {run.seed!r} and frame {run.frame!r} whole numbers from 0 to "
+            f"2**64 - 1, noise {run.noise!r} and convention {run.convention!r} texts, "
+            f"highlights {run.highlights!r}, effects {run.effects!r}, color_effects "
+            f"{run.color_effects!r} and camera_input {run.camera_input!r} True or "
+            f"False, and as_shot {run.as_shot!r} three numbers"
         ) from None
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from cg2raw import _core
 from cg2raw.arrays import FloatImage, RawImage, raw_plane, rgb_image, signal_plane
 from cg2raw.cfa import demosaic, mosaic
-from cg2raw.exposure import Light, illuminant_word, run_of
+from cg2raw.exposure import Light, Run, core_run, illuminant_word
 from cg2raw.raw_frame import RawFrame
 
 
@@ -58,7 +58,7 @@ class Sensor:
         """Return the sensor of a profile's JSON text; name stands in messages.
 
         Raises ValueError naming field, value and bound."""
-        return cls._of(_core.parse_profile(text, name))
+        return cls.from_profile(_core.parse_profile(text, name))
 
     @classmethod
     def from_dng(cls, path: str | os.PathLike[str]) -> "Sensor":
@@ -66,13 +66,19 @@ class Sensor:
 
         Raises ValueError naming file, tag, value and bound."""
         metadata = _core.read_dng_metadata(os.fspath(path))
-        return cls._of(_core.profile_from_dng(metadata))
+        return cls.from_profile(_core.profile_from_dng(metadata))
 
     @classmethod
-    def _of(cls, profile: _core.SensorProfile) -> "Sensor":
+    def from_profile(cls, profile: _core.SensorProfile) -> "Sensor":
+        """Return the sensor of a profile that is loaded already."""
         sensor = cls.__new__(cls)
         sensor._profile = profile
         return sensor
+
+    @property
+    def profile(self) -> _core.SensorProfile:
+        """The profile, as functions of the core take it."""
+        return self._profile
 
     def __reduce__(self) -> Any:
         return (Sensor.from_json, (self.to_json(), self.id))
@@ -95,7 +101,7 @@ class Sensor:
             float32 is read in place where its channels lie together; float16 is
             converted a few rows at a time; other floats are copied to float32.
         threads : 0 for one per core; the result does not depend on it.
-        run : see `simulation`.
+        run : the fields of cg2raw.Run; illuminant has no default.
 
         Returns (H, W) uint16 DN. Other Python threads run meanwhile.
         Raises ValueError for other arrays and bad runs."""
@@ -126,65 +132,16 @@ class Sensor:
         simulation = self.simulation(image.shape[:2], **run)
         return simulation.expectation(image, threads=threads)
 
-    def simulation(
-        self,
-        shape: Sequence[int],
-        *,
-        illuminant: Light,
-        iso: float | None = None,
-        noise: str | None = None,
-        seed: int = 0,
-        frame: int = 0,
-        digital_gain: float | str = 1.0,
-        convention: str = "dng",
-        highlights: bool = True,
-        effects: bool = True,
-        camera_input: bool = False,
-        as_shot: Sequence[float] | None = None,
-        exposure_time: float | None = None,
-        color_effects: bool = True,
-    ) -> _core.Simulation:
+    def simulation(self, shape: Sequence[int], **run: Any) -> _core.Simulation:
         """Return what decides every pixel of an exposure.
 
         shape : (H, W) of the image.
-        illuminant : word of the illuminant grammar, or an Illuminant.
-        iso : None for no noise; else within one stop of the calibrated ISOs.
-        noise : how it is drawn, with the same variance: None for what the profile says
-            (its noise_effects), "gaussian", or "physical" (Poisson photons, Tukey
-            lambda read noise with the profile's outliers, row noise), which needs an
-            iso and a profile whose noise has tukey_lambda and row_sigma.
-        seed, frame : key of everything random; noise differs from frame to frame.
-        digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
-            from the profile, by seed and frame.
-        convention : "dng" (inverse of a DNG renderer), "paper", or "sensor": the light
-            as a camera takes it, which clips where its effects and its white level say
-            and no earlier; noise falls on every site.
-        highlights : keep white white while white balance is undone; not with "sensor".
-        effects : False for neither the profile's effects nor noise.
-        camera_input : the image already is camera RGB under this illuminant.
-        as_shot : (3,) neutral that the word as-shot stands for.
-        exposure_time : seconds; effects of dark current need it.
-        color_effects : False if the image has the profile's effects of stage color
-            already, as pixels in a RAW space of OpenColorIO have.
+        run : the fields of cg2raw.Run; illuminant has no default.
 
         Raises ValueError naming what is wrong and what is allowed."""
-        run = run_of(
-            illuminant=illuminant_word(illuminant, self.id),
-            iso=iso,
-            noise=noise,
-            seed=seed,
-            frame=frame,
-            digital_gain=digital_gain,
-            convention=convention,
-            highlights=highlights,
-            effects=effects,
-            camera_input=camera_input,
-            as_shot=as_shot,
-            exposure_time=exposure_time,
-            color_effects=color_effects,
-        )
         height, width = shape
-        return _core.Simulation(self._profile, (height, width), run)
+        run_of_core = core_run(self.id, Run(**run))
+        return _core.Simulation(self._profile, (height, width), run_of_core)
 
     def to_camera(
         self,
@@ -199,7 +156,7 @@ class Sensor:
         """Return (H, W, 3) float32 camera RGB before the mosaic, white at 1.
 
         rgb : (H, W, 3 or 4) float, scene-linear Rec.709; other arguments as of
-        `simulation`. Raises ValueError."""
+        cg2raw.Run. Raises ValueError."""
         transform = self._transform(illuminant, convention, digital_gain, highlights)
         return _core.to_camera(transform, rgb_image(rgb), threads=threads)
 
@@ -215,7 +172,7 @@ class Sensor:
         """Return (H, W, 3) float32 scene-linear Rec.709 of camera RGB.
 
         camera : (H, W, 3 or 4) float camera RGB, white at 1, such as to_camera and
-            demosaic return; other arguments as of `simulation`.
+            demosaic return; other arguments as of cg2raw.Run.
 
         As the processor of a camera does it: white balance, clip at white, colour
         matrix. Undoes to_camera, but for what clipped and for highlights that were kept
@@ -269,13 +226,17 @@ class Sensor:
 
         signal : (H, W) float, 0..1 above black, finite; a site of 0.99999 and above is
             clipped and stays as it is.
-        iso, noise, seed, frame : as of `simulation`; it is the noise that the same run
+        iso, noise, seed, frame : as of cg2raw.Run; it is the noise that the same run
             of `signal` has. None of the profile's effects are applied.
 
         Raises ValueError, also if the profile has no noise at that ISO."""
-        run = run_of(illuminant="D65", iso=iso, noise=noise, seed=seed, frame=frame)
-        plane = signal_plane(signal)
-        return _core.add_noise(self._profile, plane, run, threads=threads)
+        run = Run(illuminant="D65", iso=iso, noise=noise, seed=seed, frame=frame)
+        return _core.add_noise(
+            self._profile,
+            signal_plane(signal),
+            core_run(self.id, run),
+            threads=threads,
+        )
 
     def apply_effect(
         self,
@@ -300,14 +261,16 @@ class Sensor:
         exposure_time : seconds, where the effect needs it.
 
         Raises ValueError naming effect, parameter, value and bounds."""
-        run = run_of(
-            illuminant=illuminant_word(illuminant, self.id),
-            seed=seed,
-            frame=frame,
-            exposure_time=exposure_time,
+        run = Run(
+            illuminant=illuminant, seed=seed, frame=frame, exposure_time=exposure_time
         )
         result = _core.apply_effect(
-            self._profile, _planes(image), name, dict(parameters), run, threads=threads
+            self._profile,
+            _planes(image),
+            name,
+            dict(parameters),
+            core_run(self.id, run),
+            threads=threads,
         )
         return _pixels(result)
 
@@ -326,11 +289,14 @@ class Sensor:
         mean : of the image's shape; variance : (H, W), in the square of 0..1 above
         black, and 0 for an effect before the mosaic, which has none.
         Arguments and errors as of apply_effect."""
-        run = run_of(
-            illuminant=illuminant_word(illuminant, self.id), exposure_time=exposure_time
-        )
+        run = Run(illuminant=illuminant, exposure_time=exposure_time)
         mean, variance = _core.expect_effect(
-            self._profile, _planes(image), name, dict(parameters), run, threads=threads
+            self._profile,
+            _planes(image),
+            name,
+            dict(parameters),
+            core_run(self.id, run),
+            threads=threads,
         )
         return _pixels(mean), variance
 

@@ -139,9 +139,9 @@ class Upi:
 
         rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709.
         frame : noise differs from frame to frame, the camera does not.
-        iso : as in Sensor.simulation; not with noise "upi".
+        iso : as in cg2raw.Run; not with noise "upi".
         run : noise (gaussian or physical), highlights and effects, as in
-            Sensor.simulation.
+            cg2raw.Run.
         Raises ValueError."""
         for name in run:
             _one_of("keyword", name, ("noise", "highlights", "effects"))

@@ -53,7 +53,7 @@ def predicted(camera, *settings, cfa="RGGB", exposure_time=None, of=None):
     """Return (mean, variance) in float64 of a whole frame of camera RGB (3, H, W)."""
     camera = np.asarray(camera, np.float32)
     mean, variance, _ = _core.predict_blocks(
-        (of or sensor(cfa))._profile,
+        (of or sensor(cfa)).profile,
         [(name, values_of(name, **given)) for name, given in settings],
         camera[None],
         np.zeros((1, 2), np.int32),

@@ -81,7 +81,7 @@ def test_blocks_with_halos_are_the_frame_in_one_piece():
     neutral = sensor.illuminant("D65").neutral
     surround = _core.surround(image)
     whole = _core.predict_blocks(
-        sensor._profile, settings_of(LISTED), camera, np.zeros((1, 2), np.int32),
+        sensor.profile, settings_of(LISTED), camera, np.zeros((1, 2), np.int32),
         (300, 530), 0, neutral, SECONDS, surround,
     )  # fmt: skip
     mean, variance = sensor.expectation(image, **run_of())
@@ -90,7 +90,7 @@ def test_blocks_with_halos_are_the_frame_in_one_piece():
     margin, rows, cols = 20, 120, 150
     row, col = 91, 213
     part = _core.predict_blocks(
-        sensor._profile, settings_of(LISTED),
+        sensor.profile, settings_of(LISTED),
         np.ascontiguousarray(camera[..., row : row + rows, col : col + cols]),
         np.array([[row + margin, col + margin]], np.int32),
         (300, 530), margin, neutral, SECONDS, surround,
@@ -112,7 +112,7 @@ def test_blocks_at_the_frames_ends_are_those_of_the_whole_frame(row, col):
 
     def predicted(block, origin, margin):
         return _core.predict_blocks(
-            sensor._profile, settings_of(LISTED), np.ascontiguousarray(block),
+            sensor.profile, settings_of(LISTED), np.ascontiguousarray(block),
             np.array([origin], np.int32), (300, 530), margin, neutral, SECONDS,
             surround,
         )  # fmt: skip
@@ -190,7 +190,7 @@ def test_dark_current_needs_an_exposure_time():
 def predict(effects, **options):
     given = {"surround": None, "exposure_time": None, "margin": 4, **options}
     return _core.predict_blocks(
-        sensor_with({})._profile, settings_of(effects), np.zeros((1, 3, 20, 20), "f4"),
+        sensor_with({}).profile, settings_of(effects), np.zeros((1, 3, 20, 20), "f4"),
         np.full((1, 2), 9, np.int32), (40, 40), neutral=[1, 1, 1], **given,
     )  # fmt: skip
 
@@ -214,7 +214,7 @@ def test_the_surround_passes_the_effects_of_colour():
         planes = np.ascontiguousarray(np.moveaxis(gain * camera, -1, 0))
         results.append(
             _core.predict_blocks(
-                sensor_with({})._profile, settings_of(listed), planes[None],
+                sensor_with({}).profile, settings_of(listed), planes[None],
                 np.zeros((1, 2), np.int32), (20, 20), surround=_core.surround(planes),
                 **how,
             )[0]

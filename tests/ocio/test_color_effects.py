@@ -54,7 +54,7 @@ def site_of(cfa):
 
 def camera_by_the_core(profile, rgb, **run):
     """Return (N, 3) camera RGB, after the effects, of the sites of 2x2 equal pixels."""
-    sensor = cg2raw.Sensor._of(profile)
+    sensor = cg2raw.Sensor.from_profile(profile)
     scene = np.repeat(np.repeat(rgb[None], 2, axis=0), 2, axis=1)
     signal = sensor.signal(scene, threads=1, **run)
     return np.stack([signal[site][0] for site in site_of(sensor.cfa)], axis=-1)

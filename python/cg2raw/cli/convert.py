@@ -171,19 +171,11 @@ def request_of(arguments):
     if arguments.sensor and not upi:
         load_one(arguments.sensor)  # tells an unknown one the closest
         sensor = Sensor(arguments.sensor)
-    is_upi_noise = arguments.noise == "upi"
     return Request(
         sensor=sensor,
         reference=arguments.reference,
-        illuminant=arguments.illuminant,
-        convention=arguments.convention,
-        gain=arguments.gain,
-        highlights=arguments.highlights,
-        iso=arguments.iso,
-        noise=None if is_upi_noise else arguments.noise,
-        seed=arguments.seed,
+        run=run_of(arguments),
         layer=arguments.layer,
-        effects=arguments.effects == "profile",
         exposure=arguments.exposure,
         linearize=arguments.linearize,
         space=arguments.iscolorspace,
@@ -193,6 +185,22 @@ def request_of(arguments):
             for name in ("matrices", "compression", "preview", "tone_curve")
         },
     )
+
+
+def run_of(arguments):
+    """Return those fields of a Run that a command line asks for."""
+    is_upi = arguments.method == "upi"
+    given = {
+        "illuminant": arguments.illuminant,
+        "convention": arguments.convention,
+        "digital_gain": None if is_upi else arguments.gain,
+        "highlights": arguments.highlights,
+        "iso": arguments.iso,
+        "noise": None if arguments.noise == "upi" else arguments.noise,
+        "seed": arguments.seed,
+        "effects": arguments.effects == "profile",
+    }
+    return {name: value for name, value in given.items() if value is not None}
 
 
 def check_method(arguments):

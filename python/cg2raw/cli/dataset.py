@@ -174,7 +174,7 @@ def plan_of(arguments):
 
     isos = number_list("--iso", arguments.iso, "clean")
     return options.make_plan(
-        [Sensor._of(profile) for profile in asked_sensors(arguments.sensors)],
+        [Sensor.from_profile(profile) for profile in asked_sensors(arguments.sensors)],
         leave_out,
         illuminants=illuminants(arguments.illuminants),
         digital_gains=tuple(number_list("--gains", arguments.gains, "sample")),

@@ -235,18 +235,8 @@ def simulated(plan, variant, scene, seconds):
         plan.cameras[variant.sensor], variant.scene, plan.seed
     )
     sensor, gain = camera.sensor, camera.digital_gain
-    raw = sensor.simulate(
-        scene,
-        threads=1,
-        illuminant=camera.illuminant,
-        iso=variant.iso,
-        noise=plan.noise if variant.iso is not None else None,
-        seed=plan.seed,
-        frame=variant.frame,
-        digital_gain=gain,
-        convention=plan.convention,
-        exposure_time=seconds,
-    )
+    run = plan.run(camera, variant.iso, seconds)
+    raw = sensor.simulate(scene, threads=1, frame=variant.frame, **run)
     shape = raw.shape
     if plan.format == "dng":
         write = dng_writer(plan, raw, seconds)
@@ -280,7 +270,7 @@ def dng_writer(plan, raw, seconds):
 def truth(plan, sensor, illuminant, gain, shape):
     """Return what is known of the light and of the file's numbers."""
     transform = _core.camera_from_scene(
-        sensor._profile, illuminant, plan.convention, gain
+        sensor.profile, illuminant, plan.convention, gain
     )
     return {
         "width": shape[1],

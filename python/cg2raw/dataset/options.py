@@ -95,17 +95,9 @@ def check_runs(plan, sensor):
     tries += [(words[0], gains[0], iso) for iso in isos]
     for word, gain, iso in tries:
         camera = METHODS[plan.method](sensor, Scene("", 0, word, gain, 0), plan.seed)
-        camera.sensor.simulation(
-            (2, 2),
-            illuminant=camera.illuminant,
-            digital_gain=camera.digital_gain,
-            iso=iso,
-            noise=plan.noise if iso is not None else None,
-            seed=plan.seed,
-            convention=plan.convention,
-            # Of images that do not say theirs, Plan.seconds tells later.
-            exposure_time=plan.exposure_time or 1.0,
-        )
+        # Of images that do not say their time, Plan.seconds tells later.
+        run = plan.run(camera, iso, plan.exposure_time or 1.0)
+        camera.sensor.simulation((2, 2), **run)
 
 
 def difference(old_text, plan):

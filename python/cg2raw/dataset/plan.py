@@ -94,6 +94,18 @@ class Plan:
         }
         return {id: names for id, names in listed.items() if names}
 
+    def run(self, camera, iso, seconds):
+        """Return the fields of the cg2raw.Run of a Camera that a method has chosen."""
+        return {
+            "illuminant": camera.illuminant,
+            "digital_gain": camera.digital_gain,
+            "iso": iso,
+            "noise": self.noise if iso is not None else None,
+            "seed": self.seed,
+            "convention": self.convention,
+            "exposure_time": seconds,
+        }
+
     def seconds(self, of_image):
         """Return the exposure time of an image whose Exif says @of_image, or None.
 
