@@ -12,10 +12,11 @@ import subprocess
 import time
 from pathlib import Path
 
+import numpy as np
+
 import bench_dataset
 import bench_diagnose
 import bench_ocio
-import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "out" / "bench"

@@ -7,11 +7,11 @@ import time
 
 import numpy as np
 import PyOpenColorIO as ocio
+
+from cg2raw import _core
 from cg2raw_ocio import chain
 from cg2raw_ocio.config import config_text, make_config
 from cg2raw_ocio.spaces import group
-
-from cg2raw import _core
 
 SENSOR, LIGHT = "samsung-s20fe", "2856K"
 SPACE = f"RAW - {SENSOR} - {LIGHT}"

@@ -7,8 +7,14 @@ import PyOpenColorIO as ocio
 from cg2raw import _core
 
 from . import chain, color_effects, names
-from .fixed_spaces import DATA, DISPLAY, TEXTURE
-from .fixed_spaces import display_spaces, picture_spaces, scene_spaces
+from .fixed_spaces import (
+    DATA,
+    DISPLAY,
+    TEXTURE,
+    display_spaces,
+    picture_spaces,
+    scene_spaces,
+)
 from .spaces import all_raw_spaces
 
 DEVELOPED_VIEW, DATA_VIEW = "White balanced", "Raw"

@@ -8,8 +8,8 @@ import tempfile
 import numpy as np
 
 from cg2raw.io.atomic_file import write_atomically
-from cg2raw.oiio.openimageio import one_line, openimageio
 from cg2raw.io.libraw import opened
+from cg2raw.oiio.openimageio import one_line, openimageio
 
 # Below this LibRaw has no whole tile for its X-Trans demosaicing, and says
 # "Input/output error". Measured with LibRaw 0.22: 512 x 512 is the least.

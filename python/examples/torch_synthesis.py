@@ -6,9 +6,10 @@ Every item of every epoch has a light, a digital gain and noise of its own, whic
 epoch and index decide.
 """
 
-import cg2raw
 import numpy as np
 import torch
+
+import cg2raw
 from cg2raw.dataset.packed import packed
 from cg2raw.io.image_file import read_image
 

@@ -4,6 +4,7 @@
 
 import matplotlib
 import numpy as np
+
 from illuminant_models import DRAWS, MODELS, UPI_GAINS, fitted_models, halves
 
 matplotlib.use("Agg")

@@ -4,9 +4,10 @@
 
 import json
 
-import cg2raw
 import numpy as np
 from scipy import stats
+
+import cg2raw
 
 # Gains of red and blue, each uniform and independent of the other. Source: Brooks et
 # al., Unprocessing Images for Learned Raw Denoising (UPI), CVPR 2019; the ranges are

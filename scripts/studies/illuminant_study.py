@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+
 from illuminant_models import DRAWS, MODELS, fitted_models, halves
 
 NEUTRALS = Path("tables") / "illuminants" / "nus9_gt_illuminants.csv"

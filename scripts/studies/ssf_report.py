@@ -18,12 +18,11 @@ from scipy.spatial import Delaunay
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from oracles import adobe, spectral  # noqa: E402
-
 from cg2raw.profile.illuminant_spectra import REAL_LIGHTS  # noqa: E402
 from cg2raw.profile.matrix_fit import balanced_camera  # noqa: E402
 from cg2raw.profile.spectral import color_matrices, neutral_under  # noqa: E402
 from cg2raw.profile.spectral_file import read_sensitivities  # noqa: E402
+from oracles import adobe, spectral  # noqa: E402
 
 # Camera: file of sensitivities, model of the published matrices, camera of the NUS set.
 PUBLISHED = {

@@ -2,10 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """What effects are predicted to make of planted frames."""
 
-import cg2raw
 import numpy as np
-from cg2raw import _core
 
+import cg2raw
+from cg2raw import _core
 from oracles import cameras
 
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}

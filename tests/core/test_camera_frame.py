@@ -5,11 +5,11 @@ how the frame is cut, and a prediction is what is drawn on average."""
 
 import json
 
-import cg2raw
 import numpy as np
 import pytest
-from cg2raw import _core
 
+import cg2raw
+from cg2raw import _core
 from oracles import cameras
 
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
@@ -120,9 +120,7 @@ def test_blocks_at_the_frames_ends_are_those_of_the_whole_frame(row, col):
     margin, rows, cols = 20, 80, 110
     top = min(max(row - margin, 0), 300 - rows - 2 * margin)
     left = min(max(col - margin, 0), 530 - cols - 2 * margin)
-    block = camera[
-        ..., top : top + rows + 2 * margin, left : left + cols + 2 * margin
-    ]
+    block = camera[..., top : top + rows + 2 * margin, left : left + cols + 2 * margin]
     part = predicted(block, (row, col), margin)
     whole = predicted(camera, (0, 0), 0)
     for of_part, of_whole in zip(part, whole, strict=True):

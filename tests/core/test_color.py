@@ -2,10 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """color.h: temperatures and black bodies, against the oracle and published values."""
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import adobe, robertson
 
 TABLES = ("adobe", "corrected")

@@ -2,11 +2,11 @@
 # Copyright Contributors to the cg2raw Project.
 """demosaic.h: what sites lack is interpolated, to the edges, for any CFA."""
 
-import cg2raw
 import numpy as np
 import pytest
 from scipy.ndimage import convolve
 
+import cg2raw
 from oracles import cameras
 
 BAYER = ("RGGB", "GRBG", "GBRG", "BGGR")

@@ -2,9 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """A chart through simulation, DNG and a reader of the specification, back to sRGB."""
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 
 pytest.importorskip("tifffile", reason="tifffile is not installed")
 

@@ -2,10 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """effect.h: the laws that every registered effect obeys."""
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 STAGES = (

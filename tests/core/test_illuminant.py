@@ -2,10 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """illuminant.h: the grammar, neutrals, and parity with Adobe's renderer."""
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import adobe, cameras, robertson
 
 GRAMMAR = "3200K.*xy:.*neutral:.*sample:"

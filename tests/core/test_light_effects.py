@@ -4,8 +4,9 @@
 
 import numpy as np
 import pytest
-from core import predicted as of
 from scipy import ndimage
+
+from core import predicted as of
 
 TIGHT = {"rtol": 3e-6, "atol": 3e-7}  # float32
 

@@ -4,10 +4,10 @@
 
 import math
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 CFAS = ("RGGB", "GRBG", "GBRG", "BGGR", cameras.QUAD, cameras.X_TRANS)

@@ -4,8 +4,9 @@
 
 import numpy as np
 import pytest
-from core import predicted as of
 from scipy import integrate, stats
+
+from core import predicted as of
 
 BAYER = ("RGGB", "GRBG", "GBRG", "BGGR")
 SHOT = {f"beta1_{site}": 2e-3 for site in ("00", "01", "10", "11")}

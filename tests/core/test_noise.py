@@ -4,10 +4,10 @@
 
 import math
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras, philox
 
 SIDE = 2048  # 4 MP, a million pixels per CFA site

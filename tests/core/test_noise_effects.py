@@ -5,10 +5,10 @@ that runs that do not say otherwise are drawn so."""
 
 import json
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 ROW = {"iso": 100, "beta1": [2e-3, 1e-3, 1.5e-3, 3e-3], "beta2": [4e-6] * 4}

@@ -4,10 +4,10 @@
 
 import csv
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 # Names in the table of matrices that tests/data/nine_cameras.csv is taken from.

@@ -3,11 +3,11 @@
 """Read noise with outliers: the moments of a mixture, and draws that can be told
 apart one by one."""
 
-import cg2raw
 import numpy as np
 import pytest
 from scipy import stats
 
+import cg2raw
 from oracles import cameras
 
 SIDE = 2048

@@ -3,11 +3,11 @@
 """The noise model of Wei et al. (IEEE Trans. PAMI 44(11), 2022): its laws, planted
 values that come back, and its distributions against SciPy's."""
 
-import cg2raw
 import numpy as np
 import pytest
 from scipy import stats
 
+import cg2raw
 from oracles import cameras
 
 SIDE = 1024  # a million pixels

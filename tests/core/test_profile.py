@@ -4,10 +4,10 @@
 
 import json
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 

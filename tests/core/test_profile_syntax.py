@@ -6,9 +6,9 @@ import json
 import math
 import time
 
-import cg2raw
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 

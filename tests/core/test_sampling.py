@@ -5,10 +5,10 @@
 import functools
 import json
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 stats = pytest.importorskip("scipy.stats", reason="scipy is not installed")

@@ -3,6 +3,7 @@
 """Which channels of a render are its picture, and which frame of a shot it is."""
 
 import pytest
+
 from cg2raw import _core
 
 RGBA = ["R", "G", "B", "A"]

@@ -2,10 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """transform.h: camera RGB back to the scene, in both conventions."""
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import adobe, cameras, dng_convention, paper
 
 LIGHTS = ("A", "3200K", "D65", "neutral:0.38:0.79", "neutral:1.2:0.25")

@@ -8,10 +8,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import cg2raw
 import numpy as np
 import pytest
 import rawpy
+
+import cg2raw
 
 PROFILES = Path(__file__).parents[2] / "plugins" / "profiles"
 SCRIPTS = Path(__file__).parents[2] / "scripts" / "sensors"

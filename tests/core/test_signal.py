@@ -2,10 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """signal.h: noise, one effect, and DN, on a signal that is already there."""
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import cameras
 
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}

@@ -2,10 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """transform.h: both conventions and the highlights, against their oracles."""
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from oracles import adobe, cameras, dng_convention, paper
 
 FULL_SCALE = 2e-6  # float32 pixels: 17 units of rounding at 1

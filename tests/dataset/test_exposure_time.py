@@ -4,10 +4,10 @@
 
 import json
 
-import cg2raw
 import numpy as np
 import pytest
 
+import cg2raw
 from dataset.data_sets import rows, write_image
 from python.commands import fails, run
 

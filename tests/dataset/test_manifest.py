@@ -5,14 +5,14 @@
 import hashlib
 import json
 
-import cg2raw
 import numpy as np
 import OpenImageIO as oiio
 import pyarrow.parquet
 import pytest
+
+import cg2raw
 from cg2raw import read_dng_metadata
 from cg2raw.io.image_file import read_image
-
 from dataset.data_sets import check_agreement, rows, scene
 from python.commands import run
 

@@ -6,8 +6,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import rawpy
-from cg2raw.dataset.packed import packed
 
+from cg2raw.dataset.packed import packed
 from dataset.data_sets import rows, scene, write_image
 from python.commands import run
 

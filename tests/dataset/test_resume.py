@@ -9,9 +9,9 @@ import subprocess
 import sys
 
 import pytest
+
 from cg2raw.dataset import journal
 from cg2raw.dataset.run import make_dataset
-
 from dataset.data_sets import (
     FILES,
     OPTIONS,

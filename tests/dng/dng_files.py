@@ -6,9 +6,10 @@ import json
 import subprocess
 from pathlib import Path
 
-import cg2raw
 import numpy as np
 import tifffile
+
+import cg2raw
 
 PROFILES = Path(__file__).resolve().parents[2] / "plugins" / "profiles"
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import rawpy
 import tifffile
-from oracles import cameras, de2000, dng_renderer
 
 from dng import dng_files
+from oracles import cameras, de2000, dng_renderer
 
 # Pixels of a flat patch: RawTherapee refuses files below 100 kB, LibRaw X-Trans below
 # 512 x 512 pixels.

@@ -15,10 +15,11 @@ import shutil
 import sys
 from pathlib import Path
 
-import cg2raw
 import numpy as np
-from cg2raw.io.atomic_file import write_atomically, write_folder
+
+import cg2raw
 from cg2raw.dataset import journal
+from cg2raw.io.atomic_file import write_atomically, write_folder
 
 CALLS = ("open", "write", "pwrite", "fsync", "close", "link", "rename")
 NUMBERS = ("ENOSPC", "EIO", "EDQUOT")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from conftest import OIIOTOOLS, oiiotool_runner
 from faults.injector import Injector, compiled
 from images import attributes, write_image

@@ -6,9 +6,9 @@ import json
 import re
 from pathlib import Path
 
-import cg2raw
 import pytest
 
+import cg2raw
 from fuzz import make_seeds
 
 HERE = Path(__file__).parent

@@ -8,11 +8,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import cg2raw_ocio
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
 
+import cg2raw_ocio
 from cg2raw import _core
 from ocio import chain_runner
 

@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from images import read_dn, write_image
 
 import cg2raw
 from cg2raw_ocio import config as generator
 from cg2raw_ocio.names import SCENE_LINEAR
+from images import read_dn, write_image
 
 pytestmark = pytest.mark.slow
 

@@ -7,12 +7,12 @@ import json
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
-from cg2raw_ocio import color_effects, context, export, measure, names
-from cg2raw_ocio.config import make_config
-from cg2raw_ocio.spaces import Exposure, camera_transform
 
 import cg2raw
 from cg2raw import _core
+from cg2raw_ocio import color_effects, context, export, measure, names
+from cg2raw_ocio.config import make_config
+from cg2raw_ocio.spaces import Exposure, camera_transform
 from ocio.pixels import kinds_of_pixels
 
 FULL_SCALE_DN = 65535.0

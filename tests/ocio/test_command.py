@@ -7,11 +7,11 @@ import sys
 
 import PyOpenColorIO as ocio
 import pytest
+
+import cg2raw
 from dng import dng_files
 from ocio.conversion import SCENE, camera, converted, difference, pixels, system_python
 from python.commands import fails, run
-
-import cg2raw
 
 PAIRS = ("--sensors", "samsung-s20fe,nikon-d40", "--illuminants", "A,3200K,sample:0-1")
 ONE = ("--sensors", "nikon-d40", "--illuminants", "A")

@@ -11,14 +11,14 @@ import numpy as np
 import OpenImageIO as oiio
 import PyOpenColorIO as ocio
 import pytest
+
+import cg2raw
+from cg2raw import _core
 from cg2raw_ocio import names
 from cg2raw_ocio.config import VERSIONS, config_text, make_config
 from cg2raw_ocio.spaces import Exposure
 from conftest import OIIOTOOLS, ROOT
 from images import write_image
-
-import cg2raw
-from cg2raw import _core
 from ocio.pixels import kinds_of_pixels
 from oracles import camera_transform
 

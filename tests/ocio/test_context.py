@@ -7,11 +7,11 @@ import time
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
+
+import cg2raw
 from images import attributes, read_dn, write_image
 from ocio.conversion import SCENE, camera, converted, difference, pixels, system_python
 from python.commands import fails, run
-
-import cg2raw
 
 PAIRS = [
     (sensor, light)

@@ -6,12 +6,12 @@ import re
 
 import numpy as np
 import pytest
+
+from cg2raw import _core
 from cg2raw_ocio import export, measure
 from cg2raw_ocio.spaces import Exposure, camera_transform
 from ocio.conversion import camera, difference, pixels, system_python, through_file
 from python.commands import fails, run
-
-from cg2raw import _core
 
 PAIRS = [("samsung-s20fe", "A"), ("nikon-d40", "D65"), ("canon-600d", "sample:2")]
 

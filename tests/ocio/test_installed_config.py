@@ -10,7 +10,6 @@ import pytest
 
 from cg2raw import _core
 from cg2raw_ocio.config import config_text, make_config
-
 from ocio.conversion import system_python
 
 PAPER = (

@@ -5,11 +5,11 @@
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+
+from cg2raw import _core
 from cg2raw_ocio import names
 from cg2raw_ocio.config import config_text, make_config
 from images import write_image
-
-from cg2raw import _core
 from oracles import cameras, de2000
 
 SENSOR = "canon-600d"  # 14 bits

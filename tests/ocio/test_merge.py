@@ -5,6 +5,7 @@
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
+
 from ocio.conversion import (
     SCENE,
     camera,

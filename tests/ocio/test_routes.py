@@ -6,11 +6,11 @@ import json
 
 import numpy as np
 import pytest
-from cg2raw_ocio.config import config_text, make_config
-from images import attributes, read_dn
 
 from cg2raw import _core
 from cg2raw.cli import main
+from cg2raw_ocio.config import config_text, make_config
+from images import attributes, read_dn
 
 # Bits of a sensor, and the share of words that may differ by 1.
 SHARES = {10: 0.0005, 12: 0.001, 14: 0.003}

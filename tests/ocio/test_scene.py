@@ -5,9 +5,9 @@
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
-from cg2raw_ocio import chain
 
 from cg2raw import _core
+from cg2raw_ocio import chain
 from ocio.chain_runner import applied
 from ocio.pixels import kinds_of_pixels
 from oracles import camera_transform

@@ -7,9 +7,9 @@ import types
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
-from cg2raw_ocio import chain
 
 from cg2raw import _core
+from cg2raw_ocio import chain
 from ocio import shader_runner
 from ocio.pixels import BLACK_AND_WHITE, kinds_of_pixels
 from oracles import camera_transform

@@ -5,8 +5,9 @@
 
 import json
 
-import cg2raw
 import pytest
+
+import cg2raw
 from cg2raw.io.image_file import read_image
 from images import attributes, read_dn
 

@@ -13,6 +13,7 @@ import time
 
 import numpy as np
 import pytest
+
 from images import attributes, read_dn, write_image
 
 S20 = attributes(sensor="samsung-s20fe", illuminant="D65")

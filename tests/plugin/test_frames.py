@@ -3,9 +3,10 @@
 
 """Noise differs from frame to frame of a shot, and is the same in the same frame."""
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from images import attributes, read_dn
 from python import commands
 

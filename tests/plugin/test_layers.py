@@ -5,10 +5,11 @@
 
 import json
 
-import cg2raw
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+
+import cg2raw
 from cg2raw.io.image_file import read_image
 from images import attributes, read_dn, write_image
 from python import commands

@@ -5,9 +5,9 @@
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
-from images import attributes, read_dn
 
 import cg2raw
+from images import attributes, read_dn
 
 RAW = "RAW - samsung-s20fe - 2856K"
 GAINS = (0.6, 0.9, 0.35)  # a stand-in for the chain of a sensor

@@ -8,9 +8,9 @@ import subprocess
 
 import numpy as np
 import pytest
-from images import attributes, read_dn, write_image
 
 import cg2raw
+from images import attributes, read_dn, write_image
 
 S20 = attributes(sensor="samsung-s20fe", illuminant="D65")
 

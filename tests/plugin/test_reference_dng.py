@@ -8,9 +8,9 @@ import subprocess
 
 import numpy as np
 import pytest
-from images import attributes, read_dn, write_image
 
 import cg2raw
+from images import attributes, read_dn, write_image
 from oracles import cameras
 
 SAME = [

@@ -9,6 +9,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import rawpy
+
 from images import attributes, write_image
 
 RENDERS = ["interior", "night_street"]

@@ -5,9 +5,9 @@
 
 import numpy as np
 import pytest
-from images import attributes, read_dn, write_image
 
 import cg2raw
+from images import attributes, read_dn, write_image
 
 S20 = attributes(sensor="samsung-s20fe", illuminant="2856K")
 RUNS = {

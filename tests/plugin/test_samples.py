@@ -7,9 +7,9 @@ import json
 import subprocess
 
 import pytest
-from images import attributes
 
 import cg2raw
+from images import attributes
 
 INDICES = (0, 7, 31, 99999, 2147483647)
 

@@ -8,9 +8,9 @@ import json
 
 import numpy as np
 import pytest
-from images import attributes, read_dn, write_image
 
 import cg2raw
+from images import attributes, read_dn, write_image
 
 SITES = ("00", "01", "10", "11")
 EFFECTS = {

@@ -5,10 +5,11 @@
 import json
 import shutil
 
-import cg2raw
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+
+import cg2raw
 from cg2raw.io.image_file import read_image
 from conftest import OIIOTOOLS, oiiotool_runner
 from images import write_image

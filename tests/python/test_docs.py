@@ -149,7 +149,7 @@ def commands(page):
     """Return the words of each command of cg2raw that stands on a page."""
     found = []
     for match in COMMAND.finditer(FENCED.sub("", page.read_text())):
-        line = re.sub(r"\\\n\s*", " ", match[1]).partition(")\"")[0]
+        line = re.sub(r"\\\n\s*", " ", match[1]).partition(')"')[0]
         line = line.partition(" | ")[0].partition(" > ")[0]
         words = shlex.split(line, comments=True)
         found.append(words[1:])

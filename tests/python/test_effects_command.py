@@ -4,8 +4,9 @@
 
 import json
 
-import cg2raw
 import pytest
+
+import cg2raw
 from python.commands import fails, run
 
 EFFECTS = cg2raw.effects()

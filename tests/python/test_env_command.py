@@ -9,6 +9,7 @@ import shutil
 import subprocess
 
 import pytest
+
 from cg2raw.cli import env
 from cg2raw.oiio import elf, plugin_file
 from conftest import OIIOTOOLS, ROOT

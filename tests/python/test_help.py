@@ -6,6 +6,7 @@ import re
 import shlex
 
 import pytest
+
 from cg2raw.cli import make_parser, subcommands
 from python.commands import run
 

@@ -9,10 +9,10 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import tifffile
-from cg2raw.io.image_file import image_size, read_image, read_plane
-from cg2raw.io.transfer_curve import table
 from PIL import ImageCms
 
+from cg2raw.io.image_file import image_size, read_image, read_plane
+from cg2raw.io.transfer_curve import table
 from dataset.data_sets import scene, write_deep, write_image
 
 CODES = np.arange(0, 252, dtype=np.uint8).reshape(7, 12, 3)

@@ -5,9 +5,10 @@
 import dataclasses
 from types import SimpleNamespace
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from cg2raw.io import libraw
 from cg2raw.io.json_text import checked
 from cg2raw.profile.from_raw_files import profile_from_raw_files

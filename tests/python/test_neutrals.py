@@ -5,6 +5,7 @@
 import csv
 
 import pytest
+
 from cg2raw.profile.neutrals import read_neutrals
 
 EXPECTED = [[0.5, 0.25], [0.25, 0.5], [2.0, 0.75]]

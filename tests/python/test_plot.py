@@ -2,13 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """The picture of a sensor's illuminants: drawn for any profile, with what it shows."""
 
-import cg2raw
 import numpy as np
 import pytest
-from cg2raw.profile import plot
-from dng import dng_files
 from matplotlib import style
 from matplotlib.figure import Figure
+
+import cg2raw
+from cg2raw.profile import plot
+from dng import dng_files
 from python.commands import fails, run
 
 PNG = b"\x89PNG\r\n\x1a\n"

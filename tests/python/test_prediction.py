@@ -2,12 +2,12 @@
 # Copyright Contributors to the cg2raw Project.
 """Predictions of blocks of a frame: those of the simulation, whatever the blocks."""
 
-import cg2raw
 import numpy as np
 import pytest
-from cg2raw import _core
 from scipy import ndimage
 
+import cg2raw
+from cg2raw import _core
 from oracles import cameras
 
 HEIGHT, WIDTH = 48, 64

@@ -7,9 +7,10 @@ import os
 import subprocess
 import sys
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from python.commands import fails, run, write_dng
 
 LIGHTS = ("A", "3500K", "D50", "neutral:0.6:0.5")

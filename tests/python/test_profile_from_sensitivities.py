@@ -4,9 +4,10 @@
 
 import json
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from cg2raw.profile.spectral import profile_from_ssf
 from python.commands import fails, run, write_dng
 

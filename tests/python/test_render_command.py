@@ -4,10 +4,11 @@
 
 import json
 
-import cg2raw
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+
+import cg2raw
 from dng import dng_files
 from oracles.de2000 import between_linear_srgb
 from python.commands import fails, run

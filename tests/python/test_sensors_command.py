@@ -4,8 +4,9 @@
 
 import json
 
-import cg2raw
 import pytest
+
+import cg2raw
 from cg2raw.profile import sensor_text
 from cg2raw.profile.summary import iso_words, kelvin_words, noise_of
 from dng import dng_files

@@ -6,7 +6,6 @@ import json
 
 import numpy as np
 import pytest
-from oracles import adobe, spectral
 
 import cg2raw
 from cg2raw.profile import matrix_fit
@@ -17,6 +16,7 @@ from cg2raw.profile.spectral_file import (
     Sensitivities,
     read_sensitivities,
 )
+from oracles import adobe, spectral
 
 SENSOR = {
     "cfa": "RGGB",

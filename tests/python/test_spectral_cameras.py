@@ -7,7 +7,6 @@ import json
 
 import numpy as np
 import pytest
-from oracles import adobe, spectral
 from scipy.spatial import Delaunay
 
 import cg2raw
@@ -15,6 +14,7 @@ from cg2raw.profile.illuminant_spectra import REAL_LIGHTS
 from cg2raw.profile.matrix_fit import balanced_camera
 from cg2raw.profile.spectral import color_matrices, neutral_under, profile_from_ssf
 from cg2raw.profile.spectral_file import read_sensitivities
+from oracles import adobe, spectral
 
 # Camera of the published matrices: file of sensitivities, camera of the grey cards.
 CAMERAS = {

@@ -2,14 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """UPI: the laws of what it draws, and DNGs that say what was drawn."""
 
-import cg2raw
 import numpy as np
 import pytest
 import rawpy
+from scipy import stats
+
+import cg2raw
 from cg2raw import _core
 from cg2raw.upi import PAPER_SENSORS, Upi, d65_matrix, drawn_noise, gain_ranges
 from oracles.de2000 import between_linear_srgb
-from scipy import stats
 
 SEEDS = range(2000)
 # Each test of a distribution fails once in a thousand sets of seeds, and this is one.

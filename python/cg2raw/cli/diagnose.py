@@ -25,7 +25,6 @@ import difflib
 import re
 import sys
 
-
 INTERRUPTED = 130
 TIME_LIMIT = 600.0  # s
 LEAST_PIXELS = 1000  # fewer show nothing

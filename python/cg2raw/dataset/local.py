@@ -12,8 +12,8 @@ import sys
 from dataclasses import asdict
 from itertools import islice
 
-from cg2raw.io.atomic_file import create
 from cg2raw.dataset.job import give_up
+from cg2raw.io.atomic_file import create
 
 TRIES = 2  # of an image whose worker dies
 COMMAND = "from cg2raw.dataset.worker import main; main()"

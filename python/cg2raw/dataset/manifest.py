@@ -5,8 +5,8 @@
 import json
 import os
 
-from cg2raw.io.atomic_file import create, sync_folder
 from cg2raw.dataset import journal
+from cg2raw.io.atomic_file import create, sync_folder
 
 NAME = "manifest"
 ROWS = 1024  # of a row group: a batch is all of the manifest that is in memory
@@ -55,6 +55,7 @@ COLUMNS = (
 )
 
 NAMES = {name for name, _ in COLUMNS}
+
 
 def remove(out):
     """Remove the manifest: there is one only of a data set that is complete."""

@@ -11,10 +11,10 @@ import re
 import shutil
 from dataclasses import dataclass
 
-from cg2raw.io.atomic_file import write_atomically
 from cg2raw.dataset import journal, manifest, options
 from cg2raw.dataset.images import Images
 from cg2raw.dataset.job import PARTS, Job
+from cg2raw.io.atomic_file import write_atomically
 
 PLAN = "dataset.json"
 # What write_atomically leaves where it was killed.

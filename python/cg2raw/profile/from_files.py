@@ -74,9 +74,7 @@ def profile_from_files(
     good, reasons = read_all(lambda path: read(path, *names), progress(paths))
     if reasons and (not skip_bad or not good):
         raise BadFiles(reasons, len(paths))
-    fields, found = (
-        from_dngs(good, id) if dng else profile_from_raw_files(good, id)
-    )
+    fields, found = from_dngs(good, id) if dng else profile_from_raw_files(good, id)
     fields = renamed(fields, make=make, model=model)
     kind = "DNG" if dng else "RAW"
     return Made(fields, kind, len(good), notes + found, reasons)
