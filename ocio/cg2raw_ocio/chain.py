@@ -10,8 +10,21 @@ The chains compute what `CameraTransform` of the core says:
 and then, where the sensor has effects of stage color, (3, 3) color_effects camera.
 They drop alpha (it comes out 1): on the way they keep a colour channel there."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import PyOpenColorIO as ocio
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:  # chains are made where there is no cg2raw, too
+    from cg2raw._core import CameraTransform
+
+# Of PyOpenColorIO, which has no annotations: a transform, a colour space, a config.
+Op = Any
+Space = Any
+Config = Any
+Array = NDArray[np.float64]
 
 # Radiance beyond this is infinite, as in the core.
 LARGEST_RADIANCE = 1e6
@@ -26,7 +39,9 @@ HIGHLIGHT_START = 0.9
 LEAK = 2.0**-29
 
 
-def camera_from_scene(transform, color_effects=None):
+def camera_from_scene(
+    transform: "CameraTransform", color_effects: Array | None = None
+) -> list[Op]:
     """Linear Rec.709 -> camera RGB, highlights kept white.
 
     A pixel with NaN in any channel becomes black; +inf becomes white."""
@@ -41,7 +56,9 @@ def camera_from_scene(transform, color_effects=None):
     return ops + ([] if color_effects is None else [matrix(color_effects)])
 
 
-def scene_from_camera(transform, color_effects=None):
+def scene_from_camera(
+    transform: "CameraTransform", color_effects: Array | None = None
+) -> list[Op]:
     """Camera RGB -> linear Rec.709, as a camera's image processor does it: white
     balance, clip at white, colour matrix; after the inverse of the effects. Highlights
     come out white, not brighter."""
@@ -52,7 +69,9 @@ def scene_from_camera(transform, color_effects=None):
     return ops + [matrix(np.linalg.inv(transform.first))]
 
 
-def camera_from_scene_unbounded(transform, color_effects=None):
+def camera_from_scene_unbounded(
+    transform: "CameraTransform", color_effects: Array | None = None
+) -> list[Op]:
     """The same colours as one matrix, which never clips and has an exact inverse.
     Highlights take the colour of the light."""
     balanced = transform.second @ transform.first
@@ -60,7 +79,7 @@ def camera_from_scene_unbounded(transform, color_effects=None):
     return [matrix(camera if color_effects is None else color_effects @ camera)]
 
 
-def matrix(rows, offset=(0.0, 0.0, 0.0, 0.0)):
+def matrix(rows: ArrayLike, offset: Sequence[float] = (0.0, 0.0, 0.0, 0.0)) -> Op:
     """A 3x3 or 4x4 matrix and an offset of R, G, B, A."""
     full = np.eye(4)
     rows = np.asarray(rows, float)
@@ -71,12 +90,12 @@ def matrix(rows, offset=(0.0, 0.0, 0.0, 0.0)):
     return transform
 
 
-def _rounded(value):
+def _rounded(value: float) -> float:
     """To 12 digits, which every NumPy and OpenColorIO computes and writes alike."""
     return float(f"{value:.12g}")
 
 
-def clip(low=0.0, high=1.0, shift=0.0):
+def clip(low: float = 0.0, high: float = 1.0, shift: float = 0.0) -> Op:
     """Clamp R, G, B, then add shift; NaN counts as low."""
     transform = ocio.RangeTransform()
     transform.setMinInValue(low)
@@ -86,12 +105,12 @@ def clip(low=0.0, high=1.0, shift=0.0):
     return transform
 
 
-def clipped_product(rows):
+def clipped_product(rows: ArrayLike) -> list[Op]:
     """A matrix and a clip to 0..1."""
     return [matrix(rows), clip()]
 
 
-def legal():
+def legal() -> list[Op]:
     """Finite pixels: NaN in one channel is black in all, infinity white."""
     return [
         clip(-FAR_OUT, FAR_OUT),
@@ -100,7 +119,7 @@ def legal():
     ]
 
 
-def unbalanced(gains):
+def unbalanced(gains: ArrayLike) -> list[Op]:
     """Balanced camera RGB, clipped to 0..1, times max(m + (1 - m) g, g) with the mask
     m = max(mean(R, G, B) - 0.9, 0)^2 / 0.1^2: white balance undone, white kept white.
 
@@ -124,24 +143,24 @@ class _Channels:
     """Where R, G, B (0, 1, 2) and the mask are on their way: each is a linear form
     (4 coefficients, offset) of the four channels that OCIO passes on."""
 
-    def __init__(self, parked):
+    def __init__(self, parked: int) -> None:
         self.parked = parked
         self.first, self.last = (c for c in range(3) if c != parked)
-        self.form = {}
+        self.form: dict[int | str, tuple[Array, float]] = {}
 
-    def begin(self):
+    def begin(self) -> list[Op]:
         """Balanced RGB -> (first, mask, last, parked), the colours less 0.9: there the
         mask starts, and a sum of differences keeps the digits."""
         unit = np.eye(4)
         rows = np.zeros((4, 4))
         rows[0, self.first] = rows[2, self.last] = rows[3, self.parked] = 1.0
         rows[1, :3] = 1.0 / (3.0 * (1.0 - HIGHLIGHT_START))
-        slots = (self.first, "mask", self.last, self.parked)
+        slots: tuple[int | str, ...] = (self.first, "mask", self.last, self.parked)
         self.form = {name: (unit[i], HIGHLIGHT_START) for i, name in enumerate(slots)}
         self.form["mask"] = (unit[1], 0.0)
         return [clip(shift=-HIGHLIGHT_START), matrix(rows), squared_green()]
 
-    def multiply(self, channel, gain):
+    def multiply(self, channel: int, gain: float) -> list[Op]:
         """channel *= (1 - gain) mask + gain."""
         others = [c for c in (self.first, self.last, self.parked) if c != channel]
         carried, aside = sorted(others, key=lambda c: c == self.parked)
@@ -160,7 +179,7 @@ class _Channels:
         }
         return [to_xyy, xyz_from_xyy(), matrix(again), xyz_from_xyy()]
 
-    def end(self, late):
+    def end(self, late: Array) -> list[Op]:
         """Back to R, G, B in order, times the gains above 1; alpha 1."""
         rows = np.stack([self.form[c][0] for c in range(3)])
         offset = np.array([self.form[c][1] for c in range(3)])
@@ -168,18 +187,18 @@ class _Channels:
         return [matrix(full, (*(late @ offset), 1.0))]
 
     @staticmethod
-    def _matrix(forms):
+    def _matrix(forms: Sequence[tuple[Array, float]]) -> Op:
         return matrix(np.stack([form[0] for form in forms]), [f[1] for f in forms])
 
 
-def xyz_from_xyy():
+def xyz_from_xyy() -> Op:
     """(x, y, Y) -> (x Y / y, Y, (1 - x - y) Y / y)."""
     transform = ocio.FixedFunctionTransform(ocio.FIXED_FUNCTION_XYZ_TO_xyY)
     transform.setDirection(ocio.TRANSFORM_DIR_INVERSE)
     return transform
 
 
-def squared_green():
+def squared_green() -> Op:
     """G -> max(G, 0)^2 for G up to 1; R and B stay.
 
     A quadratic B-spline of one segment is the parabola itself. Read from YAML, because

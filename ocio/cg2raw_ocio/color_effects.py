@@ -5,17 +5,24 @@
 They are linear in camera RGB and the same for all pixels, so that a matrix holds them;
 what each does is asked of the core. No other effect can be a colour space."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from cg2raw import _core
+from cg2raw.arrays import FloatImage
 from cg2raw.exposure import Run, core_run
+
+Setting = dict[str, Any]  # name and parameters of an effect
 
 STAGE = "color"
 # A matrix of a larger condition number is no way back from float32.
 LARGEST_CONDITION = 1e4
 
 
-def matrix(profile, illuminant):
+def matrix(profile: _core.SensorProfile, illuminant: str) -> NDArray[np.float64] | None:
     """Return (3, 3) float64: camera RGB -> the same with the profile's effects of stage
     color under an illuminant (a word); None if it has none.
 
@@ -35,7 +42,12 @@ def matrix(profile, illuminant):
     return result
 
 
-def applied(profile, illuminant, camera, settings=None):
+def applied(
+    profile: _core.SensorProfile,
+    illuminant: str,
+    camera: ArrayLike,
+    settings: Sequence[Setting] | None = None,
+) -> FloatImage:
     """Return (n, 3) float32 camera RGB with those effects, by the core.
 
     settings : those of the profile, or a part of them."""
@@ -48,7 +60,7 @@ def applied(profile, illuminant, camera, settings=None):
     return planes[:, 0].T
 
 
-def settings_of(profile):
+def settings_of(profile: _core.SensorProfile) -> list[Setting]:
     """Return the profile's effects of stage color in the order of application.
 
     Raises ValueError for one that is unknown or given twice."""
@@ -58,12 +70,12 @@ def settings_of(profile):
     )
 
 
-def left_to_the_writer(profile):
+def left_to_the_writer(profile: _core.SensorProfile) -> list[str]:
     """Return the names of all other effects, as the profile lists them."""
     return [s["name"] for s in known(profile) if ORDER[s["name"]][0] != STAGE]
 
 
-def known(profile):
+def known(profile: _core.SensorProfile) -> list[Setting]:
     """Return the profile's effects. Raises ValueError: see settings_of."""
     names = [setting["name"] for setting in profile.effects]
     for name in names:

@@ -2,6 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """A whole config: scene reference, displays, roles, file rules, RAW spaces."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import PyOpenColorIO as ocio
 
 from cg2raw import _core
@@ -15,13 +18,18 @@ from .fixed_spaces import (
     picture_spaces,
     scene_spaces,
 )
-from .spaces import all_raw_spaces
+from .spaces import Exposure, all_raw_spaces
 
 DEVELOPED_VIEW, DATA_VIEW = "White balanced", "Raw"
 VERSIONS = ("2.0", "2.1")
 
 
-def make_config(profiles, illuminants, exposure=None, version="2.1"):
+def make_config(
+    profiles: Sequence[_core.SensorProfile],
+    illuminants: Sequence[str],
+    exposure: Exposure | None = None,
+    version: str = "2.1",
+) -> chain.Config:
     """Return a validated config with a RAW space for each profile x illuminant.
 
     profiles : core profiles, in the order of the menu.
@@ -40,7 +48,7 @@ def make_config(profiles, illuminants, exposure=None, version="2.1"):
     return config
 
 
-def config_text(config):
+def config_text(config: chain.Config) -> str:
     """Return a config as the text of an .ocio file that loads fast.
 
     OpenColorIO writes the list of inactive spaces before the spaces, and then goes
@@ -52,7 +60,7 @@ def config_text(config):
     return "".join(line for line in lines if line not in late) + "".join(late)
 
 
-def base_config(version="2.1"):
+def base_config(version: str = "2.1") -> chain.Config:
     """Return a config of everything but RAW spaces: linear Rec.709 as scene reference,
     ACES2065-1 and CIE XYZ for interchange, an sRGB display."""
     if version not in VERSIONS:
@@ -78,7 +86,7 @@ def base_config(version="2.1"):
     return config
 
 
-def left_to_the_writer(profiles):
+def left_to_the_writer(profiles: Sequence[_core.SensorProfile]) -> str:
     """Return in words, from a space on, which effects of which sensors the RAW writer
     has to add; nothing if there are none."""
     listed = [
@@ -89,7 +97,7 @@ def left_to_the_writer(profiles):
     return f" Those of the profiles: {', '.join(listed)}." if listed else ""
 
 
-def add_space(config, space):
+def add_space(config: chain.Config, space: chain.Space) -> None:
     """Add a colour space; ValueError if there is one of that name."""
     # addColorSpace would replace it silently.
     if config.getColorSpace(space.getName()) is not None:
@@ -97,7 +105,7 @@ def add_space(config, space):
     config.addColorSpace(space)
 
 
-def _display_from_scene():
+def _display_from_scene() -> Any:
     view = ocio.ViewTransform(ocio.REFERENCE_SPACE_SCENE)
     view.setName("Colorimetric")
     view.setDescription("No tone mapping: a RAW space looks as the scene was.")
@@ -107,7 +115,7 @@ def _display_from_scene():
     return view
 
 
-def _set_display(config):
+def _set_display(config: chain.Config) -> None:
     config.addDisplayView(
         display=DISPLAY,
         view=DEVELOPED_VIEW,
@@ -119,7 +127,7 @@ def _set_display(config):
     config.setActiveViews(f"{DEVELOPED_VIEW}, {DATA_VIEW}")
 
 
-def _set_roles(config):
+def _set_roles(config: chain.Config) -> None:
     for role, space in {
         "scene_linear": names.SCENE_LINEAR,
         "default": names.SCENE_LINEAR,
@@ -138,7 +146,7 @@ def _set_roles(config):
         config.setRole(role, space)
 
 
-def _set_file_rules(config):
+def _set_file_rules(config: chain.Config) -> None:
     """A file whose path holds a space's name or alias is in that space; pictures of 8
     bits are sRGB, all else is scene linear."""
     rules = ocio.FileRules()

@@ -9,6 +9,8 @@ Linux and macOS, and is not allowed in names of Windows."""
 
 import PyOpenColorIO as ocio
 
+from cg2raw._core import SensorProfile
+
 from . import chain, color_effects, export, names
 from .config import add_space, base_config
 from .spaces import Exposure, camera_transform, raw_space, seen_by
@@ -17,7 +19,9 @@ STEM = f"${{{names.SENSOR_VARIABLE}}}_${{{names.ILLUMINANT_VARIABLE}}}"
 TO_SCENE, UNBOUNDED = "_to_scene", "_unbounded"
 
 
-def context_config(profile, illuminant, folder, version="2.1"):
+def context_config(
+    profile: SensorProfile, illuminant: str, folder: str, version: str = "2.1"
+) -> chain.Config:
     """Return the config; files are looked for in @folder, relative to the config.
 
     profile, illuminant : the pair where the environment says nothing."""
@@ -48,11 +52,13 @@ def context_config(profile, illuminant, folder, version="2.1"):
     return config
 
 
-def _file(suffix=""):
+def _file(suffix: str = "") -> chain.Op:
     return ocio.FileTransform(f"{STEM}{suffix}.ctf")
 
 
-def chain_files(profile, illuminant, exposure=None):
+def chain_files(
+    profile: SensorProfile, illuminant: str, exposure: Exposure | None = None
+) -> dict[str, str]:
     """Return {file name: text} of one pair: to RAW, to the scene, unbounded."""
     exposure = exposure or Exposure()
     transform = camera_transform(profile, illuminant, exposure)

@@ -5,15 +5,28 @@
 The text is that of Adobe's Cube LUT specification 1.0, which Iridas began and Resolve
 reads: red fastest, domain 0 to 1."""
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw._core import SensorProfile
 
 from . import measure
+from .spaces import Exposure
 
 SIZES = (2, 129)
 INPUTS = ("linear", "srgb")
 
 
-def cube_text(profile, illuminant, exposure, size, encoding, title):
+def cube_text(
+    profile: SensorProfile,
+    illuminant: str,
+    exposure: Exposure,
+    size: int,
+    encoding: str,
+    title: str,
+) -> str:
     """Return the text of the LUT of @size^3: Rec.709 of @encoding -> camera RGB.
 
     Raises ValueError for a size outside 2 to 129."""
@@ -30,7 +43,7 @@ def cube_text(profile, illuminant, exposure, size, encoding, title):
     return head + "".join(rows)
 
 
-def linear_from(values, encoding):
+def linear_from(values: NDArray[Any], encoding: str) -> NDArray[Any]:
     """Return scene-linear values of linear or sRGB-encoded ones, both in 0..1.
 
     Source: IEC 61966-2-1."""
@@ -40,7 +53,7 @@ def linear_from(values, encoding):
     return np.where(values <= 0.04045, toe, ((values + 0.055) / 1.055) ** 2.4)
 
 
-def encoded_from(values, encoding):
+def encoded_from(values: NDArray[Any], encoding: str) -> NDArray[Any]:
     """Return the inverse of linear_from."""
     if encoding == "linear":
         return values

@@ -5,15 +5,22 @@
 A CTF holds the chain itself. A CLF has no operator that could multiply two channels, so
 it holds matrices and clips without protected highlights. A .cube is a preview."""
 
+import functools
 import os
 import tempfile
 import uuid
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import PyOpenColorIO as ocio
+from numpy.typing import NDArray
+
+from cg2raw._core import CameraTransform, SensorProfile
+from cg2raw.arrays import FloatImage
 
 from . import chain, color_effects, cube, measure, names
-from .spaces import camera_transform, group, seen_by
+from .spaces import Exposure, camera_transform, group, seen_by
 
 FORMATS = {
     ".ctf": "Color Transform Format",
@@ -24,7 +31,9 @@ ENDS = ("InputDescriptor", "OutputDescriptor")
 SAME_DN = 0.02
 
 
-def ctf(profile, illuminant, exposure):
+def ctf(
+    profile: SensorProfile, illuminant: str, exposure: Exposure
+) -> tuple[str, list[str]]:
     """Return (text, findings) of a CTF: scene-linear Rec.709 -> camera RGB, exact."""
     transform = camera_transform(profile, illuminant, exposure)
     effects = color_effects.matrix(profile, illuminant)
@@ -39,7 +48,9 @@ def ctf(profile, illuminant, exposure):
     return text, [f"error     {error} (of 65535)"]
 
 
-def clf(profile, illuminant, exposure):
+def clf(
+    profile: SensorProfile, illuminant: str, exposure: Exposure
+) -> tuple[str, list[str]]:
     """Return (text, findings) of a CLF: the same without protected highlights."""
     transform = camera_transform(profile, illuminant, exposure)
     ops = plain_chain(transform, color_effects.matrix(profile, illuminant))
@@ -62,7 +73,13 @@ def clf(profile, illuminant, exposure):
     return text, findings
 
 
-def preview(profile, illuminant, exposure, size, encoding):
+def preview(
+    profile: SensorProfile,
+    illuminant: str,
+    exposure: Exposure,
+    size: int,
+    encoding: str,
+) -> tuple[str, list[str]]:
     """Return (text, findings) of a .cube of size^3 whose input is linear or srgb."""
     name, _ = names.raw_space(profile.id, illuminant)
     title = f"{encoding} Rec.709 to {name}"
@@ -73,16 +90,17 @@ def preview(profile, illuminant, exposure, size, encoding):
         ("a neutral ramp", measure.neutral_ramp()),
     ):
         encoded = cube.encoded_from(pixels, encoding)
-        found = with_file(
-            text, ".cube", lambda file, x=encoded: measure.applied(file, x)
-        )
+        applied = functools.partial(measure.applied, pixels=encoded)
+        found = with_file(text, ".cube", applied)
         exact = measure.exact_camera(profile, illuminant, exposure, pixels)
         error = measure.error(found, exact)
         findings.append(f"error     {error} (of 65535) of {what}")
     return text, findings
 
 
-def plain_chain(transform, effects=None):
+def plain_chain(
+    transform: CameraTransform, effects: chain.Array | None = None
+) -> list[chain.Op]:
     """Return matrices and clips alone: a chain without protected highlights."""
     ops = chain.legal() + chain.clipped_product(transform.first)
     if transform.two_steps:
@@ -92,7 +110,13 @@ def plain_chain(transform, effects=None):
     return ops + ([] if effects is None else [chain.matrix(effects)])
 
 
-def chain_text(transforms, ending, space, description, to_scene=False):
+def chain_text(
+    transforms: Sequence[chain.Op],
+    ending: str,
+    space: tuple[str, str],
+    description: str,
+    to_scene: bool = False,
+) -> str:
     """Return the text of a .ctf or .clf file of a list of transforms.
 
     space : (sensor, illuminant), what the RAW is of.
@@ -110,10 +134,12 @@ def chain_text(transforms, ending, space, description, to_scene=False):
     about.setID("urn:uuid:")
     text = whole.write(FORMATS[ending], config)
     about.setID(uuid.uuid5(uuid.NAMESPACE_OID, text).urn)
-    return whole.write(FORMATS[ending], config)
+    return str(whole.write(FORMATS[ending], config))
 
 
-def read_back(text, ending, transforms, pixels):
+def read_back(
+    text: str, ending: str, transforms: Sequence[chain.Op], pixels: NDArray[Any]
+) -> FloatImage:
     """Return (n, 3) pixels through the file's text. Raises ValueError if it is not the
     chain that was written."""
     found = with_file(text, ending, lambda file: measure.applied(file, pixels))
@@ -126,7 +152,9 @@ def read_back(text, ending, transforms, pixels):
     return found
 
 
-def with_file(text, ending, use):
+def with_file(
+    text: str, ending: str, use: Callable[[chain.Op], FloatImage]
+) -> FloatImage:
     """Return use(FileTransform) of a temporary file that holds @text."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "chain" + ending)

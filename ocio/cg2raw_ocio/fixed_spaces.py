@@ -2,12 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """The spaces that every config has, whatever its sensors."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import PyOpenColorIO as ocio
 
 from cg2raw import _core
 
 from . import chain, names
+from .chain import Op, Space
 from .spaces import group
 
 DISPLAY, TEXTURE = "sRGB - Display", "sRGB Encoded Rec.709 (sRGB)"
@@ -15,7 +18,7 @@ DISPLAY, TEXTURE = "sRGB - Display", "sRGB Encoded Rec.709 (sRGB)"
 DATA = "Non-Color"
 
 
-def scene_spaces():
+def scene_spaces() -> tuple[Space, ...]:
     """Linear spaces of the scene, and ACES's for grading."""
     scene = dict(referenceSpace=ocio.REFERENCE_SPACE_SCENE)
     linear = ocio.ColorSpace(
@@ -51,8 +54,9 @@ def scene_spaces():
 
 
 def interchange_space(
-    name="ACES2065-1", aliases=("aces2065_1", "lin_ap0", "lin_ap0_scene")
-):
+    name: str = "ACES2065-1",
+    aliases: Sequence[str] = ("aces2065_1", "lin_ap0", "lin_ap0_scene"),
+) -> Space:
     """Return ACES2065-1, through which configs of other references are reached."""
     return _aces_space(
         name,
@@ -62,7 +66,7 @@ def interchange_space(
     )
 
 
-def picture_spaces():
+def picture_spaces() -> tuple[Space, ...]:
     """Pictures of 8 bits, and data."""
     scene = dict(referenceSpace=ocio.REFERENCE_SPACE_SCENE)
     texture = ocio.ColorSpace(
@@ -87,7 +91,13 @@ def picture_spaces():
     return texture, data
 
 
-def _aces_space(name, aliases, description, xyz_d65_from_it, encoding="scene-linear"):
+def _aces_space(
+    name: str,
+    aliases: list[str],
+    description: str,
+    xyz_d65_from_it: Sequence[str],
+    encoding: str = "scene-linear",
+) -> Space:
     return ocio.ColorSpace(
         referenceSpace=ocio.REFERENCE_SPACE_SCENE,
         name=name,
@@ -105,7 +115,7 @@ def _aces_space(name, aliases, description, xyz_d65_from_it, encoding="scene-lin
     )
 
 
-def display_spaces():
+def display_spaces() -> tuple[Space, ...]:
     """CIE XYZ for interchange, and an sRGB monitor."""
     display = dict(referenceSpace=ocio.REFERENCE_SPACE_DISPLAY, family="Display")
     xyz = ocio.ColorSpace(
@@ -130,7 +140,7 @@ def display_spaces():
     return xyz, srgb
 
 
-def _srgb_curve():
+def _srgb_curve() -> Op:
     """Linear -> sRGB encoded. Source: IEC 61966-2-1."""
     curve = ocio.ExponentWithLinearTransform()
     curve.setGamma([2.4, 2.4, 2.4, 1.0])

@@ -7,11 +7,16 @@ the way between the two by the role aces_interchange, and puts it before each ch
 
 import contextlib
 import os
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import PyOpenColorIO as ocio
 
+from cg2raw._core import SensorProfile
+
+from .chain import Config, Space
 from .fixed_spaces import interchange_space
-from .spaces import all_raw_spaces
+from .spaces import Exposure, all_raw_spaces
 
 BUILT_IN = "ocio://"
 # What stands for "the newest" is pinned: what it means changes with OpenColorIO, and a
@@ -23,7 +28,7 @@ PINNED = {
 }
 
 
-def check_can_merge():
+def check_can_merge() -> None:
     """Raise ValueError if this OpenColorIO cannot merge configs."""
     if not hasattr(ocio, "ConfigMergingHelpers"):
         raise ValueError(
@@ -32,7 +37,7 @@ def check_can_merge():
         )
 
 
-def studio_config(source):
+def studio_config(source: str) -> Config:
     """Return the config of a path or of ocio://<name of a built-in config>.
 
     Raises ValueError for one that cannot be read or cannot be merged with."""
@@ -60,7 +65,7 @@ def studio_config(source):
     return config
 
 
-def _built_in(name):
+def _built_in(name: str) -> Config:
     name = PINNED.get(name, name)
     registry = ocio.BuiltinConfigRegistry()
     known = [entry[0] for entry in registry.getBuiltinConfigs()]
@@ -72,14 +77,19 @@ def _built_in(name):
     return ocio.Config.CreateFromBuiltinConfig(name)
 
 
-def _read(path):
+def _read(path: str) -> Config:
     try:
         return ocio.Config.CreateFromFile(path)
     except ocio.Exception as error:
         raise ValueError(f"--merge {path}: {error}") from None
 
 
-def merged_config(studio, profiles, illuminants, exposure=None):
+def merged_config(
+    studio: Config,
+    profiles: Sequence[SensorProfile],
+    illuminants: Sequence[str],
+    exposure: Exposure | None = None,
+) -> Config:
     """Return @studio with a RAW space, and its unbounded twin, for each profile x
     illuminant; all else is the studio's. Raises ValueError for a name it has already.
     """
@@ -103,7 +113,7 @@ def merged_config(studio, profiles, illuminants, exposure=None):
     return merged
 
 
-def _spaces_only():
+def _spaces_only() -> Any:
     """Return parameters of a merge that adds colour spaces and changes nothing."""
     kind = ocio.ConfigMergingParameters
     parameters = kind.Create()
@@ -115,7 +125,7 @@ def _spaces_only():
     return parameters
 
 
-def _check_free(studio, space):
+def _check_free(studio: Config, space: Space) -> None:
     for name in (space.getName(), *space.getAliases()):
         if studio.getColorSpace(name) or studio.getNamedTransform(name):
             raise ValueError(
@@ -125,7 +135,7 @@ def _check_free(studio, space):
 
 
 @contextlib.contextmanager
-def _quiet():
+def _quiet() -> Iterator[None]:
     """Merging warns of each space that it leaves as it is, which is what we want, and
     validation of what was amiss in the studio's config before."""
     level = ocio.GetLoggingLevel()
@@ -136,7 +146,7 @@ def _quiet():
         ocio.SetLoggingLevel(level)
 
 
-def relative_folders(studio):
+def relative_folders(studio: Config) -> list[str]:
     """Return the folders of LUTs that the config looks for beside itself."""
     paths = list(studio.getSearchPaths())
     return [p for p in paths if p and not os.path.isabs(p) and not p.startswith("$")]

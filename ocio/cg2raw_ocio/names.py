@@ -12,7 +12,7 @@ CONTEXT_UNBOUNDED = ("RAW unbounded - context", "raw_unbounded_context")
 SENSOR_VARIABLE, ILLUMINANT_VARIABLE = "CG2RAW_SENSOR", "CG2RAW_ILLUMINANT"
 
 
-def raw_space(sensor, illuminant) -> tuple[str, str]:
+def raw_space(sensor: str, illuminant: str) -> tuple[str, str]:
     """Return (name, alias) of a sensor's RAW under an illuminant, as the plugin reads
     them."""
     return (
@@ -21,7 +21,7 @@ def raw_space(sensor, illuminant) -> tuple[str, str]:
     )
 
 
-def unbounded_space(sensor, illuminant) -> tuple[str, str]:
+def unbounded_space(sensor: str, illuminant: str) -> tuple[str, str]:
     """Return (name, alias) of its twin that never clips."""
     name, alias = raw_space(sensor, illuminant)
     return (
@@ -30,7 +30,7 @@ def unbounded_space(sensor, illuminant) -> tuple[str, str]:
     )
 
 
-def family(profile):
+def family(profile: _core.SensorProfile) -> str:
     """Return "RAW/<make>": "NIKON CORPORATION" is Nikon in a menu."""
     make = (profile.make.split() or ["Other"])[0].replace("/", " ")
     if make.isupper() or make.islower():

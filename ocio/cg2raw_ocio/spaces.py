@@ -3,6 +3,7 @@
 """The colour spaces of one sensor under one illuminant."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import PyOpenColorIO as ocio
 
@@ -24,7 +25,9 @@ class Exposure:
     highlights: bool = True
 
 
-def raw_spaces(profile, illuminant, exposure):
+def raw_spaces(
+    profile: _core.SensorProfile, illuminant: str, exposure: Exposure
+) -> list[chain.Space]:
     """Return the RAW space of a sensor (a core profile) under an illuminant (a word of
     the grammar) and its unbounded twin. Raises ValueError."""
     transform = camera_transform(profile, illuminant, exposure)
@@ -47,7 +50,11 @@ def raw_spaces(profile, illuminant, exposure):
     return [bounded, unbounded]
 
 
-def all_raw_spaces(profiles, illuminants, exposure=None):
+def all_raw_spaces(
+    profiles: Sequence[_core.SensorProfile],
+    illuminants: Sequence[str],
+    exposure: Exposure | None = None,
+) -> tuple[list[chain.Space], list[str]]:
     """Return (spaces, inactive) of each profile x illuminant: RAW spaces and their
     twins, and the aliases by which a config's inactive list names the twins (names may
     hold colons, at which that list is taken apart).
@@ -62,7 +69,9 @@ def all_raw_spaces(profiles, illuminants, exposure=None):
     return [space for pair in pairs for space in pair], inactive
 
 
-def camera_transform(profile, illuminant, exposure):
+def camera_transform(
+    profile: _core.SensorProfile, illuminant: str, exposure: Exposure
+) -> _core.CameraTransform:
     """Return the core's CameraTransform of a sensor under an illuminant (a word).
 
     Raises ValueError for the convention sensor: its light has no white to clip at."""
@@ -80,7 +89,7 @@ def camera_transform(profile, illuminant, exposure):
     )
 
 
-def seen_by(profile, illuminant, exposure):
+def seen_by(profile: _core.SensorProfile, illuminant: str, exposure: Exposure) -> str:
     """Return in words what a RAW space holds: camera, light, exposure."""
     light = profile.illuminant(illuminant)
     red, _, blue = light.neutral
@@ -99,7 +108,7 @@ def seen_by(profile, illuminant, exposure):
     return text + "." + left_out(profile)
 
 
-def left_out(profile):
+def left_out(profile: _core.SensorProfile) -> str:
     """Return a sentence on the effects of a sensor that no RAW space has, with a space
     before it; nothing if it has none."""
     names_left = color_effects.left_to_the_writer(profile)
@@ -108,7 +117,14 @@ def left_out(profile):
     return f" Effects left to the RAW writer: {', '.join(names_left)}."
 
 
-def raw_space(name, alias, family, description, from_scene, to_scene=None):
+def raw_space(
+    name: str,
+    alias: str,
+    family: str,
+    description: str,
+    from_scene: Sequence[chain.Op],
+    to_scene: Sequence[chain.Op] | None = None,
+) -> chain.Space:
     """Return a colour space of camera RGB; the chains are lists of transforms."""
     space = ocio.ColorSpace(
         referenceSpace=ocio.REFERENCE_SPACE_SCENE,
@@ -126,7 +142,7 @@ def raw_space(name, alias, family, description, from_scene, to_scene=None):
     return space
 
 
-def group(transforms):
+def group(transforms: Sequence[chain.Op]) -> chain.Op:
     """Return one transform of a list of them."""
     result = ocio.GroupTransform()
     for transform in transforms:

@@ -11,9 +11,12 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.dng import write_dng
 from cg2raw.exposure import Run
-from cg2raw.io import image_file, image_spaces
+from cg2raw.io import image_file
+from cg2raw.io.atomic_file import FilePath
+from cg2raw.io.image_file import Image
+from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
-from cg2raw.upi import Upi
+from cg2raw.upi import Upi, UpiDraw
 
 # Fields of a Run that belong to the conversion to camera RGB, and their options.
 CONVERTING = {
@@ -36,10 +39,10 @@ class Request:
     space: str | None = None  # the name of the pixels' colour space, if the file errs
     linearize: str | None = None  # "srgb"
     upi: Upi | None = None  # its method, in place of sensor, illuminant and gains
-    writing: dict = field(default_factory=dict)  # keywords of write_dng
+    writing: dict[str, Any] = field(default_factory=dict)  # keywords of write_dng
 
 
-def convert(path, output, request):
+def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any]:
     """Write the DNG @output of the image at @path; return the report, of JSON's types.
 
     Raises ValueError or OSError in one line; then there is no new file."""
@@ -53,7 +56,7 @@ def convert(path, output, request):
     nan, inf = np.isnan(pixels).sum(), np.isinf(pixels).sum()
     shot, drawn = _core.Shot(**image.shot), None
     if request.upi:
-        image_spaces.check_rec709(image)
+        image_file.check_rec709(image)
         frame = request.upi.simulate(pixels, **asked)
         drawn = request.upi.draw(asked.get("seed", Run.seed))
     else:
@@ -64,6 +67,7 @@ def convert(path, output, request):
             run["as_shot"] = metadata.as_shot_neutral
             shot = metadata.merged_shot(shot)
         run["exposure_time"] = shot.exposure_time
+        assert sensor is not None  # without either, exposure_of has raised
         frame = sensor.simulate(pixels, **run)
     write_dng(output, frame, shot=shot, **request.writing)
     report = report_of(frame, request, asked, drawn)
@@ -78,7 +82,7 @@ def convert(path, output, request):
     }
 
 
-def frame_of(image, output, request):
+def frame_of(image: Image, output: FilePath, request: Request) -> int:
     """Return the frame number: as asked, or as names say it, 0 if nothing does.
 
     The output's name comes first, then the time code, as in the plugin, which does not
@@ -93,7 +97,9 @@ def frame_of(image, output, request):
     return next((number for number in said if number is not None), 0)
 
 
-def exposure_of(image, request, asked):
+def exposure_of(
+    image: Image, request: Request, asked: dict[str, Any]
+) -> tuple[Sensor | None, dict[str, Any]]:
     """Return (Sensor or None, fields of a Run) of those that are asked for.
 
     Raises ValueError."""
@@ -108,7 +114,7 @@ def exposure_of(image, request, asked):
         return request.sensor or Sensor(sensor), asked | done
     if request.sensor is None and request.reference is None:
         raise ValueError("which sensor? Add --sensor ID (cg2raw sensors lists them)")
-    image_spaces.check_rec709(image)
+    image_file.check_rec709(image)
     if "illuminant" not in asked:
         raise ValueError(
             f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
@@ -116,7 +122,7 @@ def exposure_of(image, request, asked):
     return request.sensor, asked
 
 
-def raw_space_of(image, request):
+def raw_space_of(image: Image, request: Request) -> tuple[str, str] | None:
     """Return (sensor, illuminant) if the pixels already are RAW, else None.
 
     Raises ValueError if the request contradicts it."""
@@ -139,7 +145,7 @@ def raw_space_of(image, request):
     return space
 
 
-def sensor_of_reference(metadata, sensor):
+def sensor_of_reference(metadata: _core.DngMetadata, sensor: Sensor | None) -> Sensor:
     """Return the sensor of a reference DNG, with what only @sensor may know."""
     profile = _core.profile_from_dng(metadata)
     if sensor is not None:
@@ -147,10 +153,14 @@ def sensor_of_reference(metadata, sensor):
     return Sensor.from_profile(profile)
 
 
-def report_of(frame, request, asked, drawn):
+def report_of(
+    frame: RawFrame, request: Request, asked: dict[str, Any], drawn: UpiDraw | None
+) -> dict[str, Any]:
     """Return what decided a frame, of JSON's types. asked : fields of its Run."""
-    light = frame.simulation.illuminant
-    report = {
+    simulation = frame.simulation
+    assert simulation is not None  # of what simulate returns
+    light = simulation.illuminant
+    report: dict[str, Any] = {
         "width": frame.shape[1],
         "height": frame.shape[0],
         "sensor": light.sensor,
@@ -161,12 +171,12 @@ def report_of(frame, request, asked, drawn):
             "cct": light.cct,
             "duv": light.duv,
         },
-        "digital_gain": frame.simulation.digital_gain,
+        "digital_gain": simulation.digital_gain,
         "iso": asked.get("iso"),
         "seed": asked.get("seed", Run.seed),
         "frame": asked["frame"],
     }
-    if drawn:
+    if request.upi and drawn:
         report["upi"] = {
             "weights": dict(zip(request.upi.matrices, drawn.weights, strict=True)),
             "camera_from_xyz": drawn.camera_from_xyz.tolist(),

@@ -98,7 +98,7 @@ def _simulation_of(
         raise ValueError(
             "illuminant, iso and effects are for a plain array and its sensor"
         )
-    simulation = getattr(raw, "simulation", None)
+    simulation: _core.Simulation | None = getattr(raw, "simulation", None)
     if simulation is None:
         raise ValueError(
             "raw must be a frame as Sensor.simulate returns it; for any other array "

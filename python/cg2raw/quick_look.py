@@ -4,10 +4,12 @@
 
 import os
 import tempfile
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cg2raw.io.atomic_file import write_atomically
+from cg2raw.io.atomic_file import FilePath, write_atomically
 from cg2raw.io.libraw import opened
 from cg2raw.oiio.openimageio import one_line, openimageio
 
@@ -16,7 +18,14 @@ from cg2raw.oiio.openimageio import one_line, openimageio
 LEAST_X_TRANS = 512
 
 
-def develop(path, *, bits=8, half=False, brightness=1.0, auto_bright=False):
+def develop(
+    path: FilePath,
+    *,
+    bits: int = 8,
+    half: bool = False,
+    brightness: float = 1.0,
+    auto_bright: bool = False,
+) -> NDArray[Any]:
     """Return the (H, W, 3) uint8 or uint16 sRGB picture of a DNG or RAW file.
 
     half : one pixel of each 2x2, without demosaicing.
@@ -27,7 +36,7 @@ def develop(path, *, bits=8, half=False, brightness=1.0, auto_bright=False):
 
     with opened(path) as raw:
         refuse_small_x_trans(path, raw, half)
-        return raw.postprocess(
+        picture: NDArray[Any] = raw.postprocess(
             use_camera_wb=True,
             half_size=half,
             no_auto_bright=not auto_bright,
@@ -36,9 +45,10 @@ def develop(path, *, bits=8, half=False, brightness=1.0, auto_bright=False):
             output_color=rawpy.ColorSpace.sRGB,
             gamma=(2.4, 12.92),  # IEC 61966-2-1
         )
+    return picture
 
 
-def refuse_small_x_trans(path, raw, half):
+def refuse_small_x_trans(path: FilePath, raw: Any, half: bool) -> None:
     """Raise ValueError for an X-Trans file that LibRaw would call an I/O error."""
     pattern = raw.raw_pattern
     sizes = raw.sizes
@@ -52,7 +62,7 @@ def refuse_small_x_trans(path, raw, half):
     )
 
 
-def write_png(path, picture):
+def write_png(path: FilePath, picture: NDArray[Any]) -> None:
     """Write an (H, W, 3) uint8 or uint16 sRGB picture as PNG, whole or not at all.
 
     Raises ValueError, OSError."""

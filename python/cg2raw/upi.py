@@ -9,12 +9,19 @@ inverse tone curve and gamma are left out: a render is scene linear already.
 import itertools
 import json
 import math
+import os
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from cg2raw import _core
+from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
+
+SensorLike = Sensor | str | os.PathLike[str]
 
 # Section 3.2 and 4 of the paper: white balance gains, and what a global gain is the
 # inverse of.
@@ -51,8 +58,8 @@ DROPPED = (
 class UpiDraw:
     """One camera that UPI has drawn."""
 
-    weights: tuple  # of Upi.matrices, 0 or above, sum 1
-    camera_from_xyz: np.ndarray  # (3, 3), of D65
+    weights: tuple[float, ...]  # of Upi.matrices, 0 or above, sum 1
+    camera_from_xyz: NDArray[np.float64]  # (3, 3), of D65
     red_gain: float  # white balance gains over green's
     blue_gain: float
     digital_gain: float  # multiplies the image: the inverse of UPI's global gain
@@ -77,13 +84,13 @@ class Upi:
 
     def __init__(
         self,
-        sensor,
+        sensor: SensorLike,
         *,
-        matrices=PAPER_SENSORS,
-        gains="published",
-        digital_gain="upi",
-        noise="sensor",
-    ):
+        matrices: Iterable[SensorLike] = PAPER_SENSORS,
+        gains: str = "published",
+        digital_gain: float | str = "upi",
+        noise: str = "sensor",
+    ) -> None:
         self.sensor = _sensor(sensor)
         self.matrices = {s.id: d65_matrix(s) for s in map(_sensor, matrices)}
         if not self.matrices:
@@ -104,7 +111,7 @@ class Upi:
         self.digital_gain = digital_gain
         self.noise = noise
 
-    def draw(self, seed=0):
+    def draw(self, seed: int = 0) -> UpiDraw:
         """Return the UpiDraw of a seed; a pure function of it and of the parameters.
 
         Weights are uniforms over their sum: the paper says "random convex combination"
@@ -112,10 +119,11 @@ class Upi:
         rng = _core.Rng(seed, "upi/matrix")
         uniforms = [rng.uniform(n) for n in range(len(self.matrices))]
         weights = tuple(value / math.fsum(uniforms) for value in uniforms)
-        matrix = sum(
+        parts = [
             weight * each
             for weight, each in zip(weights, self.matrices.values(), strict=True)
-        ).round(DECIMALS)
+        ]
+        matrix = sum(parts, start=np.zeros((3, 3))).round(DECIMALS)
         rng = _core.Rng(seed, "upi/gains")
         red, blue = (
             low + (high - low) * rng.uniform(n)
@@ -134,7 +142,16 @@ class Upi:
             illuminant=f"neutral:{1 / red:.6f}:{1 / blue:.6f}",
         )
 
-    def simulate(self, rgb, *, seed=0, frame=0, iso=None, threads=0, **run):
+    def simulate(
+        self,
+        rgb: ArrayLike,
+        *,
+        seed: int = 0,
+        frame: int = 0,
+        iso: float | None = None,
+        threads: int = 0,
+        **run: Any,
+    ) -> RawFrame:
         """Return the RawFrame of an image by the camera that @seed draws.
 
         rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709.
@@ -159,9 +176,9 @@ class Upi:
             **run,
         )
 
-    def _drawn_digital_gain(self, seed):
+    def _drawn_digital_gain(self, seed: int) -> float:
         """Return the factor of the image, above 0."""
-        if self.digital_gain != "upi":
+        if not isinstance(self.digital_gain, str):
             return self.digital_gain
         rng = _core.Rng(seed, "upi/digital_gain")
         draws = (
@@ -171,15 +188,15 @@ class Upi:
         return round(next(value for value in draws if value > 0), 6)
 
 
-def d65_matrix(sensor):
+def d65_matrix(sensor: Sensor) -> NDArray[np.float64]:
     """Return the (3, 3) ColorMatrix of a sensor for D65. Raises ValueError."""
     for calibration in sensor.calibrations:
         if calibration["light_source"] == "D65":
-            return calibration["camera_from_xyz"]
+            return np.asarray(calibration["camera_from_xyz"])
     raise ValueError(f"sensor {sensor.id} has no colour matrix for D65")
 
 
-def gain_ranges(sensor):
+def gain_ranges(sensor: Sensor) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return ((low, high) of red, (low, high) of blue) white balance gains of a sensor.
 
     They are 1 over its neutrals, over the hull of what was measured. Raises ValueError
@@ -198,7 +215,7 @@ def gain_ranges(sensor):
     return (red_low, red_high), (blue_low, blue_high)
 
 
-def drawn_noise(seed):
+def drawn_noise(seed: int) -> tuple[float, float]:
     """Return (shot, read) of a seed: variance = shot x + read, x in 0..1.
 
     log shot is uniform, log read normal around a line in log shot. Six digits, so that
@@ -211,7 +228,9 @@ def drawn_noise(seed):
     return float(f"{math.exp(log_shot):.6g}"), float(f"{math.exp(log_read):.6g}")
 
 
-def _with_draw(sensor, matrix, shot, read):
+def _with_draw(
+    sensor: Sensor, matrix: NDArray[np.float64], shot: float | None, read: float | None
+) -> Sensor:
     """Return @sensor with the drawn matrix, and noise if it was drawn.
 
     UPI's pixels are camera = row-normalised(matrix . XYZ D65 from sRGB), with no
@@ -246,17 +265,17 @@ def _with_draw(sensor, matrix, shot, read):
     return Sensor.from_json(json.dumps(fields), sensor.id)
 
 
-def _per_site(name, value):
+def _per_site(name: str, value: float | None) -> dict[str, float | None]:
     """Return an effect's parameters that are the same at the four sites."""
     return {f"{name}_{site}": value for site in ("00", "01", "10", "11")}
 
 
-def _sensor(sensor):
+def _sensor(sensor: SensorLike) -> Sensor:
     """Return a Sensor of itself, its id or its path."""
     return sensor if isinstance(sensor, Sensor) else Sensor(sensor)
 
 
-def _one_of(name, value, allowed):
+def _one_of(name: str, value: object, allowed: Sequence[str]) -> None:
     """Raise ValueError unless @value is one of @allowed."""
     if value not in allowed:
         raise ValueError(f"{name} {value!r} must be {' or '.join(allowed)}")

@@ -13,12 +13,14 @@ import importlib
 import os
 import pkgutil
 import sys
+from collections.abc import Sequence
+from types import ModuleType
 
 from cg2raw import __version__
 from cg2raw.cli._messages import check_words, words_of
 
 
-def subcommands():
+def subcommands() -> dict[str, ModuleType]:
     """Return {name: module} of all subcommands, by name."""
     names = sorted(
         module.name
@@ -31,7 +33,7 @@ def subcommands():
     }
 
 
-def make_parser():
+def make_parser() -> argparse.ArgumentParser:
     """Return the parser of the whole command line."""
     parser = argparse.ArgumentParser(
         prog="cg2raw", description="CG images as the RAW of a chosen sensor."
@@ -39,7 +41,7 @@ def make_parser():
     parser.add_argument("--version", action="version", version=f"cg2raw {__version__}")
     choices = parser.add_subparsers(metavar="COMMAND", required=True)
     for name, module in subcommands().items():
-        first, _, rest = module.__doc__.partition("\n")
+        first, _, rest = (module.__doc__ or "").partition("\n")
         command = choices.add_parser(
             name,
             help=first.rstrip("."),
@@ -51,12 +53,12 @@ def make_parser():
     return parser
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line (default: sys.argv); return its exit code."""
     arguments = make_parser().parse_args(argv)
     try:
         check_words(sys.argv[1:] if argv is None else argv)
-        code = arguments.run(arguments)
+        code: int = arguments.run(arguments)
         sys.stdout.flush()
         return code
     except BrokenPipeError:

@@ -4,14 +4,15 @@
 
 import argparse
 import math
+from collections.abc import Callable
 
 MOST_SEED = 2**64 - 1
 
 
-def number(low, high):
+def number(low: float, high: float) -> Callable[[str], float]:
     """Return a parser of numbers from @low to @high, for argparse."""
 
-    def parse(text):
+    def parse(text: str) -> float:
         try:
             value = float(text)
         except ValueError:
@@ -25,7 +26,7 @@ def number(low, high):
     return parse
 
 
-def whole(text):
+def whole(text: str) -> int:
     """Return the whole number that @text is."""
     if not (text.isdecimal() and text.isascii()) or int(text) > MOST_SEED:
         raise argparse.ArgumentTypeError(
@@ -34,7 +35,7 @@ def whole(text):
     return int(text)
 
 
-def number_list(option, words, word):
+def number_list(option: str, words: str, word: str) -> list[float | str]:
     """Return the floats of a list, and @word as it is. Raises ValueError."""
     found = []
     for text in words.split(","):

@@ -2,19 +2,24 @@
 # Copyright Contributors to the cg2raw Project.
 """Where the files of a command go."""
 
+import argparse
 import os
+from collections.abc import Callable, Sequence
+from typing import Any
 
 
-def to_file(path):
+def to_file(path: str | None) -> bool:
     """Return whether an output goes to a file rather than to stdout."""
     return path not in (None, "-")
 
 
-def check_output(option, path, ending):
+def check_output(option: str, path: str | None, ending: str) -> bool:
     """Return whether a path is that of a file, which may be there or not.
 
     Raises ValueError for another ending than @ending, and for a missing folder."""
-    if not to_file(path) or (os.path.exists(path) and not os.path.isfile(path)):
+    if path is None or not to_file(path):
+        return False
+    if os.path.exists(path) and not os.path.isfile(path):
         return False
     if os.path.splitext(path)[1].lower() != ending:
         raise ValueError(f"{option} {path}: must end in {ending}")
@@ -24,7 +29,7 @@ def check_output(option, path, ending):
     return True
 
 
-def outputs_of(inputs, output, ending):
+def outputs_of(inputs: Sequence[str], output: str | None, ending: str) -> list[str]:
     """Return the path for each of @inputs: @output itself, or their stems in a folder.
 
     @output is a folder if it is one, ends in a slash, or inputs are several; then it is
@@ -49,12 +54,12 @@ def outputs_of(inputs, output, ending):
     return outputs
 
 
-def stem_of(path):
+def stem_of(path: str) -> str:
     """Return a file's name without its ending."""
     return os.path.splitext(os.path.basename(path))[0]
 
 
-def check_apart(inputs, outputs):
+def check_apart(inputs: Sequence[str], outputs: Sequence[str]) -> None:
     """Raise ValueError if two outputs are one file, or an output is an input."""
     first: dict[str, str] = {}
     read = {os.path.realpath(path): path for path in inputs}
@@ -70,7 +75,7 @@ def check_apart(inputs, outputs):
         first[real] = path
 
 
-def make_folder(folder):
+def make_folder(folder: str) -> None:
     """Make @folder, if it is not there; what it lies in must be."""
     if os.path.isdir(folder):
         return
@@ -82,7 +87,14 @@ def make_folder(folder):
     os.mkdir(folder)
 
 
-def each_file(name, pairs, work, arguments, words, line):
+def each_file(
+    name: str,
+    pairs: Sequence[tuple[str, str]],
+    work: Callable[[str, str], dict[str, Any]],
+    arguments: argparse.Namespace,
+    words: str,
+    line: Callable[[dict[str, Any]], str],
+) -> int:
     """Call work(input, output) for all @pairs; print or report; return the exit code.
 
     A file that fails is named on stderr, the others are done, and the code is 1.

@@ -3,11 +3,12 @@
 """Sensors and illuminants that a command line lists, to be combined with each other."""
 
 import difflib
+from collections.abc import Sequence
 
 from cg2raw import _core
 
 
-def load_one(id):
+def load_one(id: str) -> _core.SensorProfile:
     """Return the SensorProfile; an unknown id is told the closest one."""
     installed = _core.installed_profiles()
     if id in installed or "/" in id or id.endswith(".json"):
@@ -20,7 +21,7 @@ def load_one(id):
     )
 
 
-def asked_sensors(words):
+def asked_sensors(words: str) -> list[_core.SensorProfile]:
     """Return the core profiles of "all" or of "id,id,path.json". Raises ValueError."""
     ids = _core.installed_profiles() if words == "all" else words.split(",")
     if not ids:
@@ -31,7 +32,7 @@ def asked_sensors(words):
     return profiles
 
 
-def asked_illuminants(words):
+def asked_illuminants(words: str) -> list[str]:
     """Return the words of a list of illuminants. Raises ValueError."""
     if any(word.strip().lower() == "as-shot" for word in words.split(",")):
         raise ValueError(
@@ -43,7 +44,7 @@ def asked_illuminants(words):
     return found
 
 
-def refuse_twice(option, words):
+def refuse_twice(option: str, words: Sequence[str]) -> None:
     """Raise ValueError for a word that is there twice, but for upper and lower case."""
     seen: dict[str, str] = {}
     for word in words:
@@ -54,7 +55,9 @@ def refuse_twice(option, words):
         seen[word.lower()] = word
 
 
-def check_pairs(profiles, illuminants):
+def check_pairs(
+    profiles: Sequence[_core.SensorProfile], illuminants: Sequence[str]
+) -> None:
     """Raise ValueError naming the sensor that cannot have an illuminant."""
     for profile in profiles:
         for illuminant in illuminants:

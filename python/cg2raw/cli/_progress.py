@@ -4,15 +4,29 @@
 
 import contextlib
 import sys
+from collections.abc import Callable, Iterable, Iterator, Sized
+from typing import TypeVar
+
+T = TypeVar("T")
+
 
 MANY = 2  # items from which on a terminal shows progress
 
 
-def tracked(items, words, quiet=False, many=MANY, total=None):
+def tracked(
+    items: Iterable[T],
+    words: str,
+    quiet: bool = False,
+    many: int = MANY,
+    total: int | None = None,
+) -> Iterable[T]:
     """Return @items, with a bar on stderr if they are many and it is a terminal.
 
     total : how many they are, if they have no length."""
-    count = len(items) if total is None else total
+    count = total
+    if count is None:
+        assert isinstance(items, Sized)
+        count = len(items)
     if quiet or count < many or not sys.stderr.isatty():
         return items
     from rich.console import Console
@@ -23,7 +37,7 @@ def tracked(items, words, quiet=False, many=MANY, total=None):
 
 
 @contextlib.contextmanager
-def stages(quiet=False):
+def stages(quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
     """Yield progress(words, share done 0..1) of work in stages: a bar on a terminal."""
     if quiet or not sys.stderr.isatty():
         yield lambda words, share: None

@@ -3,6 +3,16 @@
 """Diagnoses and checks of captures as text for a terminal."""
 
 import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # only a diagnosis loads its modules
+    from cg2raw.diagnose.captures import Capture
+    from cg2raw.diagnose.diagnosis import Diagnosis, Gap
+    from cg2raw.diagnose.integrity import Integrity
+    from cg2raw.diagnose.phase_correlation import Shift
+    from cg2raw.sensor import Sensor
+
 
 WIDTH = 10  # columns of a line's first word
 MOST_LEFT = 6  # tests that are listed, those that explain most first
@@ -13,12 +23,14 @@ CHECK_HEAD = (
 )
 
 
-def line(word, text):
+def line(word: str, text: str) -> str:
     """Return one line: what it is, and the text."""
     return f"{word:<{WIDTH}}{text}"
 
 
-def verdict_text(found, notes, folder, names):
+def verdict_text(
+    found: "Diagnosis", notes: Sequence[str], folder: str, names: Sequence[str]
+) -> str:
     """Return the lines that say what a Diagnosis found and where its report is."""
     effects = ", ".join(effect.name for effect in found.effects)
     lines = [line("verdict", found.verdict + (f": {effects}" if effects else ""))]
@@ -48,13 +60,15 @@ def verdict_text(found, notes, folder, names):
     return "\n".join(lines)
 
 
-def held_out(gap):
+def held_out(gap: "Gap") -> str:
     """Return how many frames a gap was measured on."""
     count = len(gap.held_out)
     return "1 held-out frame" if count == 1 else f"{count} held-out frames"
 
 
-def verify_text(names, diagnoses, notes):
+def verify_text(
+    names: Sequence[str], diagnoses: Sequence["Diagnosis"], notes: Sequence[str]
+) -> str:
     """Return a table of two sensors' gaps on the held-out frames, nothing fitted."""
     rows = [("sensor", "gap", "chi-square", "systematic", "verdict")]
     for name, found in zip(names, diagnoses, strict=True):
@@ -74,7 +88,12 @@ def verify_text(names, diagnoses, notes):
     return "\n".join([*lines, *(line("note", text) for text in notes)])
 
 
-def integrity_text(sensor, captures, found, notes):
+def integrity_text(
+    sensor: "Sensor",
+    captures: Sequence["Capture"],
+    found: Sequence["Integrity"],
+    notes: Sequence[str],
+) -> str:
     """Return the table of a check, and what is wrong."""
     black = ", ".join(dict.fromkeys(f"{level:g}" for level in sensor.black_level))
     lines = [f"{sensor.id}: black {black} DN, white {sensor.white_level} DN"]
@@ -104,20 +123,20 @@ def integrity_text(sensor, captures, found, notes):
     return "\n".join(lines)
 
 
-def code_words(item):
+def code_words(item: "Integrity") -> str:
     """Return which codes occur."""
     every = "all" if item.step == 1 else f"every {item.step}th"
     return every if item.missing < HOLES else f"{every}, {item.missing:.0%} missing"
 
 
-def shift_words(shift):
+def shift_words(shift: "Shift | None") -> str:
     """Return how a render lies on its capture."""
     if shift is None:
         return "-"
     return f"{shift.down:+.2f} {shift.right:+.2f} px, corr. {shift.correlation:.2f}"
 
 
-def columns(rows):
+def columns(rows: Sequence[Sequence[str]]) -> list[str]:
     """Return the lines of a table."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return [

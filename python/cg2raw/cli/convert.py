@@ -33,13 +33,18 @@ import argparse
 import os
 import sys
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from cg2raw.cli._numbers import number, whole
 from cg2raw.cli._outputs import each_file, outputs_of
 from cg2raw.cli._pairs import load_one
 
+if TYPE_CHECKING:  # only a conversion loads its modules
+    from cg2raw.conversion import Request
+    from cg2raw.upi import Upi
 
-def add_arguments(parser):
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw convert."""
     add = parser.add_argument
     add("inputs", nargs="+", metavar="IN", help="scene-linear images")
@@ -51,7 +56,7 @@ def add_arguments(parser):
     add_writing(parser.add_argument_group("file"))
 
 
-def add_exposure(group):
+def add_exposure(group: argparse._ArgumentGroup) -> None:
     """Declare what decides the pixels."""
     add = group.add_argument
     add("--sensor", metavar="ID", help="an installed sensor, or a profile (.json)")
@@ -91,7 +96,7 @@ def add_exposure(group):
     add("--method", choices=("g2r", "upi"), default="g2r", help="default: g2r")
 
 
-def add_upi(group):
+def add_upi(group: argparse._ArgumentGroup) -> None:
     """Declare the options of --method upi; --gain and --noise have a meaning there."""
     add = group.add_argument
     add("--upi-sensors", metavar="IDS", help="matrices; default: the paper's ten")
@@ -102,7 +107,7 @@ def add_upi(group):
     )
 
 
-def add_writing(group):
+def add_writing(group: argparse._ArgumentGroup) -> None:
     """Declare the options of the DNG."""
     add = group.add_argument
     add("--matrices", choices=("camera", "exact"), default="camera", help="of colour")
@@ -111,12 +116,12 @@ def add_writing(group):
     add("--tone-curve", choices=("camera", "linear"), default="camera")
 
 
-def gain(text):
+def gain(text: str) -> float | str:
     """Return the number, or sample."""
     return text if text == "sample" else number(0.001, 1000)(text)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Convert all inputs; return 0, or 1 if one failed."""
     from cg2raw import conversion
 
@@ -125,7 +130,7 @@ def run(arguments):
     frames = frames_of(arguments, outputs)
     alike: dict[int, list[str]] = {}
 
-    def work(path, output):
+    def work(path: str, output: str) -> dict[str, Any]:
         report = conversion.convert(
             path, output, replace(request, frame=frames[output])
         )
@@ -139,7 +144,9 @@ def run(arguments):
     return code
 
 
-def frames_of(arguments, outputs):
+def frames_of(
+    arguments: argparse.Namespace, outputs: list[str]
+) -> dict[str, int | None]:
     """Return {output: frame number, None for that in its name}. Raises ValueError."""
     if arguments.frame_from == "name" and arguments.frame is not None:
         raise ValueError("--frame and --frame-from name: give one of them")
@@ -149,7 +156,7 @@ def frames_of(arguments, outputs):
     return dict.fromkeys(outputs, frame if arguments.frame is None else arguments.frame)
 
 
-def tell_alike(frames):
+def tell_alike(frames: dict[int, list[str]]) -> None:
     """Say on stderr which outputs have the same noise; frames : {number: outputs}."""
     for frame, outputs in frames.items():
         if len(outputs) > 1:
@@ -161,7 +168,7 @@ def tell_alike(frames):
             )
 
 
-def request_of(arguments):
+def request_of(arguments: argparse.Namespace) -> "Request":
     """Return the Request of a command line. Raises ValueError."""
     from cg2raw.conversion import Request
     from cg2raw.sensor import Sensor
@@ -187,7 +194,7 @@ def request_of(arguments):
     )
 
 
-def run_of(arguments):
+def run_of(arguments: argparse.Namespace) -> dict[str, Any]:
     """Return those fields of a Run that a command line asks for."""
     is_upi = arguments.method == "upi"
     given = {
@@ -203,7 +210,7 @@ def run_of(arguments):
     return {name: value for name, value in given.items() if value is not None}
 
 
-def check_method(arguments):
+def check_method(arguments: argparse.Namespace) -> bool:
     """Return whether the method is upi. Raises ValueError for the other's options."""
     if arguments.method == "upi":
         for name in ("illuminant", "reference", "convention"):
@@ -226,7 +233,7 @@ def check_method(arguments):
     return False
 
 
-def upi_of(arguments):
+def upi_of(arguments: argparse.Namespace) -> "Upi":
     """Return the Upi of a command line."""
     from cg2raw.cli._pairs import asked_sensors
     from cg2raw.upi import PAPER_SENSORS, Upi
@@ -249,7 +256,7 @@ def upi_of(arguments):
     )
 
 
-def line_of(report):
+def line_of(report: dict[str, Any]) -> str:
     """Return what is printed of one file."""
     light = report["illuminant"]
     words = [f"{report['width']}x{report['height']}", report["sensor"]]

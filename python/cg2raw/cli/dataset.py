@@ -25,17 +25,26 @@ examples:
     cg2raw dataset renders/ out/ --sensors nikon-d850 --illuminants 2 --method upi
 """
 
+import argparse
 import importlib.util
 import os
 import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, TypeVar
 
 from cg2raw.cli._numbers import number_list
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors
 from cg2raw.cli._progress import tracked
 from cg2raw.dataset.methods import METHODS
 
+if TYPE_CHECKING:  # only the work itself loads its modules
+    from cg2raw.dataset.plan import Plan
+    from cg2raw.dataset.run import Summary
 
-def add_arguments(parser):
+T = TypeVar("T")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw dataset."""
     add = parser.add_argument
     add("inputs", nargs="+", metavar="IN", help="a folder, or images")
@@ -61,7 +70,7 @@ def add_arguments(parser):
     group.add_argument("--quiet", action="store_true", help="errors alone")
 
 
-def add_content(group):
+def add_content(group: argparse._ArgumentGroup) -> None:
     """Declare the options on simulation."""
     add = group.add_argument
     add("--sensors", default="all", help='ids or .json files, or "all" (default)')
@@ -98,7 +107,7 @@ def add_content(group):
     add("--layer", metavar="NAME", help="of layered or multi-part files")
 
 
-def add_files(group):
+def add_files(group: argparse._ArgumentGroup) -> None:
     """Declare the options on what is written."""
     add = group.add_argument
     add("--format", default="dng", choices=["dng", "npy", "exr"])
@@ -114,14 +123,14 @@ def add_files(group):
     add("--patches", type=positive, metavar="N", help="crops per image (default 1)")
 
 
-def positive(text):
+def positive(text: str) -> int:
     """Return a whole number above 0."""
     if not text.isdecimal() or int(text) < 1:
         raise ValueError
     return int(text)
 
 
-def seconds(text):
+def seconds(text: str) -> float:
     """Return a time above 0, in seconds."""
     value = float(text)
     if not value > 0:
@@ -129,7 +138,7 @@ def seconds(text):
     return value
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Make the data set; return 1 if an image could not be used."""
     for library in ("OpenImageIO", "pyarrow"):
         if importlib.util.find_spec(library) is None:
@@ -161,12 +170,12 @@ def run(arguments):
     return list_bad(arguments, summary)
 
 
-def plan_of(arguments):
+def plan_of(arguments: argparse.Namespace) -> "Plan":
     """Return the Plan that the options ask for. Raises ValueError."""
     from cg2raw import Sensor
     from cg2raw.dataset import options
 
-    def leave_out(sentence):
+    def leave_out(sentence: str) -> None:
         if arguments.sensors != "all":
             raise ValueError(sentence)
         if not arguments.quiet:
@@ -192,7 +201,7 @@ def plan_of(arguments):
     )
 
 
-def illuminants(words):
+def illuminants(words: str) -> int | tuple[str, ...]:
     """Return a number of drawn illuminants, or the words of a list."""
     if words.isdecimal():
         if not 1 <= int(words) <= 100000:
@@ -201,7 +210,7 @@ def illuminants(words):
     return tuple(asked_illuminants(words))
 
 
-def files_of(arguments):
+def files_of(arguments: argparse.Namespace) -> dict[str, str]:
     """Return the plan's fields on files. Raises ValueError for what has no effect."""
     if arguments.format == "dng" and arguments.type:
         raise ValueError(f"--type {arguments.type}: a DNG is uint16; see --format")
@@ -214,7 +223,7 @@ def files_of(arguments):
     }
 
 
-def crop_of(arguments):
+def crop_of(arguments: argparse.Namespace) -> tuple[int, int] | None:
     """Return (width, height) of the crops, None for whole images. Raises ValueError."""
     if arguments.crop and arguments.patch_size:
         raise ValueError("--crop and --patch-size: give one of them")
@@ -232,12 +241,12 @@ def crop_of(arguments):
     return int(sides[0]), int(sides[1])
 
 
-def progress(results, total):
+def progress(results: Iterable[T], total: int) -> Iterable[T]:
     """Return @results, with a progress bar if stderr is a terminal."""
     return tracked(results, "images", many=0, total=total)
 
 
-def report(out, summary):
+def report(out: str, summary: "Summary") -> None:
     """Print what was done."""
     kept = f", {summary.kept} of them kept" if summary.kept else ""
     files = summary.made + summary.kept
@@ -246,7 +255,7 @@ def report(out, summary):
     print(f"wrote     {manifest}: {files} files of {images} images{kept}")
 
 
-def list_bad(arguments, summary):
+def list_bad(arguments: argparse.Namespace, summary: "Summary") -> int:
     """List the images that could not be used; return the exit code."""
     if not summary.bad:
         return 0

@@ -24,6 +24,12 @@ import dataclasses
 import difflib
 import re
 import sys
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # only the work itself loads its modules
+    from cg2raw.diagnose.captures import CaptureSet
+    from cg2raw.diagnose.diagnosis import Diagnosis
+
 
 INTERRUPTED = 130
 TIME_LIMIT = 600.0  # s
@@ -48,7 +54,7 @@ OPTIONS = {
 }
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw diagnose."""
     add = parser.add_argument
     add("captures", nargs="?", metavar="CAPTURES.yaml", help="what was captured")
@@ -70,7 +76,7 @@ def add_arguments(parser):
     add("--cases", type=int, metavar="N", help="how many --bench makes")
 
 
-def add_search(group):
+def add_search(group: argparse._ArgumentGroup) -> None:
     """Declare the options on what is looked for."""
     add = group.add_argument
     add("--alpha", type=share, metavar="P", help="risk of a false name (default 0.01)")
@@ -93,7 +99,7 @@ def add_search(group):
     add("--exit-code", action="store_true", help="the verdict as exit code")
 
 
-def share(text):
+def share(text: str) -> float:
     """Return a number between 0 and 1."""
     number = float(text)
     if not 0 < number < 1:
@@ -101,14 +107,14 @@ def share(text):
     return number
 
 
-def count(text):
+def count(text: str) -> int:
     """Return a whole number above 0."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text} must be a whole number above 0")
     return int(text)
 
 
-def pixels(text):
+def pixels(text: str) -> int:
     """Return a number of pixels that is worth a diagnosis."""
     if not text.isdecimal() or int(text) < LEAST_PIXELS:
         raise argparse.ArgumentTypeError(
@@ -117,7 +123,7 @@ def pixels(text):
     return int(text)
 
 
-def duration(text):
+def duration(text: str) -> float:
     """Return the seconds of a time above 0: a number, with s, min or h behind it."""
     found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|min|h|)", text)
     seconds = float(found[1]) * SECONDS[found[2]] if found else 0.0
@@ -128,7 +134,7 @@ def duration(text):
     return seconds
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Do what was asked; return the exit code."""
     mode = next((name for name in MODES if getattr(arguments, name)), "")
     check_options(arguments, mode)
@@ -148,7 +154,7 @@ def run(arguments):
         ) from None
 
 
-def check_options(arguments, mode):
+def check_options(arguments: argparse.Namespace, mode: str) -> None:
     """Raise ValueError for options that do not go together."""
     for name, modes in OPTIONS.items():
         if getattr(arguments, name) not in (None, False) and mode not in modes:
@@ -172,7 +178,7 @@ def check_options(arguments, mode):
         raise ValueError("--without and --only: give one of them")
 
 
-def run_diagnosis(arguments):
+def run_diagnosis(arguments: argparse.Namespace) -> int:
     """Diagnose and write the report; return the exit code."""
     from cg2raw.diagnose.captures.reader import read_captures
     from cg2raw.diagnose.report.folder import check_folder, write_report_folder
@@ -191,7 +197,7 @@ def run_diagnosis(arguments):
     return exit_code(arguments, found)
 
 
-def names_of(arguments, option):
+def names_of(arguments: argparse.Namespace, option: str) -> tuple[str, ...]:
     """Return the effects that --without or --only lists. Raises ValueError."""
     from cg2raw.diagnose.effects import catalogue
 
@@ -208,7 +214,9 @@ def names_of(arguments, option):
     return names
 
 
-def diagnosed(arguments, captures, **options):
+def diagnosed(
+    arguments: argparse.Namespace, captures: "CaptureSet", **options: Any
+) -> "Diagnosis":
     """Return the Diagnosis of captures, with a progress bar."""
     from cg2raw.cli._progress import stages
     from cg2raw.diagnose.pipeline import diagnose
@@ -221,7 +229,7 @@ def diagnosed(arguments, captures, **options):
         )
 
 
-def exit_code(arguments, found):
+def exit_code(arguments: argparse.Namespace, found: "Diagnosis") -> int:
     """Return what a diagnosis ends with."""
     from cg2raw.diagnose.diagnosis import VERDICTS
 
@@ -234,7 +242,7 @@ def exit_code(arguments, found):
     return VERDICTS[found.verdict] if arguments.exit_code else 0
 
 
-def run_check(arguments):
+def run_check(arguments: argparse.Namespace) -> int:
     """Print what the frames' pixels say; return 1 if something is wrong."""
     from cg2raw.cli._progress import tracked
     from cg2raw.cli._verdict import integrity_text
@@ -252,7 +260,7 @@ def run_check(arguments):
     return 1 if any(item.complaints for item in found) else 0
 
 
-def run_verify(arguments):
+def run_verify(arguments: argparse.Namespace) -> int:
     """Print the held-out gap of the manifest's sensor and of another; return the code.
 
     Nothing is fitted: both are judged as they are."""
@@ -274,7 +282,7 @@ def run_verify(arguments):
     return VERDICTS[second.verdict] if arguments.exit_code else 0
 
 
-def with_closed_share(first, second):
+def with_closed_share(first: "Diagnosis", second: "Diagnosis") -> "Diagnosis":
     """Return the second Diagnosis without structures that are traces of what it closed.
 
     A diagnosis that finds effects says so of its rest; here nothing was searched."""
@@ -295,7 +303,7 @@ def with_closed_share(first, second):
     return dataclasses.replace(second, unexplained=left, verdict=verdict)
 
 
-def run_generator(arguments, mode):
+def run_generator(arguments: argparse.Namespace, mode: str) -> int:
     """Make captures with hidden effects, or diagnose many; return the exit code."""
     import importlib
 

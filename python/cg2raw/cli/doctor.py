@@ -12,15 +12,19 @@ examples:
   cg2raw doctor --json | jq .works
 """
 
+import argparse
 import json
 import os
 import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from cg2raw import _core
 from cg2raw.oiio import hosts, plugin_file, registration
+
+Report = dict[str, Any]  # of JSON's types
 
 
 @dataclass
@@ -32,24 +36,24 @@ class Plugin:
     reason: str  # why the host does not use it; empty if it does
 
     @property
-    def loads(self):
+    def loads(self) -> bool:
         """Return whether the host uses this file."""
         return not self.reason
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw doctor."""
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Print the report; return 0 if at least one OpenImageIO writes DNGs, else 1."""
     report = examine()
     print(json.dumps(report, indent=2) if arguments.json else as_text(report))
     return 0 if report["works"] else 1
 
 
-def examine():
+def examine() -> Report:
     """Return the whole report as JSON's types."""
     folders, sensors = _core.profile_folders(), _core.installed_profiles()
     found = [examine_host(host, sensors) for host in hosts.find_hosts()]
@@ -60,7 +64,7 @@ def examine():
     }
 
 
-def examine_host(host, sensors):
+def examine_host(host: hosts.Host, sensors: list[str]) -> Report:
     """Return the report on one Host."""
     trial = hosts.try_to_write(host, sensors[0] if sensors else "none")
     plugins = plugins_of(host, trial)
@@ -81,7 +85,7 @@ def examine_host(host, sensors):
     }
 
 
-def plugin_to_register(host):
+def plugin_to_register(host: hosts.Host) -> str | None:
     """Return the plugin that cg2raw.register_oiio_plugin() finds for the OpenImageIO of
     this Python, empty if none is here; None for other hosts."""
     beside = os.path.realpath(os.path.dirname(sys.executable))
@@ -90,7 +94,7 @@ def plugin_to_register(host):
     return registration.plugin_for(host.version)
 
 
-def plugins_of(host, trial):
+def plugins_of(host: hosts.Host, trial: hosts.Trial) -> list[Plugin]:
     """Return the Plugins in the folders that @host searches, in that order."""
     plugins, in_use = [], ""
     for path in dict.fromkeys(
@@ -112,7 +116,7 @@ def plugins_of(host, trial):
     return plugins
 
 
-def loader_reason(path, log):
+def loader_reason(path: str, log: str) -> str:
     """Return what the dynamic loader had against @path, by its LD_DEBUG=files @log."""
     begin = re.search(rf"file={re.escape(path)} \[\d+\];\s+dynamically loaded by", log)
     if not log or re.search(rf"calling init: {re.escape(path)}$", log, re.MULTILINE):
@@ -130,7 +134,7 @@ def loader_reason(path, log):
     return "does not load: the dynamic loader refuses it"
 
 
-def remedy(host, plugins):
+def remedy(host: hosts.Host, plugins: list[Plugin]) -> str:
     """Return one line that helps @host to its plugin."""
     if any(plugin.loads for plugin in plugins):
         return "the plugin is loaded; its message says what it lacks"
@@ -150,7 +154,7 @@ def remedy(host, plugins):
     )
 
 
-def known_plugins():
+def known_plugins() -> list[str]:
     """Return plugin files of the tree or installation that this module is part of."""
     here = Path(os.path.abspath(__file__))
     parents = dict.fromkeys([*here.parents, *here.resolve().parents])
@@ -166,7 +170,7 @@ def known_plugins():
     return [str(path) for path in dict.fromkeys(found)]
 
 
-def as_text(report):
+def as_text(report: Report) -> str:
     """Return the report for people."""
     lines = []
     for host in report["hosts"]:
@@ -182,7 +186,7 @@ def as_text(report):
     return "\n".join(lines)
 
 
-def host_lines(host):
+def host_lines(host: Report) -> list[str]:
     """Return the lines on one host."""
     api = host["plugin_api"] or "unknown"
     lines = [f"{host['path']}: OpenImageIO {host['version']}, plugin API {api}"]

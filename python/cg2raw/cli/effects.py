@@ -11,13 +11,19 @@ examples:
   cg2raw effects --json | jq -r '.[].name'
 """
 
+import argparse
 import difflib
 import json
 import shutil
 import sys
 import textwrap
+from collections.abc import Sequence
+from typing import Any
 
 from cg2raw import _core
+
+Effect = dict[str, Any]
+
 
 COLUMNS = 88  # where there is no terminal
 HEAD = ("name", "stage", "pattern", "parameters")
@@ -29,13 +35,13 @@ PATTERNS = {
 }
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw effects."""
     parser.add_argument("effect", nargs="?", metavar="NAME", help="explain this effect")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Print the list or one effect; return 0."""
     effects = _core.effects()
     if arguments.effect is not None:
@@ -46,7 +52,7 @@ def run(arguments):
     return 0
 
 
-def effect_of(effects, name):
+def effect_of(effects: Sequence[Effect], name: str) -> Effect:
     """Return the effect of a name; an unknown one is told the closest."""
     names = [effect["name"] for effect in effects]
     if name in names:
@@ -56,7 +62,7 @@ def effect_of(effects, name):
     raise ValueError(f'unknown effect "{name}": {hint}there are: {", ".join(names)}')
 
 
-def table(effects):
+def table(effects: Sequence[Effect]) -> str:
     """Return one line per effect, in the order in which they act."""
     rows = [HEAD, *map(row_of, effects)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD) - 1)]
@@ -71,13 +77,13 @@ def table(effects):
     return "\n".join(lines)
 
 
-def row_of(effect):
+def row_of(effect: Effect) -> tuple[str, str, str, str]:
     """Return the cells of one effect."""
     names = ", ".join(parameter["name"] for parameter in effect["parameters"])
     return effect["name"], effect["stage"], effect["pattern"], names
 
 
-def details(effect):
+def details(effect: Effect) -> str:
     """Return all that is known of one effect."""
     lines = [
         f"{effect['name']}: {effect['meaning']}",
@@ -99,6 +105,6 @@ def details(effect):
     return "\n".join(lines)
 
 
-def columns():
+def columns() -> int:
     """Return how many columns a line may have."""
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else COLUMNS

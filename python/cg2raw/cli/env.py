@@ -13,6 +13,7 @@ examples:
   cg2raw env --json
 """
 
+import argparse
 import json
 import os
 import platform
@@ -27,7 +28,7 @@ CONFIG = "share/cg2raw/ocio/sensors.ocio"
 API_OF_3 = 26
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw env."""
     add = parser.add_argument
     add("--shell", choices=("sh", "bash", "zsh", "fish"), default="sh")
@@ -35,7 +36,7 @@ def add_arguments(parser):
     add("--json", action="store_true", help="print JSON, for programs")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Print the lines; return 1 if there is no plugin."""
     places = search_places(arguments.prefix)
     plugins = plugins_in(places)
@@ -57,7 +58,7 @@ def run(arguments):
     return 1
 
 
-def search_places(prefix):
+def search_places(prefix: str | None) -> list[Path]:
     """Return the folders that may hold lib/ and share/, the nearest first."""
     if prefix is not None:
         if not os.path.isdir(prefix):
@@ -74,7 +75,7 @@ def search_places(prefix):
     return list(dict.fromkeys([*near, *builds]))
 
 
-def plugins_in(places):
+def plugins_in(places: list[Path]) -> dict[int, str]:
     """Return {plugin API: folder}, the highest first and the nearest of each.
 
     OpenImageIO 2 refuses the plugin of 3 at once; 3 would load all of 2 to refuse its.
@@ -85,7 +86,7 @@ def plugins_in(places):
         if not path.is_file():
             continue
         try:
-            library = plugin_file.read_plugin(path)
+            library = plugin_file.read_plugin(str(path))
         except (ValueError, OSError) as error:
             print(f"cg2raw env: {path} {error}; left out", file=sys.stderr)
             continue
@@ -94,7 +95,7 @@ def plugins_in(places):
     return dict(sorted(found.items(), reverse=True))
 
 
-def variables_of(plugins, config):
+def variables_of(plugins: dict[int, str], config: str | None) -> dict[str, str]:
     """Return {variable: value}; OCIO only where it names no other config."""
     variables = {}
     for name, folders in (
@@ -118,7 +119,7 @@ def variables_of(plugins, config):
     return variables
 
 
-def line_of(name, value, shell):
+def line_of(name: str, value: str, shell: str) -> str:
     """Return the line that sets a variable in @shell."""
     if shell == "fish":
         quoted = value.replace("\\", "\\\\").replace("'", "\\'")

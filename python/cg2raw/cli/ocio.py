@@ -27,11 +27,20 @@ examples:
   cg2raw ocio --sensors samsung-s20fe --illuminants 2856K --ctf s20fe-2856K.ctf
 """
 
+import argparse
 import os
 import sys
+from typing import TYPE_CHECKING, Any, TextIO
 
+from cg2raw._core import SensorProfile
 from cg2raw.cli._outputs import check_output, to_file
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, check_pairs
+
+if TYPE_CHECKING:  # only the work itself loads OpenColorIO
+    from cg2raw_ocio.spaces import Exposure
+
+Profiles = list[SensorProfile]
+
 
 MISSING = (
     "PyOpenColorIO is not installed; pip install opencolorio, or, for the Python of "
@@ -41,7 +50,7 @@ MANY = 200  # spaces from which on a config loads slowly
 EXPORTS = (("ctf", ".ctf"), ("clf", ".clf"), ("cube", ".cube"))
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw ocio."""
     add = parser.add_argument
     add("--sensors", required=True, metavar="IDS", help="all, or ids and .json: a,b")
@@ -73,7 +82,7 @@ def add_arguments(parser):
     )
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Write what is asked for; return 0."""
     check(arguments)
     try:
@@ -87,7 +96,7 @@ def run(arguments):
     return 0
 
 
-def check(arguments):
+def check(arguments: argparse.Namespace) -> None:
     """Raise ValueError for options that do not go together, or bad outputs."""
     if arguments.merge is not None and arguments.context:
         raise ValueError("--context: does not go with --merge")
@@ -109,7 +118,7 @@ def check(arguments):
             raise ValueError(f"-o {arguments.output}: is the file to be read")
 
 
-def make(arguments):
+def make(arguments: argparse.Namespace) -> None:
     """Write the config, the files, or both."""
     from cg2raw_ocio.spaces import Exposure
 
@@ -133,7 +142,9 @@ def make(arguments):
         make_config(arguments, profiles, illuminants, exposure)
 
 
-def report(arguments, text, stream=None):
+def report(
+    arguments: argparse.Namespace, text: str, stream: TextIO | None = None
+) -> None:
     """Print a line of the report, to stderr if stdout is the config's."""
     if not arguments.quiet:
         clear = to_file(arguments.output) or (
@@ -142,7 +153,12 @@ def report(arguments, text, stream=None):
         print(text, file=stream or (sys.stdout if clear else sys.stderr))
 
 
-def make_config(arguments, profiles, illuminants, exposure):
+def make_config(
+    arguments: argparse.Namespace,
+    profiles: Profiles,
+    illuminants: list[str],
+    exposure: "Exposure",
+) -> None:
     """Write a config of all pairs, merged with another if so asked."""
     from cg2raw_ocio import config as plain
 
@@ -167,7 +183,12 @@ def make_config(arguments, profiles, illuminants, exposure):
     )
 
 
-def merged(arguments, profiles, illuminants, exposure):
+def merged(
+    arguments: argparse.Namespace,
+    profiles: Profiles,
+    illuminants: list[str],
+    exposure: "Exposure",
+) -> Any:
     """Return the config of --merge with RAW spaces; say what its files need."""
     from cg2raw_ocio import merge
 
@@ -186,7 +207,12 @@ def merged(arguments, profiles, illuminants, exposure):
     return config
 
 
-def make_context(arguments, profiles, illuminants, exposure):
+def make_context(
+    arguments: argparse.Namespace,
+    profiles: Profiles,
+    illuminants: list[str],
+    exposure: "Exposure",
+) -> None:
     """Write a config of one space and the folder of its files."""
     from cg2raw.io.atomic_file import write_folder
     from cg2raw_ocio import context
@@ -215,12 +241,17 @@ def make_context(arguments, profiles, illuminants, exposure):
     report(arguments, f"wrote     {arguments.output}: RAW - context")
 
 
-def make_exports(arguments, profile, illuminant, exposure):
+def make_exports(
+    arguments: argparse.Namespace,
+    profile: SensorProfile,
+    illuminant: str,
+    exposure: "Exposure",
+) -> None:
     """Write --ctf, --clf and --cube, and say how exact they are."""
     from cg2raw_ocio import export
 
     pair = (profile, illuminant, exposure)
-    made: list[tuple] = []
+    made: list[tuple[str, tuple[str, list[str]], TextIO | None]] = []
     if arguments.ctf:
         made.append((arguments.ctf, export.ctf(*pair), None))
     if arguments.clf:
@@ -236,14 +267,14 @@ def make_exports(arguments, profile, illuminant, exposure):
             report(arguments, finding, stream)
 
 
-def write(path, text):
+def write(path: str, text: str) -> None:
     """Write a text whole or not at all."""
     from cg2raw.io.atomic_file import write_atomically
 
     write_atomically(path, text.encode())
 
 
-def note(arguments, text):
+def note(arguments: argparse.Namespace, text: str) -> None:
     """Print a line about what may surprise, to stderr."""
     if not arguments.quiet:
         print(f"cg2raw ocio: {text}", file=sys.stderr)

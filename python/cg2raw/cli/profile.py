@@ -19,19 +19,26 @@ examples:
       --black-level 512 --white-level 16383 --id my-camera -o my-camera.json
 """
 
+import argparse
 import json
 import os
 import sys
+from typing import TYPE_CHECKING, Any
 
+from cg2raw._core import SensorProfile
 from cg2raw.cli._outputs import check_output, to_file
 from cg2raw.cli._progress import tracked
+
+if TYPE_CHECKING:  # only the work itself loads its modules
+    from cg2raw.profile.from_files import Made
+
 
 NOISE_HELP = "noise at one ISO by hand: ISO:S,O or ISO:S,O,S,O,S,O (of R, G, B)"
 BY_HAND = ("cfa", "size", "bits", "black-level", "white-level")
 MANY = 20  # files above which a terminal shows progress
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw profile."""
     add = parser.add_argument
     add("files", nargs="*", metavar="FILE", help="DNG or RAW files of one camera")
@@ -52,7 +59,7 @@ def add_arguments(parser):
     add("--quiet", action="store_true", help="no report, no progress")
 
 
-def add_sensitivities(group):
+def add_sensitivities(group: argparse._ArgumentGroup) -> None:
     """Declare the options on measured spectral sensitivities."""
     add = group.add_argument
     add("--ssf", metavar="FILE", help="spectral sensitivities (.json or .csv)")
@@ -73,7 +80,7 @@ def add_sensitivities(group):
         add(option, metavar=metavar[0] if metavar else None, help="without a FILE")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Make the profile; return 0."""
     from cg2raw.io import json_text
     from cg2raw.profile import from_files, report
@@ -95,7 +102,7 @@ def run(arguments):
     return 0
 
 
-def check_outputs(arguments):
+def check_outputs(arguments: argparse.Namespace) -> None:
     """Raise ValueError for outputs that would overwrite a photo or cannot be."""
     inputs = [*arguments.files, *filter(None, [arguments.neutrals, arguments.ssf])]
     outputs = [("-o", arguments.output, ".json"), ("--plot", arguments.plot, ".png")]
@@ -105,7 +112,7 @@ def check_outputs(arguments):
                 raise ValueError(f"{option} {path}: is one of the files to be read")
 
 
-def check_inputs(arguments):
+def check_inputs(arguments: argparse.Namespace) -> None:
     """Raise ValueError for options that do not go together."""
     given = [o for o in BY_HAND if getattr(arguments, o.replace("-", "_")) is not None]
     if not arguments.files and not arguments.ssf:
@@ -124,7 +131,7 @@ def check_inputs(arguments):
         raise ValueError("--illuminant-spd: needs --ssf")
 
 
-def make(arguments):
+def make(arguments: argparse.Namespace) -> "Made":
     """Return the Made profile of files, sensitivities or both."""
     if not arguments.ssf:
         return make_of_files(arguments)
@@ -149,14 +156,14 @@ def make(arguments):
     )
 
 
-def whole(option, text):
+def whole(option: str, text: str | None) -> int | None:
     """Return the whole number that an option's value is, None if not given."""
     if text is not None and not text.isdecimal():
         raise ValueError(f"--{option} {text}: must be a whole number")
     return None if text is None else int(text)
 
 
-def size_of(text):
+def size_of(text: str | None) -> tuple[int, int] | tuple[None, None]:
     """Return (width, height) of "4000x3000", (None, None) if not given."""
     if text is None:
         return None, None
@@ -166,7 +173,7 @@ def size_of(text):
     return int(parts[0]), int(parts[1])
 
 
-def make_of_files(arguments):
+def make_of_files(arguments: argparse.Namespace) -> "Made":
     """Return the Made profile of the files; names each bad one on stderr."""
     from cg2raw.profile import from_files
 
@@ -187,7 +194,7 @@ def make_of_files(arguments):
         raise
 
 
-def changed(fields, arguments):
+def changed(fields: dict[str, Any], arguments: argparse.Namespace) -> dict[str, Any]:
     """Return the profile's @fields with those changes that the options ask for."""
     from cg2raw.profile.neutrals import read_neutrals
     from cg2raw.profile.noise_option import with_noise
@@ -202,7 +209,12 @@ def changed(fields, arguments):
     return fields
 
 
-def write_outputs(arguments, profile, text, found):
+def write_outputs(
+    arguments: argparse.Namespace,
+    profile: SensorProfile,
+    text: str,
+    found: dict[str, Any],
+) -> None:
     """Write picture and profile, each whole or not at all."""
     from cg2raw.io.atomic_file import write_atomically
 

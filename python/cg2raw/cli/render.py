@@ -14,12 +14,13 @@ examples:
 """
 
 import argparse
+from typing import Any
 
 from cg2raw.cli._numbers import number
 from cg2raw.cli._outputs import each_file, outputs_of
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw render."""
     add = parser.add_argument
     add("inputs", nargs="+", metavar="IN.dng", help="DNG or other RAW files")
@@ -43,7 +44,7 @@ def add_arguments(parser):
     add("--quiet", action="store_true", help="no report, no progress; errors only")
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Render all inputs; return 0, or 1 if one failed."""
     outputs = outputs_of(arguments.inputs, arguments.output, ".png")
     return each_file(
@@ -56,7 +57,7 @@ def run(arguments):
     )
 
 
-def render(path, output, arguments):
+def render(path: str, output: str, arguments: argparse.Namespace) -> dict[str, Any]:
     """Write the PNG of one file; return the report, of JSON's types."""
     from cg2raw import quick_look
 

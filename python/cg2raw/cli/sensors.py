@@ -13,9 +13,11 @@ examples:
   cg2raw sensors --json | jq -r '.sensors[].id'
 """
 
+import argparse
 import json
 import shutil
 import sys
+from typing import Any, TextIO
 
 from cg2raw import _core
 from cg2raw.cli._pairs import load_one
@@ -23,7 +25,7 @@ from cg2raw.cli._pairs import load_one
 COLUMNS = 120  # where there is no terminal
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw sensors."""
     parser.add_argument("id", nargs="?", metavar="ID", help="one sensor, or a .json")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
@@ -32,7 +34,7 @@ def add_arguments(parser):
     )
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Print the list or one sensor; return 1 if a profile does not load."""
     if arguments.id is not None:
         return run_one(arguments)
@@ -55,7 +57,7 @@ def run(arguments):
     return 1 if errors else 0
 
 
-def run_one(arguments):
+def run_one(arguments: argparse.Namespace) -> int:
     """Print all of one sensor; return 0."""
     from cg2raw.profile import sensor_text
     from cg2raw.profile.summary import summary
@@ -71,7 +73,7 @@ def run_one(arguments):
     return 0
 
 
-def plot(profile, found, path):
+def plot(profile: _core.SensorProfile, found: dict[str, Any], path: str) -> None:
     """Write the picture of the sensor's illuminants."""
     from cg2raw.io.atomic_file import write_atomically
     from cg2raw.profile.plot import plot_png
@@ -81,7 +83,7 @@ def plot(profile, found, path):
     write_atomically(path, plot_png(profile, found["illuminants"]["cct"]))
 
 
-def load_all():
+def load_all() -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
     """Return (summaries, [{"id", "error"}]) of all installed profiles."""
     from cg2raw.profile.summary import summary
 
@@ -94,6 +96,6 @@ def load_all():
     return found, errors
 
 
-def columns_of(stream):
+def columns_of(stream: TextIO) -> int:
     """Return how many columns a line may have."""
     return shutil.get_terminal_size().columns if stream.isatty() else COLUMNS

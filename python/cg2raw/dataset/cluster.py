@@ -2,13 +2,18 @@
 # Copyright Contributors to the cg2raw Project.
 """Workers of a Dask cluster."""
 
+from collections.abc import Generator, Iterable, Iterator
+from types import ModuleType
+from typing import Any
+
 from cg2raw.dataset.job import Job, give_up, make
+from cg2raw.dataset.journal import Row
 
 AHEAD = 2  # jobs per thread of the cluster that are submitted at a time
 SECONDS = 30  # until a scheduler that does not answer is given up
 
 
-def results(jobs, address):
+def results(jobs: Iterable[Job], address: str) -> Generator[Row]:
     """Yield the result of each of @jobs as the cluster finishes it.
 
     A job whose worker dies is run elsewhere. Raises ValueError if there is no scheduler
@@ -22,7 +27,7 @@ def results(jobs, address):
         yield from streamed(client, distributed, iter(jobs))
 
 
-def imported():
+def imported() -> ModuleType:
     """Return the module distributed. Raises ValueError if it is not installed."""
     try:
         import distributed
@@ -33,7 +38,9 @@ def imported():
     return distributed
 
 
-def streamed(client, distributed, jobs):
+def streamed(
+    client: Any, distributed: ModuleType, jobs: Iterator[Job]
+) -> Iterator[Row]:
     """Yield results; never more than a few jobs per thread are on their way."""
     threads = sum(client.nthreads().values())
     room = AHEAD * max(threads, 1)
@@ -47,19 +54,20 @@ def streamed(client, distributed, jobs):
         yield finished(next(stream), flying)
 
 
-def submit(client, stream, flying, job):
+def submit(client: Any, stream: Any, flying: dict[str, Job], job: Job) -> None:
     """Send a job to the cluster."""
     future = client.submit(make, job, pure=False, retries=0)
     flying[future.key] = job
     stream.add(future)
 
 
-def finished(future, flying):
+def finished(future: Any, flying: dict[str, Job]) -> Row:
     """Return the result of a future that is done."""
     job = flying.pop(future.key)
     error = future.exception()
     if error is None:
-        return future.result()
+        result: Row = future.result()
+        return result
     if type(error).__name__ == "KilledWorker":
         return give_up(job, "the workers that had it died")
     raise OSError(" ".join(f"{error}".split()))

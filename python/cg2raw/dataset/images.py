@@ -3,6 +3,7 @@
 """The images of a data set, in the order of the manifest."""
 
 import os
+from collections.abc import Iterator, Sequence
 
 ENDINGS = (".exr", ".png", ".tif", ".tiff", ".hdr")
 
@@ -14,15 +15,15 @@ class Images:
     the data set's own may lie inside. Nothing is kept in memory but a folder's names.
     Raises ValueError for paths that are not there or have the same name."""
 
-    def __init__(self, paths, skip):
+    def __init__(self, paths: Sequence[str], skip: str) -> None:
         self.skip = os.path.realpath(skip)
         self.folder = paths[0] if len(paths) == 1 and os.path.isdir(paths[0]) else None
-        self.files = {}
+        self.files: dict[str, str] = {}
         if self.folder is None:
             for path in paths:
                 self.add(path)
 
-    def add(self, path):
+    def add(self, path: str) -> None:
         """Take one file in."""
         if os.path.isdir(path):
             raise ValueError(f"{path}: is a folder; give one folder alone, or files")
@@ -36,13 +37,13 @@ class Images:
             )
         self.files[name] = path
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[tuple[str, str]]:
         if self.folder is not None:
             yield from self.walk(self.folder, "")
         else:
             yield from sorted(self.files.items())
 
-    def walk(self, folder, prefix):
+    def walk(self, folder: str, prefix: str) -> Iterator[tuple[str, str]]:
         """Yield the images of a folder and those below it."""
         for name in sorted(os.listdir(folder)):
             path = os.path.join(folder, name)
@@ -53,7 +54,7 @@ class Images:
             elif name.lower().endswith(ENDINGS) and not os.path.isdir(path):
                 yield f"{prefix}{name}", path
 
-    def has(self, name):
+    def has(self, name: str) -> bool:
         """Return whether an image of this name is there."""
         if self.folder is not None:
             return os.path.exists(os.path.join(self.folder, name))

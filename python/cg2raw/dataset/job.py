@@ -6,16 +6,22 @@ import hashlib
 import json
 import os
 import uuid
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from cg2raw import __version__, _core, write_dng
+from cg2raw import Illuminant, RawFrame, Sensor, __version__, _core, write_dng
+from cg2raw.arrays import FloatImage
 from cg2raw.dataset import journal, manifest, packed
+from cg2raw.dataset.journal import Row
 from cg2raw.dataset.methods import METHODS
-from cg2raw.dataset.plan import Plan
+from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.io.image_file import read_image
+
+Write = Callable[[str], None]  # of the file at a path
 
 PARTS = "parts"  # folder of files that are being written
 BLOCK = 1 << 20  # bytes that are hashed at a time
@@ -33,7 +39,7 @@ class Job:
     verify: str = "hash"  # what must be as written for a file to be kept; or "size"
 
 
-def make(job):
+def make(job: Job) -> Row:
     """Make all files of one image that are not there yet.
 
     Returns {"image", "made", "kept", "reason"}: reason says in one line why the image
@@ -54,7 +60,7 @@ def make(job):
     return {"image": job.image, "made": made, "kept": kept, "reason": None}
 
 
-def give_up(job, reason):
+def give_up(job: Job, reason: str) -> Row:
     """Remember why an image cannot be used; nothing of it stays. Returns the result."""
     target = Target(job, plan_at(job.out, job.plan_sha256))
     target.remove_files()
@@ -67,7 +73,7 @@ class BadImage(Exception):
 
 
 @lru_cache(maxsize=2)
-def plan_at(out, plan_sha256):
+def plan_at(out: str, plan_sha256: str) -> Plan:
     """Return the Plan of a folder. Raises ValueError if it is not the one expected."""
     path = os.path.join(out, "dataset.json")
     try:
@@ -92,13 +98,13 @@ def plan_at(out, plan_sha256):
 class Target:
     """One image's files and their journal."""
 
-    def __init__(self, job, plan):
+    def __init__(self, job: Job, plan: Plan) -> None:
         self.job, self.plan = job, plan
         self.journal = journal.path_of(job.out, job.image)
-        self.rows = {}  # finished files, {path: row}
+        self.rows: dict[str, Row] = {}  # finished files, {path: row}
         self.has_strange_rows = False  # in the journal, of files that nobody asked for
 
-    def header(self):
+    def header(self) -> Row:
         """Return what is known of the image file, and find the rows that still hold."""
         old, rows = journal.read(self.journal)
         old = old if old and "sha256" in old else None  # else it was given up
@@ -129,11 +135,11 @@ class Target:
         self.has_strange_rows = rows.keys() != self.rows.keys()
         return header
 
-    def variants(self):
+    def variants(self) -> Iterator[tuple[int, Variant]]:
         """Return (order, Variant) of all files of the image."""
         return enumerate(self.plan.variants(self.job.image, self.job.index))
 
-    def holds(self, row, expected):
+    def holds(self, row: Row, expected: Row) -> bool:
         """Return whether a row is of the file that is asked for, and that is there."""
         if not row.keys() >= manifest.NAMES | expected.keys():
             return False
@@ -147,11 +153,11 @@ class Target:
         except OSError:
             return False
 
-    def open_variants(self):
+    def open_variants(self) -> list[tuple[int, Variant]]:
         """Return [(order, Variant)] of what is to be made."""
         return [pair for pair in self.variants() if pair[1].path not in self.rows]
 
-    def remove_files(self):
+    def remove_files(self) -> None:
         """Remove what was made of another image of this name."""
         for _, variant in self.variants():
             try:
@@ -159,7 +165,7 @@ class Target:
             except FileNotFoundError:
                 pass
 
-    def publish(self, write, variant, row):
+    def publish(self, write: Write, variant: Variant, row: Row) -> None:
         """Write a file, give it its name, and enter its row."""
         parts = os.path.join(self.job.out, journal.FOLDER, PARTS)
         os.makedirs(parts, exist_ok=True)
@@ -179,12 +185,12 @@ class Target:
         journal.append(self.journal, row)
 
 
-def is_utf8(name):
+def is_utf8(name: str) -> bool:
     """Return whether a file's name is UTF-8; the core and Parquet take no other."""
     return name == name.encode(errors="replace").decode()
 
 
-def file_sha256(path):
+def file_sha256(path: str) -> str:
     """Return the SHA-256 of a file, in hexadecimal."""
     digest = hashlib.sha256()
     with open(path, "rb", buffering=0) as stream:
@@ -193,7 +199,7 @@ def file_sha256(path):
     return digest.hexdigest()
 
 
-def make_variants(target, header, todo):
+def make_variants(target: Target, header: Row, todo: list[tuple[int, Variant]]) -> None:
     """Read the image once and make the files of @todo."""
     path, plan = target.job.path, target.plan
     try:
@@ -223,13 +229,17 @@ def make_variants(target, header, todo):
         make_variant(target, variant, scene, about)
 
 
-def make_variant(target, variant, scene, about):
+def make_variant(
+    target: Target, variant: Variant, scene: FloatImage, about: Row
+) -> None:
     """Make one file; its pixels are gone before the next one's are there."""
     write, row = simulated(target.plan, variant, scene, about["exposure_time"])
     target.publish(write, variant, {**about, **row})
 
 
-def simulated(plan, variant, scene, seconds):
+def simulated(
+    plan: Plan, variant: Variant, scene: FloatImage, seconds: float | None
+) -> tuple[Write, Row]:
     """Return (write(path), what the manifest says of the simulation)."""
     camera = METHODS[plan.method](
         plan.cameras[variant.sensor], variant.scene, plan.seed
@@ -247,27 +257,35 @@ def simulated(plan, variant, scene, seconds):
         shape = planes.shape[1:]
         write_planes = getattr(packed, f"write_{plan.format}")
 
-        def write(path):
+        def write(path: str) -> None:
             write_planes(path, planes)
 
     drawn = {"illuminant": camera.illuminant, "method_seed": camera.seed}
-    return write, drawn | truth(plan, sensor, raw.simulation.illuminant, gain, shape)
+    simulation = raw.simulation
+    assert simulation is not None  # of what Sensor.simulate returns
+    return write, drawn | truth(plan, sensor, simulation.illuminant, gain, shape)
 
 
-def dng_writer(plan, raw, seconds):
+def dng_writer(plan: Plan, raw: RawFrame, seconds: float | None) -> Write:
     """Return write(path) of a DNG, whose Exif says the exposure time if it is known."""
     shot = None if seconds is None else {"exposure_time": seconds}
     # A file that a loss of power leaves partial is known by its hash, and made again.
-    how = {"compression": plan.compression, "preview": False, "threads": 1}
-    how["sync"] = False
+    how: dict[str, Any] = {"compression": plan.compression, "preview": False}
+    how |= {"threads": 1, "sync": False}
 
-    def write(path):
+    def write(path: str) -> None:
         write_dng(path, raw, shot=shot, **how)
 
     return write
 
 
-def truth(plan, sensor, illuminant, gain, shape):
+def truth(
+    plan: Plan,
+    sensor: Sensor,
+    illuminant: Illuminant,
+    gain: float,
+    shape: Sequence[int],
+) -> Row:
     """Return what is known of the light and of the file's numbers."""
     transform = _core.camera_from_scene(
         sensor.profile, illuminant, plan.convention, gain
@@ -290,7 +308,7 @@ def truth(plan, sensor, illuminant, gain, shape):
     }
 
 
-def expected(header, order, variant):
+def expected(header: Row, order: int, variant: Variant) -> Row:
     """Return what a file's row says that the plan and the image's hash decide."""
     plan = variant.plan
     return {

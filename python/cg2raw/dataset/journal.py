@@ -10,20 +10,24 @@ was cut short, damaged or edited is no line, and what it told of is made again.
 import hashlib
 import json
 import os
+from collections.abc import Iterable, Iterator
+from typing import Any, BinaryIO
 
 from cg2raw.io.atomic_file import failing, write_atomically
+
+Row = dict[str, Any]  # of JSON's types
 
 FOLDER = ".cg2raw"
 ENDING = ".jsonl"
 
 
-def path_of(out, image):
+def path_of(out: str, image: str) -> str:
     """Return the path of an image's journal."""
     name = hashlib.blake2b(os.fsencode(image), digest_size=16).hexdigest()
     return os.path.join(out, FOLDER, "journal", name[:2], name + ENDING)
 
 
-def read(path):
+def read(path: str) -> tuple[Row | None, dict[str, Row]]:
     """Return (header, {path: row}) of a journal; (None, {}) if there is none."""
     try:
         with open(path, "rb") as stream:
@@ -31,21 +35,21 @@ def read(path):
             rows = [parsed(line) for line in stream] if header else []
     except FileNotFoundError:
         return None, {}
-    return header, {row["path"]: row for row in rows if names(row, "path")}
+    return header, {row["path"]: row for row in rows if row and names(row, "path")}
 
 
-def header_in(stream):
+def header_in(stream: BinaryIO) -> Row | None:
     """Return the object of the first line, None if it is about no image."""
     header = parsed(stream.readline())
     return header if names(header, "image") else None
 
 
-def names(entry, field):
+def names(entry: Row | None, field: str) -> bool:
     """Return whether a field of an entry is a text."""
     return entry is not None and isinstance(entry.get(field), str)
 
 
-def parsed(line):
+def parsed(line: bytes) -> Row | None:
     """Return the object of a whole line, None of any other."""
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != checksum_of(text):
@@ -57,13 +61,13 @@ def parsed(line):
     return found if isinstance(found, dict) else None
 
 
-def start(path, header, rows=()):
+def start(path: str, header: Row, rows: Iterable[Row] = ()) -> None:
     """Begin a journal anew, whole or not at all. Raises OSError."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     write_atomically(path, b"".join(line_of(entry) for entry in (header, *rows)))
 
 
-def append(path, row):
+def append(path: str, row: Row) -> None:
     """Add a row, all of it or none. Raises OSError."""
     flags = os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
     with failing(path), open(os.open(path, flags), "ab", buffering=0) as stream:
@@ -77,18 +81,18 @@ def append(path, row):
             raise
 
 
-def line_of(entry):
+def line_of(entry: Row) -> bytes:
     """Return one line: a checksum, and JSON."""
     text = json.dumps(entry).encode()
     return checksum_of(text) + b" " + text + b"\n"
 
 
-def checksum_of(text):
+def checksum_of(text: bytes) -> bytes:
     """Return 16 hexadecimal digits."""
     return hashlib.blake2b(text, digest_size=8).hexdigest().encode()
 
 
-def headers(out):
+def headers(out: str) -> Iterator[tuple[str, Row]]:
     """Yield (path, header) of every journal that can be read."""
     for folder, _, names in os.walk(os.path.join(out, FOLDER, "journal")):
         for name in names:

@@ -6,7 +6,7 @@ import hashlib
 import json
 
 
-def hashed(*key):
+def hashed(*key: object) -> int:
     """Return 53 bits that a key decides, exact in any reader of JSON."""
     digest = hashlib.blake2b(json.dumps(key).encode(), digest_size=8).digest()
     return int.from_bytes(digest, "big") >> 11

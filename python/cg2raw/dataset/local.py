@@ -9,10 +9,13 @@ import selectors
 import signal
 import subprocess
 import sys
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import asdict
 from itertools import islice
+from typing import BinaryIO
 
-from cg2raw.dataset.job import give_up
+from cg2raw.dataset.job import Job, give_up
+from cg2raw.dataset.journal import Row
 from cg2raw.io.atomic_file import create
 
 TRIES = 2  # of an image whose worker dies
@@ -22,7 +25,7 @@ COMMAND = "from cg2raw.dataset.worker import main; main()"
 class Worker:
     """A process, its pipes, and the job that it has."""
 
-    def __init__(self, log):
+    def __init__(self, log: BinaryIO) -> None:
         path = os.pathsep.join(entry for entry in sys.path if entry)
         self.process = subprocess.Popen(
             [sys.executable, "-c", COMMAND, str(os.getpid())],
@@ -35,9 +38,10 @@ class Worker:
         # Pipes, so they are there.
         assert self.process.stdin is not None and self.process.stdout is not None
         self.requests, self.answers = self.process.stdin, self.process.stdout
-        self.job, self.tries = None, 0
+        self.job: Job
+        self.tries = 0
 
-    def give(self, job, tries):
+    def give(self, job: Job, tries: int) -> None:
         """Hand over a job."""
         self.job, self.tries = job, tries
         try:
@@ -46,12 +50,12 @@ class Worker:
         except BrokenPipeError:
             pass  # it died; its end of the other pipe tells
 
-    def answer(self):
+    def answer(self) -> Row | None:
         """Return the answer to the job, None if the process died over it."""
         line = self.answers.readline()
         return json.loads(line) if line.endswith(b"\n") else None
 
-    def stop(self):
+    def stop(self) -> None:
         """End the process at once, which is safe at any time."""
         self.process.kill()
         self.process.wait()
@@ -60,7 +64,7 @@ class Worker:
             self.requests.close()
 
 
-def results(jobs, count, log):
+def results(jobs: Iterable[Job], count: int, log: str) -> Generator[Row]:
     """Yield the result of each of @jobs, in the order in which they are finished.
 
     count : workers. log : the path of a file for what they print. A worker that dies is
@@ -82,25 +86,27 @@ def results(jobs, count, log):
 class Pool:
     """The workers that are busy, and the jobs that are left."""
 
-    def __init__(self, jobs, selector, log):
+    def __init__(
+        self, jobs: Iterator[Job], selector: selectors.BaseSelector, log: BinaryIO
+    ) -> None:
         self.jobs, self.selector, self.log = jobs, selector, log
-        self.workers = set()
+        self.workers: set[Worker] = set()
 
-    def hire(self):
+    def hire(self) -> Worker:
         """Start a Worker."""
         worker = Worker(self.log)
         self.workers.add(worker)
         self.selector.register(worker.answers, selectors.EVENT_READ, worker)
         return worker
 
-    def dismiss(self, worker):
+    def dismiss(self, worker: Worker) -> int:
         """End a Worker; return the exit code of one that had ended by itself."""
         self.selector.unregister(worker.answers)
         self.workers.discard(worker)
         worker.stop()
         return worker.process.returncode
 
-    def serve(self, worker):
+    def serve(self, worker: Worker) -> Iterator[Row]:
         """Take a worker's answer, give it the next job; yield the result."""
         answer = worker.answer()
         if answer is None:
@@ -114,14 +120,14 @@ class Pool:
             answer = give_up(job, self.ended(code))
         if "failure" in answer:
             raise OSError(answer["failure"])
-        job = next(self.jobs, None)
-        if job is None:
+        following = next(self.jobs, None)
+        if following is None:
             self.dismiss(worker)
         else:
-            worker.give(job, 1)
+            worker.give(following, 1)
         yield answer
 
-    def ended(self, code):
+    def ended(self, code: int) -> str:
         """Return the reason for which an image is given up."""
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         return f"the process that worked on it ended twice ({how}); see {self.log.name}"

@@ -4,8 +4,11 @@
 
 import json
 import os
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 from cg2raw.dataset import journal
+from cg2raw.dataset.journal import Row
 from cg2raw.io.atomic_file import create, sync_folder
 
 NAME = "manifest"
@@ -57,7 +60,7 @@ COLUMNS = (
 NAMES = {name for name, _ in COLUMNS}
 
 
-def remove(out):
+def remove(out: str) -> None:
     """Remove the manifest: there is one only of a data set that is complete."""
     for ending in (".parquet", ".jsonl"):
         path = os.path.join(out, NAME + ending)
@@ -65,7 +68,7 @@ def remove(out):
             os.unlink(path)
 
 
-def write(out, images, expected):
+def write(out: str, images: Iterable[tuple[str, str]], expected: int) -> None:
     """Write both manifests of @images, (name, path) each.
 
     expected : how many files there are. Rows stream from the journals; each manifest
@@ -98,7 +101,7 @@ def write(out, images, expected):
     publish(out, text, table)
 
 
-def publish(out, text, table):
+def publish(out: str, text: str, table: str) -> None:
     """Give both manifests their names, once they are on the disk."""
     for path, ending in ((text, ".jsonl"), (table, ".parquet")):
         with open(path, "rb") as stream:
@@ -107,7 +110,7 @@ def publish(out, text, table):
     sync_folder(out)
 
 
-def rows(out, images):
+def rows(out: str, images: Iterable[tuple[str, str]]) -> Iterator[Row]:
     """Yield the rows of the manifest."""
     names = [name for name, _ in COLUMNS]
     for image, _ in images:
@@ -117,7 +120,9 @@ def rows(out, images):
             yield {name: row[name] for name in names}
 
 
-def bad_images(out, images):
+def bad_images(
+    out: str, images: Iterable[tuple[str, str]]
+) -> Iterator[tuple[str, str]]:
     """Yield (image, reason) of those that could not be used."""
     for image, _ in images:
         header, _ = journal.read(journal.path_of(out, image))
@@ -125,7 +130,7 @@ def bad_images(out, images):
             yield image, header["reason"]
 
 
-def arrow_schema():
+def arrow_schema() -> Any:
     """Return the schema of the Parquet file."""
     import pyarrow
 

@@ -30,12 +30,12 @@ class Camera:
     seed: int | None  # of what the method drew; None: nothing
 
 
-def graphics2raw(sensor, scene, seed):
+def graphics2raw(sensor: Sensor, scene: Scene, seed: int) -> Camera:
     """Return the sensor itself under the scene's light.
 
     Raises ValueError if a gain is to be drawn from a sensor that has none."""
     gain = scene.asked_gain
-    if gain == "sample":
+    if isinstance(gain, str):  # "sample"
         key = (scene.image, sensor.id, scene.illuminant_index, scene.patch)
         gain = sensor.simulation(
             (2, 2),
@@ -48,7 +48,7 @@ def graphics2raw(sensor, scene, seed):
     return Camera(sensor, scene.illuminant, gain, None)
 
 
-def upi(sensor, scene, seed):
+def upi(sensor: Sensor, scene: Scene, seed: int) -> Camera:
     """Return a camera that UPI draws with the CFA, levels and noise of the sensor: one
     for each image, patch and light. A gain that is to be drawn is UPI's own."""
     key = (seed, scene.image, sensor.id, scene.illuminant_index, scene.patch)

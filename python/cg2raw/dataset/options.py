@@ -3,8 +3,10 @@
 """Which options of the command make which Plan."""
 
 import json
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from cg2raw import __version__
+from cg2raw import Sensor, __version__
 from cg2raw.dataset.methods import METHODS, Scene
 from cg2raw.dataset.plan import Plan, short
 
@@ -18,7 +20,9 @@ OPTIONS = {
 }
 
 
-def make_plan(sensors, leave_out, **fields):
+def make_plan(
+    sensors: Sequence[Sensor], leave_out: Callable[[str], None], **fields: Any
+) -> Plan:
     """Return the Plan of Sensors.
 
     sensors : (Sensor, ...). leave_out : called with a sentence on each sensor or ISO
@@ -44,24 +48,25 @@ def make_plan(sensors, leave_out, **fields):
     return plan
 
 
-def unknown_noise(plan):
+def unknown_noise(plan: Plan) -> dict[str, dict[str, str]]:
     """Return {"100,3200": {sensor: why its noise there is not known}}."""
     found: dict[str, dict[str, str]] = {}
     for id, camera in plan.cameras.items():
-        whys = {iso: plan.why_not(camera, iso) for iso in plan.isos}
-        bad = [iso for iso, why in whys.items() if why is not None]
+        known = [(iso, plan.why_not(camera, iso)) for iso in plan.isos]
+        bad = {iso: why for iso, why in known if iso is not None and why is not None}
         if bad:
-            found.setdefault(",".join(map(short, bad)), {})[id] = whys[bad[0]]
+            why = next(iter(bad.values()))
+            found.setdefault(",".join(map(short, bad)), {})[id] = why
     return found
 
 
-def plan_of(sensors, fields):
+def plan_of(sensors: Sequence[Sensor], fields: dict[str, Any]) -> Plan:
     """Return the Plan of Sensors."""
     profiles = {sensor.id: sensor.to_json() for sensor in sensors}
     return Plan(sensors=tuple(profiles), profiles=profiles, **fields)
 
 
-def fits(sensor, format, leave_out):
+def fits(sensor: Sensor, format: str, leave_out: Callable[[str], None]) -> bool:
     """Return whether a format can hold the sensor's mosaic."""
     if format == "dng" or len(sensor.cfa) == 4:
         return True
@@ -72,7 +77,7 @@ def fits(sensor, format, leave_out):
     return False
 
 
-def check_runs(plan, sensor):
+def check_runs(plan: Plan, sensor: Sensor) -> None:
     """Raise ValueError for a combination that cannot be simulated."""
     words = plan.illuminants
     if isinstance(words, int):
@@ -100,7 +105,7 @@ def check_runs(plan, sensor):
         camera.sensor.simulation((2, 2), **run)
 
 
-def difference(old_text, plan):
+def difference(old_text: str, plan: Plan) -> str | None:
     """Return how dataset.json differs from @plan in one sentence, None if it does not.
 
     Raises ValueError if it is no dataset.json."""
@@ -122,7 +127,7 @@ def difference(old_text, plan):
     return None
 
 
-def said(value):
+def said(value: Any) -> str:
     """Return a plan's value as it is on a command line."""
     if isinstance(value, list):
         return ",".join("clean" if one is None else str(one) for one in value)

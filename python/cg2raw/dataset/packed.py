@@ -2,12 +2,23 @@
 # Copyright Contributors to the cg2raw Project.
 """A Bayer mosaic as four planes of half its size, for training."""
 
-import numpy as np
+from collections.abc import Sequence
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.arrays import RawImage
 from cg2raw.oiio.openimageio import openimageio
 
 
-def packed(raw, cfa, black_level, white_level, element_type):
+def packed(
+    raw: RawImage,
+    cfa: str,
+    black_level: Sequence[float],
+    white_level: float,
+    element_type: str,
+) -> NDArray[Any]:
     """Return (4, H // 2, W // 2): planes R, G1, G2, B, 0..1 above black.
 
     raw : (H, W) DN; an odd last row or column is dropped. cfa : "RGGB" or another
@@ -28,20 +39,20 @@ def packed(raw, cfa, black_level, white_level, element_type):
     return planes
 
 
-def sites(cfa):
+def sites(cfa: str) -> tuple[int, int, int, int]:
     """Return the sites, row by row, of R, G1, G2 and B in a 2x2 CFA."""
     red, blue = cfa.index("R"), cfa.index("B")
     beside_red, beside_blue = red ^ 1, blue ^ 1  # the other column of the same row
     return red, beside_red, beside_blue, blue
 
 
-def write_npy(path, planes):
+def write_npy(path: str, planes: NDArray[Any]) -> None:
     """Write planes as .npy. Raises OSError."""
     with open(path, "wb") as stream:
         np.save(stream, planes, allow_pickle=False)
 
 
-def write_exr(path, planes):
+def write_exr(path: str, planes: NDArray[Any]) -> None:
     """Write (4, h, w) float32 planes as the channels R, G1, G2, B. Raises OSError."""
     oiio = openimageio()
     _, height, width = planes.shape

@@ -4,13 +4,15 @@
 
 import hashlib
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
+from typing import Any
 
 from cg2raw import Sensor, __version__, effects
 from cg2raw.dataset.keys import hashed
-from cg2raw.dataset.methods import Scene
+from cg2raw.dataset.methods import Camera, Scene
 
 ENDINGS = {"dng": ".dng", "npy": ".npy", "exr": ".exr"}
 # Effects that need an exposure time.
@@ -33,10 +35,10 @@ class Plan:
     "index" among the images, or "none", nothing.
     profiles : {id: JSON text}, as Sensor.to_json gives it."""
 
-    sensors: tuple
-    illuminants: tuple | int
-    digital_gains: tuple
-    isos: tuple
+    sensors: tuple[str, ...]
+    illuminants: tuple[str, ...] | int
+    digital_gains: tuple[float | str, ...]
+    isos: tuple[float | None, ...]
     exposure_time: float | None
     noise: str | None
     convention: str
@@ -44,14 +46,14 @@ class Plan:
     format: str
     element_type: str
     compression: str
-    crop: tuple | None
+    crop: tuple[int, int] | None
     patches: int
     seed: int
     layer: str | None
     frame_from: str
-    profiles: dict
+    profiles: dict[str, str]
 
-    def words(self, image):
+    def words(self, image: str) -> list[str]:
         """Return the words of the illuminants of one image."""
         if isinstance(self.illuminants, int):
             return [
@@ -61,9 +63,11 @@ class Plan:
             ]
         return list(self.illuminants)
 
-    def variants(self, image, index):
+    def variants(self, image: str, index: int) -> Iterator["Variant"]:
         """Yield the Variants of the index-th image, in the order of the manifest."""
-        shot = {"name": image, "index": index, "none": None}[self.frame_from]
+        shots: dict[str, str | int | None]
+        shots = {"name": image, "index": index, "none": None}
+        shot = shots[self.frame_from]
         words = self.words(image)
         scenes = product(range(self.patches), self.sensors, range(len(words)))
         for patch, sensor, light in scenes:
@@ -73,12 +77,12 @@ class Plan:
                 )
 
     @cached_property
-    def cameras(self):
+    def cameras(self) -> dict[str, Sensor]:
         """Return {id: Sensor}."""
         return {id: Sensor.from_json(self.profiles[id], id) for id in self.sensors}
 
     @cached_property
-    def exposures(self):
+    def exposures(self) -> dict[str, list[float | None]]:
         """Return {id: those of the ISOs at which the sensor's noise is known}."""
         return {
             id: [iso for iso in self.isos if self.why_not(camera, iso) is None]
@@ -86,7 +90,7 @@ class Plan:
         }
 
     @cached_property
-    def timed(self):
+    def timed(self) -> dict[str, list[str]]:
         """Return {id: effects of the sensor that need an exposure time}, if any."""
         listed = {
             id: [e["name"] for e in camera.effects if e["name"] in TIMED]
@@ -94,7 +98,9 @@ class Plan:
         }
         return {id: names for id, names in listed.items() if names}
 
-    def run(self, camera, iso, seconds):
+    def run(
+        self, camera: Camera, iso: float | None, seconds: float | None
+    ) -> dict[str, Any]:
         """Return the fields of the cg2raw.Run of a Camera that a method has chosen."""
         return {
             "illuminant": camera.illuminant,
@@ -106,7 +112,7 @@ class Plan:
             "exposure_time": seconds,
         }
 
-    def seconds(self, of_image):
+    def seconds(self, of_image: float | None) -> float | None:
         """Return the exposure time of an image whose Exif says @of_image, or None.
 
         Raises ValueError if there is none and a sensor needs it."""
@@ -120,14 +126,14 @@ class Plan:
         return found
 
     @cached_property
-    def profile_sha256(self):
+    def profile_sha256(self) -> dict[str, str]:
         """Return {id: SHA-256 of the profile's JSON text}."""
         return {
             id: hashlib.sha256(text.encode()).hexdigest()
             for id, text in self.profiles.items()
         }
 
-    def why_not(self, camera, iso):
+    def why_not(self, camera: Sensor, iso: float | None) -> str | None:
         """Return why a Sensor has no noise at an ISO, None if it has."""
         if iso is None:
             return None
@@ -139,7 +145,9 @@ class Plan:
             return f"{camera.id} has no tukey_lambda and row_sigma: --noise gaussian"
         return None
 
-    def crop_at(self, image, patch, width, height):
+    def crop_at(
+        self, image: str, patch: int, width: int, height: int
+    ) -> tuple[int, int, int, int]:
         """Return (x, y, width, height) of a crop. Raises ValueError if it is larger."""
         if self.crop is None:
             return (0, 0, width, height)
@@ -153,14 +161,14 @@ class Plan:
         y = hashed(*key, "y") % (height - self.crop[1] + 1)
         return (x, y, *self.crop)
 
-    def to_json(self):
+    def to_json(self) -> str:
         """Return the text of dataset.json."""
         found = {field.name: getattr(self, field.name) for field in fields(self)}
         found["profiles"] = {id: json.loads(text) for id, text in self.profiles.items()}
         return json.dumps({"cg2raw": __version__, **found}, indent=1) + "\n"
 
     @classmethod
-    def from_json(cls, text):
+    def from_json(cls, text: str | bytes) -> "Plan":
         """Return the plan of dataset.json. Raises ValueError, KeyError, TypeError."""
         found = json.loads(text)
         del found["cg2raw"]
@@ -189,7 +197,7 @@ class Variant:
     iso: float | None
 
     @property
-    def key(self):
+    def key(self) -> tuple[object, ...]:
         """Return what keys this file's noise."""
         return (
             self.shot,
@@ -201,18 +209,18 @@ class Variant:
         )
 
     @property
-    def path(self):
+    def path(self) -> str:
         """Return the file's path in the data set's folder."""
         return self.path_at(self.iso)
 
     @property
-    def clean_path(self):
+    def clean_path(self) -> str | None:
         """Return the path of the clean file of the same scene, None if not made."""
         if self.iso is None or None not in self.plan.isos:
             return None
         return self.path_at(None)
 
-    def path_at(self, iso):
+    def path_at(self, iso: float | None) -> str:
         """Return the path that the file has at another ISO."""
         exposure = "clean" if iso is None else f"iso{short(iso)}"
         patch = "" if self.plan.crop is None else f"_p{self.patch}"
@@ -222,12 +230,12 @@ class Variant:
         )
 
     @property
-    def frame(self):
+    def frame(self) -> int:
         """Return the frame number that keys the file's noise."""
         return hashed("frame", *self.key)
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         """Return what clean and noisy files have in common."""
         return Scene(
             self.image,
@@ -238,7 +246,7 @@ class Variant:
         )
 
 
-def short(number):
+def short(number: float | str) -> str:
     """Return a number as briefly as it reads back; a word as it is."""
     if isinstance(number, float) and number.is_integer():
         return str(int(number))

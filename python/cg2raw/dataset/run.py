@@ -9,11 +9,14 @@ import hashlib
 import os
 import re
 import shutil
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from cg2raw.dataset import journal, manifest, options
 from cg2raw.dataset.images import Images
 from cg2raw.dataset.job import PARTS, Job
+from cg2raw.dataset.journal import Row
+from cg2raw.dataset.plan import Plan
 from cg2raw.io.atomic_file import write_atomically
 
 PLAN = "dataset.json"
@@ -32,8 +35,14 @@ class Summary:
 
 
 def make_dataset(
-    paths, out, plan, workers=1, scheduler=None, watch=None, verify="hash"
-):
+    paths: Sequence[str],
+    out: str,
+    plan: Plan,
+    workers: int = 1,
+    scheduler: str | None = None,
+    watch: Callable[[Iterator[Row], int], Iterable[Row]] | None = None,
+    verify: str = "hash",
+) -> Summary:
     """Make, or go on with, the data set of a Plan; return its Summary.
 
     paths : one folder, or files. workers : processes of this machine; scheduler : the
@@ -63,7 +72,7 @@ def make_dataset(
     return summary
 
 
-def check_folder(out, plan):
+def check_folder(out: str, plan: Plan) -> bool:
     """Return whether a folder holds the data set of a plan already.
 
     Raises ValueError if it holds something else, or one of other options."""
@@ -81,13 +90,13 @@ def check_folder(out, plan):
     return True
 
 
-def is_ours(name):
+def is_ours(name: str) -> bool:
     """Return whether a name in a new data set's folder is one that we left there."""
     return name == journal.FOLDER or LEFTOVER.fullmatch(name) is not None
 
 
 @contextlib.contextmanager
-def locked(out):
+def locked(out: str) -> Iterator[None]:
     """Keep others from writing the same data set. Raises ValueError if one does."""
     folder = os.path.join(out, journal.FOLDER)
     path = os.path.join(folder, "lock")
@@ -103,7 +112,7 @@ def locked(out):
         yield
 
 
-def begin(out, plan, images):
+def begin(out: str, plan: Plan, images: Images) -> None:
     """Prepare a folder: no manifest, no parts, the plan, no image that went away."""
     for path, header in journal.headers(out):
         if images.has(header["image"]):
@@ -122,7 +131,7 @@ def begin(out, plan, images):
         write_atomically(os.path.join(out, PLAN), plan.to_json().encode())
 
 
-def sync_file_system(out):
+def sync_file_system(out: str) -> None:
     """Put all files on the disk, before a manifest says that they are there."""
     handle = os.open(out, os.O_RDONLY | os.O_DIRECTORY)
     try:
@@ -131,19 +140,21 @@ def sync_file_system(out):
         os.close(handle)
 
 
-def parts_of(out):
+def parts_of(out: str) -> str:
     """Return the folder of files that are being written."""
     return os.path.join(out, journal.FOLDER, PARTS)
 
 
-def jobs_of(images, out, plan, verify):
+def jobs_of(images: Images, out: str, plan: Plan, verify: str) -> Iterator[Job]:
     """Yield the Job of each image."""
     plan_sha256 = hashlib.sha256(plan.to_json().encode()).hexdigest()
     for index, (image, path) in enumerate(images):
         yield Job(out, plan_sha256, image, os.path.abspath(path), index, verify)
 
 
-def worked(out, jobs, workers, scheduler):
+def worked(
+    out: str, jobs: Iterator[Job], workers: int, scheduler: str | None
+) -> Generator[Row]:
     """Return the results of jobs by local processes, or by a cluster."""
     if scheduler is not None:
         from cg2raw.dataset import cluster
@@ -155,7 +166,7 @@ def worked(out, jobs, workers, scheduler):
     return local.results(jobs, workers, log)
 
 
-def count(summary, result):
+def count(summary: Summary, result: Row) -> None:
     """Add a result to the summary."""
     summary.images += 1
     summary.made += result["made"]

@@ -11,7 +11,7 @@ import sys
 PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
 
 
-def main():
+def main() -> None:
     """Make jobs until there are no more."""
     end_with_parent(int(sys.argv[1]))
     answers = os.fdopen(os.dup(1), "w")
@@ -29,14 +29,14 @@ def main():
         answers.flush()
 
 
-def end_with_parent(parent):
+def end_with_parent(parent: int) -> None:
     """Let the system kill this process when its parent is killed."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         sys.exit(1)
 
 
-def use_one_thread():
+def use_one_thread() -> None:
     """Keep OpenImageIO from taking every core in every worker."""
     from cg2raw.oiio.openimageio import openimageio
 

@@ -7,9 +7,21 @@ import errno
 import os
 import shutil
 import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from typing import BinaryIO, Protocol
+
+FilePath = str | os.PathLike[str]
 
 
-def write_atomically(path, data):
+class Files(Protocol):
+    """Names and bytes of files, which may be made one at a time."""
+
+    def items(self) -> Iterable[tuple[str, bytes]]:
+        """Return the pairs."""
+        ...
+
+
+def write_atomically(path: FilePath, data: bytes) -> None:
     """Write bytes to @path: a temporary file beside it takes its place when complete.
 
     A symbolic link stays one; what is no regular file, such as /dev/stdout, is written
@@ -37,7 +49,7 @@ def write_atomically(path, data):
     sync_folder(folder)
 
 
-def write_folder(path, files, is_ours):
+def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -> None:
     """Write a folder of files, {name: bytes}; one that is there is replaced as a whole.
 
     is_ours : name -> whether a file that is there may go. Raises ValueError if one may
@@ -71,7 +83,7 @@ def write_folder(path, files, is_ours):
     sync_folder(parent)
 
 
-def exchange(path, target, fresh, old):
+def exchange(path: FilePath, target: str, fresh: str, old: str) -> None:
     """Move the folder @target, if there is one, to @old, and @fresh in its place."""
     with failing(path):
         if os.path.isdir(target):
@@ -79,7 +91,7 @@ def exchange(path, target, fresh, old):
         os.rename(fresh, target)
 
 
-def move_back(path, target, old):
+def move_back(path: FilePath, target: str, old: str) -> None:
     """Move what was at @target back from @old. Raises OSError if it must stay there."""
     if not os.path.isdir(old) or os.path.lexists(target):
         return
@@ -92,7 +104,7 @@ def move_back(path, target, old):
         ) from None
 
 
-def write_all(file, path, data):
+def write_all(file: FilePath | int, path: FilePath, data: bytes) -> None:
     """Write @data to @file, a path or descriptor, and close it; messages name @path.
 
     It is on the disk then."""
@@ -102,7 +114,7 @@ def write_all(file, path, data):
         sync(stream.fileno())
 
 
-def sync(handle):
+def sync(handle: int) -> None:
     """Put a file on the disk; what has none, such as a pipe, stays as it is."""
     try:
         os.fsync(handle)
@@ -112,7 +124,7 @@ def sync(handle):
 
 
 @contextlib.contextmanager
-def failing(path):
+def failing(path: FilePath) -> Iterator[None]:
     """Name @path in what the system says of a call that fails."""
     try:
         yield
@@ -120,7 +132,7 @@ def failing(path):
         raise OSError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def sync_folder(folder):
+def sync_folder(folder: str) -> None:
     """Make names in a folder outlast a loss of power, where the system can."""
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
@@ -130,7 +142,7 @@ def sync_folder(folder):
             os.close(handle)
 
 
-def create(path):
+def create(path: FilePath) -> BinaryIO:
     """Return a binary stream of a new file at @path, which replaces any; no link is
     followed. Raises OSError."""
     with contextlib.suppress(FileNotFoundError):
@@ -139,7 +151,7 @@ def create(path):
     return open(os.open(path, flags, 0o666), "wb")
 
 
-def mode_of(target):
+def mode_of(target: str) -> int:
     """Return the permissions of the file at @target, or those of a new one."""
     if os.path.exists(target):
         return os.stat(target).st_mode & 0o7777

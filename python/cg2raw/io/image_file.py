@@ -3,12 +3,18 @@
 """Renders and pictures of any format that OpenImageIO reads: one reader for all."""
 
 import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw import _core
+from cg2raw.arrays import FloatImage
 from cg2raw.io import image_spaces
+from cg2raw.io.atomic_file import FilePath
+from cg2raw.io.transfer_curve import Curve
 from cg2raw.oiio.openimageio import one_line, openimageio
 
 SIDES = (2, 65535)  # of a RAW file, pixels
@@ -28,14 +34,14 @@ class Image:
     path: str
     pixels: np.ndarray
     space: str
-    chromaticities: tuple | None = None
-    shot: dict = field(default_factory=dict)
+    chromaticities: tuple[float, ...] | None = None
+    shot: dict[str, Any] = field(default_factory=dict)
     undone: str = ""
     layer: str = ""  # empty: unnamed R, G, B
     time_code: str = ""  # SMPTE, hh:mm:ss:ff
 
 
-def opened(path, straight_alpha=False):
+def opened(path: FilePath, straight_alpha: bool = False) -> Any:
     """Return the ImageInput of @path, to be closed. Raises ValueError, OSError.
 
     straight_alpha : colour is not to be multiplied by an alpha that lies beside it."""
@@ -51,7 +57,12 @@ def opened(path, straight_alpha=False):
     return source
 
 
-def read_image(path, layer=None, undo=None, space=None):
+def read_image(
+    path: FilePath,
+    layer: str | None = None,
+    undo: str | None = None,
+    space: str | None = None,
+) -> Image:
     """Return the Image at @path.
 
     layer : the name of one in a layered or multi-part file; None for the picture by the
@@ -85,27 +96,47 @@ def read_image(path, layer=None, undo=None, space=None):
     )
 
 
-def read_plane(path):
+def read_plane(path: FilePath) -> FloatImage:
     """Return (H, W) float32 of the first channel at @path, its whole display window."""
     with contextlib.closing(opened(path)) as source:
         check_size(path, source.spec())
         return read_pixels(path, source, source.spec(), [0], None)[..., 0]
 
 
-def image_size(path):
+def image_size(path: FilePath) -> tuple[int, int]:
     """Return (H, W) of the picture at @path, by the headers. Raises ValueError."""
     with contextlib.closing(opened(path)) as source:
         _, spec = chosen_layer(path, source, None)
         return spec.full_height, spec.full_width
 
 
-def has_integers(path):
+def has_integers(path: FilePath) -> bool:
     """Return whether a file has integers, which a curve encodes."""
     with contextlib.closing(opened(path)) as source:
         return image_spaces.is_integer(source.spec())
 
 
-def chosen_layer(path, source, layer):
+def check_rec709(image: Image) -> None:
+    """Raise ValueError unless an Image is scene-linear Rec.709, and says so."""
+    if not image_spaces.means_rec709(image.space):
+        is_srgb = image_spaces.is_srgb(image.space)
+        remedy = "add --linearize srgb, or, " if is_srgb else ""
+        rec709 = image_spaces.REC709
+        raise ValueError(
+            f'{image.path}: colour space "{image.space}" is neither scene-linear '
+            f"Rec.709 nor a RAW space: {remedy}if the pixels are linear already, "
+            f"--iscolorspace {rec709}; else oiiotool --tocolorspace {rec709}"
+        )
+    if image.chromaticities:
+        try:
+            image_spaces.check_primaries(image.chromaticities, image.space)
+        except ValueError as error:
+            raise ValueError(f"{image.path}: {error}") from None
+
+
+def chosen_layer(
+    path: FilePath, source: Any, layer: str | None
+) -> tuple[_core.SceneLayer, Any]:
     """Return (SceneLayer, ImageSpec) of the picture; @source is at its part."""
     specs = specs_of(source)
     try:
@@ -122,7 +153,7 @@ def chosen_layer(path, source, layer):
     return chosen, spec
 
 
-def specs_of(source):
+def specs_of(source: Any) -> list[Any]:
     """Return the ImageSpec of each image in a file."""
     specs = [source.spec()]
     while source.seek_subimage(len(specs), 0):
@@ -130,12 +161,12 @@ def specs_of(source):
     return specs
 
 
-def part_name(spec):
+def part_name(spec: Any) -> str:
     """Return the name of a part of a multi-part OpenEXR file; may be empty."""
-    return spec.get_string_attribute("oiio:subimagename")
+    return str(spec.get_string_attribute("oiio:subimagename"))
 
 
-def check_flat(spec):
+def check_flat(spec: Any) -> None:
     """Raise ValueError for an image that is not flat."""
     if spec.deep or spec.depth > 1:
         raise ValueError(
@@ -144,7 +175,7 @@ def check_flat(spec):
         )
 
 
-def check_size(path, spec):
+def check_size(path: FilePath, spec: Any) -> None:
     """Raise ValueError for a size that no RAW file has."""
     least, most = SIDES
     width, height = spec.full_width, spec.full_height
@@ -155,7 +186,9 @@ def check_size(path, spec):
         )
 
 
-def read_pixels(path, source, spec, channels, curve):
+def read_pixels(
+    path: FilePath, source: Any, spec: Any, channels: Sequence[int], curve: Curve | None
+) -> FloatImage:
     """Return (H, W, C) float32 of the display window, a few rows at a time."""
     left, top = spec.x - spec.full_x, spec.y - spec.full_y
     cols = slice(max(left, 0), min(left + spec.width, spec.full_width))
@@ -179,7 +212,15 @@ def read_pixels(path, source, spec, channels, curve):
     return whole
 
 
-def read_rows(path, source, spec, row, count, channels, curve):
+def read_rows(
+    path: FilePath,
+    source: Any,
+    spec: Any,
+    row: int,
+    count: int,
+    channels: Sequence[int],
+    curve: Curve | None,
+) -> NDArray[Any]:
     """Return (count, W, C) pixels of rows of the data window; code values on a curve.
 
     Rows that are compressed together are read together, so that no whole copy is
@@ -193,12 +234,12 @@ def read_rows(path, source, spec, row, count, channels, curve):
         pixels = source.read_scanlines(top, top + count, spec.z, least, most, kind)
     if pixels is None:
         raise ValueError(f"{path}: {one_line(source.geterror())}")
-    pixels = pixels.reshape(count, spec.width, most - least)
+    pixels = np.reshape(pixels, (count, spec.width, most - least))
     in_order = list(channels) == list(range(least, most))
     return pixels if in_order else pixels[..., [c - least for c in channels]]
 
 
-def shot_of(spec):
+def shot_of(spec: Any) -> dict[str, Any]:
     """Return the Exif of an image, as write_dng takes it."""
     text, number = spec.get_string_attribute, spec.get_float_attribute
     date = text("Exif:DateTimeOriginal") or text("DateTime")

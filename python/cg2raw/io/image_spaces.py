@@ -2,8 +2,16 @@
 # Copyright Contributors to the cg2raw Project.
 """What an image file says of its colours: names of spaces, primaries, curves."""
 
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
 from cg2raw import _core
+from cg2raw.arrays import FloatImage
 from cg2raw.io import transfer_curve
+from cg2raw.io.transfer_curve import Curve
 from cg2raw.oiio.openimageio import openimageio
 
 # Names of sRGB in OpenImageIO 2 and 3, and in common configs.
@@ -21,17 +29,17 @@ PICTURES = ("uint8", "uint16")
 REC709 = "lin_rec709"  # what messages call it
 
 
-def is_integer(spec):
+def is_integer(spec: Any) -> bool:
     """Return whether an image has integers that a curve may encode."""
     return str(spec.format) in PICTURES
 
 
-def is_srgb(space):
+def is_srgb(space: str) -> bool:
     """Return whether the name of a space says that the curve of sRGB encodes it."""
     return space.lower() in SRGB_NAMES
 
 
-def means_rec709(space):
+def means_rec709(space: str) -> bool:
     """Return whether a colour space is Rec.709; OCIO's config knows what linear is."""
     if space.lower() in ("linear", "scene_linear"):
         role = openimageio().ColorConfig().getColorSpaceNameByRole("scene_linear")
@@ -39,29 +47,13 @@ def means_rec709(space):
     return not space or _core.is_rec709_name(space)
 
 
-def check_rec709(image):
-    """Raise ValueError unless an Image is scene-linear Rec.709, and says so."""
-    if not means_rec709(image.space):
-        remedy = "add --linearize srgb, or, " if is_srgb(image.space) else ""
-        raise ValueError(
-            f'{image.path}: colour space "{image.space}" is neither scene-linear '
-            f"Rec.709 nor a RAW space: {remedy}if the pixels are linear already, "
-            f"--iscolorspace {REC709}; else oiiotool --tocolorspace {REC709}"
-        )
-    if image.chromaticities:
-        try:
-            check_primaries(image.chromaticities, image.space)
-        except ValueError as error:
-            raise ValueError(f"{image.path}: {error}") from None
-
-
-def check_primaries(chromaticities, space):
+def check_primaries(chromaticities: Sequence[float], space: str) -> None:
     """Raise ValueError for other primaries than Rec.709's, of a space nobody stated."""
     version = openimageio().VERSION
     _core.require_rec709_primaries(chromaticities, space, version, REC709)
 
 
-def curve_of(spec, undo):
+def curve_of(spec: Any, undo: str | None) -> Curve | None:
     """Return the curve to undo in an image: "srgb", an exponent, or None.
 
     undo : as read_image has it. Raises ValueError."""
@@ -73,7 +65,7 @@ def curve_of(spec, undo):
     return stated_curve(spec, space.lower())
 
 
-def stated_curve(spec, space):
+def stated_curve(spec: Any, space: str) -> Curve | None:
     """Return the curve that a file states, sRGB's for integers without a word.
 
     Raises ValueError unless the pixels are Rec.709 then."""
@@ -93,7 +85,7 @@ def stated_curve(spec, space):
         return None if not integer else 1.0
     if integer and (not space or is_srgb(space)):
         return "srgb"
-    exponent = spec.get_float_attribute("oiio:Gamma")
+    exponent = float(spec.get_float_attribute("oiio:Gamma"))
     if integer and exponent > 0 and "rec709" in space:
         return round(exponent, 4)
     raise ValueError(
@@ -102,17 +94,19 @@ def stated_curve(spec, space):
     )
 
 
-def name_of(curve):
+def name_of(curve: Curve | None) -> str:
     """Return what a curve is called: "srgb", "g2.2", or nothing."""
     if curve is None or curve == 1.0:
         return ""
     return curve if isinstance(curve, str) else f"g{curve}"
 
 
-def light_of(pixels, curve):
+def light_of(pixels: NDArray[Any], curve: Curve | None) -> FloatImage:
     """Return float32 light of pixels on a curve: floats (sRGB's alone), or integers."""
     if curve is None:
-        return pixels
+        return pixels.astype(np.float32, copy=False)
     if pixels.dtype.kind == "f":
         return transfer_curve.srgb_light(pixels)
-    return transfer_curve.table(curve, 2 ** (8 * pixels.itemsize))[pixels]
+    table = transfer_curve.table(curve, 2 ** (8 * pixels.itemsize))
+    light: FloatImage = table[pixels]
+    return light

@@ -4,21 +4,23 @@
 
 import json
 import re
+from collections.abc import Mapping
+from typing import Any
 
 from cg2raw import _core
 
 
-def formatted(fields):
+def formatted(fields: Any) -> str:
     """Return JSON text of @fields with every list of numbers on one line."""
 
-    def on_one_line(numbers):
+    def on_one_line(numbers: re.Match[str]) -> str:
         return "[" + ", ".join(re.split(r"[,\s]+", numbers.group(1).strip())) + "]"
 
     text = json.dumps(fields, indent=2)
     return re.sub(r"\[([-+0-9.eE,\s]+)\]", on_one_line, text) + "\n"
 
 
-def checked(fields, name):
+def checked(fields: Mapping[str, Any], name: str) -> tuple[_core.SensorProfile, str]:
     """Return (SensorProfile, JSON text) of @fields.
 
     name : leads the message of the ValueError that says which field is wrong."""

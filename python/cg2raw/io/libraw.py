@@ -7,7 +7,11 @@ import logging
 import os
 import tempfile
 import threading
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
+
+from cg2raw.io.atomic_file import FilePath
 
 REMEDY = "convert it with Adobe DNG Converter or dnglab, then give the DNG"
 
@@ -24,13 +28,13 @@ class RawFile:
     cfa: str  # letters of the sites, phase of the visible area's corner
     width: int  # visible area
     height: int
-    black_level: tuple  # DN, one per CFA site
+    black_level: tuple[float, ...]  # DN, one per CFA site
     white_level: int  # DN
-    camera_from_xyz: tuple  # 9 numbers, row major, for D65
-    neutral: tuple | None  # (R/G, B/G) as shot; None: not recorded
+    camera_from_xyz: tuple[float, ...]  # 9 numbers, row major, for D65
+    neutral: tuple[float, float] | None  # (R/G, B/G) as shot; None: not recorded
 
 
-def read_raw_file(path, make="", model=""):
+def read_raw_file(path: FilePath, make: str = "", model: str = "") -> RawFile:
     """Return the RawFile at @path.
 
     make, model : stand in for those of its Exif.
@@ -43,10 +47,10 @@ def read_raw_file(path, make="", model=""):
         raise ValueError(
             f"{path}: its Exif names no camera: give --make and --model, or {REMEDY}"
         )
-    return RawFile(path=path, make=make, model=model, **fields)
+    return RawFile(path=os.fspath(path), make=make, model=model, **fields)
 
 
-def fields_of(raw, path):
+def fields_of(raw: Any, path: FilePath) -> dict[str, Any]:
     """Return the fields of RawFile that an open rawpy.RawPy knows."""
     if raw.raw_type.name != "Flat" or raw.raw_pattern is None or raw.num_colors != 3:
         raise ValueError(f"{path}: holds no mosaic of R, G and B; take a camera's RAW")
@@ -68,7 +72,7 @@ def fields_of(raw, path):
     }
 
 
-def corner_of(raw):
+def corner_of(raw: Any) -> list[int]:
     """Return LibRaw's colour indices of the repeat at the visible area's corner."""
     rows, columns = raw.raw_pattern.shape
     top, left = raw.sizes.top_margin, raw.sizes.left_margin
@@ -79,7 +83,7 @@ def corner_of(raw):
     ]
 
 
-def neutral_of(gains):
+def neutral_of(gains: Sequence[float]) -> tuple[float, float] | None:
     """Return (R/G, B/G) of white balance gains (R, G, B, ...), None if not recorded.
 
     LibRaw has 0, or 1 for each channel, where it found no white balance."""
@@ -90,7 +94,7 @@ def neutral_of(gains):
 
 
 @contextlib.contextmanager
-def opened(path):
+def opened(path: FilePath) -> Iterator[Any]:
     """Yield the rawpy.RawPy of a file, one at a time.
 
     Raises ValueError with LibRaw's reason, OSError."""
@@ -109,7 +113,7 @@ def opened(path):
 
 
 @contextlib.contextmanager
-def no_words_of_libraries():
+def no_words_of_libraries() -> Iterator[None]:
     """Keep what LibRaw prints to stderr by itself; its errors arrive as exceptions."""
     with tempfile.TemporaryFile() as words:
         kept = os.dup(2)
@@ -121,15 +125,16 @@ def no_words_of_libraries():
             os.close(kept)
 
 
-def exif_names(path):
+def exif_names(path: FilePath) -> tuple[str, str]:
     """Return (make, model) of a file's Exif; empty where it has none."""
     tags = exif_tags(path)
-    return tuple(
+    make, model = (
         str(tags.get(f"Image {name}", "")).strip(" \0") for name in ("Make", "Model")
     )
+    return make, model
 
 
-def exif_tags(path):
+def exif_tags(path: FilePath) -> dict[str, Any]:
     """Return {name: tag} of a file's Exif, as ExifRead names them."""
     import exifread
 

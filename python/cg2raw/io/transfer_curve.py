@@ -5,18 +5,24 @@
 import math
 from decimal import Decimal, localcontext
 from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.arrays import FloatImage
+
+Curve = str | float  # "srgb", or the exponent of a power
 
 
-def srgb(code):
+def srgb(code: float) -> float:
     """Return light of an sRGB value, both 0..1. Source: IEC 61966-2-1."""
     if code <= 0.04045:
         return code / 12.92
     return power((code + 0.055) / 1.055, 2.4)
 
 
-def power(base, exponent):
+def power(base: float, exponent: float) -> float:
     """Return a power that rounds to the same float32 on any machine.
 
     The C library's differs in the last bits of float64; where these decide the float32,
@@ -30,19 +36,19 @@ def power(base, exponent):
 
 
 @cache
-def table(curve, levels):
+def table(curve: Curve, levels: int) -> FloatImage:
     """Return (levels,) float32: light of each code value 0 .. levels - 1.
 
     curve : "srgb", or the exponent of a power."""
     top = levels - 1
-    if curve == "srgb":
+    if isinstance(curve, str):
         light = [srgb(code / top) for code in range(levels)]
     else:
         light = [power(code / top, curve) for code in range(levels)]
     return np.array(light, np.float32)
 
 
-def srgb_light(values):
+def srgb_light(values: NDArray[Any]) -> FloatImage:
     """Return float32 light of float sRGB values. Source: IEC 61966-2-1."""
     v = np.asarray(values, np.float64)
     linear = np.where(v <= 0.04045, v / 12.92, ((np.abs(v) + 0.055) / 1.055) ** 2.4)

@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What an ELF shared library says of itself, without loading it."""
 
+import os
 import struct
 from dataclasses import dataclass
 
@@ -18,7 +19,7 @@ class Library:
     value: int | None  # None: it exports no such int
 
 
-def read_library(path, symbol):
+def read_library(path: str | os.PathLike[str], symbol: str) -> Library:
     """Return the Library at @path with the value of its exported int @symbol.
 
     Raises ValueError if it is no 64-bit little-endian ELF file, OSError if unreadable.
@@ -38,7 +39,7 @@ def read_library(path, symbol):
         raise ValueError("is damaged: its ELF tables point outside the file") from error
 
 
-def int_of(data, symbol):
+def int_of(data: bytes, symbol: str) -> int | None:
     """Return the value of the exported int @symbol, or None."""
     sections = section_headers(data)
     for kind, _, offset, size, link in sections:
@@ -49,11 +50,12 @@ def int_of(data, symbol):
             name, _, _, home, value, length = struct.unpack_from("<IBBHQQ", data, at)
             if length == 4 and home and text_at(data, strings + name) == symbol:
                 _, address, start, _, _ = sections[home]
-                return struct.unpack_from("<i", data, start + value - address)[0]
+                (found,) = struct.unpack_from("<i", data, start + value - address)
+                return int(found)
     return None
 
 
-def section_headers(data):
+def section_headers(data: bytes) -> list[tuple[int, int, int, int, int]]:
     """Return (type, address, offset, size, link) of each section."""
     (start,) = struct.unpack_from("<Q", data, 40)
     size, count = struct.unpack_from("<HH", data, 58)
@@ -67,6 +69,6 @@ def section_headers(data):
     ]
 
 
-def text_at(data, start):
+def text_at(data: bytes, start: int) -> str:
     """Return the zero-terminated text at @start."""
     return data[start : data.index(b"\0", start)].decode("ascii", "replace")

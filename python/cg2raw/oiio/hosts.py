@@ -37,9 +37,11 @@ class Host:
     kind: str  # "oiiotool" or "python"
     path: str
     version: str
-    search: list = field(init=False)  # (variable, folder) in the order of the search
+    search: list[tuple[str, str]] = field(
+        init=False
+    )  # (variable, folder) in the order of the search
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         names = SEARCH_2 if version_of(self.version) < (2, 6) else SEARCH_3
         self.search = [
             (name, folder)
@@ -49,16 +51,16 @@ class Host:
         ]
 
     @property
-    def variable(self):
+    def variable(self) -> str:
         """Return the environment variable by which this OpenImageIO should be told."""
         return "OIIO_LIBRARY_PATH" if version_of(self.version) < (2, 6) else SEARCH_3[1]
 
     @property
-    def plugin_api(self):
+    def plugin_api(self) -> int | None:
         """Return the plugin API that this OpenImageIO accepts, None if not known."""
         return plugin_api_of(self.version)
 
-    def write_command(self, target, sensor):
+    def write_command(self, target: str, sensor: str) -> list[str]:
         """Return the command by which this host writes a 16x16 DNG."""
         if self.kind == "python":
             return [self.path, "-c", WRITE_WITH_PYTHON, target, sensor]
@@ -79,7 +81,7 @@ class Host:
         ]
 
 
-def programs(name):
+def programs(name: str) -> list[str]:
     """Return each executable @name beside this interpreter, on PATH and in /usr/bin."""
     folders = [os.path.dirname(sys.executable), *os.get_exec_path(), "/usr/bin"]
     # The folder is resolved, the program not: .venv/bin/python is not /usr/bin/python3.
@@ -87,7 +89,9 @@ def programs(name):
     return [path for path in dict.fromkeys(paths) if os.access(path, os.X_OK)]
 
 
-def ask(command, **environment):
+def ask(
+    command: list[str], **environment: str
+) -> subprocess.CompletedProcess[str] | None:
     """Run @command; return the finished process, None if it cannot run or hangs."""
     try:
         return subprocess.run(
@@ -103,7 +107,7 @@ def ask(command, **environment):
         return None
 
 
-def find_hosts():
+def find_hosts() -> list[Host]:
     """Return all Hosts of this machine."""
     tools, pythons = programs("oiiotool"), programs("python3")
     questions = [("oiiotool", path, [path, "--version"]) for path in tools]
@@ -126,7 +130,7 @@ class Trial:
     loader: str  # what the dynamic loader reported (glibc's LD_DEBUG=files)
 
 
-def try_to_write(host, sensor):
+def try_to_write(host: Host, sensor: str) -> Trial:
     """Let @host write a DNG into a temporary folder; return the Trial."""
     with tempfile.TemporaryDirectory(prefix="cg2raw-doctor-") as folder:
         target = Path(folder, "trial.dng")

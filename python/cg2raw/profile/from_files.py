@@ -4,10 +4,13 @@
 
 import json
 import os
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from cg2raw import _core
 from cg2raw.io import libraw
+from cg2raw.io.atomic_file import FilePath
 from cg2raw.profile.from_raw_files import profile_from_raw_files
 
 # Read by our own reader; anything else goes through LibRaw.
@@ -26,7 +29,7 @@ LACKS = (
 class BadFiles(ValueError):
     """Some files cannot be used; reasons has one line for each."""
 
-    def __init__(self, reasons, count):
+    def __init__(self, reasons: list[str], count: int) -> None:
         self.reasons = reasons
         super().__init__(
             f"none of the {count} files can be used"
@@ -40,21 +43,27 @@ class BadFiles(ValueError):
 class Made:
     """A profile under construction, and what was noticed on the way."""
 
-    fields: dict
+    fields: dict[str, Any]
     kind: str  # "DNG", "RAW" or "spectral sensitivities"
     files: int = 0  # that went in
-    notes: list = field(default_factory=list)
-    skipped: list = field(default_factory=list)  # reasons, one line each
+    notes: list[str] = field(default_factory=list)
+    skipped: list[str] = field(default_factory=list)  # reasons, one line each
 
 
-def is_dng(path):
+def is_dng(path: FilePath) -> bool:
     """Return whether @path is to be read as a DNG, by its name."""
     return os.path.splitext(path)[1].lower() in DNG_ENDINGS
 
 
 def profile_from_files(
-    paths, *, id="", make="", model="", skip_bad=False, progress=lambda items: items
-):
+    paths: Sequence[str],
+    *,
+    id: str = "",
+    make: str = "",
+    model: str = "",
+    skip_bad: bool = False,
+    progress: Callable[[Sequence[str]], Iterable[str]] = lambda items: items,
+) -> Made:
     """Return what RAW files of one camera, DNGs or others, make: a Made.
 
     id, make, model : stand in for those of the files.
@@ -80,7 +89,7 @@ def profile_from_files(
     return Made(fields, kind, len(good), notes + found, reasons)
 
 
-def distinct(paths):
+def distinct(paths: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return (paths without repeats, notes)."""
     kept = {os.path.realpath(path): path for path in reversed(paths)}
     repeats = len(paths) - len(kept)
@@ -88,7 +97,9 @@ def distinct(paths):
     return list(reversed(kept.values())), notes
 
 
-def read_all(read, paths):
+def read_all(
+    read: Callable[[str], Any], paths: Iterable[str]
+) -> tuple[list[Any], list[str]]:
     """Return (what was read, reasons why the rest was not)."""
     good, reasons = [], []
     for path in paths:
@@ -103,7 +114,9 @@ def read_all(read, paths):
     return good, reasons
 
 
-def from_dngs(metadata, id):
+def from_dngs(
+    metadata: list[_core.DngMetadata], id: str
+) -> tuple[dict[str, Any], list[str]]:
     """Return (fields, notes) of DNGs of one camera."""
     profile, notes = _core.profile_from_dngs(metadata, id)
     fields = json.loads(profile.to_json())
@@ -115,13 +128,13 @@ def from_dngs(metadata, id):
     return fields, [note for note in notes if not note.startswith(LACKS)]
 
 
-def with_notes(made):
+def with_notes(made: Made) -> dict[str, Any]:
     """Return the fields of a Made profile, its notes among their sources."""
     notes = {f"note {number}": note for number, note in enumerate(made.notes, 1)}
     return {**made.fields, "sources": {**made.fields["sources"], **notes}}
 
 
-def renamed(fields, **names):
+def renamed(fields: dict[str, Any], **names: str) -> dict[str, Any]:
     """Return @fields with those make and model that are not empty, and their source."""
     names = {name: text for name, text in names.items() if text}
     sources = {**fields["sources"], **dict.fromkeys(names, GIVEN)}

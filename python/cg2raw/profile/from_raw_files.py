@@ -3,10 +3,13 @@
 """The profile that RAW files which are no DNG amount to, by what LibRaw says."""
 
 import os
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from cg2raw import _core
+from cg2raw.io.libraw import RawFile
 
 NOTE = (
     "read through LibRaw: its one colour matrix is for D65 and it knows no noise; the "
@@ -14,14 +17,16 @@ NOTE = (
 )
 
 
-def camera_name(make, model):
+def camera_name(make: str, model: str) -> str:
     """Return what people call a camera: the make's first word once, then the model."""
     brand = make.split()[0]
     said = model.lower().startswith(brand.lower())
     return model if said else f"{brand} {model}"
 
 
-def profile_from_raw_files(files, id=""):
+def profile_from_raw_files(
+    files: Sequence[RawFile], id: str = ""
+) -> tuple[dict[str, Any], list[str]]:
     """Return (fields of the profile, notes) of RawFiles of one camera.
 
     id : stands in for the one made of the camera's name. Raises ValueError."""
@@ -56,7 +61,7 @@ def profile_from_raw_files(files, id=""):
     return fields | ({"illuminants": {"neutrals": neutrals}} if neutrals else {}), notes
 
 
-def black_of(files, notes):
+def black_of(files: Sequence[RawFile], notes: list[str]) -> list[float]:
     """Return the mean black level per CFA site; a note says if they differ."""
     black = np.array([file.black_level for file in files])
     if np.ptp(black, axis=0).any():
@@ -64,10 +69,11 @@ def black_of(files, notes):
             f"black levels differ from file to file, {black.min():g} to "
             f"{black.max():g} DN: the profile has their mean"
         )
-    return black.mean(axis=0).round(4).tolist()
+    mean: list[float] = black.mean(axis=0).round(4).tolist()
+    return mean
 
 
-def neutrals_of(files, notes):
+def neutrals_of(files: Sequence[RawFile], notes: list[str]) -> list[list[float]]:
     """Return [[R/G, B/G], ...] of those files that have one; a note names the rest."""
     without = [file.path for file in files if file.neutral is None]
     if without:
@@ -78,7 +84,7 @@ def neutrals_of(files, notes):
     return [list(file.neutral) for file in files if file.neutral is not None]
 
 
-def sources_of(files, neutrals):
+def sources_of(files: Sequence[RawFile], neutrals: list[list[float]]) -> dict[str, str]:
     """Return {field: where it is from}."""
     import rawpy
 

@@ -3,6 +3,8 @@
 """Colour from measured spectral sensitivities, in place of that of a camera's files."""
 
 import os
+from collections.abc import Sequence
+from typing import Any
 
 from cg2raw.profile.from_files import Made
 
@@ -10,7 +12,7 @@ SENSOR = ("cfa", "width", "height", "bits", "black_level", "white_level")
 COLOUR = ("calibration_illuminant", "color_matrix", "forward_matrix", "illuminants")
 
 
-def made_of_sensitivities(path, lights=(), **known):
+def made_of_sensitivities(path: str, lights: Sequence[str] = (), **known: Any) -> Made:
     """Return the Made profile of a file of spectral sensitivities alone.
 
     lights : under which neutrals are computed; none: those that cameras meet.
@@ -25,7 +27,7 @@ def made_of_sensitivities(path, lights=(), **known):
     return Made(fields, "file of spectral sensitivities", 1)
 
 
-def with_sensitivities(made, path, lights=()):
+def with_sensitivities(made: Made, path: str, lights: Sequence[str] = ()) -> Made:
     """Return @made with matrices and neutrals of a file of spectral sensitivities."""
     names = ("id", "make", "model", *SENSOR)
     known = {name: made.fields[name] for name in names}
@@ -42,7 +44,7 @@ def with_sensitivities(made, path, lights=()):
     return made
 
 
-def on_colour(note):
+def on_colour(note: str) -> bool:
     """Return whether a note on a camera's file is about its matrices or neutrals."""
     words = ("matri", "neutral", "white balance", "calibrationilluminant")
     return any(word in note.lower() for word in words)

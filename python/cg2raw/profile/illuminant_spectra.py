@@ -4,10 +4,12 @@
 
 import os
 import re
+from typing import Any
 
 import numpy as np
 
-from cg2raw.profile.spectral_file import WAVELENGTHS, check_cover, read_power
+from cg2raw.io.atomic_file import FilePath
+from cg2raw.profile.spectral_file import WAVELENGTHS, Array, check_cover, read_power
 
 # Lights that cameras meet, for a distribution of neutrals without a photograph: black
 # bodies (candle to halogen), CIE A, phases of daylight, the CIE's fluorescent, LED and
@@ -28,7 +30,7 @@ GRAMMAR = (
 )
 
 
-def illuminant_spectrum(light):
+def illuminant_spectrum(light: FilePath) -> Array:
     """Return the relative power (81,) of a light at WAVELENGTHS.
 
     light : a word; GRAMMAR says which. Finer tables are averaged over the steps,
@@ -49,7 +51,7 @@ def illuminant_spectrum(light):
     return _on_grid(table.wavelengths, table.values)
 
 
-def _of_temperature(light, daylight, kelvin):
+def _of_temperature(light: str, daylight: bool, kelvin: float) -> Array:
     """Return the power of a phase of daylight, or of a black body."""
     import colour
 
@@ -65,12 +67,12 @@ def _of_temperature(light, daylight, kelvin):
     return _on_grid(table.wavelengths, table.values)
 
 
-def _on_grid(wavelengths, power):
+def _on_grid(wavelengths: Any, power: Any) -> Array:
     """Return power at WAVELENGTHS of a table of any step."""
     wavelengths, power = np.asarray(wavelengths), np.asarray(power)
     step = WAVELENGTHS[1] - WAVELENGTHS[0]
     if np.median(np.diff(wavelengths)) >= step:
-        return np.interp(WAVELENGTHS, wavelengths, power)
+        return np.asarray(np.interp(WAVELENGTHS, wavelengths, power))
     # Weights of linear interpolation, the other way: what a curve sampled on the grid
     # sees of each row, so that narrow lines between two grid points are not lost.
     distance = np.abs(wavelengths[None, :] - WAVELENGTHS[:, None])
@@ -78,4 +80,4 @@ def _on_grid(wavelengths, power):
     seen = weight.sum(axis=1)
     outside = np.interp(WAVELENGTHS, wavelengths, power)
     mean = weight @ power / np.where(seen > 0.0, seen, 1.0)
-    return np.where(seen > 0.0, mean, outside)
+    return np.asarray(np.where(seen > 0.0, mean, outside))

@@ -10,50 +10,58 @@ camera's neutral. Six numbers stay free; they start from linear least squares.
 """
 
 import functools
+from typing import Any
 
 import numpy as np
 
-from cg2raw.profile.spectral_file import WAVELENGTHS
+from cg2raw.profile.spectral_file import WAVELENGTHS, Array
 
 D50_XY = (0.3457, 0.3585)  # white of the DNG profile connection space
 # Keeps the root of a colour difference smooth at 0; far below what is visible.
 SMOOTHING = 1e-4  # CIEDE2000, squared
 
 
-def xyz_under(power, reflectances=None):
+def xyz_under(power: Array, reflectances: Array | None = None) -> Array:
     """Return the CIE 1931 XYZ of reflectances (n, 81) under power (81,), white Y = 1.
 
     Without reflectances: XYZ (3,) of the light."""
     observer = power[:, None] * _observer()
     observer = observer / observer[:, 1].sum()
-    return observer.sum(axis=0) if reflectances is None else reflectances @ observer
+    if reflectances is None:
+        return np.asarray(observer.sum(axis=0))
+    return np.asarray(reflectances @ observer)
 
 
-def balanced_camera(rgb, power, reflectances):
+def balanced_camera(rgb: Array, power: Array, reflectances: Array) -> Array:
     """Return camera RGB (n, 3) of reflectances over that of the perfect reflector.
 
     rgb : (81, 3) sensitivities."""
     response = power[:, None] * rgb
-    return reflectances @ (response / response.sum(axis=0))
+    return np.asarray(reflectances @ (response / response.sum(axis=0)))
 
 
-def adaptation_to_d50(white):
+def adaptation_to_d50(white: Array) -> Array:
     """Return (3, 3) linear Bradford adaptation of XYZ from a white to D50."""
     from colour.adaptation import matrix_chromatic_adaptation_VonKries
 
-    return matrix_chromatic_adaptation_VonKries(white, _d50(), transform="Bradford")
+    adaptation = matrix_chromatic_adaptation_VonKries(
+        white, _d50(), transform="Bradford"
+    )
+    return np.asarray(adaptation, np.float64)
 
 
-def delta_e(xyz_d50, reference_xyz_d50):
+def delta_e(xyz_d50: Array, reference_xyz_d50: Array) -> Array:
     """Return CIEDE2000 (n,) of XYZ relative to D50, white Y = 1."""
     import colour
 
     lab = colour.XYZ_to_Lab(xyz_d50, D50_XY)
     reference = colour.XYZ_to_Lab(reference_xyz_d50, D50_XY)
-    return colour.difference.delta_E_CIE2000(lab, reference)
+    return np.asarray(colour.difference.delta_E_CIE2000(lab, reference), np.float64)
 
 
-def fit_xyz_d50_from_camera(rgb, power, reflectances=None):
+def fit_xyz_d50_from_camera(
+    rgb: Array, power: Array, reflectances: Array | None = None
+) -> Array:
     """Return (3, 3) XYZ D50 from balanced camera RGB with the least mean CIEDE2000.
 
     rgb : (81, 3) sensitivities. power : (81,) of the light. reflectances : (n, 81), by
@@ -67,9 +75,9 @@ def fit_xyz_d50_from_camera(rgb, power, reflectances=None):
     white = xyz_under(power)
     truth = xyz_under(power, reflectances) @ adaptation_to_d50(white).T
 
-    def loss(free):
+    def loss(free: Array) -> float:
         difference = delta_e(camera @ _white_preserving(free).T, truth)
-        return np.sqrt(difference**2 + SMOOTHING).mean()
+        return float(np.sqrt(difference**2 + SMOOTHING).mean())
 
     start = _least_squares(camera, truth)
     fitted = minimize(loss, start, method="BFGS").x
@@ -80,7 +88,7 @@ def fit_xyz_d50_from_camera(rgb, power, reflectances=None):
     return matrix
 
 
-def color_matrix(xyz_d50_from_camera, rgb, power):
+def color_matrix(xyz_d50_from_camera: Array, rgb: Array, power: Array) -> Array:
     """Return the ColorMatrix (3, 3), XYZ -> camera, of a fitted matrix under its light.
 
     Its largest channel sees D50 as 1, as a DNG renderer scales it."""
@@ -88,11 +96,11 @@ def color_matrix(xyz_d50_from_camera, rgb, power):
     xyz_from_d50 = np.linalg.inv(adaptation_to_d50(xyz_under(power)))
     xyz_from_balanced = xyz_from_d50 @ xyz_d50_from_camera
     matrix = np.diag(neutral) @ np.linalg.inv(xyz_from_balanced)
-    return matrix / np.max(matrix @ _d50())
+    return np.asarray(matrix / np.max(matrix @ _d50()))
 
 
 @functools.cache
-def training_reflectances():
+def training_reflectances() -> Array:
     """Return (190, 81): the Academy's training patches, as colour-science carries them.
 
     Source: AMPAS P-2013-001 and rawtoaces."""
@@ -102,7 +110,7 @@ def training_reflectances():
 
 
 @functools.cache
-def _observer():
+def _observer() -> Array:
     """Return (81, 3): the CIE 1931 2 degree observer at WAVELENGTHS."""
     import colour
 
@@ -110,25 +118,25 @@ def _observer():
     return _frozen(table[WAVELENGTHS])
 
 
-def _frozen(array):
-    array = np.array(array)
-    array.flags.writeable = False
-    return array
+def _frozen(array: Any) -> Array:
+    frozen: Array = np.array(array, np.float64)
+    frozen.flags.writeable = False
+    return frozen
 
 
-def _d50():
+def _d50() -> Array:
     x, y = D50_XY
     return np.array([x / y, 1.0, (1.0 - x - y) / y])
 
 
-def _white_preserving(free):
+def _white_preserving(free: Array) -> Array:
     """Return the matrix of six free numbers, its columns 0 and 1: rows sum to D50."""
     columns = np.reshape(free, (3, 2))
     return np.column_stack([columns, _d50() - columns.sum(axis=1)])
 
 
-def _least_squares(camera, truth):
+def _least_squares(camera: Array, truth: Array) -> Array:
     """Return the free numbers that map camera RGB to XYZ with least squared error."""
     blue = camera[:, 2:]
     solved = np.linalg.lstsq(camera[:, :2] - blue, truth - blue * _d50(), rcond=None)
-    return solved[0].T.ravel()
+    return np.asarray(solved[0].T.ravel(), np.float64)

@@ -12,7 +12,7 @@ LEAST, MOST = 0.01, 100.0  # R/G and B/G that a profile takes
 FEWEST = 3  # distinct neutrals that span a distribution
 
 
-def read_neutrals(path):
+def read_neutrals(path: str) -> list[list[float]]:
     """Return [[R/G, B/G], ...] of a CSV file of camera RGB of grey, black removed.
 
     The header names the columns: r,g,b of any scale, or r/g,b/g, or rg,bg; other
@@ -33,7 +33,7 @@ def read_neutrals(path):
     return neutrals
 
 
-def rows_of(path):
+def rows_of(path: str) -> list[tuple[int, list[str]]]:
     """Return [(line number, [cell, ...]), ...] without comments and blank lines."""
     try:
         with open(path, encoding="utf-8-sig", newline="") as file:
@@ -47,7 +47,7 @@ def rows_of(path):
     ]
 
 
-def columns_of(header, place):
+def columns_of(header: list[str], place: str) -> dict[str, int]:
     """Return {name: index} of the one layout whose columns @header has."""
     names = ["".join(cell.lower().split()) for cell in header]
     found = [layout for layout in LAYOUTS if set(layout) <= set(names)]
@@ -63,7 +63,7 @@ def columns_of(header, place):
     return {name: names.index(name) for name in found[0]}
 
 
-def neutral_of(row, columns, place):
+def neutral_of(row: list[str], columns: dict[str, int], place: str) -> list[float]:
     """Return [R/G, B/G] of one row."""
     values = {name: number_of(row, at, name, place) for name, at in columns.items()}
     if len(values) == 3:
@@ -79,7 +79,7 @@ def neutral_of(row, columns, place):
     return [round(ratio, 6) for ratio in neutral.values()]
 
 
-def number_of(row, index, name, place):
+def number_of(row: list[str], index: int, name: str, place: str) -> float:
     """Return the positive number in one cell."""
     cell = row[index] if index < len(row) else ""
     try:

@@ -3,13 +3,15 @@
 """Noise given by hand: ISO:S,O as the DNG tag NoiseProfile has it."""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 FORM = "ISO:S,O or ISO:S,O,S,O,S,O (of R, G, B), as in 100:2.1e-4,3e-7"
 HIGHEST_ISO = 1e7
 SOURCE = "given by hand (cg2raw profile --iso-noise)"
 
 
-def noise_row(word, cfa):
+def noise_row(word: str, cfa: str) -> dict[str, Any]:
     """Return {"iso", "beta1", "beta2"}, one value per CFA site, of one option's value.
 
     variance(x) = S x + O with x in 0..1 above black: beta1 = S, beta2 = O.
@@ -37,7 +39,7 @@ def noise_row(word, cfa):
     }
 
 
-def number(text, word):
+def number(text: str, word: str) -> float:
     """Return the finite number that @text is."""
     try:
         value = float(text)
@@ -50,7 +52,7 @@ def number(text, word):
     return value
 
 
-def with_noise(fields, words):
+def with_noise(fields: dict[str, Any], words: Sequence[str]) -> dict[str, Any]:
     """Return the profile's @fields with the rows of @words in place of those ISOs."""
     if not words:
         return fields

@@ -3,10 +3,18 @@
 """The picture of a sensor's illuminants: the plane of R/G and B/G."""
 
 import io
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cg2raw.profile.summary import camera_name, kelvin_words
+from cg2raw._core import SensorProfile
+from cg2raw.profile.from_raw_files import camera_name
+from cg2raw.profile.spectral_file import Array
+from cg2raw.profile.summary import kelvin_words
+
+if TYPE_CHECKING:  # matplotlib takes its time
+    from matplotlib.axes import Axes
 
 SAMPLES = 200
 LOCUS = np.linspace(1e6 / 15000, 1e6 / 2000, 400)  # mired: even steps of colour
@@ -25,7 +33,7 @@ BLACK, ORANGE, SKY, GREEN, BLUE, RED = (
 )
 
 
-def plot_png(profile, cct=None):
+def plot_png(profile: SensorProfile, cct: Sequence[float] | None = None) -> bytes:
     """Return the PNG of a SensorProfile's illuminants; same profile, same bytes.
 
     Shows the neutrals, the ellipses of 1, 2 and 3 standard deviations of their
@@ -37,7 +45,7 @@ def plot_png(profile, cct=None):
         return drawing(profile, cct)
 
 
-def drawing(profile, cct):
+def drawing(profile: SensorProfile, cct: Sequence[float] | None) -> bytes:
     """Return the PNG; arguments as above."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -60,7 +68,7 @@ def drawing(profile, cct):
     return png.getvalue()
 
 
-def title(profile, cct):
+def title(profile: SensorProfile, cct: Sequence[float] | None) -> str:
     """Return two lines: which sensor, and how much is known."""
     count = len(profile.illuminants["neutrals"])
     known = (
@@ -74,7 +82,7 @@ def title(profile, cct):
     return f"{profile.id} ({camera})\n{known}{span}".replace("$", r"\$")
 
 
-def drawn(profile):
+def drawn(profile: SensorProfile) -> Array:
     """Return (n, 2) samples; none if the profile has nothing to draw from."""
     try:
         lights = [profile.illuminant(f"sample:{n}").neutral for n in range(SAMPLES)]
@@ -83,12 +91,13 @@ def drawn(profile):
     return np.array(lights)[:, [0, 2]]
 
 
-def draw_lights(axes, profile, samples):
+def draw_lights(axes: "Axes", profile: SensorProfile, samples: Array) -> None:
     """Draw hull, ellipses, neutrals and samples."""
     lights = profile.illuminants
     if len(samples):
         axes.scatter(
-            *samples.T, s=14, marker="x", linewidth=0.8, color=SKY, zorder=2,
+            samples[:, 0], samples[:, 1], s=14, marker="x", linewidth=0.8, color=SKY,
+            zorder=2,
             label=f"sample:0 to sample:{SAMPLES - 1}",
         )  # fmt: skip
     if lights["hull"]:
@@ -96,14 +105,15 @@ def draw_lights(axes, profile, samples):
         axes.plot(*hull.T, color=GREEN, linewidth=1.5, zorder=3, label="convex hull")
         draw_ellipses(axes, lights)
     if lights["neutrals"]:
+        neutrals = np.array(lights["neutrals"])
         axes.scatter(
-            *np.array(lights["neutrals"]).T,
+            neutrals[:, 0], neutrals[:, 1],
             s=16 if len(lights["neutrals"]) > 9 else 50, color=BLUE, edgecolor="white",
             linewidth=0.4, zorder=5, label="neutrals",
         )  # fmt: skip
 
 
-def draw_ellipses(axes, lights):
+def draw_ellipses(axes: "Axes", lights: Mapping[str, Any]) -> None:
     """Draw the curves at 1, 2 and 3 standard deviations of the Gaussian."""
     values, vectors = np.linalg.eigh(lights["covariance"])
     turn = np.linspace(0, 2 * np.pi, 181)
@@ -116,7 +126,7 @@ def draw_ellipses(axes, lights):
     axes.plot(*lights["mean"], "+", color=RED, markersize=11, zorder=6)
 
 
-def neutral_at(profile, kelvin):
+def neutral_at(profile: SensorProfile, kelvin: float) -> tuple[float, float]:
     """Return (R/G, B/G) of a Planckian light, nan where the sensor does not see it."""
     try:
         neutral = profile.illuminant(f"{kelvin:.6f}K").neutral
@@ -125,14 +135,16 @@ def neutral_at(profile, kelvin):
     return neutral[0], neutral[2]
 
 
-def draw_locus(axes, profile):
+def draw_locus(axes: "Axes", profile: SensorProfile) -> Array:
     """Draw the Planckian locus as this sensor sees it; return its (n, 2) points."""
     points = np.array([neutral_at(profile, 1e6 / mired) for mired in LOCUS])
     axes.plot(*points.T, color=BLACK, linewidth=1.3, zorder=4, label="Planckian locus")
     return points
 
 
-def set_limits(axes, profile, samples, locus):
+def set_limits(
+    axes: "Axes", profile: SensorProfile, samples: Array, locus: Array
+) -> None:
     """Frame what was measured and drawn; without either, the whole locus."""
     lights = profile.illuminants
     measured = [np.array(lights[k]) for k in ("neutrals", "hull") if lights[k]]
@@ -145,7 +157,7 @@ def set_limits(axes, profile, samples, locus):
     axes.set_ylim(max(0, low[1] - room[1]), high[1] + room[1])
 
 
-def label_ticks(axes, profile):
+def label_ticks(axes: "Axes", profile: SensorProfile) -> None:
     """Label temperatures on the locus where they are in the picture and apart."""
     axes.figure.canvas.draw()  # settles the layout, so that pixels can be compared
     box = axes.get_window_extent()
@@ -161,7 +173,9 @@ def label_ticks(axes, profile):
         label_tick(axes, at, kelvin, box.x1 - pixel[0] < 90, box.y1 - pixel[1] < 35)
 
 
-def label_tick(axes, at, kelvin, at_right, at_top):
+def label_tick(
+    axes: "Axes", at: tuple[float, float], kelvin: float, at_right: bool, at_top: bool
+) -> None:
     """Draw one temperature; its words stay within the axes."""
     from matplotlib.patheffects import withStroke
 

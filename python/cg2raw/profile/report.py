@@ -2,10 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """What went into a new profile, what it lacks, and what that costs."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from cg2raw import _core
+from cg2raw.profile.from_files import Made
 from cg2raw.profile.summary import cfa_word, neutral_words, summary
 
 
-def report(made, profile):
+def report(made: Made, profile: _core.SensorProfile) -> dict[str, Any]:
     """Return the report on a Made profile in JSON's types."""
     facts = summary(profile)
     return {
@@ -18,7 +23,7 @@ def report(made, profile):
     }
 
 
-def missing(facts):
+def missing(facts: Mapping[str, Any]) -> list[str]:
     """Return one line on each thing that the profile lacks: what, and its cost."""
     calibrations, lights = facts["calibrations"], facts["illuminants"]
     isos, one = facts["noise"]["iso"], len(calibrations) == 1
@@ -55,7 +60,7 @@ def missing(facts):
     return lines
 
 
-def as_text(found):
+def as_text(found: Mapping[str, Any]) -> str:
     """Return the report for people."""
     lights = found["illuminants"]
     levels = sorted(set(found["black_level"]))
@@ -79,19 +84,19 @@ def as_text(found):
     return "\n".join(f"{label:9} {words}" for label, words in lines)
 
 
-def files_words(found):
+def files_words(found: Mapping[str, Any]) -> str:
     """Return how many files of which kind went in."""
     skipped = f", {len(found['skipped'])} skipped" if found["skipped"] else ""
     return f"{found['files']} {found['kind']}{skipped}"
 
 
-def matrix_words(calibration):
+def matrix_words(calibration: Mapping[str, Any]) -> str:
     """Return the light of one calibration, and whether it has a forward matrix."""
     forward = " with forward matrix" if calibration["xyz_d50_from_camera"] else ""
-    return calibration["light_source"] + forward
+    return f"{calibration['light_source']}{forward}"
 
 
-def noise_words(rows):
+def noise_words(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the ISOs, with beta1 and beta2 of the first CFA site."""
     each = [
         f"ISO {row['iso']:g} (beta1 {row['beta1'][0]:.3g}, beta2 {row['beta2'][0]:.3g})"

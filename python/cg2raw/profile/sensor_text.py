@@ -4,8 +4,12 @@
 
 import re
 import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words, neutral_words
+
+Summary = Mapping[str, Any]  # as summary() makes it
 
 HEAD = (
     "id", "camera", "size", "CFA", "bits", "illuminants", "ISO", "matrices", "sources",
@@ -15,7 +19,7 @@ GAP = "  "
 FIELD = 26  # columns of a field's name
 
 
-def table(found, columns=None):
+def table(found: Sequence[Summary], columns: int | None = None) -> list[str]:
     """Return the lines of a table of summaries. At @columns the sources are cut, then
     the cameras' names; None: nothing is."""
     rows = [HEAD, *map(row_of, found)]
@@ -33,7 +37,7 @@ def table(found, columns=None):
     ]
 
 
-def row_of(sensor):
+def row_of(sensor: Summary) -> tuple[str, ...]:
     """Return the cells of one summary."""
     return (
         sensor["id"],
@@ -48,7 +52,7 @@ def row_of(sensor):
     )
 
 
-def light_words(sensor):
+def light_words(sensor: Summary) -> str:
     """Return the range of the illuminants that sample:n draws; "locus" where these are
     black bodies between the calibration illuminants."""
     cct = sensor["illuminants"]["cct"]
@@ -57,14 +61,14 @@ def light_words(sensor):
     return kelvin_words(cct)
 
 
-def shortened(text, width):
+def shortened(text: str, width: int) -> str:
     """Return @text in @width columns; dots stand for what does not fit."""
     if len(text) <= width:
         return text
     return text[: width - 3].rstrip() + "..." if width > 3 else ""
 
 
-def short_sources(sources):
+def short_sources(sources: Mapping[str, str]) -> str:
     """Return in a few words where colour, illuminants and noise are from: what leads
     each source."""
     keys = ("color_matrix_1", "color_matrix", "illuminants", "noise")
@@ -73,7 +77,7 @@ def short_sources(sources):
     return "; ".join(dict.fromkeys(filter(None, heads)))
 
 
-def details(sensor, columns):
+def details(sensor: Summary, columns: int) -> list[str]:
     """Return the lines on everything of one sensor, each field with its source."""
     lines, told = [], set()
     pending = fields_of(sensor)
@@ -94,7 +98,7 @@ def details(sensor, columns):
     return lines
 
 
-def source_key(field, sources):
+def source_key(field: str, sources: Mapping[str, str]) -> str | None:
     """Return the key of @field's source: its own, or that of a group it belongs to."""
     groups = [field, field.rstrip("12").rstrip("_"), field.partition(" ")[0]]
     if field in LEVELS:
@@ -102,7 +106,7 @@ def source_key(field, sources):
     return next((key for key in groups if key in sources), None)
 
 
-def wrapped(label, text, columns):
+def wrapped(label: str, text: str, columns: int) -> list[str]:
     """Return lines with @text beside @label."""
     width = max(30, columns - FIELD)
     parts = textwrap.wrap(text, width, break_on_hyphens=False) or [""]
@@ -110,7 +114,7 @@ def wrapped(label, text, columns):
     return [f"{label:{FIELD}}{parts[0]}"] + [" " * FIELD + part for part in parts[1:]]
 
 
-def fields_of(sensor):
+def fields_of(sensor: Summary) -> list[tuple[str, str]]:
     """Return [(field, text), ...] of everything but the sources."""
     simple = ("id", "make", "model", "unique_camera_model", "cfa", "width", "height")
     black = per_site(sensor["black_level"], sensor["cfa"], 6)
@@ -127,7 +131,7 @@ def fields_of(sensor):
     ]
 
 
-def per_site(values, cfa, digits=3):
+def per_site(values: Sequence[float], cfa: str, digits: int = 3) -> str:
     """Return values of CFA sites: one if all are alike; means of R, G, B of X-Trans."""
     if len(set(values)) == 1:
         values, names = values[:1], [""]
@@ -144,7 +148,9 @@ def per_site(values, cfa, digits=3):
     return " ".join(f"{name}{value:.{digits}g}" for name, value in words)
 
 
-def calibration_fields(calibrations):
+def calibration_fields(
+    calibrations: Sequence[Mapping[str, Any]],
+) -> list[tuple[str, str]]:
     """Return the fields of each colour matrix."""
     fields = []
     for number, calibration in enumerate(calibrations, 1):
@@ -158,17 +164,17 @@ def calibration_fields(calibrations):
     return fields
 
 
-def matrix(rows):
+def matrix(rows: Sequence[Sequence[float]]) -> str:
     """Return "a b c / d e f / g h i"."""
     return " / ".join(" ".join(f"{value:.4f}" for value in row) for row in rows)
 
 
-def gain_words(gain):
+def gain_words(gain: Mapping[str, float] | None) -> str:
     """Return the distribution of the digital gain."""
     return f"mean {gain['mean']:g}, sd {gain['sigma']:g}" if gain else "none"
 
 
-def noise_fields(noise, cfa):
+def noise_fields(noise: Mapping[str, Any], cfa: str) -> list[tuple[str, str]]:
     """Return beta1 and beta2 at each ISO, the range of ISOs, and what draws it."""
     rows = [
         (
@@ -183,7 +189,7 @@ def noise_fields(noise, cfa):
     return [*rows, ("iso", iso_words(noise)), drawn]
 
 
-def effect_words(effect):
+def effect_words(effect: Mapping[str, Any]) -> str:
     """Return the name of an effect with its parameters."""
     parameters = sorted(effect["parameters"].items())
     return " ".join([effect["name"], *(f"{name}={v:g}" for name, v in parameters)])

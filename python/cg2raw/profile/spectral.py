@@ -8,20 +8,23 @@ import importlib.util
 import json
 import os
 import re
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from cg2raw import _core
+from cg2raw.io.atomic_file import FilePath
 from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
 from cg2raw.profile.matrix_fit import color_matrix, fit_xyz_d50_from_camera
-from cg2raw.profile.spectral_file import Sensitivities, read_sensitivities
+from cg2raw.profile.spectral_file import Array, Sensitivities, read_sensitivities
 
 CALIBRATION_ILLUMINANTS = ("A", "D65")
 DECIMALS_OF_MATRIX = 4  # steps of a DNG's ColorMatrix, as its renderer keeps it
 DECIMALS_OF_NEUTRAL = 6  # steps of a DNG's AsShotNeutral
 
 
-def neutral_under(sensitivities, light):
+def neutral_under(sensitivities: Sensitivities, light: FilePath) -> Array:
     """Return the neutral (R/G, 1, B/G) that a camera sees of grey under a light.
 
     sensitivities : Sensitivities. light : a word of illuminant_spectra.GRAMMAR.
@@ -32,10 +35,10 @@ def neutral_under(sensitivities, light):
             f"{sensitivities.file}: under light {str(light)!r} grey is "
             f"{response.tolist()}; each channel must see it"
         )
-    return response / response[1]
+    return np.asarray(response / response[1])
 
 
-def color_matrices(sensitivities):
+def color_matrices(sensitivities: Sensitivities) -> dict[str, Array]:
     """Return {"A": (3, 3), "D65": (3, 3)}: DNG ColorMatrices, XYZ -> camera.
 
     Raises ValueError if the channels see too much the same."""
@@ -52,19 +55,19 @@ def color_matrices(sensitivities):
 
 
 def profile_from_ssf(
-    path,
+    path: FilePath | Sensitivities,
     *,
-    cfa=None,
-    width=None,
-    height=None,
-    bits=None,
-    black_level=None,
-    white_level=None,
-    make=None,
-    model=None,
-    id=None,
-    lights=None,
-):
+    cfa: str | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    bits: int | None = None,
+    black_level: float | Sequence[float] | None = None,
+    white_level: int | None = None,
+    make: str | None = None,
+    model: str | None = None,
+    id: str | None = None,
+    lights: Sequence[FilePath] | None = None,
+) -> dict[str, Any]:
     """Return the profile (a dict of schema 1) of a camera's spectral sensitivities.
 
     path : file that read_sensitivities reads, or its Sensitivities.
@@ -75,8 +78,10 @@ def profile_from_ssf(
         illuminants; by default REAL_LIGHTS.
     Raises ValueError; what is missing is listed at once."""
     _need_libraries()
-    measured = path if isinstance(path, Sensitivities) else read_sensitivities(path)
-    profile = {
+    if not isinstance(path, Sensitivities):
+        path = read_sensitivities(os.fspath(path))
+    measured = path
+    profile: dict[str, Any] = {
         "make": make or measured.make,
         "model": model or measured.model,
         "cfa": cfa,
@@ -86,13 +91,8 @@ def profile_from_ssf(
         "black_level": black_level,
         "white_level": white_level,
     }
-    missing = [name for name, value in profile.items() if value is None]
-    if missing:
-        raise ValueError(
-            f"{measured.file}: sensitivities do not tell {', '.join(missing)}; give "
-            + ("each of them" if len(missing) > 1 else "it")
-        )
-    black = np.ravel(black_level).tolist()
+    _check_whole(measured.file, profile)
+    black = np.ravel(np.array(black_level)).tolist()
     profile["black_level"] = black * 4 if len(black) == 1 else black
     names = {"id": id or _id_of(profile["make"], profile["model"])}
     names["unique_camera_model"] = f"{profile['make']} {profile['model']}"
@@ -105,7 +105,7 @@ def profile_from_ssf(
     return profile
 
 
-def _need_libraries():
+def _need_libraries() -> None:
     """Raise ValueError unless the optional libraries are installed."""
     for module, name in (("colour", "colour-science"), ("scipy", "SciPy")):
         if importlib.util.find_spec(module) is None:
@@ -115,7 +115,19 @@ def _need_libraries():
             )
 
 
-def _colour_fields(measured, lights):
+def _check_whole(file: str, profile: dict[str, Any]) -> None:
+    """Raise ValueError that lists the fields which are None."""
+    missing = [name for name, value in profile.items() if value is None]
+    if missing:
+        raise ValueError(
+            f"{file}: sensitivities do not tell {', '.join(missing)}; give "
+            + ("each of them" if len(missing) > 1 else "it")
+        )
+
+
+def _colour_fields(
+    measured: Sensitivities, lights: Sequence[FilePath]
+) -> dict[str, Any]:
     """Return the fields of a profile that sensitivities tell."""
     fields = {}
     for number, (light, matrix) in enumerate(color_matrices(measured).items(), start=1):
@@ -128,13 +140,18 @@ def _colour_fields(measured, lights):
     return {**fields, "illuminants": {"neutrals": neutrals}}
 
 
-def _id_of(make, model):
+def _id_of(make: str, model: str) -> str:
     """Return an id: "Canon", "EOS 600D" -> "canon-eos-600d"."""
     name = f"{make} {model}".lower()
     return re.sub(r"[^a-z0-9.]+", "-", name).strip("-")
 
 
-def _sources(measured, lights, make, model):
+def _sources(
+    measured: Sensitivities,
+    lights: Sequence[FilePath],
+    make: str | None,
+    model: str | None,
+) -> dict[str, str]:
     """Return {field: where it is from}."""
     given = "given by who made the profile"
     header = f"header of {measured.file}"

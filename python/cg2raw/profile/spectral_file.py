@@ -11,11 +11,17 @@ no numbers names the columns.
 import csv
 import dataclasses
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 # The visible range in steps of the published tables. Source: CIE 015, 7.2.
+Array = NDArray[np.float64]
+Rows = list[tuple[float, list[float]]]  # wavelength, values of the channels
+
 WAVELENGTHS = np.arange(380.0, 781.0, 5.0)  # nm
 # What a table must cover at least (as ISO 7589's do), and how far apart rows may lie.
 COVERED = (400.0, 690.0)  # nm
@@ -29,13 +35,13 @@ class Sensitivities:
     """Relative spectral sensitivities of a camera's R, G and B."""
 
     file: str  # where they were read, for messages and sources
-    rgb: np.ndarray  # (81, 3), at WAVELENGTHS, peak 1; 0 outside the table
+    rgb: Array  # (81, 3), at WAVELENGTHS, peak 1; 0 outside the table
     make: str | None = None  # as the file's header has it
     model: str | None = None
     origin: str = ""  # creator, date and licence, as far as the header says them
 
 
-def read_sensitivities(path):
+def read_sensitivities(path: str | Path) -> Sensitivities:
     """Return the Sensitivities of a JSON or CSV file (channels R, G and B).
 
     Raises ValueError that names file, field and value: wavelengths must rise without a
@@ -60,7 +66,7 @@ def read_sensitivities(path):
     )
 
 
-def read_power(path):
+def read_power(path: str | Path) -> tuple[Array, Array]:
     """Return (wavelengths, power) of a light's JSON or CSV file, in nm and any unit.
 
     Raises ValueError as read_sensitivities does."""
@@ -69,7 +75,7 @@ def read_power(path):
     return wavelengths, values[:, 0]
 
 
-def check_cover(name, wavelengths):
+def check_cover(name: object, wavelengths: Array) -> None:
     """Raise ValueError unless rising wavelengths cover the visible range."""
     if wavelengths[0] > COVERED[0] or wavelengths[-1] < COVERED[1]:
         raise ValueError(
@@ -78,7 +84,9 @@ def check_cover(name, wavelengths):
         )
 
 
-def _table(path, channels):
+def _table(
+    path: str | Path, channels: Sequence[str]
+) -> tuple[dict[str, Any], Array, Array]:
     """Return (header, wavelengths, values in the order of channels) of a file."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
@@ -95,8 +103,10 @@ def _table(path, channels):
     return header, table[:, 0], table[:, 1:]
 
 
-def _json_table(path, text, channels):
-    def no_duplicates(pairs):
+def _json_table(
+    path: str | Path, text: str, channels: Sequence[str]
+) -> tuple[dict[str, Any], Rows]:
+    def no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         names = [name for name, _ in pairs]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
@@ -121,7 +131,9 @@ def _json_table(path, text, channels):
     return header if isinstance(header, dict) else {}, rows
 
 
-def _csv_table(path, text, channels):
+def _csv_table(
+    path: str | Path, text: str, channels: Sequence[str]
+) -> tuple[dict[str, Any], Rows]:
     try:
         read = list(csv.reader(text.splitlines()))
     except csv.Error as error:
@@ -148,7 +160,7 @@ def _csv_table(path, text, channels):
     return {}, rows
 
 
-def _field(path, document, dotted, kind):
+def _field(path: str | Path, document: Any, dotted: str, kind: type) -> Any:
     """Return a nested field of a JSON document."""
     value = document
     for name in dotted.split("."):
@@ -159,7 +171,9 @@ def _field(path, document, dotted, kind):
     return value
 
 
-def _columns(path, field, names, channels):
+def _columns(
+    path: str | Path, field: str, names: Sequence[Any], channels: Sequence[str]
+) -> list[int]:
     """Return where the wanted channels stand among the names of the columns."""
     folded = [str(name).casefold() for name in names]
     for channel in channels:
@@ -170,7 +184,7 @@ def _columns(path, field, names, channels):
     return [folded.index(channel.casefold()) for channel in channels]
 
 
-def _is_number(word):
+def _is_number(word: str | float) -> bool:
     try:
         float(word)
     except (ValueError, OverflowError):
@@ -178,14 +192,14 @@ def _is_number(word):
     return True
 
 
-def _number(path, field, value):
+def _number(path: str | Path, field: str, value: Any) -> float:
     legal = isinstance(value, (int, float, str)) and not isinstance(value, bool)
     if not legal or not _is_number(value) or not np.isfinite(float(value)):
         raise ValueError(f"{path}: {field} {value!r} must be a finite number")
     return float(value)
 
 
-def _check_wavelengths(path, wavelengths):
+def _check_wavelengths(path: str | Path, wavelengths: Array) -> None:
     steps = np.diff(wavelengths)
     for before, after in zip(wavelengths, wavelengths[1:], strict=False):
         if after <= before:
@@ -203,7 +217,9 @@ def _check_wavelengths(path, wavelengths):
         )
 
 
-def _check_channel(path, channel, wavelengths, curve):
+def _check_channel(
+    path: str | Path, channel: str, wavelengths: Array, curve: Array
+) -> None:
     peak = np.max(curve)
     if peak <= 0.0:
         raise ValueError(f"{path}: {channel} is nowhere above 0")

@@ -2,13 +2,17 @@
 # Copyright Contributors to the cg2raw Project.
 """A sensor profile summed up in JSON's types, for reports and lists."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from cg2raw import _core
 from cg2raw.profile.from_raw_files import camera_name
 
 LEAST_CCT, MOST_CCT = 1e6 / 600, 1e6 / 10  # K, where Robertson's table ends
 STOP = 2.0  # noise is interpolated up to one stop beyond the calibrated ISOs
 
 
-def summary(profile):
+def summary(profile: _core.SensorProfile) -> dict[str, Any]:
     """Return what people ask of a SensorProfile, as a dictionary.
 
     Units: DN, K, (R/G, B/G); noise x in 0..1 above black."""
@@ -33,7 +37,7 @@ def summary(profile):
     }
 
 
-def calibration_of(calibration):
+def calibration_of(calibration: Mapping[str, Any]) -> dict[str, Any]:
     """Return one calibration in JSON's types."""
     forward = calibration["xyz_d50_from_camera"]
     return {
@@ -43,7 +47,7 @@ def calibration_of(calibration):
     }
 
 
-def illuminants_of(profile):
+def illuminants_of(profile: _core.SensorProfile) -> dict[str, Any]:
     """Return the distribution of neutrals, their number and their range in K.
 
     cct is [lowest, highest] of neutrals or hull, None if there are neither. It bounds
@@ -65,7 +69,7 @@ def illuminants_of(profile):
     }
 
 
-def noise_of(rows):
+def noise_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return the calibrated rows and the ISOs between which noise can be simulated."""
     isos = [row["iso"] for row in rows]
     reach = STOP if len(isos) > 1 else 1.0
@@ -76,12 +80,12 @@ def noise_of(rows):
     }
 
 
-def cfa_word(cfa):
+def cfa_word(cfa: str) -> str:
     """Return a CFA's name for people: the four letters of Bayer, or X-Trans."""
     return {4: cfa, 36: "X-Trans"}.get(len(cfa), f"{len(cfa)} sites")
 
 
-def kelvin_words(cct):
+def kelvin_words(cct: Sequence[float] | None) -> str:
     """Return "2700-7500 K", one temperature if they are alike, "-" for None."""
     if cct is None:
         return "-"
@@ -89,13 +93,13 @@ def kelvin_words(cct):
     return f"{low} K" if low == high else f"{low}-{high} K"
 
 
-def kelvin_word(kelvin):
+def kelvin_word(kelvin: float) -> str:
     """Return one temperature; < and > where it is beyond Robertson's table."""
     beyond = "<" * (kelvin <= LEAST_CCT) + ">" * (kelvin >= MOST_CCT)
     return f"{beyond}{kelvin:.0f}"
 
 
-def neutral_words(lights):
+def neutral_words(lights: Mapping[str, Any]) -> str:
     """Return number, range, mean and standard deviation of the neutrals."""
     if not lights["mean"]:
         return "none"
@@ -109,7 +113,7 @@ def neutral_words(lights):
     return f"{count}, {kelvin_words(lights['cct'])}{spread}"
 
 
-def iso_words(noise):
+def iso_words(noise: Mapping[str, Any]) -> str:
     """Return "100-3200 (50-6400)": ISOs calibrated, and those that can be simulated."""
     if not noise["iso"]:
         return "no noise"
