@@ -219,3 +219,12 @@ def test_sources_are_ascii(repository):
         for path in source_files(repository)
         if not path.read_bytes().isascii()
     ] == []
+
+
+def test_the_citation_is_of_this_version(repository):
+    version = re.search(
+        r"project\(cg2raw VERSION ([0-9.]+)",
+        (repository / "CMakeLists.txt").read_text(),
+    )
+    citation = (repository / "CITATION.cff").read_text()
+    assert version and f"\nversion: {version[1]}\n" in citation
