@@ -6,6 +6,7 @@
 import numpy as np
 import pytest
 
+import cg2raw
 from images import write_image
 
 
@@ -18,6 +19,15 @@ def scene():
     pixels = ramps * 0.8 + random * 0.2
     pixels[40:60, 40:60] *= 6.0
     return pixels.astype(np.float32)
+
+
+@pytest.fixture(scope="session")
+def writing_openimageio():
+    """Let the OpenImageIO of this Python write DNGs, or skip."""
+    try:
+        cg2raw.register_oiio_plugin()
+    except ValueError as error:
+        pytest.skip(str(error))
 
 
 @pytest.fixture

@@ -182,6 +182,7 @@ def blurred_sensor(tmp_path):
     return path
 
 
+@pytest.mark.usefixtures("writing_openimageio")
 @pytest.mark.parametrize("tile", [0, 32])
 @pytest.mark.parametrize("whole_frame", [False, True])
 @pytest.mark.parametrize("name", WINDOWS)
@@ -199,7 +200,8 @@ def test_hosts_that_do_not_crop(tmp_path, name, whole_frame, tile, blurred_senso
     np.testing.assert_array_equal(read_dn(out), raw)
 
 
-def test_windows_that_do_not_meet(oiiotool, tmp_path):
+@pytest.mark.usefixtures("writing_openimageio")
+def test_windows_that_do_not_meet(tmp_path):
     exr, _ = windowed(tmp_path / "in.exr", "smaller")
     image = oiio.ImageBuf(str(exr))
     image.specmod().x = 500
