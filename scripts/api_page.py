@@ -16,8 +16,7 @@ import textwrap
 from pathlib import Path
 
 import cg2raw
-from cg2raw import diagnose
-from cg2raw import synthetic
+from cg2raw import diagnose, synthetic
 from cg2raw.diagnose import diagnosis
 
 ROOT = Path(__file__).resolve().parent.parent

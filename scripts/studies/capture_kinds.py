@@ -18,8 +18,8 @@ import sys
 
 import cg2raw
 from cg2raw.diagnose import diagnose
-from cg2raw.synthetic.strengths import KINDS
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
+from cg2raw.synthetic.strengths import KINDS
 
 SENSOR, ISO, SHAPE = "canon-5d-mark-iv", 800.0, (96, 128)
 COLUMNS = {

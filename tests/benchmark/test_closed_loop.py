@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from images import attributes, read_dn, write_image
 
 pytest.importorskip("scipy")

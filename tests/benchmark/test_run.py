@@ -5,8 +5,9 @@
 import json
 from types import SimpleNamespace
 
-import cg2raw.diagnose
 import pytest
+
+import cg2raw.diagnose
 from cg2raw.benchmark import run as command
 from cg2raw.benchmark.run import bench
 from cg2raw.benchmark.scores import bounds, half_points, score, table

@@ -2,8 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """Small capture sets on disk: frames of a bundled sensor, and their manifests."""
 
-import cg2raw
 import numpy as np
+
+import cg2raw
 from dng import dng_files
 
 SHAPE = (48, 64)

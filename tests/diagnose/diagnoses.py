@@ -3,6 +3,7 @@
 """Diagnoses as the engine would return them, for what is done with them."""
 
 import numpy as np
+
 from cg2raw.diagnose.diagnosis import (
     Alternative,
     Curve,

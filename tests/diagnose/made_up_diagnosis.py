@@ -5,6 +5,7 @@
 import json
 
 import numpy as np
+
 from cg2raw.diagnose.diagnosis import (
     Alternative,
     Curve,

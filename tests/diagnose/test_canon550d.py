@@ -6,6 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
+
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.chart import ColorChecker
 from cg2raw.diagnose.captures.reader import read_captures, read_frames

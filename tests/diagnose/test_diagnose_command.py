@@ -7,6 +7,7 @@ import sys
 import types
 
 import pytest
+
 from cg2raw.diagnose.diagnosis import VERDICTS, ResidualTest
 from diagnose import capture_files as files
 from diagnose.diagnoses import diagnosis, gap

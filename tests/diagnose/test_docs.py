@@ -8,6 +8,7 @@ import shlex
 import shutil
 
 import pytest
+
 from cg2raw.diagnose.diagnosis import VERDICTS
 from cg2raw.synthetic.strengths import KINDS
 from python.commands import run

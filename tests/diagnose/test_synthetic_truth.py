@@ -7,9 +7,10 @@ import gzip
 import json
 from dataclasses import replace
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from cg2raw.diagnose import diagnose
 from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.measured import (

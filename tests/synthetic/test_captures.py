@@ -7,9 +7,10 @@ import hashlib
 import json
 from pathlib import Path
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from cg2raw.synthetic import captures as command
 from cg2raw.synthetic import charge, conditions, light
 from cg2raw.synthetic.camera import camera_of

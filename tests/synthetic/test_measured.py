@@ -4,6 +4,8 @@
 
 import numpy as np
 import pytest
+from scipy.stats import tukeylambda
+
 from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.measured import (
     Measured,
@@ -12,7 +14,6 @@ from cg2raw.synthetic.measured import (
     polynomial_transmission,
 )
 from cg2raw.synthetic.sensors import drawn_sensor
-from scipy.stats import tukeylambda
 
 SHAPE = (96, 128)
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # only a diagnosis loads its modules
-    from cg2raw.diagnose.captures import Capture
+    from cg2raw.diagnose.captures.capture import Capture
+    from cg2raw.diagnose.captures.phase_correlation import Shift
+    from cg2raw.diagnose.captures.quality import Integrity
     from cg2raw.diagnose.diagnosis import Diagnosis, Gap
-    from cg2raw.diagnose.integrity import Integrity
-    from cg2raw.diagnose.phase_correlation import Shift
     from cg2raw.sensor import Sensor
 
 

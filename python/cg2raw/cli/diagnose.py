@@ -27,7 +27,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # only the work itself loads its modules
-    from cg2raw.diagnose.captures import CaptureSet
+    from cg2raw.diagnose.captures.capture import CaptureSet
     from cg2raw.diagnose.diagnosis import Diagnosis
 
 
@@ -246,8 +246,8 @@ def run_check(arguments: argparse.Namespace) -> int:
     """Print what the frames' pixels say; return 1 if something is wrong."""
     from cg2raw.cli._progress import tracked
     from cg2raw.cli._verdict import integrity_text
-    from cg2raw.diagnose.captures.reader import read_frames
     from cg2raw.diagnose.captures.quality import integrity
+    from cg2raw.diagnose.captures.reader import read_frames
 
     _, sensor, frames, notes = read_frames(arguments.captures)
     captures = [c for frame in frames for c in (frame.capture, *frame.borders)]

@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+
 from cg2raw import Sensor
 from cg2raw.diagnose.assessment import acceptance
 from cg2raw.diagnose.assessment.acceptance import LEAST_GAIN, founded, is_better

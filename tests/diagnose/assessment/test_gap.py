@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from cg2raw.diagnose.assessment.gap import Sums, gap_of, systematic
 from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.model import Model

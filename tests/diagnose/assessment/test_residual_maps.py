@@ -3,6 +3,7 @@
 """Residual tests of frames whose sensor has a map: its slow part is no structure."""
 
 import numpy as np
+
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.model import Model

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import kstest
+
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import captures_of, drawn, frames_of, model_of, on, sensor_of
-from scipy.stats import kstest
 
 SENSOR = sensor_of()
 NAME = "outliers: the same pixels in other frames"

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import kstest
+
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.captures.splits import third
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
@@ -22,7 +24,6 @@ from diagnose.planted import (
     on,
     sensor_of,
 )
-from scipy.stats import kstest
 
 SENSOR = sensor_of()
 ALARM = 1e-3 / 36

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from cg2raw import Sensor
 from cg2raw.diagnose.assessment.updated_profile import updated_profile
 from cg2raw.diagnose.diagnosis import Estimate

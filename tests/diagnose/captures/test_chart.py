@@ -6,6 +6,7 @@ import csv
 
 import numpy as np
 import pytest
+
 from cg2raw.diagnose.captures.chart import (
     COLORCHECKER,
     ColorChecker,

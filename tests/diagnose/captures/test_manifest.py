@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from cg2raw.diagnose.captures.manifest import read_manifest
 from cg2raw.diagnose.captures.raw_files import read_header
 

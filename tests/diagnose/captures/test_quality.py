@@ -2,9 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """What is wrong with frames is found before they are diagnosed."""
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from cg2raw.diagnose.captures.phase_correlation import shift_between
 from cg2raw.diagnose.captures.quality import comb, integrity
 from cg2raw.diagnose.captures.reader import read_frames

@@ -4,9 +4,10 @@
 
 import shutil
 
-import cg2raw
 import numpy as np
 import pytest
+
+import cg2raw
 from cg2raw.diagnose.captures.reader import read_captures
 from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
 from diagnose import capture_files as files

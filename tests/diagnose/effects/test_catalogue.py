@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from cg2raw import _core
 from cg2raw.diagnose import diagnose, effects
 from cg2raw.diagnose.effects import catalogue

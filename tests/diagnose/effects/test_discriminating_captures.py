@@ -3,6 +3,7 @@
 """Discriminating captures: a sentence for any two effects, whichever comes first."""
 
 import pytest
+
 from cg2raw.diagnose.effects.catalogue import every, names
 from cg2raw.diagnose.effects.discriminating_captures import (
     GENERAL,

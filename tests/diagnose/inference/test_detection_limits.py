@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from cg2raw.diagnose.effects.heavy_tailed_noise import NOISY
 from cg2raw.diagnose.inference.detection_limits import detection_limits
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns

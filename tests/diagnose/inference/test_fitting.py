@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from cg2raw.diagnose.inference.coordinate_search import climb, fit_transform
 from cg2raw.diagnose.inference.fisher_scoring import (
     Linearisation,

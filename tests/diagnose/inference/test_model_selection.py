@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.model_selection import Search, Trial

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.inference.noise_level import noise_models

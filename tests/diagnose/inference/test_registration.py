@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
+
 from cg2raw.diagnose.inference.registration import Registration, _first_guess
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import capture_of, drawn, frames_of, scene_of, sensor_of
-from scipy.ndimage import map_coordinates
 
 SENSOR = sensor_of()
 SHAPE = (96, 128)

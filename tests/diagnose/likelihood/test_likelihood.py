@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import kstest, norm
+
 from cg2raw.diagnose.likelihood.censoring import LARGEST_Z, residuals, scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
 from cg2raw.diagnose.likelihood.model import Model
@@ -19,7 +21,6 @@ from diagnose.planted import (
     on,
     sensor_of,
 )
-from scipy.stats import kstest, norm
 
 SENSOR = sensor_of()
 

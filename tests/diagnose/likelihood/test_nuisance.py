@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
+
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.inference.nuisance_fit import (
     nuisance_of,
@@ -16,7 +18,6 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import capture_of, drawn, frames_of, model_of, on, sensor_of
-from scipy.stats import multivariate_normal
 
 SENSOR = sensor_of()
 ALL = frozenset({"light", "radiance", "exposure"})

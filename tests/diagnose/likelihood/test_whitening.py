@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cg2raw.diagnose.frames.prediction import Prediction
-from diagnose.planted import BY_NAME, capture_of, frames_of, sensor_of
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm, poisson
+
+from cg2raw.diagnose.frames.prediction import Prediction
+from diagnose.planted import BY_NAME, capture_of, frames_of, sensor_of
 
 SHAPE = (1, 24, 20)
 

@@ -6,10 +6,11 @@ import io
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from cg2raw.diagnose.diagnosis import Picture
 from cg2raw.diagnose.report import frame_images as frames
 from diagnose.made_up_diagnosis import picture
-from PIL import Image
 
 
 def pixels(image):

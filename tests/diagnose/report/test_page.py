@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 import matplotlib
 import numpy as np
 import pytest
+
 from cg2raw.diagnose.diagnosis import (
     VERDICTS,
     Alternative,

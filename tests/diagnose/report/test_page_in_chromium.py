@@ -9,6 +9,7 @@ import shutil
 import subprocess
 
 import pytest
+
 from cg2raw.diagnose.report import write_report
 from diagnose.made_up_diagnosis import made_up_diagnosis, pictures
 

@@ -6,6 +6,7 @@ import math
 import unicodedata
 
 import pytest
+
 from cg2raw.diagnose.diagnosis import Estimate, Gap
 from cg2raw.diagnose.report import text as words
 

@@ -7,6 +7,7 @@ import json
 import math
 
 import pytest
+
 from cg2raw.diagnose.report.verdict_json import DRAWN, read_verdict, verdict_json
 from diagnose.diagnoses import diagnosis, finding
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.arrays import RawImage
-from cg2raw.io import npy_file
-from cg2raw.io import libraw
+from cg2raw.io import libraw, npy_file
 from cg2raw.profile.from_files import is_dng
 
 # Of a masked border are left out: pixels beside the active area, where light leaks in,

@@ -8,9 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.io import image_file
 from cg2raw.arrays import FloatImage
-from cg2raw.io import npy_file
+from cg2raw.io import image_file, npy_file
 
 Mask = NDArray[np.bool_]
 

@@ -8,9 +8,9 @@ import os
 import tempfile
 from pathlib import Path
 
-from cg2raw.io.atomic_file import write_atomically, write_folder
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.report.verdict_json import verdict_json
+from cg2raw.io.atomic_file import write_atomically, write_folder
 
 VERDICT, PROFILE = "verdict.json", "profile.json"
 

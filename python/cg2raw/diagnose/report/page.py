@@ -8,11 +8,11 @@ import re
 from pathlib import Path
 from typing import Any
 
-from cg2raw.io.atomic_file import write_atomically
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.report import sections
 from cg2raw.diagnose.report.figures import MISSING, Figures, draw
 from cg2raw.diagnose.report.frame_images import Image
+from cg2raw.io.atomic_file import write_atomically
 
 OURS = re.compile(
     r"(gap|residual_tests|histogram|scale|curve_\d{2,}"
