@@ -42,8 +42,8 @@ STAGES = {
     "noise": "charge, as photons draw it",
     "saturation": "charge with its noise, at the full well",
     "readout": "what the amplifiers give",
-    "conversion": "what the ADC gives",
-    "output": "what the camera makes of it before it writes the file",
+    "adc": "what the ADC gives",
+    "processing": "what the camera makes of it before it writes the file",
 }
 
 

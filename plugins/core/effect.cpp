@@ -4,6 +4,7 @@
 #include "cg2raw/effect.h"
 
 #include "effect_list.h"
+#include "effect_names.h"
 #include "text.h"
 
 #include <algorithm>
@@ -14,8 +15,8 @@ namespace cg2raw {
 const char* name_of(Stage stage)
 {
     constexpr const char* names[]
-        = { "color",      "optics",  "pixel",      "response", "noise",
-            "saturation", "readout", "conversion", "output" };
+        = { "color",      "optics",  "pixel", "response",  "noise",
+            "saturation", "readout", "adc",   "processing" };
     return names[std::size_t(stage)];
 }
 
@@ -39,6 +40,7 @@ const std::vector<Effect>& all_effects()
 
 const Effect& effect(std::string_view name)
 {
+    check_effect_name(name);
     std::vector<std::string> names;
     for (const Effect& candidate : all_effects()) {
         if (candidate.name == name)

@@ -3,6 +3,7 @@
 
 #include "noise_table.h"
 
+#include "effect_names.h"
 #include "text.h"
 
 #include <algorithm>
@@ -114,13 +115,15 @@ std::string isos_of(const std::vector<NoiseAtIso>& table)
 
 NoiseEffects noise_effects_from_names(const std::vector<std::string>& names)
 {
+    for (const std::string& name : names)
+        check_effect_name(name);
     const auto one_of = [&](std::size_t i, const char* a, const char* b) {
         return names[i] == a || names[i] == b;
     };
-    if (names.size() != 2 || !one_of(0, "shot_noise", "photon_statistics")
+    if (names.size() != 2 || !one_of(0, "shot_noise", "poisson_shot_noise")
         || !one_of(1, "read_noise", "heavy_tailed_noise"))
         throw Error("[" + joined(names)
-                    + "] must be shot_noise or photon_statistics, then read_noise or "
+                    + "] must be shot_noise or poisson_shot_noise, then read_noise or "
                       "heavy_tailed_noise");
     return { names[0], names[1] };
 }
@@ -160,9 +163,10 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
             + " has no measured noise: leave the ISO out, or add \"noise\" to its "
               "profile");
     if (table.size() == 1 && iso != table.front().iso)
-        throw Error("iso " + number(iso) + ": the noise of sensor " + profile.id
-                    + " is known at ISO " + number(table.front().iso)
-                    + " only: give that ISO, or add others to \"noise\" in its profile");
+        throw Error(
+            "iso " + number(iso) + ": the noise of sensor " + profile.id
+            + " is known at ISO " + number(table.front().iso)
+            + " only: give that ISO, or add others to \"noise\" in its profile");
     const double lowest = table.front().iso / reach, highest = table.back().iso * reach;
     if (!(iso >= lowest && iso <= highest))
         throw Error("iso " + number(iso) + " is outside " + number(lowest) + " to "

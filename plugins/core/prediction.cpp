@@ -110,7 +110,7 @@ void predict_blocks(const SensorProfile& profile,
         stages.pass_color(*surround, given);
         exposure.surround = &*surround;
     }
-    const int reach = reach_of(stages.active, Stage::color, Stage::output);
+    const int reach = reach_of(stages.active, Stage::color, Stage::processing);
     for (const PredictedBlock& block : blocks) {
         check_inside(block, exposure.frame);
         check_margin(block, exposure.frame, margin, reach);

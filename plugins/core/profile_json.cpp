@@ -5,6 +5,7 @@
 #include "cg2raw/profile.h"
 
 #include "cfa.h"
+#include "effect_names.h"
 #include "profile_syntax.h"
 #include "text.h"
 
@@ -284,6 +285,11 @@ std::vector<EffectSetting> effect_settings(Fields& fields)
         return result;
     for (Fields& row : fields.objects("effects")) {
         EffectSetting setting { row.text("name"), {}, "" };
+        try {
+            check_effect_name(setting.name);
+        } catch (const Error& error) {
+            row.fail("name", error.what());
+        }
         if (row.has("parameters")) {
             Fields parameters = row.object("parameters");
             for (const auto& [name, value] : parameters.json().items())

@@ -41,7 +41,7 @@ NoiseEffects noise_effects_of(const SensorProfile& profile, const Run& run)
         return profile.noise_effects.value_or(NoiseEffects {});
     return run.noise_model == NoiseModel::gaussian
         ? NoiseEffects {}
-        : NoiseEffects { "photon_statistics", "heavy_tailed_noise" };
+        : NoiseEffects { "poisson_shot_noise", "heavy_tailed_noise" };
 }
 
 Values heavy_tailed_values(const NoiseAtIso& noise)

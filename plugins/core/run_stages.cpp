@@ -183,7 +183,7 @@ void Stages::on_mosaic(const Plane<float>& mosaic, const Plane<float>& variance,
     if (purpose == Purpose::prediction)
         clear_clipped(mosaic, noise_ceiling, variance);
     settle(signal, purpose, gaussian, rng);
-    apply(active, purpose, Stage::conversion, Stage::output, signal);
+    apply(active, purpose, Stage::adc, Stage::processing, signal);
 }
 
 } // namespace cg2raw

@@ -143,7 +143,7 @@ bool Simulation::needs_whole_frame() const
 
 int Simulation::reach() const
 {
-    return reach_of(m_state->stages.active, Stage::color, Stage::output);
+    return reach_of(m_state->stages.active, Stage::color, Stage::processing);
 }
 
 const SensorProfile& Simulation::profile() const { return m_state->profile; }

@@ -82,7 +82,7 @@ Effect noise_reduction()
 {
     return {
         "noise_reduction",
-        Stage::output,
+        Stage::processing,
         Pattern::none,
         { { "blend", "1", -0.05, 0.9, 0.0,
             "part that comes from the four of the colour beside", CfaRepeat::bayer },

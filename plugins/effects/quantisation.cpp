@@ -41,7 +41,7 @@ void draw(Signal& signal, const Values& values, const Rng&)
 Effect quantisation()
 {
     return { "quantisation",
-             Stage::conversion,
+             Stage::adc,
              Pattern::none,
              { { "step", "1", 0.0, 0.1, 0.0, "of the ADC, above black" } },
              "an ADC that is coarser than the DN of the file",

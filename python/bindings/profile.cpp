@@ -142,6 +142,9 @@ void bind_search(py::module_& m)
     m.def("profile_folders", &profile_folders, "Folders that are searched, in order.");
     m.def("sensor_id_from_name", &sensor_id_from_name, "name"_a,
           "A camera's name as an id: lower case, words joined by '-'.");
+    m.def("current_effect_name", &current_effect_name, "name"_a,
+          "What an effect of this name is called now; the name itself if it was never "
+          "another.");
     m.def(
         "effects", [] { return dicts_of(all_effects()); },
         "Every effect that a profile may list: name, stage, parameters, meaning, "
@@ -227,7 +230,7 @@ void bind_fields(py::class_<SensorProfile>& c)
                 return std::vector { of_light, of_readout };
             },
             "What draws the noise of an ISO unless a run differs: shot_noise or\n"
-            "photon_statistics, and read_noise or heavy_tailed_noise.")
+            "poisson_shot_noise, and read_noise or heavy_tailed_noise.")
         .def_property_readonly(
             "effects", [](const Profile& p) { return dicts_of(p.effects); },
             "{\"name\", \"parameters\", \"evidence\"} per effect, in order.")

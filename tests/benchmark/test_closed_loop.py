@@ -20,8 +20,8 @@ pytestmark = pytest.mark.slow
 HIDDEN = [
     {"lens_shading": 0.3, "row_noise": 0.3},
     {"noise_reduction": 0.1},
-    {"prnu": 0.01, "photon_statistics": None},
-    {"early_clipping": 0.05, "hot_pixels": None},
+    {"prnu": 0.01, "poisson_shot_noise": None},
+    {"full_well": 0.05, "hot_pixels": None},
     {"heavy_tailed_noise": None, "black_level": None},
     {"blur": 0.6, "veiling_glare": 0.02},
 ]
@@ -61,7 +61,7 @@ def test_frames_of_the_found_profile_have_no_gap(by_plugin, hidden):
     truth = draw_hidden(sensor, hidden, seed=7)
     captures = simulate_captures(sensor, truth, seed=7)
     found = diagnose(captures, details=False)
-    assert {one.name for one in found.effects} >= set(hidden) - {"photon_statistics"}
+    assert {one.name for one in found.effects} >= set(hidden) - {"poisson_shot_noise"}
     better = Sensor.from_json(found.profile_json)
     again = diagnose(simulated(captures, better, by_plugin), details=False)
     assert again.verdict == "no gap"

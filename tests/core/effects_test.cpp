@@ -169,7 +169,7 @@ double departure_from_a_line(const Effect& effect, bool drawn, std::size_t param
 /// so; more draws are outliers; what lies above white counts as white as soon as any of
 /// it is blended.
 const std::set<std::string> not_linear {
-    "quantisation.step",     "early_clipping.below_white",
+    "quantisation.step",     "full_well.below_white",
     "hot_pixels.fraction",   "heavy_tailed_noise.outlier_fraction",
     "noise_reduction.blend", "noise_reduction.diagonal"
 };

@@ -25,7 +25,7 @@ LISTED = {
     "exposure": {"gain": 0.2},
     "shot_noise": {f"beta1_{site}": 4e-4 for site in PER_SITE},
     "read_noise": {f"beta2_{site}": 2e-6 for site in PER_SITE},
-    "early_clipping": {"below_white": 0.3},
+    "full_well": {"below_white": 0.3},
     "noise_reduction": {"blend": 0.4, "diagonal": 0.1},
     "prnu": {"sigma": 0.01},
     "hot_pixels": {"fraction": 0.01, "rate": 1.0},
@@ -245,10 +245,10 @@ def test_convention_sensor_clips_at_white_alone():
         sensor.to_camera(dim, convention="film", **how)
 
 
-def test_early_clipping_cuts_noise_that_read_out_does_not():
+def test_full_well_cuts_noise_that_read_out_does_not():
     """After a full well only the read-out is noisy: its own and no more."""
     effects = {name: LISTED[name] for name in ("shot_noise", "read_noise")}
-    effects["early_clipping"] = {"below_white": 0.5}
+    effects["full_well"] = {"below_white": 0.5}
     bright = np.full((256, 256, 3), 0.9, np.float32)
     seen = sensor_with(effects).signal(bright, **run_of())
     assert seen.mean() == pytest.approx(0.5, abs=1e-4)

@@ -16,16 +16,16 @@ STAGES = (
     "noise",
     "saturation",
     "readout",
-    "conversion",
-    "output",
+    "adc",
+    "processing",
 )
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
 NAMED = """color_matrix exposure white_balance
     blur color_shading lateral_chromatic_aberration lens_shading veiling_glare
     crosstalk gr_gb_imbalance prnu dark_current nonlinearity
-    photon_statistics shot_noise early_clipping
-    black_level column_noise dsnu heavy_tailed_noise hot_pixels read_noise row_noise
-    quantisation noise_reduction"""
+    poisson_shot_noise shot_noise full_well
+    black_level column_fixed_pattern dsnu heavy_tailed_noise hot_pixels read_noise
+    row_noise quantisation noise_reduction"""
 # Parameters that act only where the effect's others do.
 PARTNERS = {
     "heavy_tailed_noise": (
@@ -38,7 +38,7 @@ PARTNERS = {
 }
 # Where a tenth of the way to a bound does not show in the scene, or fills it.
 STRONG = {
-    "early_clipping": {"below_white": 0.85},
+    "full_well": {"below_white": 0.85},
     "dark_current": {"per_second": 0.05},
     "hot_pixels": {"rate": 0.01},
 }
@@ -241,7 +241,7 @@ def test_an_effect_predicts_what_it_makes_of_noise(name):
 def test_drawn_effects_and_gaussian_ones_add_up():
     """No variance is drawn twice, and the order within a stage does not matter."""
     rows = 40000
-    names = ("photon_statistics", "heavy_tailed_noise", "row_noise", "shot_noise")
+    names = ("poisson_shot_noise", "heavy_tailed_noise", "row_noise", "shot_noise")
     values = {"beta1": 0.01, "beta2": 4e-4, "tukey_lambda": 0.0, "sigma": 0.02}
     values |= {"outlier_fraction": 0.02, "outlier_variance_ratio": 9.0}
     effects = [
@@ -269,13 +269,13 @@ def test_drawn_effects_and_gaussian_ones_add_up():
 def test_what_was_clipped_stays_white(name):
     if STAGES.index(EFFECTS[name]["stage"]) <= STAGES.index("response"):
         pytest.skip("it acts before the sensor clips")
-    if name == "early_clipping":
+    if name == "full_well":
         pytest.skip("it clips below white")
     sensor, run = sensor_with(name, **strong(name)), run_of(name)
     raw = sensor.simulate(scene() + 20.0, seed=3, **run)
     assert (raw == sensor.white_level).all()
     _, variance = sensor.expectation(scene() + 20.0, **run)
-    assert EFFECTS[name]["stage"] == "conversion" or not variance.any()
+    assert EFFECTS[name]["stage"] == "adc" or not variance.any()
 
 
 @pytest.mark.parametrize("name", EFFECTS)

@@ -122,21 +122,21 @@ def clipped_moments(mean, variance, level):
 
 
 @pytest.mark.parametrize("sigmas", [-9, -5, -2, -0.5, 0.0, 0.7, 2.5, 5])
-def test_early_clipping_has_the_moments_of_a_clipped_normal(sigmas):
+def test_full_well_has_the_moments_of_a_clipped_normal(sigmas):
     """With the mean this far above the level."""
     level, beta1 = 0.8, 2e-3
     mean = np.float32(level + sigmas * np.sqrt(beta1 * level))
-    settings = (("shot_noise", SHOT), ("early_clipping", {"below_white": 1 - level}))
+    settings = (("shot_noise", SHOT), ("full_well", {"below_white": 1 - level}))
     seen, variance = of.predicted(of.flat(mean, 4, 4), *settings)
     expected = clipped_moments(float(mean), beta1 * float(mean), level)
     np.testing.assert_allclose(seen, expected[0], atol=1.2e-7)
     np.testing.assert_allclose(variance, expected[1], rtol=2e-5, atol=1e-12)
 
 
-def test_early_clipping_of_what_has_no_noise():
+def test_full_well_of_what_has_no_noise():
     levels = np.array([0.3, 0.7, 0.75, 0.8, 2.0], np.float32)
     image = np.broadcast_to(levels, (3, 2, 5))
-    mean, variance = of.predicted(image, ("early_clipping", {"below_white": 0.25}))
+    mean, variance = of.predicted(image, ("full_well", {"below_white": 0.25}))
     np.testing.assert_array_equal(mean, np.minimum(np.stack([levels] * 2), 0.75))
     assert not variance.any()
 
@@ -151,9 +151,9 @@ def drawn(level, settings, rows=1000, cols=400, **run):
 
 
 @pytest.mark.parametrize("level", [0.74, 0.8, 0.83])
-def test_early_clipping_draws_what_it_predicts(level):
+def test_full_well_draws_what_it_predicts(level):
     """Before the read-out, whose noise goes beyond the level."""
-    settings = [("shot_noise", SHOT), ("early_clipping", {"below_white": 0.2})]
+    settings = [("shot_noise", SHOT), ("full_well", {"below_white": 0.2})]
     seen, mean, variance = drawn(level, settings)
     assert seen.max() == pytest.approx(0.8) and (seen == seen.max()).mean() > 0.05
     of_mean, of_variance = deviates(seen.size, 8)  # the tails are not normal
@@ -177,16 +177,16 @@ def test_black_level_moves_each_site_but_for_white():
         assert not variance.any()
 
 
-@pytest.mark.parametrize("name", ["column_noise", "dsnu"])
+@pytest.mark.parametrize("name", ["column_fixed_pattern", "dsnu"])
 def test_fixed_offsets_do_not_depend_on_signal_or_frame(name):
     settings = [(name, {"sigma": 0.01})]
-    rows, cols = (40, 6000) if name == "column_noise" else (300, 400)
+    rows, cols = (40, 6000) if name == "column_fixed_pattern" else (300, 400)
     low, mean, _ = drawn(0.2, settings, rows, cols)
     high, _, _ = drawn(0.7, settings, rows, cols, frame=4, seed=8)
     np.testing.assert_array_equal(low, mean)
     offset = (low - np.float32(0.2)) / 0.01
     np.testing.assert_allclose((high - np.float32(0.7)) / 0.01, offset, atol=2e-5)
-    if name == "column_noise":
+    if name == "column_fixed_pattern":
         np.testing.assert_array_equal(offset, np.broadcast_to(offset[0], offset.shape))
         offset = offset[0]
     of_mean, of_variance = deviates(offset.size)

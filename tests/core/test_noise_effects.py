@@ -15,7 +15,7 @@ ROW = {"iso": 100, "beta1": [2e-3, 1e-3, 1.5e-3, 3e-3], "beta2": [4e-6] * 4}
 SHAPED = {**ROW, "tukey_lambda": 0.14, "row_sigma": 0.0}
 OUTLIERS = {"outlier_fraction": 0.01, "outlier_variance_ratio": 20.0}
 HEAVY = {**SHAPED, **OUTLIERS}
-PHYSICAL = ["photon_statistics", "heavy_tailed_noise"]
+PHYSICAL = ["poisson_shot_noise", "heavy_tailed_noise"]
 GAUSSIAN = ["shot_noise", "read_noise"]
 
 
@@ -30,7 +30,7 @@ def signal(sensor, level=0.1, **run):
     return np.asarray(sensor.signal(rgb, illuminant="A", camera_input=True, **run))
 
 
-@pytest.mark.parametrize("of_light", ["shot_noise", "photon_statistics"])
+@pytest.mark.parametrize("of_light", ["shot_noise", "poisson_shot_noise"])
 @pytest.mark.parametrize("of_readout", ["read_noise", "heavy_tailed_noise"])
 def test_they_survive_a_round_trip(of_light, of_readout):
     rows = [HEAVY, {**HEAVY, "iso": 200, "outlier_fraction": 0.0}]
@@ -48,13 +48,13 @@ def test_a_profile_that_does_not_say_stays_as_it_is():
     assert "noise_effects" not in json.loads(sensor.to_json())
 
 
-ALLOWED = "shot_noise or photon_statistics, then read_noise or heavy_tailed_noise"
+ALLOWED = "shot_noise or poisson_shot_noise, then read_noise or heavy_tailed_noise"
 WRONG = [
     ([], ALLOWED),
     (["shot_noise"], ALLOWED),
     (["read_noise", "shot_noise"], rf"\[read_noise, shot_noise\].*{ALLOWED}"),
     (["shot_noise", "row_noise"], ALLOWED),
-    (["shot_noise", "photon_statistics"], ALLOWED),
+    (["shot_noise", "poisson_shot_noise"], ALLOWED),
     (["shot_noise", "read_noise", "row_noise"], ALLOWED),
     ("shot_noise", "list of texts"),
     ({"shot_noise": 1}, "list of texts"),
@@ -137,14 +137,14 @@ def test_each_of_the_two_is_drawn_by_what_is_named():
     """In the dark there is only that of the read-out; without it, that of light."""
     mixed = [
         ("shot_noise", "heavy_tailed_noise"),
-        ("photon_statistics", "read_noise"),
+        ("poisson_shot_noise", "read_noise"),
     ]
     dark = {names[1]: signal(sensor_of([HEAVY], names), 0.0) for names in mixed}
     plain = sensor_of([HEAVY])
     assert (dark["read_noise"] == signal(plain, 0.0)).all()
     assert (dark["heavy_tailed_noise"] == signal(plain, 0.0, noise="physical")).all()
     quiet = [{**ROW, "beta2": [0.0] * 4}]
-    electrons = signal(sensor_of(quiet, ["photon_statistics", "read_noise"]))
+    electrons = signal(sensor_of(quiet, ["poisson_shot_noise", "read_noise"]))
     sites = electrons[::2, ::2] / ROW["beta1"][0]
     assert np.abs(sites - np.rint(sites)).max() < 1e-3, "whole electrons"
 

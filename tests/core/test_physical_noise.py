@@ -33,7 +33,7 @@ def electrons(mean):
     """Counts of a flat of so many electrons, and the mean exactly as it was asked."""
     level = float(np.float32(min(0.5, 0.5 * mean)))
     beta1 = level / mean
-    sensor = sensor_of([("photon_statistics", per_site("beta1", beta1))])
+    sensor = sensor_of([("poisson_shot_noise", per_site("beta1", beta1))])
     counts = flat_signal(sensor, level, seed=int(mean * 100), convention="paper")
     counts = (counts / beta1).ravel()
     whole = np.rint(counts)
@@ -83,7 +83,7 @@ def test_skewness_of_photons_in_dim_light(mean):
 
 @pytest.mark.parametrize("beta1", [1e-30, 1e-16, 1e-12])
 def test_light_of_more_electrons_than_a_float_resolves_has_no_noise(beta1):
-    sensor = sensor_of([("photon_statistics", per_site("beta1", beta1))])
+    sensor = sensor_of([("poisson_shot_noise", per_site("beta1", beta1))])
     assert flat_signal(sensor, 0.5, 64, 64) == pytest.approx(0.5, rel=1e-5)
 
 

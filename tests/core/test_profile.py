@@ -186,7 +186,7 @@ def test_numbers_per_site_are_said_once_per_colour_or_per_site(
 
 
 OF_BAYER_SITES = (
-    "shot_noise", "photon_statistics", "read_noise", "heavy_tailed_noise",
+    "shot_noise", "poisson_shot_noise", "read_noise", "heavy_tailed_noise",
     "gr_gb_imbalance", "black_level", "noise_reduction",
 )  # fmt: skip
 

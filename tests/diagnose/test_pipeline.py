@@ -100,7 +100,7 @@ def test_the_verdict_does_not_depend_on_threads():
     ("name", "strength", "value"),
     [
         ("row_noise", 0.3, 0.3 * 5 / 10000),
-        ("column_noise", 0.3, 0.3 * 5 / 10000),
+        ("column_fixed_pattern", 0.3, 0.3 * 5 / 10000),
         ("dark_current", 2.0, 2 / 10000),
     ],
 )

@@ -162,7 +162,7 @@ def test_read_noise_of_the_eld_cameras(camera):
     read = np.sqrt(row["beta2"][0])
     share = row["row_sigma"] / read
     noise = ReadNoise(row["tukey_lambda"], np.sqrt(1 - share**2), share)
-    hidden = {"photon_statistics": {"photons_are_counted": 1.0}}
+    hidden = {"poisson_shot_noise": {"photons_are_counted": 1.0}}
     captures = simulate_captures(
         sensor, hidden, seed=5, shape=(160, 216), iso=1600,
         measured=Measured(read_noise=noise),
@@ -171,7 +171,7 @@ def test_read_noise_of_the_eld_cameras(camera):
     by_name = {finding.name: finding for finding in found.effects}
     print(camera, found.verdict, list(by_name), [t.name for t in found.unexplained])
     assert {"heavy_tailed_noise", "row_noise"} <= set(by_name)
-    assert set(by_name) <= {"heavy_tailed_noise", "row_noise", "photon_statistics"}
+    assert set(by_name) <= {"heavy_tailed_noise", "row_noise", "poisson_shot_noise"}
     sigma = by_name["row_noise"].parameters["sigma"]
     assert sigma.value == pytest.approx(row["row_sigma"], rel=0.25)
     # Two Gaussians have no tails as far out as these.

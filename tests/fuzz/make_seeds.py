@@ -239,7 +239,7 @@ def profiles():
         "shape": profile(noise=[row | shape for row in noise]),
         "outliers": profile(
             noise=[row | shape | outliers for row in noise],
-            noise_effects=["photon_statistics", "heavy_tailed_noise"],
+            noise_effects=["poisson_shot_noise", "heavy_tailed_noise"],
         ),
         "per_site": profile(
             noise=[{"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 3}]

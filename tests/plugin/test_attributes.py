@@ -85,7 +85,7 @@ def test_noise_of_an_iso_may_be_physical(oiiotool, exr, tmp_path):
 def test_a_profile_says_how_noise_is_drawn(oiiotool, exr, tmp_path):
     """Where the command does not, in the plugin as in Python."""
     profile = json.loads(cg2raw.Sensor("samsung-s20fe").to_json())
-    profile["noise_effects"] = ["photon_statistics", "heavy_tailed_noise"]
+    profile["noise_effects"] = ["poisson_shot_noise", "heavy_tailed_noise"]
     for row in profile["noise"]:
         row.update(tukey_lambda=0.14, row_sigma=0.0)
         row.update(outlier_fraction=0.02, outlier_variance_ratio=25.0)

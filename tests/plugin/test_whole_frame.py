@@ -18,7 +18,7 @@ EFFECTS = {
     "veiling_glare": {"uniform": 0.03, "wide": 0.05},
     "crosstalk": {"left": 0.01, "right": 0.02, "up": 0.03, "down": 0.01},
     "shot_noise": {f"beta1_{site}": 4e-4 for site in SITES},
-    "early_clipping": {"below_white": 0.2},
+    "full_well": {"below_white": 0.2},
     "read_noise": {f"beta2_{site}": 2e-6 for site in SITES},
     "noise_reduction": {"blend": 0.4, "diagonal": 0.1},
     "prnu": {"sigma": 0.01},

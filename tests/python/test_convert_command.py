@@ -126,7 +126,7 @@ def test_each_option_is_the_attribute(exr, tmp_path, name, system_oiiotool):
 def test_noise_is_drawn_as_the_profile_says(exr, scene, tmp_path, noise):
     """Unless the command does."""
     profile = json.loads(cg2raw.Sensor("canon-70d").to_json())
-    profile["noise_effects"] = ["photon_statistics", "heavy_tailed_noise"]
+    profile["noise_effects"] = ["poisson_shot_noise", "heavy_tailed_noise"]
     path, ours, theirs = (tmp_path / n for n in ("x.json", "ours.dng", "theirs.dng"))
     path.write_text(json.dumps(profile))
     words = ["--sensor", path, "--illuminant", "D65", "--iso", 800]

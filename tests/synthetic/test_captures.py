@@ -152,11 +152,11 @@ PERTURBED = {  # effect -> what stands for "a little otherwise"
     "row_noise": ("read_noises", 0.7),
     "heavy_tailed_noise": ("share", 0.4),
     "noise_reduction": ("blend", 0.9),
-    "early_clipping": ("below_white", 0.98),
+    "full_well": ("below_white", 0.98),
     "black_level": ("dn_00", 0.9),
     "nonlinearity": ("loss", 0.9),
 }
-STRENGTH = {"row_noise": 0.5, "early_clipping": 0.25, "heavy_tailed_noise": 0.05,
+STRENGTH = {"row_noise": 0.5, "full_well": 0.25, "heavy_tailed_noise": 0.05,
             "noise_reduction": 0.3, "read_noise": 0.5, "shot_noise": 0.3,
             "black_level": 1.0}  # fmt: skip
 
@@ -177,7 +177,7 @@ def test_truth_is_denser_than_what_is_a_little_otherwise(sensor, name):
     assert gain > 10
 
 
-@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_noise", "hot_pixels"])
+@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_fixed_pattern", "hot_pixels"])
 def test_patterns_are_known_as_far_as_the_fit_frames_tell(sensor, name):
     strength = {"hot_pixels": 5e-3}.get(name, KINDS[name].high)
     hidden = draw_hidden(sensor, {name: strength}, seed=8)
@@ -254,7 +254,7 @@ def test_every_effect_can_be_hidden_and_seen(sensor, name):
             expected = clean.expected(one.raw.args[0], clean.patterns)
             there = log_density(one.raw(), *expected, clean.noise, clean.camera)
             gap.append(float((one.log_density() - there)[8:-8, 8:-8].mean()))
-    assert np.mean(gap) > (5e-5 if name == "photon_statistics" else 3e-4)
+    assert np.mean(gap) > (5e-5 if name == "poisson_shot_noise" else 3e-4)
 
 
 def test_nuisances_change_the_capture_and_are_declared(sensor):

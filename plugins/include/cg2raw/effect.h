@@ -23,8 +23,8 @@ enum class Stage {
     noise, ///< of light and of charge
     saturation, ///< on signal and noise so far, together
     readout,
-    conversion, ///< the ADC
-    output, ///< on signal and noise, together
+    adc,
+    processing, ///< in the camera, on signal and noise together
 };
 const char* name_of(Stage stage);
 
@@ -104,7 +104,9 @@ struct Effect {
 
 /// All effects, in stage order, then by name.
 const std::vector<Effect>& all_effects();
-/// Throws Error that lists the names.
+/// What an effect of this name is called now; the name itself if it was never another.
+std::string_view current_effect_name(std::string_view name);
+/// Throws Error that lists the names, or says the new name of one that was renamed.
 const Effect& effect(std::string_view name);
 /// Values of a setting: every parameter given and within its bounds. Throws Error.
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,

@@ -97,7 +97,7 @@ struct NoiseAtIso {
 
 /// The effects that draw the noise of an ISO.
 struct NoiseEffects {
-    std::string of_light = "shot_noise"; ///< or photon_statistics
+    std::string of_light = "shot_noise"; ///< or poisson_shot_noise
     std::string of_readout = "read_noise"; ///< or heavy_tailed_noise: needs shapes
 };
 /// Of the two names in this order. Throws Error that says what is allowed.

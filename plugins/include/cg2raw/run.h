@@ -16,7 +16,7 @@ namespace cg2raw {
 /// How the noise of an ISO is drawn; its variance is the same in both.
 enum class NoiseModel {
     gaussian, ///< shot_noise and read_noise
-    physical, ///< photon_statistics, heavy_tailed_noise and row_noise: needs an ISO
+    physical, ///< poisson_shot_noise, heavy_tailed_noise and row_noise: needs an ISO
 };
 /// "gaussian" or "physical". Throws Error on other words.
 NoiseModel noise_model_from_name(std::string_view name);

@@ -199,12 +199,15 @@ def run_diagnosis(arguments: argparse.Namespace) -> int:
 
 def names_of(arguments: argparse.Namespace, option: str) -> tuple[str, ...]:
     """Return the effects that --without or --only lists. Raises ValueError."""
+    from cg2raw import _core
     from cg2raw.diagnose.effects import catalogue
 
     known = catalogue.names()
     words = (getattr(arguments, option) or "").split(",")
     names = tuple(word.strip() for word in words if word.strip())
     for name in names:
+        if (new := _core.current_effect_name(name)) != name:
+            raise ValueError(f'--{option}: "{name}" is called "{new}" now')
         if name not in known:
             close = difflib.get_close_matches(name, known, 1)
             hint = (

@@ -57,6 +57,8 @@ def effect_of(effects: Sequence[Effect], name: str) -> Effect:
     names = [effect["name"] for effect in effects]
     if name in names:
         return effects[names.index(name)]
+    if (new := _core.current_effect_name(name)) != name:
+        raise ValueError(f'effect "{name}" is called "{new}" since version 0.1')
     close = difflib.get_close_matches(name.lower().replace("-", "_"), names, 1)
     hint = f"did you mean {close[0]}? " if close else ""
     raise ValueError(f'unknown effect "{name}": {hint}there are: {", ".join(names)}')

@@ -13,13 +13,20 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from numpy.random import Generator
+
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
 from cg2raw.synthetic import conditions, disk
 from cg2raw.synthetic.camera import camera_of
 from cg2raw.synthetic.measured import Measured
 from cg2raw.synthetic.sensors import ASSUMED, ISO, with_noise
-from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, draw_effect
+from cg2raw.synthetic.strengths import (
+    DRAWN_AS,
+    KINDS,
+    UNKNOWN_KINDS,
+    draw_effect,
+)
 from cg2raw.synthetic.world import GROUPS, World, plan, stream
 
 ILLUMINANT = "D65"
@@ -135,9 +142,14 @@ def draw_hidden(
     Other arguments as of simulate_captures. Raises ValueError."""
     camera = camera_of(sensor, illuminant, noise_iso(sensor, iso))
     return {
-        name: draw_effect(name, stream(seed, f"strength/{name}"), camera, strength)
+        name: draw_effect(name, strength_stream(seed, name), camera, strength)
         for name, strength in strengths.items()
     }
+
+
+def strength_stream(seed: int, name: str) -> Generator:
+    """Return the random numbers that decide an effect's parameters."""
+    return stream(seed, f"strength/{DRAWN_AS.get(name, name)}")
 
 
 def strengths_of(text: str, seed: int) -> dict[str, float | None]:

@@ -47,8 +47,8 @@ def patterns(
         drawn = replace(
             drawn, offset=v["read_noises"] * read * gamma / v["shape"] ** 0.5
         )
-    if "column_noise" in hidden:
-        half = np.sqrt(3) * hidden["column_noise"]["read_noises"] * read
+    if "column_fixed_pattern" in hidden:
+        half = np.sqrt(3) * hidden["column_fixed_pattern"]["read_noises"] * read
         drawn = replace(drawn, column=rng.uniform(-half, half, shape[1]))
     if "hot_pixels" in hidden:
         v = hidden["hot_pixels"]

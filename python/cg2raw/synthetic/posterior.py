@@ -96,10 +96,10 @@ def _columns(
     """Return mean and variance of the columns' offsets, electrons; the patterns of
     pixels count as noise, the same in all frames."""
     width = prior.shape[1]
-    if "column_noise" not in hidden:
+    if "column_fixed_pattern" not in hidden:
         return np.zeros(width), np.zeros(width)
     read = float(camera.read_noise.mean())
-    sigma = hidden["column_noise"]["read_noises"] * read
+    sigma = hidden["column_fixed_pattern"]["read_noises"] * read
     weight, pull = np.zeros((2, *prior.shape[:2]))
     for frame in frames:
         gain = frame.slopes[2]

@@ -48,13 +48,11 @@ def noise_of(hidden: Hidden) -> Noise:
         weights = np.array([1 - v["share"], *(v["share"] * np.array(SHARES_OF_TRAPS))])
         variances = np.array([1.0, v["ratio"], STRONG_TRAP**2 * v["ratio"]])
         variances = variances / (weights @ variances)  # the variance stays
-    well = (
-        1 - hidden["early_clipping"]["below_white"] if "early_clipping" in hidden else 0
-    )
+    well = 1 - hidden["full_well"]["below_white"] if "full_well" in hidden else 0
     row = np.sqrt(3) * hidden.get("row_noise", {}).get("read_noises", 0.0)
     return Noise(
         excess=float(excess),
-        poisson="photon_statistics" in hidden,
+        poisson="poisson_shot_noise" in hidden,
         well=well or np.inf,
         weights=tuple(weights.tolist()),
         variances=tuple((scale * variances).tolist()),

@@ -178,7 +178,9 @@ class World:
     @property
     def has_patterns(self) -> bool:
         """Whether pixels differ."""
-        return bool(self.hidden.keys() & {"prnu", "dsnu", "column_noise", "hot_pixels"})
+        return bool(
+            self.hidden.keys() & {"prnu", "dsnu", "column_fixed_pattern", "hot_pixels"}
+        )
 
     @cached_property
     def found(self) -> Posterior:

@@ -108,7 +108,7 @@ def test_what_is_not_founded_is_left_out_and_the_rest_fitted_again():
     assert refused["gr_gb_imbalance"].startswith("its 95 % interval holds")
     assert left.terms[0].values[0] == pytest.approx(0.05, abs=0.002)
     (note,) = acceptance.refusals(refused)
-    assert note.startswith("Imbalance of the two greens is not named, though it was")
+    assert note.startswith("Gr/Gb imbalance is not named, though it was")
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_a_model_that_is_worse_is_no_finding_and_no_profile(monkeypatch):
     assert (found.verdict, found.effects, found.profile_json) == ("no gap", [], "")
     assert found.gap.chi2_after == found.gap.chi2_before
     (note,) = [note for note in found.notes if note.startswith("Not confirmed")]
-    assert "with the exposure the report frames, whole, are less likely by" in note
+    assert "with exposure the report frames, whole, are less likely by" in note
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
     assert (found.verdict, found.profile_json) == ("unknown structure", "")
 

@@ -177,7 +177,7 @@ def test_pixels_that_should_be_at_white_and_are_not_ring():
     name = "white: pixels that should have reached it"
     bright = model_of(SENSOR, exposure=[2.0])
     assert name not in p_values(drawn(frames, bright, 4), bright)
-    clipped = model_of(SENSOR, exposure=[2.0], early_clipping=[0.1])
+    clipped = model_of(SENSOR, exposure=[2.0], full_well=[0.1])
     assert p_values(drawn(frames, clipped, 4), bright)[name] < ALARM
 
 

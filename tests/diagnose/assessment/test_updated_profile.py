@@ -109,7 +109,7 @@ def test_a_sum_beyond_the_bounds_stays_within_them(frames):
     )
 
 
-@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_noise", "hot_pixels"])
+@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_fixed_pattern", "hot_pixels"])
 def test_patterns_keep_their_strength_and_not_their_map(frames, name):
     shape = frames[0].signal.shape
     hot = np.zeros(shape)
@@ -126,7 +126,7 @@ def test_patterns_keep_their_strength_and_not_their_map(frames, name):
     assert (again.mean == predict(Model(SENSOR), frames[1]).mean).all()
 
 
-@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_noise", "row_noise"])
+@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_fixed_pattern", "row_noise"])
 def test_what_was_fitted_whole_takes_the_place_of_the_old(frames, name):
     sensor = sensor_of(effects=[{"name": name, "parameters": {"sigma": 0.003}}])
     model = model_of(sensor, **{name: [0.005]})
@@ -150,7 +150,7 @@ def test_noise_changes_the_table(frames, name, key):
 
 @pytest.mark.parametrize(
     ("name", "values"),
-    [("photon_statistics", [1.0]), ("heavy_tailed_noise", [0.02, 12.0])],
+    [("poisson_shot_noise", [1.0]), ("heavy_tailed_noise", [0.02, 12.0])],
 )
 def test_noise_that_is_drawn_otherwise_is_diagnosed_so_again(frames, name, values):
     found, _ = profile_of(model_of(SENSOR, **{name: values}), frames)

@@ -34,7 +34,7 @@ PLANTED = {
     "crosstalk": (0.01, 0.02, 0.015, 0.01),
     "gr_gb_imbalance": (0.02, -0.01),
     "nonlinearity": (0.06, 0.02),
-    "early_clipping": (0.55,),
+    "full_well": (0.55,),
     "dark_current": (0.004,),
     "black_level": (0.002, -0.001, 0.003, 0.001),
     "shot_noise": (0.4,),
@@ -82,10 +82,10 @@ def test_its_whitening_of_a_null_model_is_the_identity(frames, name):
 
 
 STRONG = {
-    "early_clipping": (0.68,),
+    "full_well": (0.68,),
     "noise_reduction": (0.3, 0.05),
     "row_noise": (0.7,),
-    "photon_statistics": (1.0,),
+    "poisson_shot_noise": (1.0,),
     "heavy_tailed_noise": (0.05, 12.0),
 }
 
@@ -97,7 +97,7 @@ def test_its_density_integrates_to_one(name):
     effect = every()[name]
     (frame,) = frames_of(SENSOR, [capture_of("flat", shape=(8, 8))])
     frame = replace(frame, keep=np.ones((1, 8, 8), bool))
-    level = 0.3 if name == "early_clipping" else 0.05
+    level = 0.3 if name == "full_well" else 0.05
     variance = frame.beta1 * level + frame.beta2
     full = (np.broadcast_to(x, (1, 8, 8)) for x in (level, variance, level, variance))
     p = Prediction(*(np.array(x) for x in full))

@@ -125,14 +125,14 @@ def test_noise_reduction(frames):
     assert mean_gain(frames, best, draws) == pytest.approx(NEEDED, abs=TOLERANCE)
 
 
-@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_noise"])
+@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_fixed_pattern"])
 def test_maps(name, frames, fitted):
     sigma = strength_of(name, frames, fitted=fitted)
     gains = []
     for seed in range(SEEDS):
         rng = np.random.default_rng([seed, 77])
         height, width = frames[0].signal.shape[1:]
-        size = (1, 1, width) if name == "column_noise" else (1, height, width)
+        size = (1, 1, width) if name == "column_fixed_pattern" else (1, height, width)
         pattern = sigma * rng.standard_normal(size)
 
         def extra(frame, _, pattern=pattern):
@@ -150,7 +150,7 @@ def test_photons_show_in_the_dim_frames_only():
     """Ten times the electrons, ten times less skewness squared."""
     few, many = (
         strength_of(
-            "photon_statistics", frames_of(sensor, [capture_of("scene", 3)] * 100)
+            "poisson_shot_noise", frames_of(sensor, [capture_of("scene", 3)] * 100)
         )
         for sensor in (sensor_of(), sensor_of(20000.0))
     )
@@ -160,10 +160,10 @@ def test_photons_show_in_the_dim_frames_only():
 
 def test_a_well_above_the_brightest_pixel_is_not_visible():
     (dark,) = frames_of(SENSOR, [capture_of("dark", 1)])
-    assert strength_of("early_clipping", [dark]) is None
+    assert strength_of("full_well", [dark]) is None
     (flat,) = frames_of(SENSOR, [capture_of("flat", 1, level=0.6)])
     brightest = predict(Model(SENSOR), flat).mean.max()
-    well = 1 - strength_of("early_clipping", [flat])
+    well = 1 - strength_of("full_well", [flat])
     assert well == pytest.approx(brightest, abs=0.02)
 
 

@@ -173,11 +173,11 @@ def test_solving_leaves_directions_without_information_alone():
 
 
 def test_steps_end_at_the_bounds():
-    model = model_of(SENSOR, early_clipping=[0.1], exposure=[0.0])
+    model = model_of(SENSOR, full_well=[0.1], exposure=[0.0])
     parameters = free_parameters(model)
-    assert parameters == [("early_clipping", 0), ("exposure", 0)]
+    assert parameters == [("full_well", 0), ("exposure", 0)]
     there = moved(model, parameters, np.array([-5.0, 0.01]))
-    assert there.term("early_clipping").values == [0.0]
+    assert there.term("full_well").values == [0.0]
     assert there.term("exposure").values == [0.01]
 
 
@@ -196,15 +196,15 @@ def guessed(name, frames):
 
 
 def test_where_charge_clips_is_found(frames):
-    true = model_of(SENSOR, early_clipping=[0.55])
-    shown = planted(frames, 5, early_clipping=[0.55])
-    start, _ = guessed("early_clipping", shown)
+    true = model_of(SENSOR, full_well=[0.55])
+    shown = planted(frames, 5, full_well=[0.55])
+    start, _ = guessed("full_well", shown)
     assert start.terms[0].values[0] == pytest.approx(0.55, abs=0.03)
     found = fit(start, on(shown))
     assert found.terms[0].values[0] == pytest.approx(0.55, abs=0.005)
     assert on(shown).total(found) > on(shown).total(true) - 10
     clean = planted(frames, 6)
-    assert guessed("early_clipping", clean) is None
+    assert guessed("full_well", clean) is None
 
 
 def test_row_noise_is_found(frames):

@@ -105,7 +105,7 @@ def test_columns_are_recovered():
     sigma = 0.3 * READ
     columns = sigma * rng.standard_normal((1, 1, SHAPE[1]))
     frames = planted(captures_of(count=4), 8, white, columns)
-    term = fitted("column_noise", frames)
+    term = fitted("column_fixed_pattern", frames)
     inner = frames[0].keep.any(1)[0]
     assert term.values[0] == pytest.approx(sigma, rel=0.25)
     error = (term.sensor_map.mean[0, 20] - columns[0, 0])[inner]

@@ -123,7 +123,7 @@ def test_highlights_show_what_clips_and_little_else():
     frames = frames_of(SENSOR, [capture_of("scene", n) for n in range(4)])
     hidden = nuisance(0.01, 0.02, registration=0.1)
     bright = replace(model_of(SENSOR, exposure=[1.5]), nuisance=hidden)
-    truth = replace(model_of(SENSOR, exposure=[1.5], early_clipping=[0.08]))
+    truth = replace(model_of(SENSOR, exposure=[1.5], full_well=[0.08]))
     seen = [without_highlights(frame, bright) for frame in drawn(frames, truth, 3)]
     assert sum(frame.highlights.sum() for frame in seen) > 100
 
@@ -131,9 +131,9 @@ def test_highlights_show_what_clips_and_little_else():
         model = replace(model_of(SENSOR, exposure=[1.5], **terms), nuisance=hidden)
         return on(seen).total(model) - on(seen).total(bright)
 
-    clipped = gain(early_clipping=[0.08])
+    clipped = gain(full_well=[0.08])
     assert clipped > 100
-    assert gain(early_clipping=[0.06]) < 0.5 * clipped
+    assert gain(full_well=[0.06]) < 0.5 * clipped
     assert gain(nonlinearity=[0.05, 0.0]) < 0.3 * clipped
 
 

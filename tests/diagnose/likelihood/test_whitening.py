@@ -45,14 +45,14 @@ def one_pixel(frame):
 
 
 @pytest.mark.parametrize("fraction", [0.3, 1.0])
-def test_photon_statistics_cost_is_the_log_of_its_slope(frame, fraction):
+def test_poisson_shot_noise_cost_is_the_log_of_its_slope(frame, fraction):
     z, frame = one_pixel(frame)
     p = prediction(mean=0.02, variance=frame.beta1.mean() * 0.02 + frame.beta2.mean())
 
     def white(at):
-        return whitened("photon_statistics", at, p, np.array([fraction]), frame)[0]
+        return whitened("poisson_shot_noise", at, p, np.array([fraction]), frame)[0]
 
-    cost = whitened("photon_statistics", z, p, np.array([fraction]), frame)[1]
+    cost = whitened("poisson_shot_noise", z, p, np.array([fraction]), frame)[1]
     inner = np.abs(z) < 4
     assert np.exp(cost)[inner] == pytest.approx(numerical_slope(white, z)[inner], 1e-3)
 
@@ -85,7 +85,7 @@ def test_heavy_tails_are_the_mixture_of_two_normals(frame):
 
 
 @pytest.mark.parametrize("electrons", [15, 30, 100])
-def test_photon_statistics_near_the_convolution_of_poisson_and_normal(electrons):
+def test_poisson_shot_noise_near_the_convolution_of_poisson_and_normal(electrons):
     """Expected log density, of photons that are counted, within 2e-4 nats of the
     convolution's own, and far nearer than a normal."""
     full_well, read = 5000.0, 3.0
@@ -98,7 +98,7 @@ def test_photon_statistics_near_the_convolution_of_poisson_and_normal(electrons)
     z = ((y - electrons) / variance**0.5).reshape(SHAPE)
     x = electrons / full_well
     p = prediction(x, variance / full_well**2, x / full_well)
-    white, cost = whitened("photon_statistics", z, p, np.array([1.0]), frame)
+    white, cost = whitened("poisson_shot_noise", z, p, np.array([1.0]), frame)
     flow = np.exp(cost).ravel() * norm.pdf(white.ravel()) / variance**0.5
     step = y[1] - y[0]
     assert flow.sum() * step == pytest.approx(1, abs=2e-3)
@@ -115,7 +115,7 @@ def test_photons_of_another_gain_are_lopsided_by_it(frame):
     for gain in (1.0, 2.0):
         photons = gain * frame.beta1.mean() * 0.05
         p = prediction(0.05, photons, photons)
-        white, _ = whitened("photon_statistics", z, p, np.array([1.0]), frame)
+        white, _ = whitened("poisson_shot_noise", z, p, np.array([1.0]), frame)
         moved.append(-white.mean())
     assert moved[1] / moved[0] == pytest.approx(2**0.5, rel=0.05)
 
@@ -239,18 +239,14 @@ def clipping_density(frame, mean, below_white, read, signal, light=0.0):
     p = Prediction(*known)
     z = ((signal - first) / variance**0.5).reshape(SHAPE)
     values = np.array([below_white])
-    white, extra = whitened(
-        "early_clipping", z, p, values, frame, np.full(SHAPE[1:], read)
-    )
+    white, extra = whitened("full_well", z, p, values, frame, np.full(SHAPE[1:], read))
     density = np.exp(extra + norm.logpdf(white) - 0.5 * np.log(variance))
     return density.ravel(), white.ravel()
 
 
 @pytest.mark.parametrize("light", [0.0, 0.03])
 @pytest.mark.parametrize("mean", [0.72, 0.79, 0.80, 0.81, 0.86])
-def test_early_clipping_is_the_density_of_clipped_photons_and_read_noise(
-    frame, mean, light
-):
+def test_full_well_is_the_density_of_clipped_photons_and_read_noise(frame, mean, light):
     """min(photons, well) + read noise: it integrates to 1, and its histogram is that
     of draws."""
     read, well = frame.beta2.mean(), 0.8
@@ -271,7 +267,7 @@ def test_early_clipping_is_the_density_of_clipped_photons_and_read_noise(
     )
 
 
-def test_early_clipping_far_below_the_well_is_the_normal(frame):
+def test_full_well_far_below_the_well_is_the_normal(frame):
     y = np.linspace(0.2, 0.4, 480)
     density, _ = clipping_density(frame, 0.3, 0.2, frame.beta2.mean(), y)
     variance = frame.beta1.mean() * 0.3 + frame.beta2.mean()
@@ -283,7 +279,7 @@ def test_a_density_of_photons_integrates_to_one(frame):
 
     def density(z):
         white, cost = whitened(
-            "photon_statistics", np.full(SHAPE, z), p, np.array([1.0]), frame
+            "poisson_shot_noise", np.full(SHAPE, z), p, np.array([1.0]), frame
         )
         return float((np.exp(cost) * norm.pdf(white))[0, 0, 0])
 

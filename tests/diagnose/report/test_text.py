@@ -13,9 +13,9 @@ from cg2raw.diagnose.report import text as words
 NAN = float("nan")
 EFFECTS = """
     exposure white_balance color_matrix blur lateral_chromatic_aberration veiling_glare
-    lens_shading color_shading crosstalk gr_gb_imbalance nonlinearity early_clipping
-    prnu dsnu column_noise hot_pixels black_level dark_current shot_noise read_noise
-    row_noise noise_reduction heavy_tailed_noise photon_statistics
+    lens_shading color_shading crosstalk gr_gb_imbalance nonlinearity full_well
+    prnu dsnu column_fixed_pattern hot_pixels black_level dark_current shot_noise
+    read_noise row_noise noise_reduction heavy_tailed_noise poisson_shot_noise
 """.split()
 
 

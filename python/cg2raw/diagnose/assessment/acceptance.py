@@ -14,7 +14,7 @@ import numpy as np
 
 from cg2raw.diagnose.assessment.gap import Sums
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.effects.catalogue import title
+from cg2raw.diagnose.effects.catalogue import heading, title
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.intervals import estimates
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
@@ -103,7 +103,7 @@ def is_better(before: Sums, after: Sums) -> bool:
 def refusals(refused: Mapping[str, str]) -> list[str]:
     """Return a sentence on each effect that may not be named."""
     return [
-        f"{title(name).capitalize()} is not named, though it was found: {reason}."
+        f"{heading(name)} is not named, though it was found: {reason}."
         for name, reason in refused.items()
     ]
 

@@ -15,7 +15,7 @@ from cg2raw.diagnose.diagnosis import (
     Gap,
     Rung,
 )
-from cg2raw.diagnose.effects.catalogue import effect, title
+from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.effects.sentences import sentence
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.model_selection import Search, Step
@@ -84,7 +84,7 @@ def without_shapes(
             kept.append(finding)
             continue
         notes.append(
-            f"{title(finding.name).capitalize()} takes up what the model of "
+            f"{heading(finding.name)} takes up what the model of "
             f"{title(larger)} does not describe ({gain / gains[larger]:.1%} of "
             "its gain): it is in the profile, and is no finding of its own."
         )

@@ -8,7 +8,7 @@ from cg2raw.diagnose.effects.base import PEDESTAL, Effect
 
 class BlackLevel(Effect):
     name = "black_level"
-    title = "the black level"
+    title = "black level"
     where = "an offset per CFA site, whatever the light"
     step = 1e-4
     families = frozenset({PEDESTAL})

@@ -24,7 +24,7 @@ POINTS = 60
 
 class Blur(Effect):
     name = "blur"
-    title = "blur of the lens"
+    title = "lens blur"
     where = "along edges, flats are clean"
     step = 5e-3
     bounds = {"ring": (-0.6, 0.6), "red_scale": (-0.6, 0.6), "blue_scale": (-0.6, 0.6)}

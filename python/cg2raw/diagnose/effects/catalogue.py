@@ -8,6 +8,7 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
+from cg2raw import _core
 from cg2raw.diagnose import effects as folder
 from cg2raw.diagnose.effects.base import Effect, registered
 
@@ -52,6 +53,8 @@ def candidates(cfa: str, without: Iterable[str] = ()) -> list[Effect]:
 
     Raises ValueError for a name that is none."""
     for name in without:
+        if (new := _core.current_effect_name(name)) != name:
+            raise ValueError(f'effect "{name}" is called "{new}" since version 0.1')
         if name not in names():
             raise ValueError(
                 f'effect "{name}" cannot be left out, since no diagnosis names it: '
@@ -72,6 +75,12 @@ def confusable(a: Effect, b: Effect) -> bool:
 
 
 def title(name: str) -> str:
-    """Return an effect's plain name."""
+    """Return an effect's display name; of any other name, its words."""
     known = every().get(name)
     return known.title if known else name.replace("_", " ")
+
+
+def heading(name: str) -> str:
+    """Return an effect's display name as a sentence begins."""
+    words = title(name)
+    return words[:1].upper() + words[1:]

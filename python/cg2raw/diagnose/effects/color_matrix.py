@@ -10,7 +10,7 @@ class ColorMatrix(Effect):
     """Of a uniform frame a matrix makes what a white balance makes: it needs images."""
 
     name = "color_matrix"
-    title = "the colour matrix"
+    title = "colour matrix"
     where = "grows with chroma, none on greys"
     families = frozenset({GAIN})
     signature = frozenset({"mixer"})

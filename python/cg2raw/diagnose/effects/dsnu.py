@@ -8,7 +8,7 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 
 class Dsnu(FixedPattern):
     name = "dsnu"
-    title = "pixels of unequal offset (DSNU)"
+    title = "DSNU"
     where = "the same pixels in all frames, whatever the light"
     lacks_slow_part = True
     told_apart = {

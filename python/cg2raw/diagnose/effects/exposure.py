@@ -20,7 +20,7 @@ TWO_LEVELS = (
 
 class Exposure(Effect):
     name = "exposure"
-    title = "the exposure"
+    title = "exposure"
     where = "in proportion to signal, all channels alike"
     families = frozenset({GAIN})
     signature = frozenset({"gain"})

@@ -8,7 +8,7 @@ from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect
 
 class GrGbImbalance(Effect):
     name = "gr_gb_imbalance"
-    title = "imbalance of the two greens"
+    title = "Gr/Gb imbalance"
     where = "greens of red rows against greens of blue rows"
     families = frozenset({GAIN})
     needs = LIGHT

@@ -31,7 +31,7 @@ NORMAL_LAMBDA = 0.14  # Tukey's lambda that is nearest to a normal
 
 class HeavyTailedNoise(Effect):
     name = "heavy_tailed_noise"
-    title = "read noise with heavy tails"
+    title = "heavy-tailed read noise"
     where = "outliers in darks that do not repeat"
     estimator = "transform"
     search = (

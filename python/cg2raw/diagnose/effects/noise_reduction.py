@@ -27,7 +27,7 @@ class NoiseReduction(Effect):
     """It blurs the mean, too, and goes where noise goes all the same."""
 
     name = "noise_reduction"
-    title = "noise reduction in the camera"
+    title = "in-camera noise reduction"
     where = "neighbours of one colour share their noise"
     estimator = "transform"
     search = (Parameter("blend", 0.0, 0.9), Parameter("diagonal", -0.1, 0.4))

@@ -28,7 +28,7 @@ POINTS, LEVELS = 60, 20
 
 class Nonlinearity(Effect):
     name = "nonlinearity"
-    title = "a response that is not linear"
+    title = "nonlinear response"
     where = "depends on the level alone"
     step = 2e-3
     families = frozenset({GAIN, RESPONSE})

@@ -11,7 +11,7 @@ from cg2raw.diagnose.frames.tiling import Array
 
 class Prnu(FixedPattern):
     name = "prnu"
-    title = "pixels of unequal gain (PRNU)"
+    title = "PRNU"
     where = "the same pixels in all frames, in proportion to signal"
     needs = LIGHT
     lacks_slow_part = True

@@ -10,7 +10,7 @@ class Quantisation(Effect):
     """Steps of the ADC are of the levels of a profile, and known."""
 
     name = "quantisation"
-    title = "steps of the ADC"
+    title = "quantisation"
     where = "levels in steps"
     nameable = False
 

@@ -44,8 +44,8 @@ class RowNoise(Effect):
     whitening = WhiteningStage.ROWS
     linear = True
     told_apart = {
-        "column_noise": "Several darks: row noise is new in each, column noise "
-        "repeats, read noise has no direction.",
+        "column_fixed_pattern": "Several darks: row noise is new in each, a column "
+        "fixed pattern repeats, read noise has no direction.",
     }
 
     def whiten(

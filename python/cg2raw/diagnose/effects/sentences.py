@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cg2raw.diagnose.diagnosis import Gap
 from cg2raw.diagnose.effects.base import Estimates
-from cg2raw.diagnose.effects.catalogue import effect, title
+from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.effects.discriminating_captures import discriminating_captures
 
 
@@ -15,7 +15,7 @@ def sentence(name: str, values: Estimates, gap: Gap) -> str:
     """Return one sentence of what was found, and what adding it does."""
     found = effect(name)
     return (
-        f"{found.title.capitalize()}: {found.size(values)}; with all that was found, "
+        f"{heading(name)}: {found.size(values)}; with all that was found, "
         f"held-out chi-square goes from {gap.chi2_before:.4g} to {gap.chi2_after:.4g}."
     )
 

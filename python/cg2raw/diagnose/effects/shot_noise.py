@@ -9,7 +9,7 @@ from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
 class ShotNoise(NoiseGain):
     name = "shot_noise"
-    title = "the gain of the shot noise"
+    title = "shot noise gain"
     where = "variance in proportion to signal"
     search = (Parameter("log_gain", -1.5, 1.5),)
     scales = "beta1"

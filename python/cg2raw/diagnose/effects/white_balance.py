@@ -8,7 +8,7 @@ from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect, Estimates, value_o
 
 class WhiteBalance(Effect):
     name = "white_balance"
-    title = "the white balance"
+    title = "white balance"
     where = "in proportion to signal, in red and blue, greys too"
     families = frozenset({GAIN})
     signature = frozenset({"mixer"})

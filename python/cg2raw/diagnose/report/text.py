@@ -7,6 +7,7 @@ import math
 from typing import TypeGuard
 
 from cg2raw.diagnose.diagnosis import LARGEST_E, Diagnosis, Estimate, Gap
+from cg2raw.diagnose.effects.catalogue import title
 
 UNKNOWN = "unknown"
 MINUS = "\N{MINUS SIGN}"
@@ -27,7 +28,6 @@ STRENGTHS = (
     (10**0.5, "substantial"),
     (1.0, "barely worth mentioning"),
 )
-SPELLED = {"prnu": "PRNU", "dsnu": "DSNU", "gr_gb_imbalance": "Gr/Gb imbalance"}
 
 
 def is_known(value: float | None) -> TypeGuard[float]:
@@ -102,7 +102,7 @@ def unit(name: str) -> str:
 
 def plain(name: str) -> str:
     """Return an effect's or test's name as words."""
-    return SPELLED.get(name, name.replace("_", " "))
+    return title(name)
 
 
 def listed(names: list[str], last: str = "and") -> str:

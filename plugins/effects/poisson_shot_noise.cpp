@@ -33,9 +33,9 @@ void draw(Signal& signal, const Values& beta1, const Rng& rng)
 
 } // namespace
 
-Effect photon_statistics()
+Effect poisson_shot_noise()
 {
-    return { "photon_statistics",
+    return { "poisson_shot_noise",
              Stage::noise,
              Pattern::temporal,
              per_site("beta1", "1", 0.0, 1.0, "signal of one electron at a CFA site"),

@@ -64,9 +64,9 @@ void draw(Signal& signal, const Values& values, const Rng&)
 
 } // namespace
 
-Effect early_clipping()
+Effect full_well()
 {
-    return { "early_clipping",
+    return { "full_well",
              Stage::saturation,
              Pattern::none,
              { { "below_white", "1", 0.0, 0.95, 0.0,

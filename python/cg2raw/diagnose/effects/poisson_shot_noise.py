@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Photon statistics: light is counted, by Poisson's law.
+"""Poisson shot noise: light is counted, by Poisson's law.
 
 A photon's skewness: E. A. Cornish, R. A. Fisher, Rev. Inst. Int. Stat. 5(4), 1938.
 """
@@ -28,9 +28,9 @@ from cg2raw.diagnose.frames.tiling import Array
 FAR = 7.0  # standard deviations beyond which a series is not trusted
 
 
-class PhotonStatistics(Effect):
-    name = "photon_statistics"
-    title = "photons that are counted (Poisson)"
+class PoissonShotNoise(Effect):
+    name = "poisson_shot_noise"
+    title = "Poisson shot noise"
     where = "lopsided noise at low levels"
     estimator = "transform"
     search = (Parameter("fraction", 0, 1.5),)
@@ -86,4 +86,4 @@ class PhotonStatistics(Effect):
         return True
 
 
-EFFECT = PhotonStatistics()
+EFFECT = PoissonShotNoise()

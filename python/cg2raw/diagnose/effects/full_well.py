@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Early clipping: charge clips at a full well below white."""
+"""Full well: charge clips below white."""
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri, owens_t
@@ -29,9 +29,9 @@ LEAST_PILE = 2  # pixels at one level that may be a well's
 BRIGHT = 0.2  # of white, from which on pixels may be clipped
 
 
-class EarlyClipping(Effect):
-    name = "early_clipping"
-    title = "a full well below white"
+class FullWell(Effect):
+    name = "full_well"
+    title = "full well below white"
     where = "levels pile up below white"
     bounds = {"below_white": (0.0, 0.7)}
     families = frozenset({RESPONSE})
@@ -141,4 +141,4 @@ def _both_below(h: Array, k: Array, correlation: Array) -> Array:
     return np.asarray(0.5 * (ndtr(h) + ndtr(k)) - of_h - of_k - unlike)
 
 
-EFFECT = EarlyClipping()
+EFFECT = FullWell()

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Column noise: an offset of each column, the same in all frames."""
+"""Column fixed pattern: an offset of each column, the same in all frames."""
 
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 
 
-class ColumnNoise(FixedPattern):
-    name = "column_noise"
-    title = "column noise"
+class ColumnFixedPattern(FixedPattern):
+    name = "column_fixed_pattern"
+    title = "column fixed pattern"
     where = "columns differ, the same in all frames"
     layout = "columns"
 
 
-EFFECT = ColumnNoise()
+EFFECT = ColumnFixedPattern()

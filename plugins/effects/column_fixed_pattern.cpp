@@ -26,9 +26,9 @@ void draw(Signal& signal, const Values& values, const Rng& rng)
 
 } // namespace
 
-Effect column_noise()
+Effect column_fixed_pattern()
 {
-    return { "column_noise",
+    return { "column_fixed_pattern",
              Stage::readout,
              Pattern::fixed,
              { { "sigma", "1", 0.0, 1.0, 0.0,
