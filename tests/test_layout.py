@@ -22,7 +22,7 @@ FLOW = (
     "transform",
     "mosaic",
     "demosaic",
-    "surround",
+    "glare_context",
     "effect",
     "run",
     "signal",

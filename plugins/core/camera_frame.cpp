@@ -66,15 +66,15 @@ void CameraFrame::put(const RgbView& scene, Site origin, Illegal& illegal)
 void CameraFrame::complete()
 {
     const Simulation::State& state = *m_simulation.m_state;
-    if (!state.stages.needs_surround())
+    if (!state.stages.needs_glare_context())
         return;
     std::array<Plane<const float>, 3> camera;
     for (std::size_t i = 0; i < 3; ++i)
         camera[i] = { m_camera[i].data(), state.frame.width, state.frame.height,
                       state.frame.width };
-    m_surround = surround_of(camera);
+    m_glare_context = glare_context_of(camera);
     state.stages.pass_color(
-        *m_surround,
+        *m_glare_context,
         { state.frame, state.profile.cfa, state.light.neutral, {}, nullptr });
 }
 
@@ -96,9 +96,9 @@ void CameraFrame::each_piece(int first, int rows, Result result,
         band.resize(outer.size.width, outer.size.height);
         for (std::size_t i = 0; i < 3; ++i)
             copy_part(m_camera[i], width, outer, band.camera[i]);
-        state.run_stages(band, outer.first, m_surround ? &*m_surround : nullptr,
-                         result == Result::simulation ? Purpose::drawing
-                                                      : Purpose::prediction);
+        state.run_stages(
+            band, outer.first, m_glare_context ? &*m_glare_context : nullptr,
+            result == Result::simulation ? Purpose::drawing : Purpose::prediction);
         const int top = inner.first.row - outer.first.row;
         const int left = inner.first.col - outer.first.col;
         for (int i = 0; i < inner.size.height; ++i)
@@ -126,9 +126,9 @@ void CameraFrame::simulate(int first, const Plane<float>& signal,
     });
 }
 
-void CameraFrame::expect(int first, const Plane<float>& mean,
-                         const Plane<float>& variance,
-                         const ParallelFor& parallel) const
+void CameraFrame::predict(int first, const Plane<float>& mean,
+                          const Plane<float>& variance,
+                          const ParallelFor& parallel) const
 {
     each_piece(first, mean.height, Result::prediction, parallel, [&](const Piece& p) {
         std::copy_n(p.signal, p.count, mean.row(p.at.row - first) + p.at.col);

@@ -77,17 +77,17 @@ Illegal simulate(const SceneRows& rows, const Simulation& simulation,
         [&](const CameraFrame& held) { held.simulate(0, signal, parallel); });
 }
 
-Illegal expect(const SceneRows& rows, const Simulation& simulation,
-               const Plane<float>& mean, const Plane<float>& variance,
-               const ParallelFor& parallel)
+Illegal predict(const SceneRows& rows, const Simulation& simulation,
+                const Plane<float>& mean, const Plane<float>& variance,
+                const ParallelFor& parallel)
 {
     return run_frame(
         rows, simulation, parallel,
         [&](const RgbView& part, int first, Illegal& illegal) {
-            simulation.expect(part, { first, 0 }, mean.rows(first, part.height),
-                              variance.rows(first, part.height), illegal);
+            simulation.predict(part, { first, 0 }, mean.rows(first, part.height),
+                               variance.rows(first, part.height), illegal);
         },
-        [&](const CameraFrame& held) { held.expect(0, mean, variance, parallel); });
+        [&](const CameraFrame& held) { held.predict(0, mean, variance, parallel); });
 }
 
 RawFrame simulate(const RgbView& scene, const Simulation& simulation,

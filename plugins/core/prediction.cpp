@@ -104,11 +104,11 @@ void predict_blocks(const SensorProfile& profile,
     const Stages stages(profile, active_effects(profile, settings));
     check_needs(stages.active, given);
     Exposure exposure = given;
-    std::optional<Surround> surround;
-    if (given.surround && stages.needs_surround()) {
-        surround = *given.surround;
-        stages.pass_color(*surround, given);
-        exposure.surround = &*surround;
+    std::optional<GlareContext> glare_context;
+    if (given.glare_context && stages.needs_glare_context()) {
+        glare_context = *given.glare_context;
+        stages.pass_color(*glare_context, given);
+        exposure.glare_context = &*glare_context;
     }
     const int reach = reach_of(stages.active, Stage::color, Stage::processing);
     for (const PredictedBlock& block : blocks) {

@@ -169,9 +169,9 @@ void check_needs(const std::vector<ActiveEffect>& active, const Exposure& exposu
 {
     check_exposure_time(active, exposure.seconds);
     for (const ActiveEffect& one : active)
-        if (one.effect->needs_surround && !exposure.surround)
+        if (one.effect->needs_glare_context && !exposure.glare_context)
             throw Error("effect " + one.effect->name
-                        + " needs the surround of a block: give that of the whole "
+                        + " needs the glare context of a block: give that of the whole "
                           "frame's camera RGB");
 }
 

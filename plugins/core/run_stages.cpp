@@ -24,7 +24,7 @@ void apply(const std::vector<ActiveEffect>& active, Purpose purpose, Stage first
             && (purpose == Purpose::drawing || effect->pattern == Pattern::fixed))
             effect->draw(signal, values, rng);
         else
-            effect->expect(signal, values);
+            effect->predict(signal, values);
     }
 }
 
@@ -112,25 +112,26 @@ Stages::Stages(const SensorProfile& profile, std::vector<ActiveEffect> effects)
 const Effect* Stages::beyond_pixels() const
 {
     for (const ActiveEffect& one : active)
-        if (one.effect->reach > 0 || one.effect->needs_surround)
+        if (one.effect->reach > 0 || one.effect->needs_glare_context)
             return one.effect;
     return nullptr;
 }
 
-bool Stages::needs_surround() const
+bool Stages::needs_glare_context() const
 {
-    return std::any_of(active.begin(), active.end(),
-                       [](const ActiveEffect& a) { return a.effect->needs_surround; });
+    return std::any_of(active.begin(), active.end(), [](const ActiveEffect& a) {
+        return a.effect->needs_glare_context;
+    });
 }
 
-void Stages::pass_color(Surround& surround, const Exposure& exposure) const
+void Stages::pass_color(GlareContext& glare_context, const Exposure& exposure) const
 {
-    const auto [width, height] = surround.cells;
+    const auto [width, height] = glare_context.cells;
     std::array<Plane<float>, 3> wide, mean;
     std::array<float, 3> means;
     for (std::size_t i = 0; i < 3; ++i) {
-        means[i] = float(surround.mean[i]);
-        wide[i] = { surround.wide[i].data(), width, height, width };
+        means[i] = float(glare_context.mean[i]);
+        wide[i] = { glare_context.wide[i].data(), width, height, width };
         mean[i] = { &means[i], 1, 1, 1 };
     }
     if (!has_stage(active, Stage::color))
@@ -139,7 +140,7 @@ void Stages::pass_color(Surround& surround, const Exposure& exposure) const
         Signal signal { 3, planes, {}, {}, { 0, 0 }, exposure };
         apply(active, Purpose::prediction, Stage::color, Stage::color, signal);
     }
-    surround.mean = { means[0], means[1], means[2] };
+    glare_context.mean = { means[0], means[1], means[2] };
 }
 
 void Stages::on_camera(const std::array<Plane<float>, 3>& camera, Site origin,

@@ -44,14 +44,14 @@ struct Stages {
     /// Of a prediction: noise falls on all sites.
     Stages(const SensorProfile& profile, std::vector<ActiveEffect> effects);
 
-    /// An effect that reaches beyond its pixel or needs the surround; null if none
+    /// An effect that reaches beyond its pixel or needs the glare_context; null if none
     /// does.
     const Effect* beyond_pixels() const;
-    bool needs_surround() const;
+    bool needs_glare_context() const;
 
-    /// The surround of what enters the lens becomes that of what enters the optics: the
-    /// effects of stage color are linear and the same everywhere.
-    void pass_color(Surround& surround, const Exposure& exposure) const;
+    /// The glare_context of what enters the lens becomes that of what enters the
+    /// optics: the effects of stage color are linear and the same everywhere.
+    void pass_color(GlareContext& glare_context, const Exposure& exposure) const;
     /// Effects before the mosaic, in place, on planes whose first pixel is @p origin.
     void on_camera(const std::array<Plane<float>, 3>& camera, Site origin,
                    const Exposure& exposure, Purpose purpose) const;

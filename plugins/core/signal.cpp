@@ -53,14 +53,14 @@ void pass(const Stages& stages, Purpose purpose, const Exposure& exposure,
 void pass_camera(const Stages& stages, Purpose purpose, Exposure exposure,
                  const std::array<Plane<float>, 3>& camera)
 {
-    Surround surround;
-    if (stages.needs_surround()) {
+    GlareContext glare_context;
+    if (stages.needs_glare_context()) {
         std::array<Plane<const float>, 3> seen;
         for (std::size_t i = 0; i < 3; ++i)
             seen[i] = { camera[i].data, camera[i].width, camera[i].height,
                         camera[i].pitch };
-        surround = surround_of(seen);
-        exposure.surround = &surround;
+        glare_context = glare_context_of(seen);
+        exposure.glare_context = &glare_context;
     }
     stages.on_camera(camera, { 0, 0 }, exposure, purpose);
 }
@@ -128,9 +128,9 @@ void apply_effect(const SensorProfile& profile, const EffectSetting& setting,
     work_on(profile, setting, run, Purpose::drawing, planes, nullptr, parallel);
 }
 
-void expect_effect(const SensorProfile& profile, const EffectSetting& setting,
-                   const Run& run, const std::vector<Plane<float>>& planes,
-                   const Plane<float>& variance, const ParallelFor& parallel)
+void predict_effect(const SensorProfile& profile, const EffectSetting& setting,
+                    const Run& run, const std::vector<Plane<float>>& planes,
+                    const Plane<float>& variance, const ParallelFor& parallel)
 {
     for (int row = 0; row < variance.height; ++row)
         std::fill_n(variance.row(row), variance.width, 0.0f);

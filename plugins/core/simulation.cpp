@@ -67,11 +67,12 @@ void Simulation::State::to_camera_rgb(const RgbView& scene,
     }
 }
 
-void Simulation::State::run_stages(Band& band, Site origin, const Surround* surround,
+void Simulation::State::run_stages(Band& band, Site origin,
+                                   const GlareContext* glare_context,
                                    Purpose purpose) const
 {
     const Exposure exposure
-        = { frame, profile.cfa, light.neutral, run.exposure_time, surround };
+        = { frame, profile.cfa, light.neutral, run.exposure_time, glare_context };
     stages.on_camera(band.camera, origin, exposure, purpose);
     band.to_mosaic(profile.cfa, origin);
     stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure, purpose);
@@ -125,8 +126,8 @@ void Simulation::block(const RgbView& scene, Site origin, const Plane<float>& si
                       });
 }
 
-void Simulation::expect(const RgbView& scene, Site origin, const Plane<float>& mean,
-                        const Plane<float>& variance, Illegal& illegal) const
+void Simulation::predict(const RgbView& scene, Site origin, const Plane<float>& mean,
+                         const Plane<float>& variance, Illegal& illegal) const
 {
     m_state->each_row(scene, origin, Purpose::prediction, illegal,
                       [&](int row, const float* means, const float* variances) {

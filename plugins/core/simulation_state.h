@@ -29,7 +29,7 @@ struct Simulation::State {
     void to_camera_rgb(const RgbView& scene, const std::array<Plane<float>, 3>& camera,
                        Illegal& illegal) const;
     /// All stages in order on the camera RGB of a band; the signal is its mosaic then.
-    void run_stages(Band& band, Site origin, const Surround* surround,
+    void run_stages(Band& band, Site origin, const GlareContext* glare_context,
                     Purpose purpose) const;
     /// Calls done(row of the block, its signal, its variance) for every row.
     template <class Done>

@@ -10,7 +10,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     const CfaPattern& cfa = signal.exposure.cfa;
     for (int row = 0; row < signal.noise.height; ++row) {
@@ -24,7 +24,7 @@ void expect(Signal& signal, const Values& values)
     }
 }
 
-void draw(Signal& signal, const Values& values, const Rng&) { expect(signal, values); }
+void draw(Signal& signal, const Values& values, const Rng&) { predict(signal, values); }
 
 } // namespace
 
@@ -36,7 +36,7 @@ Effect black_level()
              per_site("offset", "1", -0.2, 0.2, "excess of black at a CFA site"),
              "a black level other than the stated one",
              "DNG specification 1.6, BlackLevel",
-             expect,
+             predict,
              draw };
 }
 

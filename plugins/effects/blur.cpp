@@ -97,7 +97,7 @@ private:
     std::array<Plane<float>, 3> m_planes;
 };
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     int count = rings;
     while (count > 0 && values[std::size_t(count - 1)] == 0.0)
@@ -130,7 +130,7 @@ Effect blur()
              "sharpness of the optics: a radial OTF 1 + sum of ring_n (cos(n w) - 1)",
              "J. H. McClellan, Princeton Conf. on Information Sciences and Systems 7, "
              "1973",
-             expect,
+             predict,
              nullptr,
              rings };
 }

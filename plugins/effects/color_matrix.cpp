@@ -9,7 +9,7 @@ namespace cg2raw::effects {
 namespace {
 
 /// W (I + E) W^-1 with W = diag(neutral); rows of E sum to 0.
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     Vec3 white = signal.exposure.neutral;
     const auto mix = [&](std::size_t to, std::size_t from, double value) {
@@ -49,7 +49,7 @@ Effect color_matrix()
              "spectral sensitivities other than those of the colour matrices; greys "
              "stay",
              "G. D. Finlayson, M. S. Drew, CIC 5, 1997 (white-point preserving)",
-             expect };
+             predict };
 }
 
 } // namespace cg2raw::effects

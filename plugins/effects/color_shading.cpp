@@ -27,7 +27,7 @@ double color_shading_at(const Values& values, int color, double u, double v)
 namespace effects {
 namespace {
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     each_field_row(signal, [&](int row, const double* u, double v) {
         for (std::size_t plane : { 0, 2 }) {
@@ -60,7 +60,7 @@ Effect color_shading()
              "fall-off of red and blue that differs from green's",
              "P. B. Catrysse, X. Liu, A. El Gamal, Proc. SPIE 3965, 2000 (pixel "
              "vignetting)",
-             expect };
+             predict };
 }
 
 } // namespace effects

@@ -8,7 +8,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal&, const Values&) { }
+void predict(Signal&, const Values&) { }
 
 void draw(Signal& signal, const Values& values, const Rng& rng)
 {
@@ -35,7 +35,7 @@ Effect column_fixed_pattern()
                  "standard deviation of a column's offset" } },
              "stripes: one offset per column, the same in every frame",
              "A. El Gamal, B. Fowler, H. Min, X. Liu, Proc. SPIE 3301, 1998",
-             expect,
+             predict,
              draw };
 }
 

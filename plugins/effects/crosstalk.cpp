@@ -28,7 +28,7 @@ CG2RAW_MULTIVERSION void mix_row(const float* above, const float* here,
     }
 }
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     const Parts parts { float(values[0]), float(values[1]), float(values[2]),
                         float(values[3]) };
@@ -53,7 +53,7 @@ Effect crosstalk()
              parameters,
              "light and charge that reach the neighbouring pixels",
              "J. Li et al., IEEE Trans. Image Process. 18(12), 2009 (as a convolution)",
-             expect,
+             predict,
              nullptr,
              1 };
 }

@@ -8,7 +8,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     if (values[0] == 0.0)
         return;
@@ -31,7 +31,7 @@ Effect dark_current()
                         "signal that a second without light leaves" } },
                     "charge that gathers without light",
                     "EMVA Standard 1288, release 4.0",
-                    expect };
+                    predict };
     effect.needs_exposure_time = true;
     return effect;
 }

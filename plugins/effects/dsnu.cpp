@@ -9,7 +9,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal&, const Values&) { }
+void predict(Signal&, const Values&) { }
 
 void draw(Signal& signal, const Values& values, const Rng& rng)
 {
@@ -37,7 +37,7 @@ Effect dsnu()
                  "standard deviation of the pixels' offset" } },
              "dark signal non-uniformity: an offset per pixel, the same in every frame",
              "EMVA Standard 1288, release 4.0",
-             expect,
+             predict,
              draw };
 }
 

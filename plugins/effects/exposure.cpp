@@ -10,7 +10,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     for (const Plane<float>& plane : signal.mean)
         scale(plane, float(1.0 + values[0]));
@@ -26,7 +26,7 @@ Effect exposure()
              { { "gain", "1", -0.95, 10.0, 0.0, "excess of light, relative" } },
              "an exposure that differs from the stated one by a factor",
              "ISO 12232:2019 (focal plane exposure)",
-             expect };
+             predict };
 }
 
 } // namespace cg2raw::effects

@@ -38,7 +38,7 @@ void clip(double level, float& mean, float& variance)
     variance = float(std::max(0.0, square - shortfall * shortfall) * sigma * sigma);
 }
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     if (values[0] == 0.0)
         return;
@@ -73,7 +73,7 @@ Effect full_well()
                  "distance from the full well to white" } },
              "a full well below white: signal and shot noise are cut at its level",
              "A. Foi, Signal Processing 89(12), 2009 (clipped noisy data)",
-             expect,
+             predict,
              draw };
 }
 

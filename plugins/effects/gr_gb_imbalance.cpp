@@ -15,7 +15,7 @@ bool has_red(const CfaPattern& cfa, int row)
     return cfa.color({ row, 0 }) == red || cfa.color({ row, 1 }) == red;
 }
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     const CfaPattern& cfa = signal.exposure.cfa;
     for (int row = 0; row < signal.mean[0].height; ++row) {
@@ -42,7 +42,7 @@ Effect gr_gb_imbalance()
                  CfaRepeat::bayer } },
              "greens of a Bayer CFA that differ between its rows",
              "DNG specification 1.6, BayerGreenSplit",
-             expect };
+             predict };
 }
 
 } // namespace cg2raw::effects

@@ -13,7 +13,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal&, const Values&) { }
+void predict(Signal&, const Values&) { }
 
 void draw(Signal& signal, const Values& values, const Rng& rng)
 {
@@ -46,7 +46,7 @@ Effect hot_pixels()
                         "mean signal that a second without light leaves in one" } },
                     "few pixels that gather charge without light",
                     "R. Widenhorn et al., Proc. SPIE 4669, 2002 (dark current tails)",
-                    expect,
+                    predict,
                     draw };
     effect.needs_exposure_time = true;
     return effect;

@@ -77,7 +77,7 @@ void magnify(const Signal& signal, const Plane<float>& plane, double shift,
     });
 }
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     for (std::size_t color : { 0, 1 }) {
         const double shift = values[color], shift_r2 = values[2 + color];
@@ -101,7 +101,7 @@ Effect lateral_chromatic_aberration()
              "magnification of red and blue that differs from green's",
              "T. E. Boult, G. Wolberg, CVPR 1992; DNG specification 1.6, "
              "WarpRectilinear",
-             expect,
+             predict,
              nullptr,
              most_shift + taps_after };
 }

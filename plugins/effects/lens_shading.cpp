@@ -23,7 +23,7 @@ double lens_shading_at(const Values& values, double u, double v)
 namespace effects {
 namespace {
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     each_field_row(signal, [&](int row, const double* u, double v) {
         for (int col = 0; col < signal.mean[0].width; ++col) {
@@ -52,7 +52,7 @@ Effect lens_shading()
         "fall-off of illumination towards the corners",
         "D. B. Goldman, IEEE Trans. PAMI 32(12), 2010 (even polynomial); the tilt: "
         "first and third order of a shift of its centre",
-        expect
+        predict
     };
 }
 

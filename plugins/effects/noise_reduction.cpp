@@ -63,7 +63,7 @@ Weights weights_of(const Values& values)
 
 /// Of independent neighbours: at the frame's edges, where the mirror image doubles one,
 /// the variance is a little more. That of what the ADC clipped is left as it was.
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     const auto [own, beside, diagonal] = weights_of(values);
     blend(signal.mean[0], { own, beside, diagonal }, 1.0f);
@@ -91,7 +91,7 @@ Effect noise_reduction()
         "noise reduction before the file: noise of one colour's neighbours "
         "correlates",
         "J.-S. Lee, IEEE Trans. PAMI 2(2), 1980 (local statistics; here fixed)",
-        expect,
+        predict,
         draw,
         apart
     };

@@ -23,7 +23,7 @@ CG2RAW_MULTIVERSION void bend(float quadratic, float cubic, int count, float* me
     }
 }
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     for (int row = 0; row < signal.mean[0].height; ++row)
         bend(float(values[0]), float(values[1]), signal.mean[0].width,
@@ -41,7 +41,7 @@ Effect nonlinearity()
                { "cubic", "1", -1.0, 1.0, 0.0, "loss at white, growing as x^3" } },
              "a response that is not in proportion to the light",
              "F. Wang, A. Theuwissen, Proc. IS&T Electronic Imaging, IMSE, 2017",
-             expect };
+             predict };
 }
 
 } // namespace cg2raw::effects

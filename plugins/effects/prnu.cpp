@@ -9,7 +9,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal&, const Values&) { }
+void predict(Signal&, const Values&) { }
 
 void draw(Signal& signal, const Values& values, const Rng& rng)
 {
@@ -38,7 +38,7 @@ Effect prnu()
                  "standard deviation of the pixels' sensitivity, relative" } },
              "photo response non-uniformity: a factor per pixel",
              "EMVA Standard 1288, release 4.0",
-             expect,
+             predict,
              draw };
 }
 

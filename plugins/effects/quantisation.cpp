@@ -14,7 +14,7 @@ namespace {
 
 /// Of rounding a signal that is spread over more than a step. Source: B. Widrow,
 /// IRE Trans. Circuit Theory 3(4), 1956.
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     const float variance = float(values[0] * values[0] / 12.0);
     for (int row = 0; row < signal.variance.height; ++row)
@@ -46,7 +46,7 @@ Effect quantisation()
              { { "step", "1", 0.0, 0.1, 0.0, "of the ADC, above black" } },
              "an ADC that is coarser than the DN of the file",
              "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
-             expect,
+             predict,
              draw };
 }
 

@@ -8,7 +8,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     const float variance = float(values[0] * values[0]);
     for (int row = 0; row < signal.variance.height; ++row)
@@ -38,7 +38,7 @@ Effect row_noise()
                  "standard deviation of a row's offset" } },
              "banding: one offset per row and frame",
              "K. Wei et al., IEEE Trans. PAMI 44(11), 2022",
-             expect,
+             predict,
              draw };
 }
 

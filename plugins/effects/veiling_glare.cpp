@@ -27,17 +27,17 @@ Between cells_around(int pixel, int pixels, int cells)
 
 void add_glare(Signal& signal, std::size_t plane, float uniform, float wide)
 {
-    const Surround& surround = *signal.exposure.surround;
-    const Size frame = signal.exposure.frame, cells = surround.cells;
-    const float everywhere = uniform * float(surround.mean[plane]);
+    const GlareContext& glare_context = *signal.exposure.glare_context;
+    const Size frame = signal.exposure.frame, cells = glare_context.cells;
+    const float everywhere = uniform * float(glare_context.mean[plane]);
     const float kept = 1.0f - uniform - wide;
     for (int row = 0; row < signal.mean[plane].height; ++row) {
         const Between v
             = cells_around(signal.origin.row + row, frame.height, cells.height);
         const float* const upper
-            = surround.wide[plane].data() + std::ptrdiff_t(v.first) * cells.width;
+            = glare_context.wide[plane].data() + std::ptrdiff_t(v.first) * cells.width;
         const float* const lower
-            = surround.wide[plane].data() + std::ptrdiff_t(v.second) * cells.width;
+            = glare_context.wide[plane].data() + std::ptrdiff_t(v.second) * cells.width;
         float* const pixels = signal.mean[plane].row(row);
         for (int col = 0; col < signal.mean[plane].width; ++col) {
             const Between u
@@ -51,11 +51,11 @@ void add_glare(Signal& signal, std::size_t plane, float uniform, float wide)
     }
 }
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     if (values[0] == 0.0 && values[1] == 0.0)
         return;
-    if (!signal.exposure.surround)
+    if (!signal.exposure.glare_context)
         throw Error("effect veiling_glare needs the whole frame: apply it to one");
     for (std::size_t plane = 0; plane < 3; ++plane)
         add_glare(signal, plane, float(values[0]), float(values[1]));
@@ -76,9 +76,9 @@ Effect veiling_glare()
         "scattered light: dark places are lifted by the frame's mean",
         "ISO 9358:1994 (veiling glare); J. J. McCann, A. Rizzi, J. Soc. Inf. Display "
         "15(9), 2007",
-        expect
+        predict
     };
-    effect.needs_surround = true;
+    effect.needs_glare_context = true;
     return effect;
 }
 

@@ -10,7 +10,7 @@
 namespace cg2raw::effects {
 namespace {
 
-void expect(Signal& signal, const Values& values)
+void predict(Signal& signal, const Values& values)
 {
     scale(signal.mean[0], float(1.0 + values[0]));
     scale(signal.mean[2], float(1.0 + values[1]));
@@ -27,7 +27,7 @@ Effect white_balance()
                { "blue", "1", -0.95, 10.0, 0.0, "excess of blue, relative" } },
              "an illuminant that differs from the stated one, as the sensor sees it",
              "J. von Kries, 1902 (coefficient law); DNG specification 1.6, ch. 6",
-             expect };
+             predict };
 }
 
 } // namespace cg2raw::effects

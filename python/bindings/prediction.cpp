@@ -25,7 +25,7 @@ std::array<Plane<const float>, 3> planes_at(const float* pixels, Size size)
     return planes;
 }
 
-Surround surround_of_frame(const FloatArray& camera)
+GlareContext glare_context_of_frame(const FloatArray& camera)
 {
     if (camera.ndim() != 3 || camera.size() == 0
         || (camera.shape(0) != 3 && camera.shape(2) != 3))
@@ -38,25 +38,25 @@ Surround surround_of_frame(const FloatArray& camera)
     const Size size { int(planes.shape(2)), int(planes.shape(1)) };
     const auto views = planes_at(planes.data(), size);
     const py::gil_scoped_release release;
-    return surround_of(views);
+    return glare_context_of(views);
 }
 
-Surround scaled(Surround surround, double gain)
+GlareContext scaled(GlareContext glare_context, double gain)
 {
-    for (std::size_t plane = 0; plane < surround.wide.size(); ++plane) {
-        surround.mean[plane] *= gain;
-        for (float& cell : surround.wide[plane])
+    for (std::size_t plane = 0; plane < glare_context.wide.size(); ++plane) {
+        glare_context.mean[plane] *= gain;
+        for (float& cell : glare_context.wide[plane])
             cell = float(gain * double(cell));
     }
-    return surround;
+    return glare_context;
 }
 
-FloatArray cells_of(const Surround& surround)
+FloatArray cells_of(const GlareContext& glare_context)
 {
-    const auto [width, height] = surround.cells;
+    const auto [width, height] = glare_context.cells;
     FloatArray cells({ 3, height, width });
     float* to = cells.mutable_data();
-    for (const std::vector<float>& plane : surround.wide)
+    for (const std::vector<float>& plane : glare_context.wide)
         to = std::copy(plane.begin(), plane.end(), to);
     return cells;
 }
@@ -105,8 +105,8 @@ std::tuple<FloatArray, FloatArray, FloatArray>
 predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings,
           const FloatArray& camera, const OriginArray& origins,
           std::array<int, 2> frame, int margin, const Vec3& neutral,
-          std::optional<double> exposure_time, const std::optional<Surround>& surround,
-          int threads)
+          std::optional<double> exposure_time,
+          const std::optional<GlareContext>& glare_context, int threads)
 {
     check_shapes(camera, origins, margin);
     const std::vector<py::ssize_t> shape { camera.shape(0),
@@ -119,7 +119,7 @@ predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings
                               profile.cfa,
                               neutral,
                               exposure_time,
-                              surround ? &*surround : nullptr };
+                              glare_context ? &*glare_context : nullptr };
     {
         const py::gil_scoped_release release;
         predict_blocks(profile, settings, exposure, blocks, margin,
@@ -132,19 +132,19 @@ predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings
 
 void bind_prediction(py::module_& m)
 {
-    py::class_<Surround>(m, "Surround", "A frame of camera RGB in few cells.")
-        .def_readonly("mean", &Surround::mean, "(3,) of the frame.")
+    py::class_<GlareContext>(m, "GlareContext", "A frame of camera RGB in few cells.")
+        .def_readonly("mean", &GlareContext::mean, "(3,) of the frame.")
         .def_property_readonly(
             "wide", &cells_of,
             "(3, rows, cols) float32, spread over a sixth of the height.")
         .def("scaled", &scaled, "gain"_a, "That of a frame so many times as bright.");
-    m.def("surround", &surround_of_frame, "camera"_a,
-          "Surround of a whole frame of camera RGB, (3, height, width) or (height, "
+    m.def("glare_context", &glare_context_of_frame, "camera"_a,
+          "GlareContext of a whole frame of camera RGB, (3, height, width) or (height, "
           "width, 3)\nfloat32.");
     m.def(
         "predict_blocks", &predicted, "profile"_a, "settings"_a, "camera"_a,
         "origins"_a, "frame"_a, "margin"_a, "neutral"_a, "exposure_time"_a.none(),
-        "surround"_a.none(), "threads"_a = 1,
+        "glare_context"_a.none(), "threads"_a = 1,
         "(mean, variance, exposed) of blocks of a frame, each (blocks, height - 2 "
         "margin, width -\n2 margin) float32 in 0..1 above black and beyond, as a "
         "physical sensor has them: nothing is\nclipped that no effect clips.\n\n"
@@ -159,7 +159,7 @@ void bind_prediction(py::module_& m)
         "frame ends.\n"
         "neutral : (3,) camera RGB of white, largest 1.\n"
         "exposure_time : seconds, where an effect needs it.\n"
-        "surround : of the whole frame, where an effect needs it.");
+        "glare_context : of the whole frame, where an effect needs it.");
 }
 
 } // namespace cg2raw::python

@@ -113,8 +113,8 @@ std::pair<FloatArray, FloatArray> effect_expectation(const SensorProfile& profil
     const Plane<float> variances = plane_of(variance);
     {
         const py::gil_scoped_release release;
-        expect_effect(profile, { name, parameters, {} }, run, planes, variances,
-                      parallel_threads(threads));
+        predict_effect(profile, { name, parameters, {} }, run, planes, variances,
+                       parallel_threads(threads));
     }
     return { mean, variance };
 }
@@ -155,7 +155,7 @@ void bind_signal(py::module_& m)
         "apply_effect", &with_effect, "profile"_a, "signal"_a, "name"_a, "parameters"_a,
         "run"_a, "threads"_a = 0,
         "One effect on a (height, width) mosaic, or on (3, height, width) camera RGB.");
-    m.def("expect_effect", &effect_expectation, "profile"_a, "signal"_a, "name"_a,
+    m.def("predict_effect", &effect_expectation, "profile"_a, "signal"_a, "name"_a,
           "parameters"_a, "run"_a, "threads"_a = 0,
           "(mean, variance) that the effect is predicted to have.");
     m.def("raw_from_signal", &raw_of_signal, "profile"_a, "signal"_a,

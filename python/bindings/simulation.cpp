@@ -70,8 +70,8 @@ FloatArray signal_of(const Simulation& simulation, const py::array& rgb, int thr
 }
 
 /// Mean and variance, (height, width) each.
-std::pair<FloatArray, FloatArray> expectation_of(const Simulation& simulation,
-                                                 const py::array& rgb, int threads)
+std::pair<FloatArray, FloatArray> prediction_of(const Simulation& simulation,
+                                                const py::array& rgb, int threads)
 {
     const Scene scene(rgb);
     check_size(simulation, scene);
@@ -80,7 +80,7 @@ std::pair<FloatArray, FloatArray> expectation_of(const Simulation& simulation,
     const Plane<float> means = plane_of(mean), variances = plane_of(variance);
     {
         const py::gil_scoped_release release;
-        expect(scene.rows(), simulation, means, variances, parallel_threads(threads));
+        predict(scene.rows(), simulation, means, variances, parallel_threads(threads));
     }
     return { mean, variance };
 }
@@ -150,7 +150,7 @@ void bind_simulation(py::module_& m)
         .def("signal", &signal_of, "rgb"_a, "threads"_a = 0,
              "(height, width) float32 before quantisation, 0..1 above black, not "
              "clamped.")
-        .def("expectation", &expectation_of, "rgb"_a, "threads"_a = 0,
+        .def("predict", &prediction_of, "rgb"_a, "threads"_a = 0,
              "(mean, variance) of that signal, (height, width) float32 each.");
     m.def("to_camera", &camera_of, "transform"_a, "rgb"_a, "threads"_a = 0,
           "(height, width, 3) float32 camera RGB of a scene-linear image.");

@@ -120,7 +120,7 @@ class Simulation:
     def digital_gain(self) -> float: ...
     def raw(self, rgb: NDArray[Any], threads: int = 0) -> NDArray[np.uint16]: ...
     def signal(self, rgb: NDArray[Any], threads: int = 0) -> NDArray[np.float32]: ...
-    def expectation(
+    def predict(
         self, rgb: NDArray[Any], threads: int = 0
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
 
@@ -222,7 +222,7 @@ def apply_effect(
     run: Run,
     threads: int = 0,
 ) -> NDArray[np.float32]: ...
-def expect_effect(
+def predict_effect(
     profile: SensorProfile,
     signal: NDArray[np.float32],
     name: str,
@@ -231,14 +231,14 @@ def expect_effect(
     threads: int = 0,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
 
-class Surround:
+class GlareContext:
     @property
     def mean(self) -> list[float]: ...
     @property
     def wide(self) -> NDArray[np.float32]: ...
-    def scaled(self, gain: float) -> Surround: ...
+    def scaled(self, gain: float) -> GlareContext: ...
 
-def surround(camera: NDArray[np.float32]) -> Surround: ...
+def glare_context(camera: NDArray[np.float32]) -> GlareContext: ...
 def predict_blocks(
     profile: SensorProfile,
     settings: Sequence[tuple[str, Sequence[float]]],
@@ -248,7 +248,7 @@ def predict_blocks(
     margin: int,
     neutral: Sequence[float],
     exposure_time: float | None,
-    surround: Surround | None,
+    glare_context: GlareContext | None,
     threads: int = 1,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
 def raw_from_signal(

@@ -118,7 +118,7 @@ class Sensor:
         image = rgb_image(rgb)
         return self.simulation(image.shape[:2], **run).signal(image, threads=threads)
 
-    def expectation(
+    def predict(
         self, rgb: ArrayLike, *, threads: int = 0, **run: Any
     ) -> tuple[FloatImage, FloatImage]:
         """Return (mean, variance) of `signal` over frames, (H, W) float32 each.
@@ -130,7 +130,7 @@ class Sensor:
         Raises ValueError."""
         image = rgb_image(rgb)
         simulation = self.simulation(image.shape[:2], **run)
-        return simulation.expectation(image, threads=threads)
+        return simulation.predict(image, threads=threads)
 
     def simulation(self, shape: Sequence[int], **run: Any) -> _core.Simulation:
         """Return what decides every pixel of an exposure.
@@ -274,7 +274,7 @@ class Sensor:
         )
         return _pixels(result)
 
-    def expect_effect(
+    def predict_effect(
         self,
         image: ArrayLike,
         name: str,
@@ -290,7 +290,7 @@ class Sensor:
         black, and 0 for an effect before the mosaic, which has none.
         Arguments and errors as of apply_effect."""
         run = Run(illuminant=illuminant, exposure_time=exposure_time)
-        mean, variance = _core.expect_effect(
+        mean, variance = _core.predict_effect(
             self._profile,
             _planes(image),
             name,

@@ -28,10 +28,10 @@ public:
         }
         signal.origin = origin;
         signal.exposure = { frame, cfa_from_name("grbg"), { 0.6, 1.0, 0.8 }, 2.0 };
-        for (std::vector<float>& wide : m_surround.wide)
+        for (std::vector<float>& wide : m_glare_context.wide)
             for (int i = 0; i < 20; ++i)
                 wide.push_back(0.02f * float((7 * i) % 20));
-        signal.exposure.surround = &m_surround;
+        signal.exposure.glare_context = &m_glare_context;
     }
     EffectBlock(const EffectBlock&) = delete;
 
@@ -75,7 +75,7 @@ private:
 
     Size m_size;
     std::vector<float> m_pixels;
-    Surround m_surround { { 5, 4 }, {}, { 0.3, 0.4, 0.2 } };
+    GlareContext m_glare_context { { 5, 4 }, {}, { 0.3, 0.4, 0.2 } };
 };
 
 inline Values null_values(const Effect& effect)

@@ -14,13 +14,13 @@ namespace {
 
 constexpr Size frame { 71, 53 };
 
-/// Draws, or states the expectation, with the same numbers for every block.
+/// Draws, or states the prediction, with the same numbers for every block.
 void run(const Effect& effect, bool drawn, const Values& values, EffectBlock& block)
 {
     if (drawn)
         effect.draw(block.signal, values, Rng(5, effect.name, 1));
     else
-        effect.expect(block.signal, values);
+        effect.predict(block.signal, values);
 }
 
 std::vector<float> result(const Effect& effect, bool drawn, const Values& values)
@@ -30,7 +30,7 @@ std::vector<float> result(const Effect& effect, bool drawn, const Values& values
     return block.all();
 }
 
-/// Both ways where there are both: false is expect, true is draw.
+/// Both ways where there are both: false is predict, true is draw.
 std::vector<bool> ways(const Effect& effect)
 {
     return effect.draw ? std::vector<bool> { false, true }

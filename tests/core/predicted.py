@@ -61,7 +61,7 @@ def predicted(camera, *settings, cfa="RGGB", exposure_time=None, of=None):
         0,
         NEUTRAL,
         exposure_time,
-        _core.surround(camera),
+        _core.glare_context(camera),
     )
     return np.asarray(mean[0], float), np.asarray(variance[0], float)
 

@@ -61,7 +61,7 @@ def test_threads_make_no_difference(shape):
     sensor, image = sensor_with(LISTED), scene(*shape)
     raw = [sensor.simulate(image, **run_of(threads=n)) for n in (1, 3)]
     np.testing.assert_array_equal(*raw)
-    expected = [sensor.expectation(image, **run_of(threads=n)) for n in (1, 3)]
+    expected = [sensor.predict(image, **run_of(threads=n)) for n in (1, 3)]
     np.testing.assert_array_equal(*expected)
     signal = sensor.signal(image, **run_of())
     np.testing.assert_array_equal(sensor.raw_from_signal(signal), raw[0])
@@ -79,12 +79,12 @@ def test_blocks_with_halos_are_the_frame_in_one_piece():
     sensor, image = sensor_with(LISTED), scene(300, 530)
     camera = np.ascontiguousarray(np.moveaxis(image, -1, 0))[None]
     neutral = sensor.illuminant("D65").neutral
-    surround = _core.surround(image)
+    glare_context = _core.glare_context(image)
     whole = _core.predict_blocks(
         sensor.profile, settings_of(LISTED), camera, np.zeros((1, 2), np.int32),
-        (300, 530), 0, neutral, SECONDS, surround,
+        (300, 530), 0, neutral, SECONDS, glare_context,
     )  # fmt: skip
-    mean, variance = sensor.expectation(image, **run_of())
+    mean, variance = sensor.predict(image, **run_of())
     np.testing.assert_array_equal(mean, whole[0][0])
     np.testing.assert_array_equal(variance, whole[1][0])
     margin, rows, cols = 20, 120, 150
@@ -93,7 +93,7 @@ def test_blocks_with_halos_are_the_frame_in_one_piece():
         sensor.profile, settings_of(LISTED),
         np.ascontiguousarray(camera[..., row : row + rows, col : col + cols]),
         np.array([[row + margin, col + margin]], np.int32),
-        (300, 530), margin, neutral, SECONDS, surround,
+        (300, 530), margin, neutral, SECONDS, glare_context,
     )  # fmt: skip
     inner = np.s_[
         row + margin : row + rows - margin, col + margin : col + cols - margin
@@ -108,13 +108,16 @@ def test_blocks_at_the_frames_ends_are_those_of_the_whole_frame(row, col):
     """Their margins end there, and effects mirror."""
     sensor, image = sensor_with(LISTED), scene(300, 530)
     camera = np.ascontiguousarray(np.moveaxis(image, -1, 0))[None]
-    neutral, surround = sensor.illuminant("D65").neutral, _core.surround(image)
+    neutral, glare_context = (
+        sensor.illuminant("D65").neutral,
+        _core.glare_context(image),
+    )
 
     def predicted(block, origin, margin):
         return _core.predict_blocks(
             sensor.profile, settings_of(LISTED), np.ascontiguousarray(block),
             np.array([origin], np.int32), (300, 530), margin, neutral, SECONDS,
-            surround,
+            glare_context,
         )  # fmt: skip
 
     margin, rows, cols = 20, 80, 110
@@ -148,7 +151,7 @@ def test_what_is_drawn_is_on_average_what_is_predicted():
     effects = {k: v for k, v in LISTED.items() if k != "noise_reduction"}
     sensor, image = sensor_with(effects), scene(48, 64, 0.3, 0.9)
     count = 600
-    mean, variance = sensor.expectation(image, **run_of())
+    mean, variance = sensor.predict(image, **run_of())
     frames = np.stack(
         [sensor.signal(image, **run_of(frame=n)) for n in range(count)]
     ).astype(float)
@@ -168,7 +171,7 @@ def test_hot_pixels_lie_where_they_are_predicted():
     dark = np.zeros((64, 64, 3), np.float32)
     seen = sensor.signal(dark, **run_of())
     assert 10 < (seen > 0).sum() < 90
-    np.testing.assert_array_equal(sensor.expectation(dark, **run_of())[0], seen)
+    np.testing.assert_array_equal(sensor.predict(dark, **run_of())[0], seen)
     twice = sensor.signal(dark, **run_of(exposure_time=2 * SECONDS, frame=3, seed=4))
     np.testing.assert_allclose(twice, 2 * seen, rtol=1e-6)
 
@@ -186,7 +189,7 @@ def test_dark_current_needs_an_exposure_time():
 
 
 def predict(effects, **options):
-    given = {"surround": None, "exposure_time": None, "margin": 4, **options}
+    given = {"glare_context": None, "exposure_time": None, "margin": 4, **options}
     return _core.predict_blocks(
         sensor_with({}).profile, settings_of(effects), np.zeros((1, 3, 20, 20), "f4"),
         np.full((1, 2), 9, np.int32), (40, 40), neutral=[1, 1, 1], **given,
@@ -194,7 +197,7 @@ def predict(effects, **options):
 
 
 def test_a_prediction_says_what_it_needs():
-    with pytest.raises(ValueError, match="veiling_glare needs the surround"):
+    with pytest.raises(ValueError, match="veiling_glare needs the glare context"):
         predict({"veiling_glare": {}})
     with pytest.raises(ValueError, match="hot_pixels needs an exposure time"):
         predict({"hot_pixels": {}})
@@ -202,7 +205,7 @@ def test_a_prediction_says_what_it_needs():
         predict({"crosstalk": {}, "noise_reduction": {}}, margin=0)
 
 
-def test_the_surround_passes_the_effects_of_colour():
+def test_the_glare_context_passes_the_effects_of_colour():
     """Twice the light has twice the glare."""
     camera = scene(20, 20)
     glare = {"veiling_glare": {"uniform": 0.1, "wide": 0.2}}
@@ -213,7 +216,8 @@ def test_the_surround_passes_the_effects_of_colour():
         results.append(
             _core.predict_blocks(
                 sensor_with({}).profile, settings_of(listed), planes[None],
-                np.zeros((1, 2), np.int32), (20, 20), surround=_core.surround(planes),
+                np.zeros((1, 2), np.int32), (20, 20),
+                glare_context=_core.glare_context(planes),
                 **how,
             )[0]
         )  # fmt: skip
@@ -238,7 +242,7 @@ def test_convention_sensor_clips_at_white_alone():
     run = {**how, "camera_input": True}
     assert noisy.signal(white, **run).std() == 0.0
     assert noisy.signal(white, **run, convention="sensor").std() > 1e-3
-    assert noisy.expectation(white, **run, convention="sensor")[1].min() > 1e-6
+    assert noisy.predict(white, **run, convention="sensor")[1].min() > 1e-6
     dark = sensor.signal(-white, **run, convention="sensor")
     assert dark.max() == dark.min() == 0.0
     with pytest.raises(ValueError, match="dng, paper or sensor"):

@@ -188,7 +188,7 @@ def departures(settings, rows, **run):
     Of many rows, whose draws are independent even where those of a row are not."""
     sensor = cg2raw.Sensor.from_json(cameras.profile_text(effects=settings))
     rgb = 0.4 * scene(rows, 16)  # nothing reaches white
-    mean, variance = (np.asarray(x, float) for x in sensor.expectation(rgb, **run))
+    mean, variance = (np.asarray(x, float) for x in sensor.predict(rgb, **run))
     return np.asarray(sensor.signal(rgb, seed=6, **run), float) - mean, mean, variance
 
 
@@ -256,7 +256,7 @@ def test_drawn_effects_and_gaussian_ones_add_up():
     ]
     sensor = cg2raw.Sensor.from_json(cameras.profile_text(effects=effects))
     rgb, run = scene(rows, 16), {"illuminant": "D50", "seed": 6}
-    mean, variance = (np.asarray(x, float) for x in sensor.expectation(rgb, **run))
+    mean, variance = (np.asarray(x, float) for x in sensor.predict(rgb, **run))
     assert variance == pytest.approx(8e-4 + 0.02 * mean, rel=1e-5)
     z = (np.asarray(sensor.signal(rgb, **run), float) - mean) / np.sqrt(variance)
     assert z.mean() == pytest.approx(0.0, abs=4.0 / np.sqrt(rows))
@@ -274,7 +274,7 @@ def test_what_was_clipped_stays_white(name):
     sensor, run = sensor_with(name, **strong(name)), run_of(name)
     raw = sensor.simulate(scene() + 20.0, seed=3, **run)
     assert (raw == sensor.white_level).all()
-    _, variance = sensor.expectation(scene() + 20.0, **run)
+    _, variance = sensor.predict(scene() + 20.0, **run)
     assert EFFECTS[name]["stage"] == "adc" or not variance.any()
 
 

@@ -146,7 +146,7 @@ def drawn(level, settings, rows=1000, cols=400, **run):
     image = np.full((rows, cols, 3), level, np.float32)
     sensor = of.sensor(settings=settings)
     how = {"illuminant": "D65", "camera_input": True, "seed": 3, **run}
-    mean, variance = (np.asarray(x, float) for x in sensor.expectation(image, **how))
+    mean, variance = (np.asarray(x, float) for x in sensor.predict(image, **how))
     return np.asarray(sensor.signal(image, **how), float), mean, variance
 
 

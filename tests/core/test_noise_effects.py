@@ -170,7 +170,7 @@ def test_the_predicted_variance_is_that_of_the_table():
     rgb = np.full((40, 60, 3), 0.1, np.float32)
     run = {"illuminant": "A", "camera_input": True, "iso": 100}
     gaussian, heavy = (
-        sensor_of([rows], drawn).expectation(rgb, **run) for drawn in (None, PHYSICAL)
+        sensor_of([rows], drawn).predict(rgb, **run) for drawn in (None, PHYSICAL)
     )
     assert (gaussian[0] == heavy[0]).all()
     assert heavy[1] == pytest.approx(gaussian[1], rel=1e-5)

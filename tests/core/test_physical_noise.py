@@ -193,7 +193,7 @@ def test_both_models_predict_the_same_mean_and_variance():
     sensor = sensor_of(noise=NOISE)
     rgb = np.random.default_rng(1).uniform(0, 1.2, (40, 60, 3)).astype(np.float32)
     gaussian, physical = (
-        sensor.expectation(rgb, illuminant="D50", iso=100, noise=noise)
+        sensor.predict(rgb, illuminant="D50", iso=100, noise=noise)
         for noise in ("gaussian", "physical")
     )
     assert (gaussian[0] == physical[0]).all()

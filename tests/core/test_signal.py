@@ -88,12 +88,12 @@ def test_an_effect_is_that_of_a_profile_that_lists_it(name, camera):
     how = {**light, "camera_input": True}
     image = given_to(name, camera)
     seen = without.apply_effect(image, name, parameters, seed=5, frame=6, **light)
-    mean, variance = without.expect_effect(image, name, parameters, **light)
+    mean, variance = without.predict_effect(image, name, parameters, **light)
     if image.ndim == 3:
         seen, mean = without.mosaic(seen), without.mosaic(mean)
     expected = listing.signal(camera, seed=5, frame=6, **how)
     np.testing.assert_array_equal(seen, expected)
-    means, variances = listing.expectation(camera, **how)
+    means, variances = listing.predict(camera, **how)
     np.testing.assert_array_equal(mean, means)
     np.testing.assert_array_equal(variance, variances)
     assert seen.dtype == mean.dtype == variance.dtype == np.float32
@@ -105,7 +105,7 @@ def test_an_effect_says_what_it_works_on(sensor, camera):
     with pytest.raises(ValueError, match="lens_shading is of stage optics"):
         sensor.apply_effect(flat, "lens_shading", strong("lens_shading"))
     with pytest.raises(ValueError, match="row_noise is of stage readout"):
-        sensor.expect_effect(camera, "row_noise", {"sigma": 0.1})
+        sensor.predict_effect(camera, "row_noise", {"sigma": 0.1})
     with pytest.raises(ValueError, match="sigma 2 is outside 0 to 1"):
         sensor.apply_effect(flat, "row_noise", {"sigma": 2.0})
     with pytest.raises(ValueError, match="unknown; known: "):

@@ -50,14 +50,14 @@ def found_field(found, sensor, shape):
     """Return the (H, W) factor that the found profile puts on a grey wall."""
     grey = np.full((*shape, 3), 0.2, np.float32)
     new = cg2raw.Sensor.from_json(found.profile_json, "found")
-    lit, bare = (s.expectation(grey, illuminant="D65")[0] for s in (new, sensor))
+    lit, bare = (s.predict(grey, illuminant="D65")[0] for s in (new, sensor))
     return lit / bare
 
 
 def rms_of(sensor, bare, hidden):
     """Return the relative rms error of the fall-off of a sensor, over a whole frame."""
     grey = np.full((*hidden.shape, 3), 0.2, np.float32)
-    lit, plain = (s.expectation(grey, illuminant="D65")[0] for s in (sensor, bare))
+    lit, plain = (s.predict(grey, illuminant="D65")[0] for s in (sensor, bare))
     level = lit / plain / hidden
     return float(np.sqrt(np.mean((level / level.mean() - 1) ** 2)))
 

@@ -101,7 +101,7 @@ def test_the_core_refuses_what_it_cannot_read():
 
 def test_a_simulation_takes_no_image_of_another_size(sensor):
     simulation = sensor.simulation((40, 60), illuminant="A")
-    for call in (simulation.raw, simulation.signal, simulation.expectation):
+    for call in (simulation.raw, simulation.signal, simulation.predict):
         with pytest.raises(ValueError, match="40 x 60"):
             call(np.ones((41, 60, 3), np.float32))
 
@@ -112,7 +112,7 @@ CALLS = {
         LONG, illuminant="A", iso=800, noise="physical", threads=1
     ),
     "signal": lambda s: s.signal(LONG, illuminant="A", iso=800, threads=1),
-    "expectation": lambda s: s.expectation(LONG, illuminant="A", iso=800, threads=1),
+    "predict": lambda s: s.predict(LONG, illuminant="A", iso=800, threads=1),
     "to_camera": lambda s: s.to_camera(LONG, illuminant="A", threads=1),
     "to_scene": lambda s: s.to_scene(LONG, illuminant="A", threads=1),
     "demosaic": lambda s: s.demosaic(LONG[..., 0], threads=1),

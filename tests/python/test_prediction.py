@@ -49,7 +49,7 @@ def predict(
     margin=0,
     frame=(HEIGHT, WIDTH),
     exposure_time=None,
-    surround=None,
+    glare_context=None,
     **options,
 ):
     """Blocks of (H, W, 3) camera RGB; the frame is one block unless told otherwise."""
@@ -63,7 +63,7 @@ def predict(
         margin,
         [0.5, 1.0, 0.7],
         exposure_time,
-        surround,
+        glare_context,
         **options,
     )
 
@@ -74,7 +74,7 @@ def test_the_whole_frame_is_the_simulation(cfa):
     settings = SETTINGS if len(cfa) == 4 else SETTINGS[2:]
     listed = sensor_of(settings, cfa=cfa)
     camera = camera_rgb()
-    mean, variance = listed.expectation(camera, illuminant=LIGHT, camera_input=True)
+    mean, variance = listed.predict(camera, illuminant=LIGHT, camera_input=True)
     got = predict(camera, settings, listed)
     np.testing.assert_array_equal(got[0][0], mean)
     np.testing.assert_array_equal(got[1][0], variance)
@@ -155,35 +155,37 @@ def test_camera_rgb_must_be_four_dimensional():
         )  # fmt: skip
 
 
-def test_the_surround_is_the_frame_spread_over_a_sixth_of_its_height():
+def test_the_glare_context_is_the_frame_spread_over_a_sixth_of_its_height():
     """Against SciPy's Gaussian of the means of cells, of 8 x 8 pixels here."""
     camera = np.random.default_rng(6).uniform(0, 1, (256, 512, 3)).astype("f4")
-    surround = _core.surround(camera)
+    glare_context = _core.glare_context(camera)
     cells = camera.astype(float).reshape(32, 8, 64, 8, 3).mean((1, 3))
     want = ndimage.gaussian_filter(
         cells, 256 / 6 / 8, mode="reflect", truncate=4.0, axes=(0, 1)
     )
     np.testing.assert_allclose(
-        surround.wide, np.moveaxis(want, -1, 0), rtol=0, atol=2e-6
+        glare_context.wide, np.moveaxis(want, -1, 0), rtol=0, atol=2e-6
     )
-    np.testing.assert_allclose(surround.mean, camera.mean((0, 1), float), rtol=1e-12)
+    np.testing.assert_allclose(
+        glare_context.mean, camera.mean((0, 1), float), rtol=1e-12
+    )
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (5, 3), (1, 200), (331, 7), (100, 131)])
-def test_the_surround_of_a_flat_frame_is_flat(shape):
+def test_the_glare_context_of_a_flat_frame_is_flat(shape):
     flat = np.broadcast_to(np.float32([0.25, 0.5, 0.75]), (*shape, 3))
-    surround = _core.surround(flat)
-    assert surround.wide.shape[2] == min(64, shape[1])
-    np.testing.assert_allclose(surround.mean, [0.25, 0.5, 0.75], rtol=1e-12)
-    for plane, value in zip(surround.wide, [0.25, 0.5, 0.75], strict=True):
+    glare_context = _core.glare_context(flat)
+    assert glare_context.wide.shape[2] == min(64, shape[1])
+    np.testing.assert_allclose(glare_context.mean, [0.25, 0.5, 0.75], rtol=1e-12)
+    for plane, value in zip(glare_context.wide, [0.25, 0.5, 0.75], strict=True):
         np.testing.assert_allclose(plane, value, rtol=1e-6)
 
 
-def test_planes_and_pixels_have_the_same_surround():
+def test_planes_and_pixels_have_the_same_glare_context():
     camera = camera_rgb()
     planes = np.ascontiguousarray(np.moveaxis(camera, -1, 0))
     np.testing.assert_array_equal(
-        _core.surround(camera).wide, _core.surround(planes).wide
+        _core.glare_context(camera).wide, _core.glare_context(planes).wide
     )
     with pytest.raises(ValueError, match="3, height, width"):
-        _core.surround(camera[..., :2])
+        _core.glare_context(camera[..., :2])

@@ -173,7 +173,7 @@ def test_the_drawn_noise_is_in_the_pixels():
     draw = upi.draw(4)
     grey = np.full((256, 256, 3), 0.4, np.float32)
     run = {"illuminant": draw.illuminant, "digital_gain": draw.digital_gain}
-    mean, variance = draw.sensor.expectation(grey, **run)
+    mean, variance = draw.sensor.predict(grey, **run)
     np.testing.assert_allclose(
         variance, draw.shot_noise * mean + draw.read_noise, rtol=1e-5
     )

@@ -25,8 +25,8 @@ SOURCE = Path(command.__file__).parent
 ALLOWED = ("cg2raw.synthetic", "cg2raw.diagnose.captures.capture")
 # What the core predicts or draws effects with.
 FORBIDDEN = {
-    *("simulate", "simulation", "signal", "expectation", "apply_effect"),
-    *("expect_effect", "add_noise", "to_camera", "mosaic_of", "Simulation", "_core"),
+    *("simulate", "simulation", "signal", "predict", "apply_effect"),
+    *("predict_effect", "add_noise", "to_camera", "mosaic_of", "Simulation", "_core"),
 }
 
 

@@ -34,9 +34,9 @@ public:
     /// The signal before quantisation.
     void simulate(int first, const Plane<float>& signal,
                   const ParallelFor& parallel) const;
-    /// What is predicted of it, as by Simulation::expect().
-    void expect(int first, const Plane<float>& mean, const Plane<float>& variance,
-                const ParallelFor& parallel) const;
+    /// What is predicted of it, as by Simulation::predict().
+    void predict(int first, const Plane<float>& mean, const Plane<float>& variance,
+                 const ParallelFor& parallel) const;
 
 private:
     /// A piece of a row of the frame, simulated or predicted.
@@ -51,7 +51,7 @@ private:
 
     const Simulation& m_simulation;
     std::array<std::vector<float>, 3> m_camera;
-    std::optional<Surround> m_surround; ///< as it enters the optics
+    std::optional<GlareContext> m_glare_context; ///< as it enters the optics
 };
 
 } // namespace cg2raw

@@ -5,9 +5,9 @@
 /// registry.
 #pragma once
 
+#include "cg2raw/glare_context.h"
 #include "cg2raw/mosaic.h"
 #include "cg2raw/random.h"
-#include "cg2raw/surround.h"
 
 #include <optional>
 #include <vector>
@@ -55,7 +55,7 @@ struct Exposure {
     CfaPattern cfa;
     Vec3 neutral { 1, 1, 1 }; ///< camera RGB of white, largest 1
     std::optional<double> seconds; ///< exposure time
-    const Surround* surround = nullptr; ///< where an effect needs it
+    const GlareContext* glare_context = nullptr; ///< where an effect needs it
 };
 
 /// A block on its way through the sensor, with what it knows of its place. Signal is in
@@ -75,12 +75,12 @@ using Values = std::vector<double>;
 using NamedValues = std::pair<std::string, Values>;
 
 /// One departure from the ideal sensor. It states how it moves the expected signal and
-/// its variance (expect) and, if its draw is not the Gaussian of that variance, how to
+/// its variance (predict) and, if its draw is not the Gaussian of that variance, how to
 /// draw.
 ///
-/// A prediction calls every effect's expect. A simulation calls draw where there is one
-/// and expect where there is none, and draws the Gaussian of the variances that the
-/// latter add up to: nothing is drawn twice. In the stages noise and readout a draw
+/// A prediction calls every effect's predict. A simulation calls draw where there is
+/// one and predict where there is none, and draws the Gaussian of the variances that
+/// the latter add up to: nothing is drawn twice. In the stages noise and readout a draw
 /// adds to Signal::noise and leaves the mean alone, so that the order of effects does
 /// not matter there; the sum falls on the sites that were not clipped before. In other
 /// stages a draw moves the mean: from stage saturation on, but for readout, the mean
@@ -95,10 +95,10 @@ struct Effect {
     Pattern pattern;
     std::vector<Parameter> parameters;
     std::string meaning, source;
-    void (*expect)(Signal&, const Values&);
+    void (*predict)(Signal&, const Values&);
     void (*draw)(Signal&, const Values&, const Rng&) = nullptr;
     int reach = 0; ///< pixels around a site that its result depends on
-    bool needs_surround = false;
+    bool needs_glare_context = false;
     bool needs_exposure_time = false;
 };
 

@@ -41,8 +41,8 @@ RawFrame simulate(const SceneRows& rows, const Simulation& simulation,
 /// The same before quantisation, and what is predicted of it, into whole planes.
 Illegal simulate(const SceneRows& rows, const Simulation& simulation,
                  const Plane<float>& signal, const ParallelFor& parallel);
-Illegal expect(const SceneRows& rows, const Simulation& simulation,
-               const Plane<float>& mean, const Plane<float>& variance,
-               const ParallelFor& parallel);
+Illegal predict(const SceneRows& rows, const Simulation& simulation,
+                const Plane<float>& mean, const Plane<float>& variance,
+                const ParallelFor& parallel);
 
 } // namespace cg2raw

@@ -27,8 +27,8 @@ struct PredictedBlock {
 /// profile's sensor. @p settings are all effects, in any order. The same bytes for any
 /// ParallelFor.
 ///
-/// The surround, where an effect needs it, is that of the camera RGB as it is given,
-/// before the effects of stage color.
+/// The glare context, where an effect needs it, is that of the camera RGB as it is
+/// given, before the effects of stage color.
 ///
 /// @p margin pixels around each block are read and not predicted; where the frame ends
 /// within them, effects mirror there as they do in the whole frame. Throws Error for

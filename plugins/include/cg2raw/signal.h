@@ -27,9 +27,9 @@ void apply_effect(const SensorProfile& profile, const EffectSetting& setting,
                   const ParallelFor& parallel);
 /// What it is predicted to do: the planes become the mean; @p variance, over frames and
 /// of the mosaic, is 0 for an effect before it.
-void expect_effect(const SensorProfile& profile, const EffectSetting& setting,
-                   const Run& run, const std::vector<Plane<float>>& planes,
-                   const Plane<float>& variance, const ParallelFor& parallel);
+void predict_effect(const SensorProfile& profile, const EffectSetting& setting,
+                    const Run& run, const std::vector<Plane<float>>& planes,
+                    const Plane<float>& variance, const ParallelFor& parallel);
 
 /// DN = round(signal (white - black) + black), clamped to 0 ... white, per CFA site.
 void raw_from_signal(const SensorProfile& profile, const Plane<const float>& signal,

@@ -23,8 +23,8 @@ public:
     /// Throws Error, also if an effect needs an exposure time that the run has not.
     Simulation(const SensorProfile& profile, const Run& run, Size frame);
 
-    /// Some active effect reaches beyond its pixel or needs the surround; the three
-    /// below throw Error then.
+    /// Some active effect reaches beyond its pixel or needs the glare context; the
+    /// three below throw Error then.
     bool needs_whole_frame() const;
     /// Pixels around a site that its result depends on, by all active effects.
     int reach() const;
@@ -41,8 +41,8 @@ public:
     /// and the variance over frames of each pixel, in the square of 0..1 above black;
     /// none where the signal is clipped before its noise. The rounding to DN adds
     /// 1/12 DN^2.
-    void expect(const RgbView& scene, Site origin, const Plane<float>& mean,
-                const Plane<float>& variance, Illegal& illegal) const;
+    void predict(const RgbView& scene, Site origin, const Plane<float>& mean,
+                 const Plane<float>& variance, Illegal& illegal) const;
 
     const SensorProfile& profile() const;
     const Run& run() const;

@@ -49,7 +49,7 @@ def misplaced(affine, gain, seed=5, repeats=2):
         replace(
             frame,
             camera=other.camera,
-            surround=other.surround,
+            glare_context=other.glare_context,
             rendered=other.rendered,
         )
         for frame, other in zip(shown, rendered, strict=True)
@@ -113,20 +113,20 @@ def test_a_frame_is_placed_by_its_render_however_often():
     twice = registration.placed(once)
     assert (once.camera != frames[0].camera).any()
     assert (twice.camera == once.camera).all()
-    assert (twice.surround.wide == once.surround.wide).all()
+    assert (twice.glare_context.wide == once.glare_context.wide).all()
 
 
 def test_what_scatters_far_is_as_bright_as_the_render():
     frames = misplaced([[0.0, 0, 0], [0.0, 0, 0]], 1.2)
-    before = frames[0].surround
+    before = frames[0].glare_context
     registration = Registration(frames, shift=False, exposure=True)
     registration.first(Model(SENSOR), frames)
     registration.again(Model(SENSOR), frames)  # of what was rendered, not once more
     gain = registration.found()["a"][2]
     assert gain == pytest.approx(1.2, rel=0.002)
     for frame in map(registration.placed, frames):
-        assert frame.surround.wide == pytest.approx(gain * before.wide, rel=1e-5)
-        assert frame.surround.mean == pytest.approx(gain * np.array(before.mean))
+        assert frame.glare_context.wide == pytest.approx(gain * before.wide, rel=1e-5)
+        assert frame.glare_context.mean == pytest.approx(gain * np.array(before.mean))
 
 
 @pytest.mark.parametrize("shift", [(2, -2), (-4, 0), (0, 4)])

@@ -31,8 +31,8 @@ class Frame:
     at_white, at_zero : the ADC's ends were reached: censored.
     keep : pixels that count. highlights : others, that show what clips and little else.
     rendered : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens, of
-        the tiles' blocks, with its surround. camera, surround : the same where the
-        capture shows it, and as bright.
+        the tiles' blocks, with its glare context. camera, glare_context : the same
+        where the capture shows it, and as bright.
     noise : betas at the CFA's sites, for the registry; beta1, beta2 : (h, w) of them.
     range : (h, w) DN from black to white.
     uniform : (T, h, w) for the randomised residuals of censored pixels.
@@ -46,7 +46,7 @@ class Frame:
     at_zero: Mask
     keep: Mask
     camera: NDArray[np.float32]
-    surround: Any
+    glare_context: Any
     neutral: tuple[float, ...]
     noise: NoiseModel
     beta1: Array
@@ -131,7 +131,7 @@ class Source:
     sensor: Any
     raw: NDArray[np.uint16]
     camera: NDArray[np.float32]
-    surround: Any
+    glare_context: Any
     neutral: tuple[float, ...]
     mask: Mask | None
 
@@ -148,7 +148,7 @@ def source_of(capture_set: CaptureSet, capture: Capture) -> Source:
         sensor=capture_set.sensor,
         raw=capture.raw(),
         camera=camera,
-        surround=_core.surround(np.ascontiguousarray(whole)),
+        glare_context=_core.glare_context(np.ascontiguousarray(whole)),
         neutral=tuple(neutral / neutral.max()),
         mask=None if capture.mask is None else capture.mask(),
     )
@@ -197,8 +197,8 @@ def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
         at_zero=cut == 0,
         keep=_keep(source, tiles),
         camera=camera,
-        surround=source.surround,
-        rendered=(camera, source.surround),
+        glare_context=source.glare_context,
+        rendered=(camera, source.glare_context),
         neutral=source.neutral,
         noise=noise,
         beta1=beta1,
@@ -221,5 +221,10 @@ def with_level_of(frame: Frame, known: Frame) -> Frame:
     color = np.maximum(np.array(middle, np.float32), 0)
     camera = _camera_tiles(color, frame.tiles)
     whole = np.ascontiguousarray(np.broadcast_to(color, (64, 64, 3)))
-    surround = _core.surround(whole)
-    return replace(frame, camera=camera, surround=surround, rendered=(camera, surround))
+    glare_context = _core.glare_context(whole)
+    return replace(
+        frame,
+        camera=camera,
+        glare_context=glare_context,
+        rendered=(camera, glare_context),
+    )

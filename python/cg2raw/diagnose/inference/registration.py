@@ -69,9 +69,11 @@ class Registration:
         one = self._places.get(frame.capture.set)
         if one is None or frame.level_free:
             return frame
-        camera, surround = frame.rendered
+        camera, glare_context = frame.rendered
         warped = (one.gain * _warped(camera, frame, one.affine)).astype("f4")
-        return replace(frame, camera=warped, surround=surround.scaled(one.gain))
+        return replace(
+            frame, camera=warped, glare_context=glare_context.scaled(one.gain)
+        )
 
     def first(self, model: Model, frames: Sequence[Frame]) -> None:
         """Find where and how bright the renders of all frames were seen."""

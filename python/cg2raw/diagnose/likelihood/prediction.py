@@ -58,7 +58,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
             frame.tiles.margin,
             frame.neutral,
             frame.seconds,
-            frame.surround,
+            frame.glare_context,
         )
     )
     gain = photon_gain(model, frame)

@@ -14,15 +14,15 @@ namespace cg2raw {
 
 /// The whole frame as a block of it knows it: camera RGB as it enters the optics,
 /// in few cells.
-struct Surround {
+struct GlareContext {
     Size cells;
     std::array<std::vector<float>, 3> wide; ///< spread over a sixth of the height
     Vec3 mean; ///< of the frame
 };
 
-/// The surround of a frame of camera RGB, in cells of the same size that are about
+/// The glare context of a frame of camera RGB, in cells of the same size that are about
 /// square, 64 across: cell i of n holds pixels i W / n ... (i + 1) W / n - 1. It is
 /// spread by a Gaussian whose sigma is a sixth of the height, mirrored at the borders.
-Surround surround_of(const std::array<Plane<const float>, 3>& camera);
+GlareContext glare_context_of(const std::array<Plane<const float>, 3>& camera);
 
 } // namespace cg2raw

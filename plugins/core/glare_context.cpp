@@ -2,7 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file Sums are of float64 in a fixed order.
-#include "cg2raw/surround.h"
+#include "cg2raw/glare_context.h"
 
 #include "elementary.h"
 
@@ -92,20 +92,20 @@ void spread(std::vector<double>& cells, int count, int step, int lines, int line
 
 } // namespace
 
-Surround surround_of(const std::array<Plane<const float>, 3>& camera)
+GlareContext glare_context_of(const std::array<Plane<const float>, 3>& camera)
 {
     const Size frame { camera[0].width, camera[0].height };
     const Size cells = cells_of(frame);
     const double across = double(frame.width) / cells.width;
     const double down = double(frame.height) / cells.height;
     const double sigma = frame.height / 6.0;
-    Surround surround { cells, {}, {} };
+    GlareContext glare_context { cells, {}, {} };
     for (std::size_t plane = 0; plane < 3; ++plane) {
         std::vector<double> values = cell_sums(camera[plane], cells);
         double sum = 0.0;
         for (double value : values)
             sum += value;
-        surround.mean[plane] = sum / (double(frame.width) * double(frame.height));
+        glare_context.mean[plane] = sum / (double(frame.width) * double(frame.height));
         for (int y = 0; y < cells.height; ++y)
             for (int x = 0; x < cells.width; ++x) {
                 const double rows = edge(y + 1, cells.height, frame.height)
@@ -116,9 +116,9 @@ Surround surround_of(const std::array<Plane<const float>, 3>& camera)
             }
         spread(values, cells.width, 1, cells.height, cells.width, sigma / across);
         spread(values, cells.height, cells.width, cells.width, 1, sigma / down);
-        surround.wide[plane].assign(values.begin(), values.end());
+        glare_context.wide[plane].assign(values.begin(), values.end());
     }
-    return surround;
+    return glare_context;
 }
 
 } // namespace cg2raw
