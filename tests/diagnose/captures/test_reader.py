@@ -2,14 +2,12 @@
 # Copyright Contributors to the cg2raw Project.
 """Files become captures: their pixels, metadata, borders and groups."""
 
-import shutil
-
 import numpy as np
 import pytest
 
 import cg2raw
 from cg2raw.diagnose.captures.reader import read_captures
-from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
+from cg2raw.diagnose.captures.splits import GROUPS
 from diagnose import capture_files as files
 from dng import dng_files
 
@@ -139,31 +137,6 @@ def test_thirds_of_a_chart_are_of_its_patches(tmp_path):
     np.testing.assert_array_equal(masks.sum(axis=0), expected)
 
 
-def test_a_third_is_a_third_of_every_row_and_column():
-    for group in GROUPS:
-        mask = third((240, 480), group)
-        for axis in (0, 1):
-            np.testing.assert_allclose(mask.mean(axis=axis), 1 / 3)
-
-
-@pytest.mark.parametrize(
-    ("strata", "declared", "expected"),
-    [
-        ({"a": 0, "b": 0, "c": 0}, {}, "fit select report"),
-        ({"a": 2, "b": 1, "c": 0}, {}, "report select fit"),
-        ({"a": 0, "b": 0, "c": 0, "d": 0}, {}, "fit select report fit"),
-        ({"a": 0, "b": 0}, {}, "- -"),
-        ({"a": 0, "b": 0}, {"a": "report"}, "report -"),
-        ({"a": 0, "b": 0, "c": 0}, {"a": "report"}, "report fit select"),
-        ({"a": 0, "b": 0, "c": 0, "d": 0}, {"b": "fit", "c": "fit"},
-         "select fit fit report"),
-    ],
-)  # fmt: skip
-def test_sets_take_turns(strata, declared, expected):
-    found = groups_of_sets(strata, declared)
-    assert " ".join(found[name] or "-" for name in strata) == expected
-
-
 def test_darks_of_two_times_are_in_each_group(tmp_path):
     lines = []
     for index in range(6):
@@ -182,118 +155,6 @@ def test_frames_of_a_set_stay_together(tmp_path):
         lines.append(f"{{file: {index}.npy, kind: dark, set: s{index // 2}}}")
     captures = read_captures(files.manifest(tmp_path, lines)).captures
     assert [c.group for c in captures] == [g for g in GROUPS for _ in range(2)]
-
-
-def bad_sets(folder):
-    """Yield (name, lines of frames, words of the message, top lines)."""
-    sensor = f"sensor: {files.SENSOR}"
-    for name in ("a.npy", "b.npy"):
-        files.frame(folder, name, frame=ord(name[0]))
-    files.frame(folder, "a.dng")
-    shutil.copy(folder / "a.npy", folder / "copy.npy")
-    np.save(folder / "small.npy", np.zeros((8, 8), np.uint16))
-    np.save(folder / "float.npy", np.zeros((48, 64), np.float32))
-    np.save(folder / "small_render.npy", np.zeros((8, 8, 3), np.float32))
-    (folder / "text.npy").write_text("no array")
-    (folder / "cut.dng").write_bytes((folder / "a.dng").read_bytes()[:300])
-    (folder / "text.nef").write_text("no RAW")
-    dng_files.write(folder / "bggr.dng", files.other_sensor(cfa="BGGR"))
-    dng_files.write(folder / "bits.dng", files.other_sensor(bits=14, white_level=16000))
-    dng_files.write(folder / "white.dng", files.other_sensor(white_level=900))
-
-    def dark(name, more=""):
-        return f"{{file: {name}, kind: dark{more}}}"
-
-    a = dark("a.npy")
-    yield "twice", [a, dark("./a.npy")], [":4: frames[1].file", "is that of line 3"]
-    yield "copy", [a, dark("copy.npy")], [":4: frames[1].file", "the bytes of that of"]
-    yield "size", [a, dark("small.npy")], ["small.npy is 8x8, a.npy 64x48; all frames"]
-    yield "type", [dark("float.npy")], ["float.npy: is (48, 64) float32; must be"]
-    yield "no array", [dark("text.npy")], ["text.npy: is no .npy file, or cut off"]
-    yield "cut DNG", [dark("cut.dng")], [":3: frames[0].file cannot be used", "cut.dng"]
-    yield "no RAW", [dark("text.nef")], ["text.nef: LibRaw cannot read it"]
-    yield "CFA", [dark("bggr.dng")], ["its CFA is BGGR, that of samsung-s20fe"]
-    yield "bits", [dark("bits.dng")], ["bits.dng: its bit depth is 14, that of"]
-    yield (
-        "white",
-        [dark("white.dng")],
-        ["say white level 900 DN, samsung-s20fe 1023 DN"],
-    )
-    yield (
-        "render",
-        ["{file: a.dng, kind: scene, scene: small_render.npy}"],
-        ["[0].scene small_render.npy is 8x8, the frames are 64x48; it must"],
-    )
-    yield (
-        "render of another kind",
-        ["{file: a.dng, kind: scene, scene: text.nef}"],
-        ["frames[0].scene cannot be used"],
-    )
-    yield (
-        "mask",
-        [dark("a.npy", ", mask: small.npy")],
-        ["[0].mask small.npy is 8x8, the"],
-    )
-    top = f"{sensor}\nmask: small.npy"
-    yield "mask of all", [a], ["captures.yaml:2: mask small.npy is 8x8, the"], top
-    yield "light", [dark("a.npy", ", illuminant: sunny")], ['illuminant is "sunny":']
-    yield "ISO", [dark("a.npy", ", iso: 9e6")], ["iso 9e+06, of a.npy:"]
-    yield (
-        "set of two kinds",
-        [dark("a.npy", ", set: s"), "{file: a.dng, kind: flat, scene: 1, set: s}"],
-        [':4: frames[1].set "s" holds a flat here and a dark in line 3'],
-    )
-    yield (
-        "set of two groups",
-        [
-            dark("a.npy", ", set: s, group: fit"),
-            dark("b.npy", ", set: s, group: report"),
-        ],
-        [':4: frames[1].group is "report", but that of set "s" in line 3 is "fit"'],
-    )
-    yield (
-        "no report",
-        [dark("a.npy", ", group: fit"), dark("b.npy", ", group: select")],
-        ['no frame is left for the group "report"'],
-    )
-    yield "sensor", [a], ['captures.yaml:1: sensor is "nikon"'], "sensor: nikon"
-    yield "profile", [a], ['sensor is "./x.json"'], "sensor: ./x.json"
-    yield "DNG as sensor", [a], ['sensor is "cut.dng"'], "sensor: cut.dng"
-    yield (
-        "outside",
-        ["{file: a.dng, kind: chart, patches: [{area: [44, 0, 8, 8], xyz: [1,1,1]}]}"],
-        ["patches[0].area ends at row 52, column 8; the frame has 48 rows"],
-    )
-    yield (
-        "corners outside",
-        ["{file: a.dng, kind: chart, chart: colorchecker, "
-         "corners: [[1, 1], [1, 99], [30, 60], [30, 1]]}"],
-        ["corners: [1, 99] is outside the frame"],
-    )  # fmt: skip
-    yield (
-        "corners crossed",
-        ["{file: a.dng, kind: chart, chart: colorchecker, "
-         "corners: [[1, 1], [30, 60], [1, 60], [30, 1]]}"],
-        ["corners: are no quadrangle"],
-    )  # fmt: skip
-
-
-def test_files_that_do_not_belong_together(tmp_path):
-    for name, lines, words, *top in bad_sets(tmp_path):
-        path = files.manifest(tmp_path, lines, *top)
-        with pytest.raises(ValueError) as error:
-            read_captures(path)
-        message = str(error.value)
-        assert message.startswith(str(path)) and "\n" not in message, name
-        for word in words:
-            assert word in message, name
-
-
-def test_levels_that_differ_a_little_are_noted(tmp_path):
-    dng_files.write(tmp_path / "a.dng", files.other_sensor(black_level=[66] * 4))
-    captures = read_captures(files.manifest(tmp_path, ["{file: a.dng, kind: dark}"]))
-    [note] = [note for note in captures.notes if "black level" in note]
-    assert "say black level 66 DN, samsung-s20fe 64 DN" in note
 
 
 @pytest.mark.parametrize(
@@ -370,38 +231,3 @@ def test_another_sensor_in_the_manifests_place(tmp_path):
     assert read_captures(path, other).sensor.black_level[0] == 66
     with pytest.raises(ValueError, match="its CFA is"):
         read_captures(path, cg2raw.Sensor("nikon-d850"))
-
-
-LIGHT = "exposure_time: 1"
-FLAT = "kind: flat, illuminant: A, scene"
-
-
-@pytest.mark.parametrize(
-    ("frames", "words"),
-    [
-        ([f"kind: dark, {LIGHT}"] * 3, ["only darks"]),
-        ([f"{FLAT}: 1"], ["one frame only", "no darks", "no scenes", "flats of one"]),
-        ([f"{FLAT}: 1", f"{FLAT}: 2"], ["no darks", "no scenes"]),
-        ([f"{FLAT}: unknown"] * 2, ["no darks", "no scenes"]),
-        (
-            [f"kind: dark, {LIGHT}"] * 2 + [f"{FLAT}: 1"] * 2,
-            ["darks of one exposure time", "no scenes", "flats of one level"],
-        ),
-        (
-            ["kind: dark, exposure_time: 9", f"kind: dark, {LIGHT}"]
-            + ["kind: scene, scene: r.npy, illuminant: A"],
-            [],
-        ),
-    ],
-)
-def test_what_captures_cannot_tell_is_said(tmp_path, frames, words):
-    np.save(tmp_path / "r.npy", files.picture())
-    lines = []
-    for index, fields in enumerate(frames):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        lines.append(f"{{file: {index}.npy, iso: 100, {fields}}}")
-    notes = read_captures(files.manifest(tmp_path, lines)).notes
-    notes = [n for n in notes if "divided" not in n and "optical centre" not in n]
-    assert len(notes) == len(words)
-    for note, word in zip(notes, words, strict=True):
-        assert note.startswith(word)

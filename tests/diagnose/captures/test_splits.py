@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Splits: sets take turns, and a frame that is alone is divided by its pixels."""
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
+
+
+def test_a_third_is_a_third_of_every_row_and_column():
+    for group in GROUPS:
+        mask = third((240, 480), group)
+        for axis in (0, 1):
+            np.testing.assert_allclose(mask.mean(axis=axis), 1 / 3)
+
+
+@pytest.mark.parametrize(
+    ("strata", "declared", "expected"),
+    [
+        ({"a": 0, "b": 0, "c": 0}, {}, "fit select report"),
+        ({"a": 2, "b": 1, "c": 0}, {}, "report select fit"),
+        ({"a": 0, "b": 0, "c": 0, "d": 0}, {}, "fit select report fit"),
+        ({"a": 0, "b": 0}, {}, "- -"),
+        ({"a": 0, "b": 0}, {"a": "report"}, "report -"),
+        ({"a": 0, "b": 0, "c": 0}, {"a": "report"}, "report fit select"),
+        ({"a": 0, "b": 0, "c": 0, "d": 0}, {"b": "fit", "c": "fit"},
+         "select fit fit report"),
+    ],
+)  # fmt: skip
+def test_sets_take_turns(strata, declared, expected):
+    found = groups_of_sets(strata, declared)
+    assert " ".join(found[name] or "-" for name in strata) == expected
