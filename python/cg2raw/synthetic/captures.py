@@ -11,7 +11,6 @@ import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
@@ -29,7 +28,7 @@ FULL_WELL, READ_NOISE = 10000.0, 5.0
 
 
 def simulate_captures(
-    sensor: Any,
+    sensor: Sensor,
     hidden: Mapping[str, Mapping[str, float]],
     *,
     seed: int,
@@ -80,7 +79,7 @@ def simulate_captures(
 
 
 def world_of(
-    sensor: Any,
+    sensor: Sensor,
     hidden: Mapping[str, Mapping[str, float]],
     seed: int,
     shape: tuple[int, int],
@@ -111,7 +110,7 @@ def world_of(
     return World(camera, hidden, seed, size, given, measured)
 
 
-def noise_iso(sensor: Any, iso: float | None) -> float:
+def noise_iso(sensor: Sensor, iso: float | None) -> float:
     """Return the ISO of the noise to be simulated. Raises ValueError for none."""
     if not sensor.noise:
         raise ValueError(
@@ -122,7 +121,7 @@ def noise_iso(sensor: Any, iso: float | None) -> float:
 
 
 def draw_hidden(
-    sensor: Any,
+    sensor: Sensor,
     strengths: Mapping[str, float | None],
     *,
     seed: int,
@@ -200,7 +199,7 @@ def _size(text: str) -> tuple[int, int]:
     return int(height), int(width)
 
 
-def _sensor(given: argparse.Namespace) -> tuple[Any, str]:
+def _sensor(given: argparse.Namespace) -> tuple[Sensor, str]:
     """Return the doubted model and what captures.yaml calls it."""
     sensor = Sensor(given.sensor)
     assumed = given.full_well is not None or given.read_noise is not None
