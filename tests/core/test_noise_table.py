@@ -8,7 +8,6 @@ import pytest
 import cg2raw
 from oracles import cameras
 
-
 NOISE = {"iso": 100, "beta1": [1e-4] * 4, "beta2": [1e-6] * 4}
 
 

@@ -8,14 +8,14 @@ With the profile as its own model there must be no gap."""
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
+from cg2raw.arrays import FloatImage, RawImage
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.sensor import Sensor
 
-Simulate = Callable[[Sensor, Capture, int], Any]
+Simulate = Callable[[Sensor, Capture, int], RawImage]
 
 
 def simulated(
@@ -39,7 +39,7 @@ def simulated(
     )
 
 
-def scene_of(capture: Capture) -> Any:
+def scene_of(capture: Capture) -> FloatImage:
     """Return what a capture shows, (H, W, 3) float32; zeros where it is unknown."""
     scene = np.zeros(3) if capture.scene is None else np.asarray(capture.scene())
     if scene.ndim == 3:
@@ -47,7 +47,7 @@ def scene_of(capture: Capture) -> Any:
     return np.broadcast_to(scene.astype(np.float32), (*capture.shape, 3)).copy()
 
 
-def by_registry(sensor: Sensor, capture: Capture, number: int) -> Any:
+def by_registry(sensor: Sensor, capture: Capture, number: int) -> RawImage:
     """Return a frame as Sensor.simulate draws it."""
     return np.asarray(
         sensor.simulate(

@@ -19,6 +19,8 @@ from typing import Any
 
 from cg2raw.benchmark.scores import half_points, score, table
 from cg2raw.benchmark.suites import SUITES, Case, cases
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.diagnosis import Diagnosis
 
 # Threads of BLAS and OpenMP would only be in the way of the worker processes.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -56,7 +58,7 @@ def run_case(case: Case, alpha: float) -> dict[str, Any]:
     return record
 
 
-def _again(captures: Any, found: Any, alpha: float) -> dict[str, Any]:
+def _again(captures: CaptureSet, found: Diagnosis, alpha: float) -> dict[str, Any]:
     """Diagnose frames of the found profile by that profile: there must be no gap."""
     from cg2raw import Sensor
     from cg2raw.benchmark.closed_loop import simulated
@@ -93,7 +95,9 @@ def records_of(
         yield from pool.imap_unordered(_job, work)
 
 
-def done_before(path: Path | None, wanted: Sequence[Case], alpha: float) -> list[Any]:
+def done_before(
+    path: Path | None, wanted: Sequence[Case], alpha: float
+) -> list[dict[str, Any]]:
     """Return the records in a file that are of these cases and did not fail."""
     if path is None or not path.exists():
         return []

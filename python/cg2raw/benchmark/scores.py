@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from cg2raw.diagnose.diagnosis import Diagnosis
+
 # Nats per pixel: less than this is not asked to be seen.
 VISIBLE_GAP = 3e-4
 NOT_SURE = ("ambiguous", "unknown structure", "identified, rest unexplained")
@@ -15,7 +17,7 @@ NOT_SURE = ("ambiguous", "unknown structure", "identified, rest unexplained")
 Record = Mapping[str, Any]
 
 
-def score(hidden: Sequence[str], diagnosis: Any) -> dict[str, Any]:
+def score(hidden: Sequence[str], diagnosis: Diagnosis) -> dict[str, Any]:
     """Return what a diagnosis got right, as JSON.
 
     first : the name with the largest held-out gain. outcome : of one case: "right" if

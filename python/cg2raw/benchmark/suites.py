@@ -5,12 +5,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
 from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import (
     ILLUMINANT,
     SHAPE,
@@ -65,7 +65,7 @@ class Case:
     def nuisances(self) -> Mapping[str, float] | None:
         return STUDIO if self.suite.startswith("nuisance") else None
 
-    def sensor_and_hidden(self) -> tuple[Any, dict[str, dict[str, float]]]:
+    def sensor_and_hidden(self) -> tuple[Sensor, dict[str, dict[str, float]]]:
         """Return the doubted model and the parameters of what is hidden."""
         sensor = drawn_sensor(self.seed)
         return sensor, draw_hidden(sensor, self.strengths, seed=self.seed)

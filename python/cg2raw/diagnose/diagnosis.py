@@ -32,6 +32,9 @@ LARGEST_E = 1e300  # the largest e-value that is written; it stands for more, to
 LARGEST_SHIFT = 4  # px of misregistration that is taken up
 
 
+Histogram = tuple[NDArray[Any], NDArray[Any]]  # bin edges, counts
+
+
 @dataclass(frozen=True)
 class Estimate:
     """A parameter: value, unit, and the interval that holds it with 95 %."""
@@ -176,8 +179,8 @@ class Diagnosis:
     groups: Mapping[str, Sequence[str]]  # fit, select, report -> names of frames
     pictures: list[Picture] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
-    histogram_before: tuple[Any, Any] | None = None
-    histogram_after: tuple[Any, Any] | None = None
+    histogram_before: Histogram | None = None
+    histogram_after: Histogram | None = None
     profile_json: str = ""  # the sensor with the effects added
     interrupted: bool = False
     time_limit_reached: bool = False  # by the search, which then ended with what it had

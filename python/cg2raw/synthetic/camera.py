@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw import Sensor
+
 Plane = NDArray[np.float64]
 COLORS = "RGB"
 
@@ -54,7 +56,7 @@ class Camera:
         return np.take_along_axis(rgb, color[..., None], axis=-1)[..., 0]
 
 
-def camera_of(sensor: Any, illuminant: str, iso: float) -> Camera:
+def camera_of(sensor: Sensor, illuminant: str, iso: float) -> Camera:
     """Return the camera that a Sensor describes, with its noise at an ISO.
 
     Raises ValueError for other mosaics than Bayer, and for a profile with effects: the

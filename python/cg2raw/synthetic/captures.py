@@ -11,7 +11,6 @@ import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any
 
 from numpy.random import Generator
 
@@ -36,7 +35,7 @@ FULL_WELL, READ_NOISE = 10000.0, 5.0
 
 
 def simulate_captures(
-    sensor: Any,
+    sensor: Sensor,
     hidden: Mapping[str, Mapping[str, float]],
     *,
     seed: int,
@@ -87,7 +86,7 @@ def simulate_captures(
 
 
 def world_of(
-    sensor: Any,
+    sensor: Sensor,
     hidden: Mapping[str, Mapping[str, float]],
     seed: int,
     shape: tuple[int, int],
@@ -118,7 +117,7 @@ def world_of(
     return World(camera, hidden, seed, size, given, measured)
 
 
-def noise_iso(sensor: Any, iso: float | None) -> float:
+def noise_iso(sensor: Sensor, iso: float | None) -> float:
     """Return the ISO of the noise to be simulated. Raises ValueError for none."""
     if not sensor.noise:
         raise ValueError(
@@ -129,7 +128,7 @@ def noise_iso(sensor: Any, iso: float | None) -> float:
 
 
 def draw_hidden(
-    sensor: Any,
+    sensor: Sensor,
     strengths: Mapping[str, float | None],
     *,
     seed: int,
@@ -212,7 +211,7 @@ def _size(text: str) -> tuple[int, int]:
     return int(height), int(width)
 
 
-def _sensor(given: argparse.Namespace) -> tuple[Any, str]:
+def _sensor(given: argparse.Namespace) -> tuple[Sensor, str]:
     """Return the doubted model and what captures.yaml calls it."""
     sensor = Sensor(given.sensor)
     assumed = given.full_well is not None or given.read_noise is not None

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 from cg2raw.synthetic.camera import Camera, Plane
-from cg2raw.synthetic.light import Hidden
+from cg2raw.synthetic.light import Hidden, Values
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def mosaic_light(
     return x
 
 
-def _green_gains(camera: Camera, values) -> Plane:
+def _green_gains(camera: Camera, values: Values) -> Plane:
     """Greens in red rows and in blue rows differ by split, shared unevenly."""
     gains = np.ones((2, 2))
     for row in range(2):
@@ -100,11 +100,11 @@ def electrons(
     x: Plane, hidden: Hidden, camera: Camera, fixed: Patterns, seconds: float
 ) -> Plane:
     """Return the expected charge, (H, W) electrons, of a mosaic of light."""
-    full = camera.over(camera.full_well, x.shape)
+    full: Plane = camera.over(camera.full_well, x.shape)
     dark = fixed.leak
     if "dark_current" in hidden:
         dark = dark + hidden["dark_current"]["electrons_per_second"]
-    charge = np.maximum(full * x * (1 + fixed.gain) + dark * seconds, 0.0)
+    charge: Plane = np.maximum(full * x * (1 + fixed.gain) + dark * seconds, 0.0)
     if "nonlinearity" not in hidden:
         return charge
     v = hidden["nonlinearity"]

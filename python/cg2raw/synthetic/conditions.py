@@ -92,4 +92,5 @@ def rendered(
     smooth = np.sum(waves, axis=0)
     error = nuisances["radiance"] * smooth / smooth.std()
     grain = nuisances["render_noise"] * rng.standard_normal((height, width))
-    return (scene * (1 + error + grain)[..., None]).astype(np.float32)
+    render: Plane = scene * (1 + error + grain)[..., None]
+    return render.astype(np.float32)

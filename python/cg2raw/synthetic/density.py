@@ -3,6 +3,8 @@
 
 """The true log density of a frame, in nats per pixel; its unit of level is 1 DN."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
@@ -71,7 +73,7 @@ def _log_determinant(shape: tuple[int, int], blend: float) -> Plane:
     return share
 
 
-def _row_mean(at_offset, half: float) -> Plane:
+def _row_mean(at_offset: Callable[[Plane | float], Plane], half: float) -> Plane:
     """Integrate over a row's uniform offset: its likelihood is smooth, so a few nodes
     carry a spline that is summed finely. Pixels have their density at the row's mean
     offset; what a row is less sure than that is shared by its pixels."""
@@ -81,18 +83,26 @@ def _row_mean(at_offset, half: float) -> Plane:
     planes = [at_offset(node) for node in nodes]
     rows = np.stack([plane.sum(1) for plane in planes])  # (nodes, H)
     fine = np.linspace(-half, half, 2001)
-    sums = CubicSpline(nodes, rows, axis=0)(fine)
+    sums: Plane = CubicSpline(nodes, rows, axis=0)(fine)
     weights = np.full(len(fine), 1.0 / (len(fine) - 1))
     weights[[0, -1]] /= 2
-    total = logsumexp(sums, axis=0, b=weights[:, None])
+    total: Plane = logsumexp(sums, axis=0, b=weights[:, None])
     odds = np.exp(sums - sums.max(0)) * weights[:, None]
     mean = (fine @ odds / odds.sum(0))[:, None]
     there = at_offset(mean)
-    return there + (total - there.sum(1))[:, None] / there.shape[1]
+    shared: Plane = (total - there.sum(1))[:, None] / there.shape[1]
+    return there + shared
 
 
 def _independent(
-    level, low, high, charge, pedestal, noise: Noise, camera: Camera, unsure
+    level: Plane,
+    low: NDArray[np.bool_],
+    high: NDArray[np.bool_],
+    charge: Plane,
+    pedestal: Plane,
+    noise: Noise,
+    camera: Camera,
+    unsure: Plane | float,
 ) -> Plane:
     """Log density of pixels that know nothing of each other."""
     shape = level.shape
@@ -119,7 +129,8 @@ def _independent(
         ends = _ends(charge, pedestal, gain, around, noise, camera)
         one = np.where(low, ends[0], np.where(high, ends[1], one))
         parts.append(np.log(weight) + one)
-    return logsumexp(parts, axis=0)
+    mixed: Plane = logsumexp(parts, axis=0)
+    return mixed
 
 
 def _rounded(level: Plane, mean: Plane, sd: Plane) -> Plane:
@@ -127,10 +138,18 @@ def _rounded(level: Plane, mean: Plane, sd: Plane) -> Plane:
     a, b = (level - 0.5 - mean) / sd, (level + 0.5 - mean) / sd
     a, b = np.where(a > 0, -b, a), np.where(a > 0, -a, b)  # the accurate tail
     upper, lower = log_ndtr(b), log_ndtr(a)
-    return upper + np.log1p(-np.exp(np.minimum(lower - upper, -1e-300)))
+    rounded: Plane = upper + np.log1p(-np.exp(np.minimum(lower - upper, -1e-300)))
+    return rounded
 
 
-def _ends(charge, pedestal, gain, around, noise: Noise, camera: Camera):
+def _ends(
+    charge: Plane,
+    pedestal: Plane,
+    gain: Plane,
+    around: Plane,
+    noise: Noise,
+    camera: Camera,
+) -> tuple[Plane, Plane]:
     """Log probabilities of 0 DN and of white; the charge as a Gaussian."""
     mean = pedestal + gain * charge
     if np.isfinite(noise.well):
@@ -140,7 +159,15 @@ def _ends(charge, pedestal, gain, around, noise: Noise, camera: Camera):
     return log_ndtr((0.5 - mean) / sd), log_ndtr((mean - camera.white + 0.5) / sd)
 
 
-def _clipped(level, charge, pedestal, gain, around, well, excess) -> Plane:
+def _clipped(
+    level: Plane,
+    charge: Plane,
+    pedestal: Plane,
+    gain: Plane,
+    around: Plane,
+    well: Plane,
+    excess: float,
+) -> Plane:
     """Log density where charge stops at the full well and is read with noise.
 
     Either the charge was below the well, or the well was read."""
@@ -152,4 +179,5 @@ def _clipped(level, charge, pedestal, gain, around, well, excess) -> Plane:
     spread = np.sqrt(shot * around / total)
     below = normal(level - mean, total) + log_ndtr((well - middle) / spread)
     at_well = log_ndtr((mean - well) / np.sqrt(shot)) + normal(level - well, around)
-    return np.logaddexp(below, at_well)
+    either: Plane = np.logaddexp(below, at_well)
+    return either

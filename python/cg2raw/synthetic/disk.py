@@ -10,11 +10,10 @@ import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from cg2raw import write_dng
+from cg2raw import Sensor, write_dng
 from cg2raw.io.atomic_file import write_folder
 from cg2raw.synthetic import conditions
 from cg2raw.synthetic.world import Shot, World
@@ -32,7 +31,7 @@ class Folder:
         self,
         world: World,
         shots: Sequence[Shot],
-        sensor: Any,
+        sensor: Sensor,
         sensor_name: str,
         illuminant: str,
         iso: float,

@@ -3,7 +3,8 @@
 
 """Colour and optics of hidden effects: camera RGB to the light on the sensor."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 from scipy import fft
@@ -25,8 +26,8 @@ class Field:
     def __init__(self, shape: tuple[int, int], margin: int) -> None:
         height, width = shape
         rows, cols = np.mgrid[-margin : height + margin, -margin : width + margin]
-        self.y = rows - (height - 1) / 2
-        self.x = cols - (width - 1) / 2
+        self.y: Plane = rows - (height - 1) / 2
+        self.x: Plane = cols - (width - 1) / 2
         self.corner = float(np.hypot((height - 1) / 2, (width - 1) / 2))
         self.shape = shape
         self.margin = margin
@@ -40,15 +41,17 @@ class Field:
         """Return what stands at (x + dx, y + dy), by cubic splines; not negative."""
         rows, cols = np.mgrid[: plane.shape[0], : plane.shape[1]]
         at = [rows + dy, cols + dx]
-        return np.maximum(map_coordinates(plane, at, order=3, mode="mirror"), 0.0)
+        there: Plane = map_coordinates(plane, at, order=3, mode="mirror")
+        return np.maximum(there, 0.0)
 
 
-def filtered(plane: Plane, otf) -> Plane:
+def filtered(plane: Plane, otf: Callable[[Plane], Plane]) -> Plane:
     """Return a plane, mirrored at its edges, filtered by otf(cycles per px)."""
     height, width = plane.shape
     v = np.arange(height)[:, None] / (2 * height)
     u = np.arange(width)[None] / (2 * width)
-    return fft.idctn(fft.dctn(plane, type=2) * otf(np.hypot(u, v)), type=2)
+    passed: Plane = fft.idctn(fft.dctn(plane, type=2) * otf(np.hypot(u, v)), type=2)
+    return passed
 
 
 def recolored(scene: Plane, hidden: Hidden) -> Plane:
@@ -63,7 +66,7 @@ def recolored(scene: Plane, hidden: Hidden) -> Plane:
     cross = np.array([[0, -1, 1], [1, 0, -1], [-1, 1, 0]]) / np.sqrt(3)
     turn = values["hue"]
     chroma = np.eye(3) - grey
-    matrix = grey + (1 + values["saturation"]) * (
+    matrix: Plane = grey + (1 + values["saturation"]) * (
         np.cos(turn) * chroma + np.sin(turn) * cross
     )
     matrix = matrix + values["red_as_green"] * np.outer([0, 1, 0], [1, -0.5, -0.5])
@@ -122,7 +125,7 @@ def _blurred(light: Plane, hidden: Hidden, field: Field) -> Plane:
 
         light = np.stack(
             [
-                filtered(light[..., k], lambda f, s=scale: otf(f, s))
+                filtered(light[..., k], partial(otf, scale=scale))
                 for k, scale in enumerate(scales)
             ],
             -1,
@@ -168,7 +171,8 @@ def _fall_off(hidden: Hidden, field: Field) -> Plane:
     radius = field.radius(v["axis_x"], v["axis_y"])
     here = 1 + (slope * radius) ** 2
     axis = 1 + slope**2 * (v["axis_x"] ** 2 + v["axis_y"] ** 2)
-    return (axis / here) ** 2  # 1 at the centre
+    fall_off: Plane = (axis / here) ** 2  # 1 at the centre
+    return fall_off
 
 
 def _color_cast(hidden: Hidden, field: Field) -> Plane:
@@ -210,7 +214,8 @@ def _glare(light: Plane, hidden: Hidden, field: Field) -> Plane:
     even = light[field.inner].mean((0, 1))
     wide = np.stack([filtered(light[..., k], wings) for k in range(3)], -1)
     stray = v["even"] * even + (1 - v["even"]) * wide
-    return (1 - v["share"]) * light + v["share"] * stray
+    mixed: Plane = (1 - v["share"]) * light + v["share"] * stray
+    return mixed
 
 
 def camera_light(scene: Plane, camera: Camera, hidden: Hidden) -> Plane:

@@ -35,7 +35,7 @@ class ReadNoise:
             quantiles = np.log(u / (1 - u))
         else:
             quantiles = (u**self.shape - (1 - u) ** self.shape) / self.shape
-        pixels = self.sigma / np.sqrt(tukeylambda.var(self.shape)) * quantiles
+        pixels: Plane = self.sigma / np.sqrt(tukeylambda.var(self.shape)) * quantiles
         return pixels + self.row_sigma * rng.standard_normal((shape[0], 1))
 
 
@@ -81,7 +81,7 @@ def polynomial_transmission(
     Source: lensfun's vignetting model "pa"."""
     height, width = shape
     rows, cols = np.mgrid[:height, :width]
-    square = (rows - (height - 1) / 2) ** 2 + (cols - (width - 1) / 2) ** 2
+    square: Plane = (rows - (height - 1) / 2) ** 2 + (cols - (width - 1) / 2) ** 2
     square = square / (height**2 + width**2) * 4
     k1, k2, k3 = coefficients
     return 1 + square * (k1 + square * (k2 + square * k3))

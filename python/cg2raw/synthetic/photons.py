@@ -54,7 +54,8 @@ def _sum(seen: Plane, n: Plane, variance: Plane, stretch: float) -> Plane:
     n, seen, variance = n[:, None], seen[:, None], variance[:, None]
     log_p = k * np.log(n) - n - gammaln(np.maximum(k, 0) + 1)
     log_p += normal(seen - n - stretch * (k - n), variance)
-    return logsumexp(np.where(k < 0, -1e5, log_p), axis=1)
+    total: Plane = logsumexp(np.where(k < 0, -1e5, log_p), axis=1)
+    return total
 
 
 def _saddle_point(seen: Plane, n: Plane, variance: Plane, stretch: float) -> Plane:

@@ -46,7 +46,7 @@ class Posterior:
     def variance(self, slopes: tuple[Plane, Plane, Plane]) -> Plane:
         """Return what a level is unsure by, DN^2."""
         b = np.stack(slopes, -1)
-        pixel = np.einsum("hwi,hwij,hwj->hw", b, self.covariance, b)
+        pixel: Plane = np.einsum("hwi,hwij,hwj->hw", b, self.covariance, b)
         return pixel + slopes[2] ** 2 * self.column
 
 

@@ -95,7 +95,8 @@ def read_out(
     level = np.clip(level, 0, camera.white)
     if noise.blend:
         level = blended(level, noise.blend)
-    return np.clip(np.floor(level + 0.5), 0, camera.white).astype(np.uint16)
+    rounded: Plane = np.clip(np.floor(level + 0.5), 0, camera.white)
+    return rounded.astype(np.uint16)
 
 
 def _mixture(
@@ -117,7 +118,8 @@ def blend_response(shape: tuple[int, int], blend: float) -> Plane:
     The 8 neighbours count alike; beyond an edge the pixels are mirrored."""
     v = np.cos(np.pi * np.arange(shape[0]) / shape[0])[:, None]
     u = np.cos(np.pi * np.arange(shape[1]) / shape[1])[None]
-    return 1 - blend + blend / 8 * (2 * u + 2 * v + 4 * u * v)
+    response: Plane = 1 - blend + blend / 8 * (2 * u + 2 * v + 4 * u * v)
+    return response
 
 
 def blended(level: Plane, blend: float, inverse: bool = False) -> Plane:

@@ -36,7 +36,8 @@ def scene(
     image = within_gamut(image, camera)
     brightest = camera.light(image).max(-1)
     above = np.exp(rng.uniform(np.log(0.003), np.log(0.04)))
-    return (image / np.quantile(brightest, 1 - above)).astype(np.float32)
+    exposed: Plane = image / np.quantile(brightest, 1 - above)
+    return exposed.astype(np.float32)
 
 
 def texture(rng: Generator, shape: tuple[int, int], power: float) -> Plane:
@@ -48,14 +49,16 @@ def texture(rng: Generator, shape: tuple[int, int], power: float) -> Plane:
     radius[0, 0] = 1.0
     spectrum = noise / radius**power
     spectrum[0, 0] = 0.0
-    field = fft.irfft2(spectrum, shape)
-    return field / field.std()
+    field: Plane = fft.irfft2(spectrum, shape)
+    standard: Plane = field / field.std()
+    return standard
 
 
 def color(rng: Generator) -> Plane:
     """Return a reflectance, (3,), from nearly grey to strongly coloured."""
     value = np.exp(rng.uniform(np.log(0.02), np.log(0.9)))
-    return value * np.exp(rng.uniform(0.05, 0.7) * rng.standard_normal(3))
+    tinted: Plane = value * np.exp(rng.uniform(0.05, 0.7) * rng.standard_normal(3))
+    return tinted
 
 
 def leaf(rng: Generator, image: Plane) -> None:
@@ -122,4 +125,5 @@ def within_gamut(image: Plane, camera: Camera) -> Plane:
     lowest = (image @ camera.balanced_from_scene.T).min(-1, keepdims=True)
     lowest = np.minimum(lowest, image.min(-1, keepdims=True))
     room = (1 - GAMUT_MARGIN) * grey / np.maximum(grey - lowest, 1e-12)
-    return grey + np.minimum(room, 1.0) * (image - grey)
+    moved: Plane = grey + np.minimum(room, 1.0) * (image - grey)
+    return moved

@@ -108,7 +108,8 @@ class World:
         rng = stream(self.seed, f"flat/{name}")
         low, high = (0.12, 0.35) if name.endswith("0") else (0.45, 0.85)
         tint = 1 + 0.06 * rng.standard_normal(3)
-        return (rng.uniform(low, high) * tint / tint.max()).astype(np.float32)
+        radiance: Plane = rng.uniform(low, high) * tint / tint.max()
+        return radiance.astype(np.float32)
 
     def render(self, shot: Shot) -> NDArray[np.float32]:
         """Return what is said to stand before the lens: (H, W, 3), or (3,)."""
@@ -212,7 +213,8 @@ class World:
         weight = (usable / variance).sum(1, keepdims=True)
         pull = (usable * residual / variance).sum(1, keepdims=True)
         prior = (self.noise.row * row_unit(self.camera)) ** 2 / 3
-        return pull / (weight + 1 / prior)
+        offsets: Plane = pull / (weight + 1 / prior)
+        return offsets
 
     def _slopes(self, shot: Shot, at: Patterns) -> tuple[Plane, Plane, Plane]:
         """Return the change of a level, DN, by gain, leak and offset."""

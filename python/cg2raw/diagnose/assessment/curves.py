@@ -3,12 +3,12 @@
 
 """Curves: what was fitted beside what was measured."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve, Estimate
+from cg2raw.diagnose.effects.base import Labels, MeasuredRatio
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -23,7 +23,7 @@ def curves_of(
 ) -> list[Curve]:
     """Return the curves that belong to a model's terms."""
 
-    def measured_without(name: str) -> Any:
+    def measured_without(name: str) -> MeasuredRatio:
         return lambda labels, count: _measured_ratio(
             model.without(name), frames, labels, count
         )
@@ -44,7 +44,7 @@ def curves_of(
 def _measured_ratio(
     rest: Model,
     frames: Sequence[Frame],
-    labels: Callable[[Frame, Prediction], Any],
+    labels: Labels,
     count: int,
 ) -> tuple[Array, Array]:
     """Return (label, measured over predicted without the effect), light-weighted."""

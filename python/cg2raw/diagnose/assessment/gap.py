@@ -65,12 +65,12 @@ class Sums:
         return z, p
 
     def __add__(self, other: "Sums") -> "Sums":
-        known = self.true_loss is not None and other.true_loss is not None
+        ours, theirs = self.true_loss, other.true_loss
         return Sums(
             self.loss + other.loss,
             self.log_likelihood + other.log_likelihood,
             self.squares + other.squares,
-            self.true_loss + other.true_loss if known else None,  # type: ignore[operator]
+            None if ours is None or theirs is None else ours + theirs,
             self.pixels + other.pixels,
             self.residuals + other.residuals,
             self.blocks + other.blocks,

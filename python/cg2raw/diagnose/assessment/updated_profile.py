@@ -44,7 +44,7 @@ def updated_profile(
     if effects:
         profile["effects"] = list(effects.values())
     text = json.dumps(profile, indent=2)
-    return Sensor.from_json(text, "the updated profile").to_json()
+    return Sensor.from_json(text, "the updated profile").profile.to_json()
 
 
 def _evidence(
@@ -76,5 +76,5 @@ def _add_estimated_noise(profile: dict[str, Any], frames: Sequence[Frame]) -> No
         profile["noise"] = [rows[iso] for iso in sorted(rows)]
 
 
-def _for_profile(betas: Sequence[float], sites: int) -> Any:
+def _for_profile(betas: Sequence[float], sites: int) -> list[float]:
     return list(betas) if len(betas) > 1 else [betas[0]] * sites

@@ -5,12 +5,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import FloatImage, RawImage
+from cg2raw.sensor import Sensor
 
 Kind = Literal["dark", "flat", "scene", "chart"]
 Group = Literal["fit", "select", "report"]
@@ -29,7 +30,7 @@ class CaptureKind:
     scene: str = ""
 
 
-KINDS: Mapping[str, CaptureKind] = {
+KINDS: Mapping[Kind, CaptureKind] = {
     "dark": CaptureKind(light=False, image=False, render=False),
     "flat": CaptureKind(
         light=True,
@@ -108,7 +109,7 @@ class CaptureSet:
     notes : sentences on what was assumed of the files, for the report.
     """
 
-    sensor: Any
+    sensor: Sensor
     captures: Sequence[Capture]
     nuisances: frozenset[str] = frozenset()
     uncertainty: Mapping[str, float] = field(default_factory=dict)

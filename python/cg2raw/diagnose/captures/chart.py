@@ -56,7 +56,8 @@ def xyz_from_lab(lab: NDArray[np.float64]) -> NDArray[np.float64]:
     f_y = (lab[..., 0] + 16) / 116
     f = np.stack([f_y + lab[..., 1] / 500, f_y, f_y - lab[..., 2] / 200], axis=-1)
     cubed = np.where(f > 6 / 29, f**3, 3 * (6 / 29) ** 2 * (f - 4 / 29))
-    return cubed * np.array(D50)
+    xyz: NDArray[np.float64] = cubed * np.array(D50)
+    return xyz
 
 
 def rec709_from_xyz(xyz: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -184,4 +185,5 @@ def chart_from_pixel(corners: NDArray[np.float64]) -> NDArray[np.float64]:
         values += [y, x]
     map_ = np.append(np.linalg.solve(equations, values), 1).reshape(3, 3)
     middle = map_ @ np.append(corners.mean(axis=0), 1)
-    return map_ * np.sign(middle[2])
+    upright: NDArray[np.float64] = map_ * np.sign(middle[2])
+    return upright

@@ -6,14 +6,15 @@
 import hashlib
 import os
 from collections.abc import Sequence
-from typing import Any
 
 from cg2raw.diagnose.captures.capture import Capture
+from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.manifest import UNKNOWN, FrameEntry
 from cg2raw.diagnose.captures.raw_files import RawHeader
 from cg2raw.diagnose.captures.scene_files import has_curve, image_size, size_words
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.captures.yaml_lines import Value
+from cg2raw.sensor import Sensor
 
 CHUNK = 1 << 20  # bytes
 MOST_NAMES = 3  # of files in a note
@@ -80,10 +81,10 @@ def check_image(value: Value, path: str, shape: tuple[int, int]) -> None:
         )
 
 
-def check_sets(frames: Sequence[Any]) -> None:
+def check_sets(frames: Sequence[Frame]) -> None:
     """Raise ValueError for a set of several kinds or groups."""
-    first: dict[str, Any] = {}
-    group: dict[str, Any] = {}
+    first: dict[str, Frame] = {}
+    group: dict[str, FrameEntry] = {}
     for frame in frames:
         capture, entry = frame.capture, frame.entry
         other = first.setdefault(capture.set, frame)
@@ -104,7 +105,7 @@ def check_sets(frames: Sequence[Any]) -> None:
                 )
 
 
-def check_groups(frames: Sequence[Any], captures: Sequence[Capture]) -> None:
+def check_groups(frames: Sequence[Frame], captures: Sequence[Capture]) -> None:
     """Raise ValueError if a group has no frame."""
     for group in GROUPS:
         if not any(capture.group == group for capture in captures):
@@ -116,7 +117,7 @@ def check_groups(frames: Sequence[Any], captures: Sequence[Capture]) -> None:
             )
 
 
-def notes_on(frames: Sequence[Any], sensor: Any) -> list[str]:
+def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
     """Return sentences on what is assumed of the frames."""
     shape = frames[0].capture.shape
     notes = []
@@ -149,7 +150,7 @@ def notes_on(frames: Sequence[Any], sensor: Any) -> list[str]:
     return notes
 
 
-def what_is_missing(frames: Sequence[Any]) -> list[str]:
+def what_is_missing(frames: Sequence[Frame]) -> list[str]:
     """Return sentences on what no diagnosis of these frames can tell apart."""
     captures = [capture for f in frames for capture in (f.capture, *f.borders)]
     darks = [capture for capture in captures if not capture.shows.light]

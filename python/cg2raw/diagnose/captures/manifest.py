@@ -123,12 +123,12 @@ def frame_entry(
     return FrameEntry(
         at=at,
         file=existing(own["file"], path),
-        kind=kind,  # type: ignore[arg-type]
+        kind=kind,
         scene=scene_of(own["scene"], kind, path) if "scene" in own else None,
         gain=1.0 if gain is None else gain,
         illuminant=at["illuminant"].text() if "illuminant" in at else None,
         set=own["set"].text() if "set" in own else None,
-        group=own["group"].word(GROUPS) if "group" in own else None,  # type: ignore
+        group=own["group"].word(GROUPS) if "group" in own else None,
         iso=number("iso", 1.0, "iso"),
         exposure_time=number("exposure_time", 0.0, "seconds"),
         mask=existing(own["mask"], path) if "mask" in own else None,
@@ -137,7 +137,7 @@ def frame_entry(
     )
 
 
-def check_fields_of_kind(value: Value, own: dict[str, Value], kind: str) -> None:
+def check_fields_of_kind(value: Value, own: dict[str, Value], kind: Kind) -> None:
     """Raise ValueError for a field that a kind has not, or lacks."""
     known = KINDS[kind]
     if known.scene and "scene" not in own:
@@ -174,7 +174,7 @@ def existing(value: Value, manifest: str | os.PathLike[str]) -> str:
 
 
 def scene_of(
-    value: Value, kind: str, manifest: str | os.PathLike[str]
+    value: Value, kind: Kind, manifest: str | os.PathLike[str]
 ) -> tuple[float, ...] | str:
     """Return (r, g, b), a path or "unknown"."""
     if value.is_list:

@@ -4,15 +4,15 @@
 """Whether captures are what their manifest says, before they are diagnosed."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
-from cg2raw.diagnose.captures.capture import KINDS, Capture
+from cg2raw.diagnose.captures.capture import KINDS, Capture, Kind
 from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
+from cg2raw.sensor import Sensor
 
 MUCH_CLIPPING = 0.05  # of a frame's pixels; then its highlights say nothing
 LEAST_CORRELATION = 0.3  # of a scene and its render; unrelated ones have below 0.1
@@ -30,7 +30,7 @@ class Integrity:
     shift : px, of a scene against its render. complaints : sentences."""
 
     name: str
-    kind: str
+    kind: Kind
     low: int
     high: int
     mean: float
@@ -42,7 +42,7 @@ class Integrity:
     complaints: tuple[str, ...]
 
 
-def integrity(capture: Capture, sensor: Any) -> Integrity:
+def integrity(capture: Capture, sensor: Sensor) -> Integrity:
     """Return what the pixels of a capture say; all of it is read."""
     raw = capture.raw()
     mask = capture.mask() if capture.mask else None
@@ -85,7 +85,7 @@ def comb(counts: NDArray[np.int64]) -> tuple[int, float]:
     return step, 1 - len(codes) / ((codes[-1] - codes[0]) // step + 1)
 
 
-def level_complaints(found: Integrity, values: RawImage, sensor: Any) -> list[str]:
+def level_complaints(found: Integrity, values: RawImage, sensor: Sensor) -> list[str]:
     """Return what is wrong with a frame's levels."""
     words = []
     most = 2**sensor.bits - 1
@@ -127,7 +127,7 @@ def scene_complaints(shift: Shift | None) -> list[str]:
 
 
 def registration(
-    raw: RawImage, scene: NDArray[np.float32], capture: Capture, sensor: Any
+    raw: RawImage, scene: NDArray[np.float32], capture: Capture, sensor: Sensor
 ) -> Shift:
     """Return the shift of a render against its capture, px of the sensor."""
     light = sensor.illuminant(capture.illuminant, capture.as_shot)

@@ -13,6 +13,7 @@ from cg2raw import _core
 from cg2raw.arrays import RawImage
 from cg2raw.io import libraw, npy_file
 from cg2raw.profile.from_files import is_dng
+from cg2raw.sensor import Sensor
 
 # Of a masked border are left out: pixels beside the active area, where light leaks in,
 # and those at the edge of the read-out, which is disturbed in a real camera's file
@@ -110,7 +111,8 @@ def other_header(path: str) -> RawHeader:
 
 def repeat_of(cfa: str) -> int:
     """Return the side of a square CFA repeat, from its letters."""
-    return round(len(cfa) ** 0.5)
+    side: float = len(cfa) ** 0.5
+    return round(side)
 
 
 def areas_of(sizes: Any, side: int) -> tuple[Area, tuple[Area, ...]]:
@@ -146,7 +148,7 @@ def read_raw(path: str, area: Area) -> RawImage:
     with libraw.opened(path) as raw:
         if raw.raw_type.name != "Flat":
             raise ValueError(f"{path}: holds no mosaic; take a camera's RAW")
-        plane = raw.raw_image[rows, cols].copy()
+        plane: RawImage = raw.raw_image[rows, cols].copy()
     if plane.shape != (area.height, area.width):
         raise ValueError(f"{path}: was changed while it was read; start again")
     return plane
@@ -176,7 +178,7 @@ def exif_numbers(path: str) -> tuple[float | None, float | None]:
     return found[0], found[1]
 
 
-def check_sensor(header: RawHeader, sensor: Any) -> list[str]:
+def check_sensor(header: RawHeader, sensor: Sensor) -> list[str]:
     """Return notes on levels that differ a little from a sensor's, without the file.
 
     Raises ValueError for another CFA, bit depth or scale of DN, saying both."""
@@ -192,10 +194,11 @@ def check_sensor(header: RawHeader, sensor: Any) -> list[str]:
             )
     if header.white_level is None or header.black_level is None:
         return []
-    span = sensor.white_level - float(np.mean(sensor.black_level))
+    black = float(np.mean(sensor.black_level))
+    span = sensor.white_level - black
     notes = []
     for what, read, model, most in (
-        ("black level", np.mean(header.black_level), np.mean(sensor.black_level), 0.02),
+        ("black level", float(np.mean(header.black_level)), black, 0.02),
         ("white level", header.white_level, sensor.white_level, 0.05),
     ):
         words = f"tags say {what} {read:g} DN, {sensor.id} {model:g} DN"

@@ -5,16 +5,17 @@
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw import _core
+from cg2raw.arrays import FloatImage
 from cg2raw.diagnose.captures import consistency
-from cg2raw.diagnose.captures.capture import KINDS, Capture, CaptureSet
+from cg2raw.diagnose.captures.capture import KINDS, Capture, CaptureSet, Group
 from cg2raw.diagnose.captures.chart import ColorChecker, PatchChart
+from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.manifest import (
     UNKNOWN,
     FrameEntry,
@@ -22,27 +23,18 @@ from cg2raw.diagnose.captures.manifest import (
     read_manifest,
 )
 from cg2raw.diagnose.captures.raw_files import (
+    Area,
     RawHeader,
     check_sensor,
     read_header,
     read_raw,
 )
-from cg2raw.diagnose.captures.scene_files import read_mask, read_scene, uniform
+from cg2raw.diagnose.captures.scene_files import Mask, read_mask, read_scene, uniform
 from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
 from cg2raw.sensor import Sensor
 
 LIGHT_OF_DARKS = "D65"  # any: there is none
 PROFILE_ENDINGS = (".json", ".dng")
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A frame before it is divided: its Capture, and those of its masked borders."""
-
-    entry: FrameEntry
-    header: RawHeader
-    capture: Capture
-    borders: tuple[Capture, ...]
 
 
 def read_captures(
@@ -147,7 +139,7 @@ def frame_of(
 def borders_of(capture: Capture, header: RawHeader) -> tuple[Capture, ...]:
     """Return a dark of each masked border of a frame."""
 
-    def border(area: Any) -> Capture:
+    def border(area: Area) -> Capture:
         name = f"{capture.name} (masked {area.name})"
         return replace(
             capture,
@@ -201,7 +193,7 @@ def iso_of(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> float | None
 
 def scene_of(
     entry: FrameEntry, shape: tuple[int, int]
-) -> tuple[Callable[[], Any] | None, Callable[[], Any] | None]:
+) -> tuple[Callable[[], FloatImage] | None, Callable[[], Mask] | None]:
     """Return (scene, mask of a chart's patches); None where there is none."""
     if not KINDS[entry.kind].light:
         return dark, None
@@ -228,7 +220,7 @@ def mask_of(
     manifest: Manifest,
     entry: FrameEntry,
     shape: tuple[int, int],
-    middles: Callable[[], Any] | None,
+    middles: Callable[[], Mask] | None,
 ) -> Callable[[], NDArray[np.bool_]] | None:
     """Return all of a frame's masks as one; None if there is none."""
     if entry.mask:
@@ -240,7 +232,8 @@ def mask_of(
     def mask() -> NDArray[np.bool_]:
         parts = [read_mask(path, shape) for path in paths]
         parts += [middles()] if middles else []
-        return np.logical_and.reduce(parts)
+        together: NDArray[np.bool_] = np.logical_and.reduce(parts)
+        return together
 
     return mask
 
@@ -248,7 +241,7 @@ def mask_of(
 def divided(frames: Sequence[Frame]) -> tuple[list[Capture], list[str]]:
     """Return (captures with their groups, notes). Raises ValueError."""
     consistency.check_sets(frames)
-    groups: dict[str, Any] = {}
+    groups: dict[str, Group | None] = {}
     notes = []
     for kind in dict.fromkeys(frame.capture.kind for frame in frames):
         ours = [frame for frame in frames if frame.capture.kind == kind]
@@ -278,12 +271,12 @@ def stratum(frame: Frame) -> tuple[float, ...]:
     return capture.iso or 0.0, capture.exposure_time or 0.0, level
 
 
-def in_groups(capture: Capture, group: Any) -> list[Capture]:
+def in_groups(capture: Capture, group: Group | None) -> list[Capture]:
     """Return a capture in its group; three, by pixels, if it has none."""
     if group is not None:
         return [replace(capture, group=group)]
 
-    def part(group: Any) -> Capture:
+    def part(group: Group) -> Capture:
         def mask() -> NDArray[np.bool_]:
             ours = third(capture.shape, group)
             return ours & capture.mask() if capture.mask else ours

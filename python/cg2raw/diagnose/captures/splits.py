@@ -4,7 +4,7 @@
 """Who is fitted, who decides, who is reported: frames in three disjoint groups."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ BLOCK = 8  # px; a multiple of every Bayer repeat
 
 
 def groups_of_sets(
-    strata: Mapping[str, Any], declared: Mapping[str, Group]
+    strata: Mapping[str, tuple[float, ...]], declared: Mapping[str, Group]
 ) -> dict[str, Group | None]:
     """Return the group of each set of one kind; None where its pixels are divided.
 

@@ -8,7 +8,9 @@ import math
 import os
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
+
+Word = TypeVar("Word", bound=str)
 
 MISSING = "PyYAML is not installed: pip install 'cg2raw[diagnose]'"
 KINDS = {"mapping": "fields", "sequence": "a list", "scalar": "one value"}
@@ -27,12 +29,12 @@ class Value:
     @property
     def line(self) -> int:
         """Its line, from 1."""
-        return self.node.start_mark.line + 1
+        return int(self.node.start_mark.line) + 1
 
     @property
     def is_list(self) -> bool:
         """Whether it is a list."""
-        return self.node.id == "sequence"
+        return bool(self.node.id == "sequence")
 
     def fail(self, message: str) -> NoReturn:
         """Raise ValueError with file, line and field before a message."""
@@ -83,14 +85,15 @@ class Value:
             self.fail("is empty; give a value, or leave the field out")
         return str(self.node.value)
 
-    def word(self, allowed: Collection[str]) -> str:
+    def word(self, allowed: Collection[Word]) -> Word:
         """Return one of the allowed words. Raises ValueError."""
         text = self.text()
-        if text not in allowed:
-            close = difflib.get_close_matches(text, list(allowed), 1)
-            hint = f"; did you mean {close[0]}?" if close else ""
-            self.fail(f'is "{text}"; must be one of {", ".join(allowed)}{hint}')
-        return text
+        for word in allowed:
+            if word == text:
+                return word
+        close = difflib.get_close_matches(text, list(allowed), 1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        self.fail(f'is "{text}"; must be one of {", ".join(allowed)}{hint}')
 
     def number(self, low: float, high: float, unit: str = "") -> float:
         """Return a number in low..high. Raises ValueError."""

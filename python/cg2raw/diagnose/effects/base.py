@@ -25,6 +25,7 @@ from cg2raw.diagnose.diagnosis import Curve, Estimate
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 Estimator = Literal["smooth", "transform", "fixed pattern"]
 Values = NDArray[np.float64]
@@ -32,8 +33,9 @@ Estimates = Mapping[str, Estimate]
 Whitened = tuple[Array, Array | float]
 Gain = Callable[[float], float]  # nats that a strength is expected to gain
 Predicted = Sequence[tuple[Frame, Prediction]]
+Labels = Callable[[Frame, Prediction], NDArray[np.int64]]  # of the pixels of a frame
 # (labels of the pixels of a frame, number of labels) -> label, measured over predicted
-MeasuredRatio = Callable[[Callable[[Frame, Prediction], Any], int], tuple[Array, Array]]
+MeasuredRatio = Callable[[Labels, int], tuple[Array, Array]]
 
 # Families of effects that may pass for each other.
 GAIN = "gain"
@@ -194,7 +196,7 @@ class Effect:
     # How it comes into a profile.
 
     def profile_values(
-        self, sensor: Any, row: Mapping[str, Any], read_noise: float
+        self, sensor: Sensor, row: Mapping[str, Any], read_noise: float
     ) -> tuple[float, ...] | None:
         """Return the values, in the units of the search, by which a profile draws it
         beyond its variance; None if it does not.
@@ -202,7 +204,7 @@ class Effect:
         row : of the profile's noise table. read_noise : its standard deviation."""
         return None
 
-    def variance_in_table(self, sensor: Any, row: Mapping[str, Any]) -> float:
+    def variance_in_table(self, sensor: Sensor, row: Mapping[str, Any]) -> float:
         """Return the part of a noise table's beta2 that is its own."""
         return 0.0
 

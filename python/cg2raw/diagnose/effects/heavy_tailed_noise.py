@@ -22,6 +22,7 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 NOISY = 9.0  # variance of the wide share, over the rest's, for what would be found
 READ_SHARES = 20  # classes of pixels by how much of their noise is read noise
@@ -87,7 +88,7 @@ class HeavyTailedNoise(Effect):
         return gain
 
     def profile_values(
-        self, sensor: Any, row: Mapping[str, Any], read_noise: float
+        self, sensor: Sensor, row: Mapping[str, Any], read_noise: float
     ) -> tuple[float, ...] | None:
         if self.name not in sensor.noise_effects:
             return None

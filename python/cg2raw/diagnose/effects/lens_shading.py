@@ -3,9 +3,8 @@
 
 """Lens shading: light falls off towards the corners."""
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
@@ -65,9 +64,10 @@ class LensShading(Effect):
         )
 
 
-def _ring(frame: Frame, p: Prediction) -> Any:
+def _ring(frame: Frame, p: Prediction) -> NDArray[np.int64]:
     u, v = frame.tiles.field()
-    return np.minimum((np.hypot(u, v) * RINGS).astype(int), RINGS - 1)
+    rings: NDArray[np.int64] = (np.hypot(u, v) * RINGS).astype(int)
+    return np.minimum(rings, RINGS - 1)
 
 
 def corner_loss(values: Estimates) -> float:

@@ -3,9 +3,8 @@
 
 """Nonlinearity: signal is no straight line of the light."""
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
@@ -57,8 +56,9 @@ class Nonlinearity(Effect):
         )
 
 
-def _level(frame: Frame, p: Prediction) -> Any:
-    return np.clip((p.mean * LEVELS).astype(int), 0, LEVELS - 1)
+def _level(frame: Frame, p: Prediction) -> NDArray[np.int64]:
+    levels: NDArray[np.int64] = (p.mean * LEVELS).astype(int)
+    return np.clip(levels, 0, LEVELS - 1)
 
 
 EFFECT = Nonlinearity()

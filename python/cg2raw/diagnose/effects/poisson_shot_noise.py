@@ -24,6 +24,7 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 FAR = 7.0  # standard deviations beyond which a series is not trusted
 
@@ -74,7 +75,7 @@ class PoissonShotNoise(Effect):
         return lambda fraction: fraction**2 * (skew + excess)
 
     def profile_values(
-        self, sensor: Any, row: Mapping[str, Any], read_noise: float
+        self, sensor: Sensor, row: Mapping[str, Any], read_noise: float
     ) -> tuple[float, ...] | None:
         return (1.0,) if self.name in sensor.noise_effects else None
 

@@ -23,6 +23,7 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 
 class RowNoise(Effect):
@@ -79,11 +80,11 @@ class RowNoise(Effect):
 
         return gain
 
-    def variance_in_table(self, sensor: Any, row: Mapping[str, Any]) -> float:
+    def variance_in_table(self, sensor: Sensor, row: Mapping[str, Any]) -> float:
         return _sigma_in_table(sensor, row) ** 2
 
     def profile_values(
-        self, sensor: Any, row: Mapping[str, Any], read_noise: float
+        self, sensor: Sensor, row: Mapping[str, Any], read_noise: float
     ) -> tuple[float, ...] | None:
         sigma = _sigma_in_table(sensor, row)
         for effect in sensor.effects:
@@ -95,7 +96,7 @@ class RowNoise(Effect):
         return f"standard deviation {value_of(values, 'sigma'):.4g} of white"
 
 
-def _sigma_in_table(sensor: Any, row: Mapping[str, Any]) -> float:
+def _sigma_in_table(sensor: Sensor, row: Mapping[str, Any]) -> float:
     """Return what physical noise draws of rows."""
     drawn = "heavy_tailed_noise" in sensor.noise_effects
     return row.get("row_sigma", 0.0) if drawn else 0.0

@@ -7,7 +7,6 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from cg2raw import _core
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
+from cg2raw.sensor import Sensor
 
 # Pixels along the edges of a frame that are left out: what lies beyond an image
 # is not known; beyond a uniform frame it is, but for filters of the file.
@@ -46,7 +46,7 @@ class Frame:
     at_zero: Mask
     keep: Mask
     camera: NDArray[np.float32]
-    glare_context: Any
+    glare_context: _core.GlareContext
     neutral: tuple[float, ...]
     noise: NoiseModel
     beta1: Array
@@ -55,7 +55,7 @@ class Frame:
     uniform: Array
     site: NDArray[np.int64]
     color: NDArray[np.int64]
-    rendered: tuple[NDArray[np.float32], Any]
+    rendered: tuple[NDArray[np.float32], _core.GlareContext]
     level_free: bool = False
     highlights: Mask | None = None
 
@@ -92,11 +92,13 @@ class Frame:
         return self.at_white | self.at_zero
 
 
-def camera_of(capture_set: CaptureSet, capture: Capture) -> tuple[Any, Any]:
+def camera_of(
+    capture_set: CaptureSet, capture: Capture
+) -> tuple[NDArray[np.float64], _core.Illuminant]:
     """Return (matrix, illuminant): camera RGB is scene @ matrix.T, unclipped.
 
     Source: DNG specification 1.7.1, chapter 6."""
-    profile = capture_set.sensor._profile
+    profile = capture_set.sensor.profile
     light = profile.illuminant(capture.illuminant, capture.as_shot)
     transform = _core.camera_from_scene(profile, light, "dng", 1.0, False)
     return np.asarray(transform.gains)[:, None] * np.asarray(transform.first), light
@@ -104,12 +106,13 @@ def camera_of(capture_set: CaptureSet, capture: Capture) -> tuple[Any, Any]:
 
 def repeat_of(cfa: str) -> int:
     """Return the side of a CFA's repeat."""
-    return round(np.sqrt(len(cfa)))
+    side: float = np.sqrt(len(cfa))
+    return round(side)
 
 
 def planes_of_sites(
     cfa: str, shape: tuple[int, int], values: Sequence[float]
-) -> tuple[Any, Any, Any]:
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     """Return (site, color, values) of every pixel of a tile, (h, w) each."""
     n = repeat_of(cfa)
     rows, columns = np.mgrid[: shape[0], : shape[1]]
@@ -128,10 +131,10 @@ class Source:
     """A capture whose files were read: DN, and camera RGB, (H, W, 3) or (3,)."""
 
     capture: Capture
-    sensor: Any
+    sensor: Sensor
     raw: NDArray[np.uint16]
     camera: NDArray[np.float32]
-    glare_context: Any
+    glare_context: _core.GlareContext
     neutral: tuple[float, ...]
     mask: Mask | None
 

@@ -13,6 +13,7 @@ from scipy.optimize import least_squares, nnls
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.noise_model import NoiseModel
+from cg2raw.sensor import Sensor
 
 MOST_OF_A_KIND = 6  # captures
 MOST_PIXELS = 1536  # a side
@@ -40,7 +41,7 @@ def noise_models(capture_set: CaptureSet) -> dict[float | None, NoiseModel]:
     return models
 
 
-def _of_row(sensor: Any, row: Mapping[str, Any]) -> NoiseModel:
+def _of_row(sensor: Sensor, row: Mapping[str, Any]) -> NoiseModel:
     """Return the noise of one ISO as the profile draws it."""
     beta2 = np.asarray(row["beta2"], float)
     own = sum(effect.variance_in_table(sensor, row) for effect in every().values())
@@ -55,7 +56,7 @@ def _of_row(sensor: Any, row: Mapping[str, Any]) -> NoiseModel:
     return NoiseModel(tuple(row["beta1"]), tuple(beta2), drawn=drawn)
 
 
-def _estimated(sensor: Any, captures: Sequence[Capture]) -> NoiseModel:
+def _estimated(sensor: Sensor, captures: Sequence[Capture]) -> NoiseModel:
     """Variance against level from differences of neighbours of one colour.
 
     Source: A. Foi et al., IEEE Trans. Image Process. 17(10), 2008, for the model."""
@@ -85,7 +86,8 @@ def _line(
     precision = np.sqrt(count / ERROR_OF_MEDIAN)
 
     def away(logs: NDArray[np.float64]) -> NDArray[np.float64]:
-        return precision * (np.log(v) - np.log(design @ np.exp(logs)))
+        errors: NDArray[np.float64] = np.log(v) - np.log(design @ np.exp(logs))
+        return precision * errors
 
     fitted = least_squares(away, np.log(start), loss="cauchy", f_scale=FARTHEST)
     slope, offset = np.exp(fitted.x)
@@ -110,7 +112,7 @@ def _spread(captures: Sequence[Capture]) -> list[Capture]:
 
 
 def _levels_and_variances(
-    sensor: Any, raw: NDArray[np.uint16], number: int
+    sensor: Sensor, raw: NDArray[np.uint16], number: int
 ) -> Iterator[tuple[float, float, int]]:
     """Yield (level, variance, pixels) of pixels that are about as bright.
 

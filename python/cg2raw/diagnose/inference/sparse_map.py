@@ -47,7 +47,8 @@ class _Leak:
         """Where the frames tell of one rate, as they do not of an outlier in one."""
         freedom = np.maximum(self.freedom, 1)
         most = freedom + MOST_CHI_SQUARE * np.sqrt(2 * freedom)
-        return self.chi2 < most + MISFIT * (self.rate / self.deviation) ** 2
+        agreed: Mask = self.chi2 < most + MISFIT * (self.rate / self.deviation) ** 2
+        return agreed
 
 
 def fit_sparse_map(
@@ -140,4 +141,6 @@ def _posterior(
 
 
 def _log_normal(x: Array, deviation: Array) -> Array:
-    return -0.5 * (x / deviation) ** 2 - np.log(np.sqrt(2 * np.pi) * deviation)
+    size = np.sqrt(2 * np.pi) * deviation
+    density: Array = -0.5 * (x / deviation) ** 2 - np.log(size)
+    return density

@@ -5,7 +5,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from cg2raw.diagnose.effects.base import Effect, SensorMap, Values, registered
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
+from cg2raw.sensor import Sensor
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Term:
 class Model:
     """Effects on top of the baseline sensor; nuisances are of the captures alone."""
 
-    sensor: Any
+    sensor: Sensor
     terms: tuple[Term, ...] = ()
     nuisance: Nuisance | None = None
 

@@ -50,7 +50,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
     mean, variance, exposed = (
         part.astype(float)
         for part in _core.predict_blocks(
-            model.sensor._profile,
+            model.sensor.profile,
             registry_values(model, frame),
             frame.camera,
             frame.tiles.origins,

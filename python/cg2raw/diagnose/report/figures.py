@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cg2raw.diagnose.diagnosis import Curve, Diagnosis
+from cg2raw.diagnose.diagnosis import Curve, Diagnosis, Histogram
 from cg2raw.diagnose.report import plots, sections
 from cg2raw.diagnose.report import text as words
 from cg2raw.diagnose.report.frame_images import Frame, Image, frames
@@ -98,7 +98,7 @@ def tests_words(diagnosis: Diagnosis) -> str:
     """Return what the bars of the residual tests show."""
     rows = sections.residual_tests(diagnosis)
 
-    def significant(key):
+    def significant(key: str) -> int:
         return sum(bool(row[key] and row[key]["significant"]) for row in rows)
 
     top = rows[0]
@@ -110,7 +110,7 @@ def tests_words(diagnosis: Diagnosis) -> str:
     )
 
 
-def spread(label: str, histogram) -> str:
+def spread(label: str, histogram: Histogram | None) -> str:
     """Return the standard deviation of a histogram of z in words."""
     if not plots.is_drawable(histogram):
         return f"{label} unknown"

@@ -166,7 +166,8 @@ def srgb(linear: Pixels) -> NDArray[np.uint8]:
     """Return linear values, 0..1, as sRGB codes. Source: IEC 61966-2-1."""
     x = np.clip(np.nan_to_num(linear), 0, 1)
     encoded = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
-    return np.rint(255 * encoded).astype(np.uint8)
+    codes: Pixels = np.rint(255 * encoded)
+    return codes.astype(np.uint8)
 
 
 def map_colors(z: Pixels) -> tuple[NDArray[np.uint8], bytes]:
@@ -200,11 +201,14 @@ def reduced_mean(values: Pixels, side: int) -> Pixels:
     """Return the means of cells of what is known, NaN where nothing is."""
     within = cells(values, side)
     count = np.isfinite(within).sum(axis=2)
-    return np.nansum(within, axis=2) / np.where(count, count, np.nan)
+    mean: Pixels = np.nansum(within, axis=2) / np.where(count, count, np.nan)
+    return mean
 
 
 def reduced_sum(z: Pixels, side: int) -> Pixels:
     """Return standard deviations of cells: their sum over the root of their number."""
     within = cells(z, side)
     count = np.isfinite(within).sum(axis=2)
-    return np.nansum(within, axis=2) / np.sqrt(np.where(count, count, np.nan))
+    root = np.sqrt(np.where(count, count, np.nan))
+    summed: Pixels = np.nansum(within, axis=2) / root
+    return summed

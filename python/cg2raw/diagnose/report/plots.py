@@ -7,13 +7,18 @@ Drawn as wide as a telephone shows them, so that their words stay legible there.
 
 import io
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
-from cg2raw.diagnose.diagnosis import Curve, Gap, ResidualTest
+from cg2raw.diagnose.diagnosis import Curve, Gap, Histogram, ResidualTest
 from cg2raw.diagnose.report.frame_images import SIGMAS, STEPS
 from cg2raw.diagnose.report.text import UNKNOWN, is_known, number, plain, power_of_ten
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import XAxis, YAxis
+    from matplotlib.figure import Figure
 
 WIDTH = 4.5  # inches
 DPI = 150
@@ -39,8 +44,13 @@ MOST_TESTS = 14  # bars; the table has them all
 LEAST_DENSITY = 1e-6
 LONGEST = 32  # characters of a label
 
+Interval = tuple[float, float] | None
+Pair = tuple[str, ResidualTest | None, ResidualTest | None]  # name, before, after
 
-def drawn(height: float, draw: Callable[[Any], None], width: float = WIDTH) -> bytes:
+
+def drawn(
+    height: float, draw: Callable[["Figure"], None], width: float = WIDTH
+) -> bytes:
     """Return the PNG of a figure of that size, inches, filled by draw(figure)."""
     from matplotlib import style
 
@@ -79,7 +89,7 @@ def gap_figure(gap: Gap) -> bytes:
     if repeats != none:
         rows.append(("systematic error, noise variances", *repeats, None, none, 2))
 
-    def draw(figure):
+    def draw(figure: "Figure") -> None:
         for axes, row in zip(
             np.ravel(figure.subplots(len(rows), 1)), rows, strict=True
         ):
@@ -88,7 +98,7 @@ def gap_figure(gap: Gap) -> bytes:
     return drawn(0.2 + 1.0 * len(rows), draw)
 
 
-def set_log(axis) -> None:
+def set_log(axis: "XAxis | YAxis") -> None:
     """Make an axis logarithmic, with powers of ten and no smaller ticks."""
     from matplotlib.ticker import FuncFormatter, NullLocator
 
@@ -103,7 +113,15 @@ def power(value: float) -> str:
     return f"{value:g}" if 0 <= exponent <= 2 else power_of_ten(exponent)
 
 
-def draw_step(axes, label, before, after, ideal, intervals, digits) -> None:
+def draw_step(
+    axes: "Axes",
+    label: str,
+    before: float | None,
+    after: float | None,
+    ideal: float | None,
+    intervals: tuple[Interval, Interval],
+    digits: int,
+) -> None:
     """Draw one quantity's way from before to after on a logarithmic axis."""
     bounds = [x for pair in intervals if pair for x in pair]
     floor, top = span([before, after, *bounds], ideal)
@@ -130,7 +148,7 @@ def draw_step(axes, label, before, after, ideal, intervals, digits) -> None:
             draw_value(axes, value, number(value, digits), color, pair, floor, shift)
 
 
-def span(values, ideal) -> tuple[float, float]:
+def span(values: Sequence[float | None], ideal: float | None) -> tuple[float, float]:
     """Return the ends of a logarithmic axis; room for what is not above zero."""
     known = [x for x in values if is_known(x)]
     positive = [max(x, LEAST_NATS) for x in known if x > 0]
@@ -140,7 +158,15 @@ def span(values, ideal) -> tuple[float, float]:
     return least / room, max(most, least * 10) * 2.5
 
 
-def draw_value(axes, value, shown, color, interval, floor, shift) -> None:
+def draw_value(
+    axes: "Axes",
+    value: float,
+    shown: str,
+    color: str,
+    interval: Interval,
+    floor: float,
+    shift: float,
+) -> None:
     """Draw a value and its interval; what lies below the axis is an arrowhead."""
     at = max(value, floor * 1.15)
     if interval and all(is_known(bound) for bound in interval):
@@ -159,7 +185,7 @@ def tests_figure(
     pairs = paired(before, after)[:MOST_TESTS]
     count = max(len(before), len(after), 1)
 
-    def draw(figure):
+    def draw(figure: "Figure") -> None:
         axes = figure.subplots()
         for row, (_, *tests) in enumerate(pairs):
             for test, color, shift in zip(
@@ -178,7 +204,9 @@ def tests_figure(
     return drawn(0.9 + 0.28 * max(len(pairs), 1), draw)
 
 
-def draw_bar(axes, at, test, color, count) -> None:
+def draw_bar(
+    axes: "Axes", at: float, test: ResidualTest | None, color: str, count: int
+) -> None:
     """Draw one test's bar; none if there is no such test or its size is not known."""
     if test is None or not is_known(test.nats_per_pixel):
         return
@@ -187,7 +215,7 @@ def draw_bar(axes, at, test, color, count) -> None:
               color=color, alpha=0.3 if is_chance else 1)  # fmt: skip
 
 
-def largest(pairs) -> float:
+def largest(pairs: Sequence[Pair]) -> float:
     """Return the largest size of any test, nats per pixel."""
     sizes = [t.nats_per_pixel for _, *tests in pairs for t in tests if t is not None]
     return (
@@ -195,23 +223,23 @@ def largest(pairs) -> float:
     )
 
 
-def paired(before, after):
+def paired(before: Sequence[ResidualTest], after: Sequence[ResidualTest]) -> list[Pair]:
     """Return [(name, test before or None, test after or None)], largest first."""
     first = {test.name: test for test in before}
     last = {test.name: test for test in after}
     rows = [(n, first.get(n), last.get(n)) for n in {**first, **last}]
 
-    def size(row):
+    def size(row: Pair) -> float:
         sizes = [test.nats_per_pixel for test in row[1:] if test is not None]
         return max((x for x in sizes if is_known(x)), default=-1.0)
 
     return sorted(rows, key=size, reverse=True)
 
 
-def histogram_figure(before, after) -> bytes:
+def histogram_figure(before: Histogram | None, after: Histogram | None) -> bytes:
     """Return the densities of z, each (edges, counts) or None, against N(0, 1)."""
 
-    def draw(figure):
+    def draw(figure: "Figure") -> None:
         axes = figure.subplots()
         z = np.linspace(-8, 8, 321)
         normal = np.exp(-z * z / 2) / np.sqrt(2 * np.pi)
@@ -235,7 +263,7 @@ def histogram_figure(before, after) -> bytes:
     return drawn(3.1, draw)
 
 
-def is_drawable(histogram) -> bool:
+def is_drawable(histogram: Histogram | None) -> TypeGuard[Histogram]:
     """Whether a histogram is there, and counts anything."""
     if histogram is None or not np.isfinite(np.concatenate(histogram)).all():
         return False
@@ -245,7 +273,7 @@ def is_drawable(histogram) -> bool:
 def curve_figure(curve: Curve) -> bytes:
     """Return a fitted curve with its band, and the measured points."""
 
-    def draw(figure):
+    def draw(figure: "Figure") -> None:
         axes = figure.subplots()
         axes.fill_between(curve.x, curve.low, curve.high, color=FITTED, alpha=0.25,
                           linewidth=0, label="95 %")  # fmt: skip
@@ -264,7 +292,7 @@ def curve_figure(curve: Curve) -> bytes:
 def scale_figure() -> bytes:
     """Return the colour bar of the residual maps."""
 
-    def draw(figure):
+    def draw(figure: "Figure") -> None:
         from matplotlib import colormaps
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
@@ -289,7 +317,7 @@ def short(label: str) -> str:
     return label if len(label) <= LONGEST else label[: LONGEST - 3] + "..."
 
 
-def legend(figure, entries) -> None:
+def legend(figure: "Figure", entries: Sequence[tuple[str, str]]) -> None:
     """Draw the key above the axes, where it covers nothing."""
     from matplotlib.patches import Patch
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cg2raw.diagnose.diagnosis import (
+    Alternative,
     DetectionLimit,
     Diagnosis,
     Finding,
@@ -148,7 +149,7 @@ def parameters(effect: Finding) -> list[Row]:
     return rows
 
 
-def ranked(alternatives, gain: float | None = None) -> list[Row]:
+def ranked(alternatives: Sequence[Alternative], gain: float | None = None) -> list[Row]:
     """Return candidates with the length of their bars, percent of the largest gain."""
     gains = [a.gain_nats for a in alternatives] + ([] if gain is None else [gain])
     top = max((g for g in gains if words.is_known(g)), default=0.0)
@@ -171,7 +172,11 @@ def share_of(value: float, top: float) -> str:
 
 
 def runner_up(
-    name: str, gain: float, alternatives, rule: str, ambiguous: Sequence[str] = ()
+    name: str,
+    gain: float,
+    alternatives: Sequence[Alternative],
+    rule: str,
+    ambiguous: Sequence[str] = (),
 ) -> Row | None:
     """Return the best other name, how far it is from this one, by which rule this one
     was taken, and what separates the two."""
@@ -222,7 +227,7 @@ def residual_tests(diagnosis: Diagnosis) -> list[Row]:
             "name": words.plain(name),
             "before": answer(before, count),
             "after": answer(after, count),
-            "where": (after or before).where,
+            "where": next(test.where for test in (after, before) if test),
         }
         for name, before, after in paired(diagnosis.tests_before, diagnosis.tests_after)
     ]
