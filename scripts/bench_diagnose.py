@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Measure `cg2raw diagnose` on 12 frames of 1 MP and of 12 MP: seconds and memory.
 
-The frames are those of a profile with lens shading and row noise, in DNGs; the doubted
+The frames are those of a profile with lens shading and row noise, in DNGs; the baseline
 model lacks both. There is no peer that names effects: bounds are absolute, for two
 cores that do nothing else."""
 
@@ -50,9 +50,9 @@ def make_captures(folder, width, height):
     import cg2raw
 
     folder.mkdir(parents=True, exist_ok=True)
-    doubted = json.loads(cg2raw.Sensor(SENSOR).to_json())
-    (folder / "sensor.json").write_text(json.dumps(doubted))
-    true = cg2raw.Sensor.from_json(json.dumps({**doubted, "effects": EFFECTS}))
+    baseline = json.loads(cg2raw.Sensor(SENSOR).to_json())
+    (folder / "sensor.json").write_text(json.dumps(baseline))
+    true = cg2raw.Sensor.from_json(json.dumps({**baseline, "effects": EFFECTS}))
     lines = ["sensor: sensor.json", f"iso: {ISO}", f"illuminant: {LIGHT}", "frames:"]
     number = 0
 

@@ -75,7 +75,7 @@ def diagnosis(verdict="identified", **changes):
             DetectionLimit("prnu", "sigma", 0.1, ""),
         ],
         "next_captures": ["add flats at two levels"],
-        "notes": ["exposure floated"],
+        "notes": ["exposure is a free nuisance"],
         "groups": {"fit": ["a.dng"], "select": ["b.dng"], "report": ["shot_7.dng"]},
         "pictures": [Picture("shot_7.dng", "scene", small, small, small,
                              small[..., 0], small[..., 0])],

@@ -205,7 +205,7 @@ def made_up_diagnosis(**changes):
         "detection_limits": detection_limits(),
         "next_captures": ["Ten darks of one exposure time would tell row noise from "
                           "read noise."],
-        "notes": ["The exposure of every set was floated.",
+        "notes": ["The exposure of every set is a free nuisance.",
                   "Lateral chromatic aberration was not tested: no frame has edges."],
         "groups": {"fit": ["shot_1.dng", "dark_0.dng"], "select": ["shot_4.dng"],
                    "report": ["scene_0.dng", "flat_1.dng", "scene_2.dng"]},

@@ -40,7 +40,7 @@ def camera(sensor):
     return camera_of(sensor, "D65", ISO)
 
 
-def world_of(captures):
+def synthetic_camera_of(captures):
     return captures.captures[0].raw.func.__self__
 
 
@@ -133,9 +133,9 @@ def test_frames_have_the_stated_mean_and_variance(camera, electrons, poisson):
 
 def test_density_of_the_plain_model_is_the_entropy_of_a_gaussian(sensor, camera):
     captures = simulate_captures(sensor, {}, seed=2, shape=SHAPE)
-    world = world_of(captures)
+    source = synthetic_camera_of(captures)
     for one in report(captures, "flat") + report(captures, "dark"):
-        charges, _ = world.expected(one.raw.args[0], world.patterns)
+        charges, _ = source.expected(one.raw.args[0], source.patterns)
         gain = camera.over(camera.dn_per_electron, SHAPE)
         read = camera.over(camera.read_noise, SHAPE)
         variance = gain**2 * (charges + read**2) + 1 / 12
@@ -167,7 +167,7 @@ def test_truth_is_denser_than_what_is_a_little_otherwise(sensor, name):
     field, factor = PERTURBED[name]
     other = {name: {**hidden[name], field: factor * hidden[name][field]}}
     frames = simulate_captures(sensor, hidden, seed=7, shape=SHAPE)
-    wrong = world_of(simulate_captures(sensor, other, seed=7, shape=SHAPE))
+    wrong = synthetic_camera_of(simulate_captures(sensor, other, seed=7, shape=SHAPE))
     gain = 0.0
     for one in frames.captures:
         if one.group == "report":
@@ -182,17 +182,17 @@ def test_patterns_are_known_as_far_as_the_fit_frames_tell(sensor, name):
     strength = {"hot_pixels": 5e-3}.get(name, KINDS[name].high)
     hidden = draw_hidden(sensor, {name: strength}, seed=8)
     captures = simulate_captures(sensor, hidden, seed=8, shape=SHAPE)
-    world = world_of(captures)
+    source = synthetic_camera_of(captures)
     feasible = knowing = ignorant = 0.0
     for one in report(captures, "dark") + report(captures, "flat"):
         shot = one.raw.args[0]
-        rest = (world.noise, world.camera)
+        rest = (source.noise, source.camera)
         flat = charge.Patterns.none(SHAPE)
         feasible += one.log_density().sum()
         knowing += log_density(
-            one.raw(), *world.expected(shot, world.patterns), *rest
+            one.raw(), *source.expected(shot, source.patterns), *rest
         ).sum()
-        ignorant += log_density(one.raw(), *world.expected(shot, flat), *rest).sum()
+        ignorant += log_density(one.raw(), *source.expected(shot, flat), *rest).sum()
     assert ignorant + 10 < feasible < knowing
 
 
@@ -247,7 +247,7 @@ def test_every_effect_can_be_hidden_and_seen(sensor, name):
     kind = KINDS.get(name) or UNKNOWN_KINDS[name]
     hidden = draw_hidden(sensor, {name: kind.high}, seed=10)
     frames = simulate_captures(sensor, hidden, seed=10, shape=SHAPE)
-    clean = world_of(simulate_captures(sensor, {}, seed=10, shape=SHAPE))
+    clean = synthetic_camera_of(simulate_captures(sensor, {}, seed=10, shape=SHAPE))
     gap = []
     for one in frames.captures:
         if one.group == "report":
@@ -321,11 +321,13 @@ def test_command_says_what_is_wrong(tmp_path, capsys, options, message):
 )
 def test_what_is_unknown_of_a_pattern_is_stated(sensor, name, field, place):
     hidden = draw_hidden(sensor, {name: KINDS[name].high}, seed=12)
-    world = world_of(simulate_captures(sensor, hidden, seed=12, shape=SHAPE))
-    error = getattr(world.patterns, field) - getattr(world.found.mean, field)
-    sure = world.found.covariance[..., place, place]
+    source = synthetic_camera_of(
+        simulate_captures(sensor, hidden, seed=12, shape=SHAPE)
+    )
+    error = getattr(source.patterns, field) - getattr(source.found.mean, field)
+    sure = source.found.covariance[..., place, place]
     assert np.mean(error**2) == pytest.approx(sure.mean(), rel=0.06)
-    assert sure.mean() < 0.7 * getattr(world.patterns, field).var()
+    assert sure.mean() < 0.7 * getattr(source.patterns, field).var()
 
 
 def test_density_of_blended_noise_is_the_entropy_of_its_spectrum(camera):

@@ -17,13 +17,13 @@ from cg2raw.synthetic.captures import (
     draw_hidden,
     noise_iso,
     simulate_captures,
-    world_of,
+    synthetic_camera_of,
 )
 from cg2raw.synthetic.conditions import STUDIO
 from cg2raw.synthetic.evidence import evidence
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
-from cg2raw.synthetic.world import stream
+from cg2raw.synthetic.synthetic_camera import stream
 
 # Cases that are drawn: per effect where a suite goes through them, else in all.
 SUITES = {
@@ -52,8 +52,8 @@ WEAKEST = 0.02
 
 @dataclass(frozen=True)
 class Case:
-    """One hidden world. strengths : effect -> strength, None for one from its range.
-    without : effects that the diagnosis must not name."""
+    """One synthetic camera. strengths : effect -> strength, None for one from its
+    range. without : effects that the diagnosis must not name."""
 
     suite: str
     number: int
@@ -74,10 +74,10 @@ class Case:
         """Return the nats that hidden effects bring to the frames that decide."""
         sensor, hidden = self.sensor_and_hidden()
         iso = noise_iso(sensor, None)
-        world = world_of(
+        source = synthetic_camera_of(
             sensor, hidden, self.seed, SHAPE, ILLUMINANT, iso, self.nuisances
         )
-        return evidence(world, names)
+        return evidence(source, names)
 
     def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
         """Return the frames and the parameters that were hidden in them."""

@@ -3,14 +3,14 @@
 """Find where simulation and measurement disagree, name the effect, add it.
 
 captures.yaml lists RAW frames, what was in front of the lens, and the sensor whose
-profile is doubted. A third of the sets is fitted, a third decides, and the numbers that
+profile is tested. A third of the sets is fitted, a third decides, and the numbers that
 are shown are of the last third. REPORT gets report.html with its pictures, verdict.json
 for programs, and profile.json: the sensor with the effects that were found; there is
 none if they do not make the held-out frames, edge to edge, more likely.
 
 Verdicts, and their exit codes with --exit-code: no gap 0, identified 10, ambiguous 11,
-unknown structure or identified with an unexplained rest 12. Ctrl-C ends the search, not
-the report, which then says so (exit code 130).
+unknown structure or identified with an unexplained residual 12. Ctrl-C ends the search,
+not the report, which then says so (exit code 130).
 
 examples:
   cg2raw diagnose captures.yaml -o report/
@@ -288,7 +288,7 @@ def run_verify(arguments: argparse.Namespace) -> int:
 def with_closed_share(first: "Diagnosis", second: "Diagnosis") -> "Diagnosis":
     """Return the second Diagnosis without structures that are traces of what it closed.
 
-    A diagnosis that finds effects says so of its rest; here nothing was searched."""
+    A diagnosis that finds effects says so itself; here nothing was searched."""
     from cg2raw.diagnose.diagnosis import (
         CHI_SQUARE_NAME,
         LARGE_NATS,

@@ -50,8 +50,8 @@ class Alternative:
 
     name: str
     gain_nats: float  # held-out, over the model without either
-    separation: str = (
-        ""  # sentence: what would tell the two apart; "": the report's own
+    discriminating_captures: str = (
+        ""  # sentence: what would discriminate the two; "": the report's own
     )
 
 
@@ -175,7 +175,7 @@ class Diagnosis:
     ladder: list[Rung]
     detection_limits: list[DetectionLimit]
     next_captures: list[str]  # sentences: what to capture to decide or to go on
-    notes: list[str]  # sentences: nuisances that were floated, what was not tested
+    notes: list[str]  # sentences: free nuisances, what was not tested
     groups: Mapping[str, Sequence[str]]  # fit, select, report -> names of frames
     pictures: list[Picture] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)

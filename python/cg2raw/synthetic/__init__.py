@@ -17,9 +17,9 @@ measured    lenses and read noise as others measured them
 density     the true log density of what was read out
 posterior   what fit frames tell of fixed patterns: the feasible truth
 conditions  what goes wrong with a capture, and not with a camera
-world       a camera with hidden effects, and the frames that it takes
+synthetic_camera  one with hidden effects, and the frames that it takes
 sensors     sensors with made-up noise
-captures    captures of a world, as a CaptureSet and as a command
+captures    captures of a synthetic camera, as a CaptureSet and as a command
 disk        captures.yaml, DNGs, renders, the sealed truth
 """
 

@@ -26,7 +26,7 @@ from cg2raw.synthetic.strengths import (
     UNKNOWN_KINDS,
     draw_effect,
 )
-from cg2raw.synthetic.world import GROUPS, World, plan, stream
+from cg2raw.synthetic.synthetic_camera import GROUPS, SyntheticCamera, plan, stream
 
 ILLUMINANT = "D65"
 SHAPE = (112, 144)
@@ -59,33 +59,35 @@ def simulate_captures(
     log_density of the captures is that of the model that drew them, which knows the
     nuisances too; None where its read noise was measured. Raises ValueError."""
     iso = noise_iso(sensor, iso)
-    world = world_of(sensor, hidden, seed, shape, illuminant, iso, nuisances, measured)
+    source = synthetic_camera_of(
+        sensor, hidden, seed, shape, illuminant, iso, nuisances, measured
+    )
     known = not (measured and measured.read_noise)
     captures = [
         Capture(
             name=shot.name,
             kind=shot.kind,
-            shape=world.shape,
+            shape=source.shape,
             group=shot.group,
             set=shot.set,
             illuminant=illuminant,
             iso=iso,
             exposure_time=shot.seconds,
-            raw=partial(world.raw, shot),
-            scene=partial(world.render, shot),
-            log_density=partial(world.log_density, shot) if known else None,
+            raw=partial(source.raw, shot),
+            scene=partial(source.render, shot),
+            log_density=partial(source.log_density, shot) if known else None,
         )
         for shot in plan(seed, groups)
     ]
     return CaptureSet(
         sensor=sensor,
         captures=captures,
-        nuisances=conditions.declared(world.nuisances),
-        uncertainty=conditions.uncertainty(world.nuisances),
+        nuisances=conditions.declared(source.nuisances),
+        uncertainty=conditions.uncertainty(source.nuisances),
     )
 
 
-def world_of(
+def synthetic_camera_of(
     sensor: Sensor,
     hidden: Mapping[str, Mapping[str, float]],
     seed: int,
@@ -94,8 +96,8 @@ def world_of(
     iso: float,
     nuisances: Mapping[str, float] | None,
     measured: Measured | None = None,
-) -> World:
-    """Return the world that draws the frames; arguments as of simulate_captures."""
+) -> SyntheticCamera:
+    """Return the camera that draws the frames; arguments as of simulate_captures."""
     if min(shape) < 48 or shape[0] % 2 or shape[1] % 2:
         raise ValueError(f"shape {tuple(shape)} must be even and at least 48 x 48")
     camera = camera_of(sensor, illuminant, iso)
@@ -114,7 +116,7 @@ def world_of(
             f"{tuple(shape)} and no value below 0"
         )
     size = (int(shape[0]), int(shape[1]))
-    return World(camera, hidden, seed, size, given, measured)
+    return SyntheticCamera(camera, hidden, seed, size, given, measured)
 
 
 def noise_iso(sensor: Sensor, iso: float | None) -> float:
@@ -235,10 +237,10 @@ def _folder(given: argparse.Namespace) -> disk.Folder:
     )
     nuisances = conditions.STUDIO if given.studio else None
     shape = _size(given.size)
-    world = world_of(
+    source = synthetic_camera_of(
         sensor, hidden, given.seed, shape, given.illuminant, iso, nuisances
     )
-    return disk.Folder(world, plan(given.seed), sensor, name, given.illuminant, iso)
+    return disk.Folder(source, plan(given.seed), sensor, name, given.illuminant, iso)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -16,7 +16,7 @@ import numpy as np
 from cg2raw import Sensor, write_dng
 from cg2raw.io.atomic_file import write_folder
 from cg2raw.synthetic import conditions
-from cg2raw.synthetic.world import Shot, World
+from cg2raw.synthetic.synthetic_camera import Shot, SyntheticCamera
 
 MANIFEST, TRUTH, SENSOR = "captures.yaml", "truth.json", "sensor.json"
 
@@ -29,14 +29,14 @@ class Folder:
 
     def __init__(
         self,
-        world: World,
+        source: SyntheticCamera,
         shots: Sequence[Shot],
         sensor: Sensor,
         sensor_name: str,
         illuminant: str,
         iso: float,
     ) -> None:
-        self.world, self.shots, self.sensor = world, shots, sensor
+        self.source, self.shots, self.sensor = source, shots, sensor
         self.sensor_name, self.illuminant, self.iso = sensor_name, illuminant, iso
         self.truth = self._truth()
         self.seal = hashlib.sha256(self.truth).hexdigest()
@@ -50,17 +50,17 @@ class Folder:
         for shot in self.shots:
             if shot.kind == "scene" and shot.repeat == 0:
                 buffer = io.BytesIO()
-                np.save(buffer, self.world.render(shot))
+                np.save(buffer, self.source.render(shot))
                 yield f"{shot.set}.npy", buffer.getvalue()
             yield f"{shot.name}.dng", self._dng(shot)
 
     def _truth(self) -> bytes:
         """Return what was hidden, for after the verdict."""
-        camera = self.world.camera
+        camera = self.source.camera
         truth = {
-            "hidden": self.world.hidden,
-            "nuisances": self.world.nuisances,
-            "seed": self.world.seed,
+            "hidden": self.source.hidden,
+            "nuisances": self.source.nuisances,
+            "seed": self.source.seed,
             "sensor": self.sensor.id,
             "illuminant": self.illuminant,
             "iso": self.iso,
@@ -70,8 +70,8 @@ class Folder:
         return (json.dumps(truth, indent=2) + "\n").encode()
 
     def _manifest(self) -> str:
-        declared = sorted(conditions.declared(self.world.nuisances))
-        bounds = conditions.uncertainty(self.world.nuisances)
+        declared = sorted(conditions.declared(self.source.nuisances))
+        bounds = conditions.uncertainty(self.source.nuisances)
         lines = [
             f"# What is hidden in these frames: {TRUTH}, sha256 {self.seal}",
             f"sensor: {self.sensor_name}",
@@ -90,7 +90,7 @@ class Folder:
     def _entry(self, shot: Shot) -> str:
         fields = {"file": f"{shot.name}.dng", "kind": shot.kind}
         if shot.kind == "flat":
-            red, green, blue = self.world.render(shot).tolist()
+            red, green, blue = self.source.render(shot).tolist()
             fields["scene"] = f"[{red!r}, {green!r}, {blue!r}]"
         if shot.kind == "scene":
             fields["scene"] = f"{shot.set}.npy"
@@ -104,7 +104,7 @@ class Folder:
             path = os.path.join(folder, f"{shot.name}.dng")
             write_dng(
                 path,
-                self.world.raw(shot),
+                self.source.raw(shot),
                 sensor=self.sensor,
                 illuminant=self.illuminant,
                 iso=self.iso,

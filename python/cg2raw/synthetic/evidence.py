@@ -8,30 +8,32 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.synthetic.world import Shot, World, plan
+from cg2raw.synthetic.synthetic_camera import Shot, SyntheticCamera, plan
 
 
-class _Without(World):
-    """A world that lacks one effect, and is shown the frames of one that has it."""
+class _Without(SyntheticCamera):
+    """A camera that lacks one effect, and is shown the frames of one that has it."""
 
-    def __init__(self, world: World, name: str) -> None:
-        rest = {key: values for key, values in world.hidden.items() if key != name}
-        super().__init__(world.camera, rest, world.seed, world.shape, world.nuisances)
-        self._shown = world
+    def __init__(self, source: SyntheticCamera, name: str) -> None:
+        rest = {key: values for key, values in source.hidden.items() if key != name}
+        super().__init__(
+            source.camera, rest, source.seed, source.shape, source.nuisances
+        )
+        self._shown = source
 
     def raw(self, shot: Shot) -> NDArray[np.uint16]:
         return self._shown.raw(shot)
 
 
-def evidence(world: World, names: Iterable[str]) -> dict[str, float]:
+def evidence(source: SyntheticCamera, names: Iterable[str]) -> dict[str, float]:
     """Return, per effect, the nats by which the select frames are likelier with it.
 
-    Both worlds are known to the last parameter: what a diagnosis, which has to fit
+    Both cameras are known to the last parameter: what a diagnosis, which has to fit
     them, can gain is less."""
-    shots = [shot for shot in plan(world.seed) if shot.group == "select"]
+    shots = [shot for shot in plan(source.seed) if shot.group == "select"]
 
-    def total(one: World) -> float:
+    def total(one: SyntheticCamera) -> float:
         return sum(float(np.nansum(one.log_density(s), dtype=float)) for s in shots)
 
-    with_all = total(world)
-    return {name: with_all - total(_Without(world, name)) for name in names}
+    with_all = total(source)
+    return {name: with_all - total(_Without(source, name)) for name in names}

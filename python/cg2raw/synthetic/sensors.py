@@ -8,7 +8,7 @@ import json
 import numpy as np
 
 from cg2raw import Sensor
-from cg2raw.synthetic.world import stream
+from cg2raw.synthetic.synthetic_camera import stream
 
 # Colours of real cameras; levels and noise are drawn.
 BASES = ("canon-70d", "nikon-d850", "sony-a7s-ii", "samsung-s20fe", "gopro-hero6-black")

@@ -5,7 +5,7 @@
 
 These rules only take names away. An effect that may as well be absent, or whose value
 lies where the search could not go on, is no finding; and a model that does not make
-whole held-out frames more likely than the doubted one is none at all.
+whole held-out frames more likely than the baseline does is none at all.
 """
 
 from collections.abc import Mapping, Sequence

@@ -119,7 +119,7 @@ def statistics_of(
 ) -> Statistics:
     """Return the sums of all tests of a model on frames.
 
-    others : of another split, which only tell which pixels may stand out."""
+    others : of another split, which only say which pixels may stand out."""
     statistics = Statistics(suspects=_suspects(model, others))
     computed = likelihood.each(lambda frame: log_density(model, frame)[1:])
     for frame, (z, p) in zip(likelihood.frames, computed, strict=True):

@@ -48,7 +48,7 @@ def residual_tests(
 ) -> list[ResidualTest]:
     """Return all tests, those that explain most nats first.
 
-    others : frames of another split, which only tell which pixels may stand out."""
+    others : frames of another split, which only say which pixels may stand out."""
     collected = statistics_of(model, likelihood, others)
     names = dict.fromkeys(name for name, _ in collected.sums)
     tests = [_tested(n, collected.of_test(n), collected.pixels) for n in names]

@@ -166,8 +166,8 @@ def _notes(
 ) -> list[str]:
     notes = list(capture_set.notes)
     if capture_set.nuisances:
-        words_ = ", ".join(sorted(capture_set.nuisances))
-        notes.append(f"Floated without being called an effect: {words_}.")
+        free = ", ".join(sorted(capture_set.nuisances))
+        notes.append(f"Free nuisances, which are not effects: {free}.")
     if any(not frame.noise.measured for frame in frames):
         notes.append(
             "The profile has no noise at these ISOs: its level was fitted to the "

@@ -208,5 +208,5 @@ def check_sensor(header: RawHeader, sensor: Sensor) -> list[str]:
                 "give the sensor of these frames"
             )
         if abs(read - model) > 1e-6 * span:
-            notes.append(f"{words}; the profile's is what is doubted")
+            notes.append(f"{words}; the profile's is used, since it is what is tested")
     return notes

@@ -72,9 +72,9 @@ class FixedPattern(Effect):
             parts = []
             for frame, p in group:
                 if frame.signal.shape == shape:
-                    bearing = self.sensitivity(frame, np.maximum(p.exposed, 0))
+                    sensitivity = self.sensitivity(frame, np.maximum(p.exposed, 0))
                     used = frame.keep & ~frame.censored
-                    part = used * bearing**2 / p.variance
+                    part = used * sensitivity**2 / p.variance
                     parts.append(tiles.over_columns(part) if of_columns else part)
             return parts
 

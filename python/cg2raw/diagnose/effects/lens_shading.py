@@ -33,7 +33,7 @@ class LensShading(Effect):
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
     needs = LIGHT
-    # A fall-off that is no polynomial.
+    # Vignetting that is no polynomial.
     taken_up_by = {"exposure": 1e-4, "prnu": 5e-5}
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
@@ -53,7 +53,7 @@ class LensShading(Effect):
         design[:, :3] = np.stack([r**2, r**4, r**6], 1)
         x, y = measured(_ring, RINGS)
         return Curve(
-            "Fall-off of the lens",
+            "Vignetting",
             "radius, 1 in the corner",
             "relative illumination",
             r,

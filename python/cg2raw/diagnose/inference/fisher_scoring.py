@@ -33,7 +33,7 @@ class _State:
     """Of one frame under a model: what every derivative is taken from.
 
     residual, square : scores of a pixel's mean, in standard deviations, and of the log
-    of its variance. weight : root of what it tells of its mean, 1 but of pixels that
+    of its variance. weight : root of its information on its mean, 1 but of pixels that
     are cut at an end of the ADC."""
 
     prediction: Prediction

@@ -44,9 +44,9 @@ def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
 
 @dataclass(frozen=True)
 class _Evidence:
-    """What frames tell of a map, (T, h, w): information (its inverse is the variance of
-    an estimate), score (information times estimate). known : pixels that any frame
-    tells of."""
+    """What frames say about a map, (T, h, w): information (its inverse is the variance
+    of an estimate), score (information times estimate). known : pixels that any frame
+    says anything about."""
 
     information: Array
     score: Array

@@ -86,7 +86,7 @@ def _rule(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
 class Search:
     """The state of one search; run() goes on until nothing more is accepted.
 
-    report : is told of every step. steps : what changed the model."""
+    report : is called with every step. steps : what changed the model."""
 
     def __init__(
         self,
@@ -332,7 +332,7 @@ class Search:
     def _swapped_model(
         self, rest: Model, candidate: Effect, height: float, loss: float
     ) -> Model | None:
-        """Return the rest with a candidate fitted; None if it is nowhere near."""
+        """Return a model with a candidate fitted; None if it is nowhere near."""
         self.report(f"would {candidate.name} do as well")
         base = Linearisation(rest, self.splits.fit)
         guess = first_guess(candidate, base, self.splits.fit.total(rest))

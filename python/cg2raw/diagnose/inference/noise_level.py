@@ -96,7 +96,7 @@ def _line(
 
 def _spread(captures: Sequence[Capture]) -> list[Capture]:
     """Return some captures of every kind and, of a kind, of as many sets as there are:
-    darks alone, which often come first, tell nothing of the slope."""
+    darks alone, which often come first, say nothing about the slope."""
     turns: dict[tuple[str, str], int] = {}
     order = []
     for number, capture in enumerate(captures):

@@ -44,7 +44,7 @@ class _Leak:
 
     @property
     def agreed(self) -> Mask:
-        """Where the frames tell of one rate, as they do not of an outlier in one."""
+        """Where the frames agree on one rate, which an outlier in one does not."""
         freedom = np.maximum(self.freedom, 1)
         most = freedom + MOST_CHI_SQUARE * np.sqrt(2 * freedom)
         agreed: Mask = self.chi2 < most + MISFIT * (self.rate / self.deviation) ** 2

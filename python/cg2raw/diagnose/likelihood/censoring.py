@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Censored: what pixels tell that the ADC cuts at one of its ends."""
+"""Censoring: what pixels say that the ADC cuts at one of its ends."""
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri
@@ -12,7 +12,7 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 
 LOG_2PI = np.log(2 * np.pi)
 LARGEST_Z = 8.0
-LEAST_TOLD = 1e-6  # of a pixel that was cut, of what one tells that was not
+LEAST_SHARE = 1e-6  # of the information of a pixel that is not censored
 MEASURED = 0.97  # of white; above it residuals are drawn, not measured
 
 
@@ -43,9 +43,9 @@ def scores(p: Prediction, frame: Frame) -> tuple[Array, Array, Array]:
     """Return (score of the mean, of the variance, weight) of every pixel.
 
     The mean's is its residual, times its weight; the variance's is of its log, times
-    the root of 2. weight : root of what a pixel tells of its mean, 1 but of those that
-    are cut at an end of the ADC: they tell that they lie beyond it, and the score of
-    their mean is the inverse of Mills' ratio."""
+    the root of 2. weight : root of a pixel's information on its mean, 1 but of those
+    that are cut at an end of the ADC: they say that they lie beyond it, and the score
+    of their mean is the inverse of Mills' ratio."""
     spread = np.sqrt(p.variance)
     z = np.where(frame.counted, (frame.signal - p.mean) / spread, 0)
     square = (z * z - 1) * np.sqrt(0.5)
@@ -54,7 +54,7 @@ def scores(p: Prediction, frame: Frame) -> tuple[Array, Array, Array]:
         if hit.any():
             end = first_censored(frame, hit, sign, p) / spread[hit]
             ratio = np.exp(-0.5 * end**2 - 0.5 * LOG_2PI - log_ndtr(-end))
-            told = np.sqrt(np.clip(ratio * (ratio - end), LEAST_TOLD, 1))
+            told = np.sqrt(np.clip(ratio * (ratio - end), LEAST_SHARE, 1))
             z[hit], weight[hit] = sign * ratio / told, told
             square[hit] = np.sqrt(0.5) * ratio * end
     return z, square, weight

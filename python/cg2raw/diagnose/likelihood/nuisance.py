@@ -52,21 +52,21 @@ class Nuisance:
         if not frame.capture.shows.light:
             return None
         spread = np.sqrt(p.variance)
-        bearing = np.maximum(p.exposed, 0) / spread
+        sensitivity = np.maximum(p.exposed, 0) / spread
         clipped = frame.censored | (p.exposed > p.mean + CLIPPED * spread)
-        bearing = np.where(frame.keep & ~clipped, bearing, 0).astype("f4")
+        sensitivity = np.where(frame.keep & ~clipped, sensitivity, 0).astype("f4")
         columns = []
         apart = frame.level_free or "white_balance" in self.free
         unknown = UNKNOWN_LEVEL if frame.level_free else AFTER_ALIGNMENT
         if apart:
-            columns += [unknown * bearing * (frame.color == c) for c in range(3)]
+            columns += [unknown * sensitivity * (frame.color == c) for c in range(3)]
         brightness = self.light
         if "exposure" in self.free:
             brightness = np.hypot(brightness, AFTER_ALIGNMENT)
-        columns.append(brightness * bearing)
+        columns.append(brightness * sensitivity)
         if frame.capture.shows.image and "radiance" in self.free:
             down, across = _bumps(frame)
-            rows = [self.radiance * bearing * down[..., i] for i in range(FIELD[0])]
+            rows = [self.radiance * sensitivity * down[..., i] for i in range(FIELD[0])]
             columns += [row * across[..., j] for row in rows for j in range(FIELD[1])]
         return np.array([column.ravel() for column in columns], "f4")
 

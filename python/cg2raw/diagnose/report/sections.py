@@ -115,7 +115,7 @@ def finding(effect: Finding, accepted: Sequence[Finding]) -> Row:
         "ambiguous_with": [
             {
                 "title": words.plain(name),
-                "separation": told_apart(effect, name),
+                "discriminating": told_apart(effect, name),
             }
             for name in effect.ambiguous_with
         ],
@@ -128,8 +128,8 @@ def finding(effect: Finding, accepted: Sequence[Finding]) -> Row:
 
 
 def told_apart(effect: Finding, name: str) -> str:
-    """Return what would separate an effect from @name: the engine's words, or ours."""
-    given = [a.separation for a in effect.alternatives if a.name == name]
+    """Return what would discriminate an effect from @name: its own words, or ours."""
+    given = [a.discriminating_captures for a in effect.alternatives if a.name == name]
     return next(filter(None, given), discriminating_captures(effect.name, name))
 
 
@@ -179,7 +179,7 @@ def runner_up(
     ambiguous: Sequence[str] = (),
 ) -> Row | None:
     """Return the best other name, how far it is from this one, by which rule this one
-    was taken, and what separates the two."""
+    was taken, and what discriminates the two."""
     known = [a for a in alternatives if words.is_known(a.gain_nats) and a.name != name]
     if not known:
         return None
@@ -191,7 +191,8 @@ def runner_up(
         f"{'behind' if behind >= 0 else 'ahead'}",
         "is_close": second.name in ambiguous,
         "rule": rule,
-        "separation": second.separation or discriminating_captures(name, second.name),
+        "discriminating": second.discriminating_captures
+        or discriminating_captures(name, second.name),
     }
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""A hidden world: one camera with hidden effects, and the frames that it takes."""
+"""Synthetic camera: one with hidden effects, and the frames that it takes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -73,7 +73,7 @@ def stream(seed: int, purpose: str) -> Generator:
     return np.random.default_rng([seed, crc32(purpose.encode())])
 
 
-class World:
+class SyntheticCamera:
     """Draws frames, and knows their density.
 
     nuisances : all of conditions.STUDIO, as conditions.checked returns them."""
