@@ -158,3 +158,33 @@ def test_a_library_has_one_user(name):
     libraries = {other.partition(".")[0] for other in IMPORTS[name]}
     for library in libraries & set(LIBRARIES):
         assert room_of(name) in LIBRARIES[library], library
+
+
+MOST_LINES, LONGEST_FUNCTION = 350, 40
+
+
+def tree_of(path):
+    return ast.parse(path.read_text())
+
+
+@pytest.mark.parametrize("folder", ["python", "ocio", "tests", "scripts"])
+def test_files_are_short(folder):
+    lengths = {
+        path.relative_to(ROOT).as_posix(): len(path.read_text().splitlines())
+        for path in (ROOT / folder).rglob("*.py")
+    }
+    assert {name: count for name, count in lengths.items() if count > MOST_LINES} == {}
+
+
+@pytest.mark.parametrize("folder", ["python", "ocio", "scripts"])
+def test_functions_are_short(folder):
+    """Lines of code, without signature and docstring."""
+    long = {}
+    for path in (ROOT / folder).rglob("*.py"):
+        for node in ast.walk(tree_of(path)):
+            if isinstance(node, ast.FunctionDef):
+                body = node.body[1:] if ast.get_docstring(node) else node.body
+                count = node.end_lineno - body[0].lineno + 1 if body else 0
+                if count > LONGEST_FUNCTION:
+                    long[f"{path.name}: {node.name}"] = count
+    assert long == {}

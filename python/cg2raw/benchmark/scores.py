@@ -95,47 +95,79 @@ def _line(name: str, group: Sequence[Record]) -> str:
     )
 
 
-def bounds(suite: str, good: Sequence[Record]) -> list[tuple[str, float, str]]:
-    """Return what a suite measured beside what is asked: (what, value, bound)."""
-    visible, closed = _visible(good), _closed(good)
-    right = [one["outcome"] == "right" for one in good]
-    wrong = [one["outcome"] == "wrong" for one in good]
-    named = [bool(one["named"]) for one in good]
+Bound = tuple[str, float, str]  # what, value, what is asked
+
+
+def bounds(suite: str, good: Sequence[Record]) -> list[Bound]:
+    """Return what a suite measured beside what is asked."""
     if suite.endswith("none"):
-        return [
-            ("false names", _share(named), "<= 1 %" if "-" in suite else "<= 0.5 %"),
-            ("flagged unknown", _share([one["flagged"] for one in good]), "none"),
-        ]
-    if suite in ("pairs", "triples"):
-        seen = "92 %" if suite == "pairs" else "85 %"
-        return [
-            ("exact set", _share([one["exact"] for one in good]), f">= {seen}"),
-            ("right first name", _share(right), "none"),
-            *_closed_bounds(closed),
-        ]
-    if suite in ("unknown", "leave-one-out"):
-        flagged = _share([one["flagged"] for one in visible])
-        asked = ">= 95 %" if suite == "unknown" else ">= 90 %"
-        sure = [one["outcome"] == "wrong" for one in visible]
-        return [
-            (f"flagged, of {len(visible)} visible", flagged, asked),
-            ("confidently misnamed", _share(sure), "0 %" if suite == "unknown" else ""),
-        ]
-    if suite == "power":
-        return [("named first", _share(right), "see the 50 % points")]
-    if suite == "closed-loop":
-        again = [one["again_verdict"] == "no gap" for one in good]
-        return [("no gap against the found profile", _share(again), ">= 95 %")]
-    if suite == "nuisance":
-        return [
-            ("named first", _share(right), ">= 93 %"),
-            ("wrong", _share(wrong), "<= 1 %"),
-        ]
+        return _of_none(suite, good)
+    measured = {
+        "pairs": _of_sets,
+        "triples": _of_sets,
+        "unknown": _of_unnamed,
+        "leave-one-out": _of_unnamed,
+        "power": _of_power,
+        "closed-loop": _of_closed_loop,
+        "nuisance": _of_nuisance,
+    }
+    return measured.get(suite, _of_single)(suite, good)
+
+
+def _is(good: Sequence[Record], outcome: str) -> float:
+    return _share([one["outcome"] == outcome for one in good])
+
+
+def _of_none(suite: str, good: Sequence[Record]) -> list[Bound]:
+    named = [bool(one["named"]) for one in good]
     return [
-        ("named first", _share(right), ">= 96 %"),
+        ("false names", _share(named), "<= 1 %" if "-" in suite else "<= 0.5 %"),
+        ("flagged unknown", _share([one["flagged"] for one in good]), "none"),
+    ]
+
+
+def _of_sets(suite: str, good: Sequence[Record]) -> list[Bound]:
+    seen = "92 %" if suite == "pairs" else "85 %"
+    return [
+        ("exact set", _share([one["exact"] for one in good]), f">= {seen}"),
+        ("right first name", _is(good, "right"), "none"),
+        *_closed_bounds(_closed(good)),
+    ]
+
+
+def _of_unnamed(suite: str, good: Sequence[Record]) -> list[Bound]:
+    visible, is_unknown = _visible(good), suite == "unknown"
+    flagged = _share([one["flagged"] for one in visible])
+    asked = ">= 95 %" if is_unknown else ">= 90 %"
+    return [
+        (f"flagged, of {len(visible)} visible", flagged, asked),
+        ("confidently misnamed", _is(visible, "wrong"), "0 %" if is_unknown else ""),
+    ]
+
+
+def _of_power(suite: str, good: Sequence[Record]) -> list[Bound]:
+    return [("named first", _is(good, "right"), "see the 50 % points")]
+
+
+def _of_closed_loop(suite: str, good: Sequence[Record]) -> list[Bound]:
+    again = [one["again_verdict"] == "no gap" for one in good]
+    return [("no gap against the found profile", _share(again), ">= 95 %")]
+
+
+def _of_nuisance(suite: str, good: Sequence[Record]) -> list[Bound]:
+    return [
+        ("named first", _is(good, "right"), ">= 93 %"),
+        ("wrong", _is(good, "wrong"), "<= 1 %"),
+    ]
+
+
+def _of_single(suite: str, good: Sequence[Record]) -> list[Bound]:
+    visible = _visible(good)
+    return [
+        ("named first", _is(good, "right"), ">= 96 %"),
         (
             f"named first, of {len(visible)} above {VISIBLE_GAP:g} nats/px",
-            _share([one["outcome"] == "right" for one in visible]),
+            _is(visible, "right"),
             ">= 99.5 %",
         ),
         (
@@ -143,7 +175,7 @@ def bounds(suite: str, good: Sequence[Record]) -> list[tuple[str, float, str]]:
             _share([one["extra"] > 0 for one in good]),
             "<= 2 %",
         ),
-        *_closed_bounds(closed),
+        *_closed_bounds(_closed(good)),
     ]
 
 

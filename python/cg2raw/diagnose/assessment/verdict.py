@@ -4,11 +4,13 @@
 """Verdict: a model, its search and whole held-out frames become a Diagnosis."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import norm
 
 from cg2raw.diagnose.assessment.acceptance import (
+    Estimates,
     founded,
     is_better,
     not_better,
@@ -25,7 +27,7 @@ from cg2raw.diagnose.assessment.findings import (
 from cg2raw.diagnose.assessment.gap import Sums, gap_of, systematic
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.assessment.updated_profile import updated_profile
-from cg2raw.diagnose.assessment.whole_frames import WholeFrames
+from cg2raw.diagnose.assessment.whole_frames import Look, WholeFrames
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import (
     CHI_SQUARE,
@@ -38,6 +40,7 @@ from cg2raw.diagnose.diagnosis import (
     STRUCTURE,
     Diagnosis,
     Finding,
+    Gap,
     ResidualTest,
 )
 from cg2raw.diagnose.effects.sentences import deciding_captures
@@ -45,7 +48,51 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.detection_limits import detection_limits
 from cg2raw.diagnose.inference.model_selection import Search
+from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
+
+
+@dataclass(frozen=True)
+class _Held:
+    """What held-out frames leave of a model: itself with its estimates, or baseline.
+
+    refused : effects that may not be named. confirmed : whole report frames are more
+    likely by it. notes : sentences on both."""
+
+    model: Model
+    values: Estimates
+    look: Look
+    refused: Sequence[str]
+    confirmed: bool
+    notes: list[str]
+
+
+def _held(
+    capture_set: CaptureSet,
+    baseline: Baseline,
+    splits: Splits,
+    model: Model,
+    details: bool,
+) -> _Held:
+    model, values, refused = founded(model, splits.fit)
+    notes = refusals(refused)
+    whole = WholeFrames(
+        capture_set, splits.report, baseline.model, baseline.registration, details
+    )
+    look = whole.look_at(model)
+    if model.found_names and not is_better(look.before, look.after):
+        notes.append(not_better(model.found_names, look.before, look.after))
+        return _Held(baseline.model, {}, look.unchanged, [*refused], False, notes)
+    return _Held(model, values, look, [*refused], True, notes)
+
+
+def _gap(baseline: Baseline, held: _Held, frames: Sequence[Frame]) -> Gap:
+    systematic_errors = (
+        systematic(baseline.model, baseline.model, frames),
+        systematic(held.model, baseline.model, frames),
+    )
+    names = sorted({frame.capture.name for frame in frames})
+    return gap_of(held.look.before, held.look.after, systematic_errors, names)
 
 
 def assessed(
@@ -58,28 +105,15 @@ def assessed(
     """Return the diagnosis of a model that a search found.
 
     details : with pictures and curves."""
-    base, splits = baseline.model, search.splits
-    report = splits.report
-    model, values, refused = founded(model, splits.fit)
-    notes = refusals(refused)
-    whole = WholeFrames(capture_set, report, base, baseline.registration, details)
-    look = whole.look_at(model)
-    confirmed = not model.found_names or is_better(look.before, look.after)
-    if not confirmed:
-        notes.append(not_better(model.found_names, look.before, look.after))
-        model, values, look = base, {}, look.unchanged
-    gap = gap_of(
-        look.before,
-        look.after,
-        (systematic(base, base, report.frames), systematic(model, base, report.frames)),
-        sorted({frame.capture.name for frame in report.frames}),
-    )
-    before = residual_tests(base, splits.select, splits.fit)
-    after = residual_tests(model, report, splits.select)
-    left = [*left_over(after, gap.before - gap.after), *_chi_square(look.after)]
-    every = findings_of(model, search.steps, values, gap, bool(left))
-    findings, shapes = without_shapes(every, model, search)
-    traces = _traces(after, left)
+    splits, report = search.splits, search.splits.report
+    held = _held(capture_set, baseline, splits, model, details)
+    gap = _gap(baseline, held, report.frames)
+    before = residual_tests(baseline.model, splits.select, splits.fit)
+    after = residual_tests(held.model, report, splits.select)
+    left = [*left_over(after, gap.before - gap.after), *_chi_square(held.look.after)]
+    every = findings_of(held.model, search.steps, held.values, gap, bool(left))
+    findings, shapes = without_shapes(every, held.model, search)
+    notes = _notes(capture_set, report.frames, _traces(after, left))
     return Diagnosis(
         verdict=_verdict(findings, left),
         sensor_id=capture_set.sensor.id,
@@ -88,30 +122,33 @@ def assessed(
         tests_before=before,
         tests_after=after,
         unexplained=left,
-        ladder=[*map(rung_of, search.steps), *map(refused_rung, refused)],
+        ladder=[*map(rung_of, search.steps), *map(refused_rung, held.refused)],
         detection_limits=detection_limits(
-            model, search.effects, splits.select, splits.fit, search.alpha
+            held.model, search.effects, splits.select, splits.fit, search.alpha
         ),
-        next_captures=[
-            text
-            for finding in findings
-            for text in deciding_captures(finding.name, finding.ambiguous_with)
-        ],
-        notes=[*_notes(capture_set, report.frames, traces), *shapes, *notes],
-        groups={
-            name: [frame.capture.name for frame in members.frames]
-            for name, members in splits.by_name.items()
-        },
-        pictures=list(look.pictures),
-        curves=curves_of(model, values, report.frames) if details else [],
-        histogram_before=histogram(base, report),
-        histogram_after=histogram(model, report),
-        profile_json=updated_profile(model, splits.fit.frames, findings, values)
-        if confirmed
+        next_captures=_next_captures(findings),
+        notes=[*notes, *shapes, *held.notes],
+        groups=splits.names,
+        pictures=list(held.look.pictures),
+        curves=curves_of(held.model, held.values, report.frames) if details else [],
+        histogram_before=histogram(baseline.model, report),
+        histogram_after=histogram(held.model, report),
+        profile_json=updated_profile(
+            held.model, splits.fit.frames, findings, held.values
+        )
+        if held.confirmed
         else "",
         interrupted=search.interrupted,
         time_limit_reached=search.timed_out,
     )
+
+
+def _next_captures(findings: Sequence[Finding]) -> list[str]:
+    return [
+        text
+        for finding in findings
+        for text in deciding_captures(finding.name, finding.ambiguous_with)
+    ]
 
 
 def _verdict(findings: Sequence[Finding], left: Sequence[ResidualTest]) -> str:

@@ -51,6 +51,14 @@ class Splits:
     def report(self) -> Likelihood:
         return self.by_name["report"]
 
+    @property
+    def names(self) -> dict[str, list[str]]:
+        """Names of the frames of each split."""
+        return {
+            split: [frame.capture.name for frame in members.frames]
+            for split, members in self.by_name.items()
+        }
+
     def placed(self, registration: Registration) -> "Splits":
         """Return the same frames with their renders where a registration found them."""
         return Splits(self.workers.map(registration.placed, self.frames), self.workers)
