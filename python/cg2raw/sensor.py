@@ -157,7 +157,7 @@ class Sensor:
 
         rgb : (H, W, 3 or 4) float, scene-linear Rec.709; other arguments as of
         cg2raw.Run. Raises ValueError."""
-        transform = self._transform(illuminant, convention, digital_gain, highlights)
+        transform = self.transform(illuminant, convention, digital_gain, highlights)
         return _core.to_camera(transform, rgb_image(rgb), threads=threads)
 
     def to_scene(
@@ -178,13 +178,22 @@ class Sensor:
         matrix. Undoes to_camera, but for what clipped and for highlights that were kept
         white: those come out as white. Colours outside Rec.709 have negative values.
         Raises ValueError. Source: DNG specification 1.7.1, chapter 6."""
-        transform = self._transform(illuminant, convention, digital_gain, False)
+        transform = self.transform(illuminant, convention, digital_gain, False)
         image = rgb_image(camera, "camera RGB, white at 1")
         return _core.to_scene(transform, image, threads=threads)
 
-    def _transform(
-        self, light: Light, convention: str, digital_gain: float, highlights: bool
+    def transform(
+        self,
+        light: Light,
+        convention: str = "dng",
+        digital_gain: float = 1.0,
+        highlights: bool = True,
     ) -> _core.CameraTransform:
+        """Return how scene-linear Rec.709 becomes camera RGB under a light: its first
+        matrix (3, 3), and gains of white balance (3,).
+
+        highlights : whether clipped ones stay white. Raises ValueError. Source: DNG
+        specification 1.7.1, chapter 6."""
         seen = self._profile.illuminant(illuminant_word(light, self.id))
         return _core.camera_from_scene(
             self._profile, seen, convention, digital_gain, highlights

@@ -73,7 +73,7 @@ def camera_of(sensor: Sensor, illuminant: str, iso: float) -> Camera:
     row = sensor.noise_at(iso)
     wells = 1.0 / np.array(row["beta1"], float).reshape(2, 2)
     reads = np.sqrt(np.array(row["beta2"], float).reshape(2, 2)) * wells
-    transform = sensor._transform(illuminant, "dng", 1.0, False)
+    transform = sensor.transform(illuminant, highlights=False)
     return Camera(
         colors=np.array([COLORS.index(letter) for letter in sensor.cfa]).reshape(2, 2),
         black=np.array(sensor.black_level, float).reshape(2, 2),

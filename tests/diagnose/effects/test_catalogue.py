@@ -50,7 +50,7 @@ def test_every_registered_effect_has_a_file():
 
 
 def test_a_registered_effect_without_a_file_is_an_error(folder):
-    with pytest.raises(LookupError, match=f'the effect "{NAME}", and .* no file for'):
+    with pytest.raises(ValueError, match=f'the effect "{NAME}", and .* no file for'):
         catalogue.every()
 
 
@@ -58,7 +58,7 @@ def test_a_file_without_a_registered_effect_is_an_error(folder):
     (folder / f"{NAME}.py").write_text(FILE)
     (folder / "fog.py").write_text(FILE.replace(NAME, "fog"))
     try:
-        with pytest.raises(LookupError, match="add plugins/effects/fog.cpp and build"):
+        with pytest.raises(ValueError, match="add plugins/effects/fog.cpp and build"):
             catalogue.every()
     finally:
         del (

@@ -17,7 +17,7 @@ from cg2raw.diagnose.effects.base import Effect, registered
 def every() -> Mapping[str, Effect]:
     """Return all effects by name, in the order of the registry.
 
-    A file that has an EFFECT is one. Raises LookupError if the registry and the files
+    A file that has an EFFECT is one. Raises ValueError if the registry and the files
     do not have the same names."""
     modules = [
         import_module(f"{folder.__name__}.{module.name}")
@@ -26,12 +26,12 @@ def every() -> Mapping[str, Effect]:
     ]
     found = {m.EFFECT.name: m.EFFECT for m in modules if hasattr(m, "EFFECT")}
     if missing := sorted(set(registered()) - set(found)):
-        raise LookupError(
+        raise ValueError(
             f'the registry has the effect "{missing[0]}", and {folder.__name__} has no '
             f"file for it: add {missing[0]}.py with its EFFECT"
         )
     if unknown := sorted(set(found) - set(registered())):
-        raise LookupError(
+        raise ValueError(
             f'{folder.__name__} has the effect "{unknown[0]}", and the registry has '
             f"not: add plugins/effects/{unknown[0]}.cpp and build"
         )
