@@ -90,39 +90,46 @@ STRONG = {
 }
 
 
-@pytest.mark.parametrize("name", WHITENING)
-def test_its_density_integrates_to_one(name):
-    """Of one pixel beside others that are where they are: as its residual runs over all
-    numbers, the density of the whole tile integrates to that of the others."""
-    effect = every()[name]
-    (frame,) = frames_of(SENSOR, [capture_of("flat", shape=(8, 8))])
-    frame = replace(frame, keep=np.ones((1, 8, 8), bool))
+LINEAR = [name for name in WHITENING if every()[name].linear]
+SHAPE = (1, 8, 8)
+
+
+def uniform(name):
+    """Return a frame and a prediction that are the same at all pixels."""
+    (frame,) = frames_of(SENSOR, [capture_of("flat", shape=SHAPE[1:])])
+    frame = replace(frame, keep=np.ones(SHAPE, bool))
     level = 0.3 if name == "full_well" else 0.05
     variance = frame.beta1 * level + frame.beta2
-    full = (np.broadcast_to(x, (1, 8, 8)) for x in (level, variance, level, variance))
-    p = Prediction(*(np.array(x) for x in full))
+    full = (np.broadcast_to(x, SHAPE) for x in (level, variance, level, variance))
+    return frame, Prediction(*(np.array(x) for x in full))
+
+
+@pytest.mark.parametrize("name", [name for name in WHITENING if name not in LINEAR])
+def test_its_density_integrates_to_one(name):
+    """Of one pixel, over all that its residual may be."""
+    frame, p = uniform(name)
     grid = np.linspace(-9, 9, 3601)
     heights = []
     for value in grid:
-        z = np.full((1, 8, 8), value if name not in JOINT else 0.0)
-        z[0, 4, 4] = value
-        white, cost = effect.whiten(
-            z, p, np.array(STRONG[name]), frame, 1.0 * frame.beta2
-        )
-        cost = np.broadcast_to(cost, z.shape)
+        z, values = np.full(SHAPE, value), np.array(STRONG[name])
+        white, cost = every()[name].whiten(z, p, values, frame, frame.beta2)
         log = -0.5 * white**2 - 0.5 * np.log(2 * np.pi) + cost
-        heights.append(log.sum() if name in JOINT else log[0, 4, 4])
-    heights = np.array(heights)
-    if name in JOINT:
-        # Of a joint normal the conditional density of one is a normal: its integral
-        # is what the others have, whose own density is that of the same structure.
-        bend = np.polyfit(grid, heights, 2)
-        assert bend[0] < 0 and np.ptp(heights - np.polyval(bend, grid)) < 1e-6
-        return
+        heights.append(log[0, 4, 4])
     assert np.trapezoid(np.exp(heights), grid) == pytest.approx(1, abs=3e-3)
 
 
-JOINT = ("noise_reduction", "row_noise")  # tests/diagnose/likelihood has these densely
+@pytest.mark.parametrize("name", LINEAR)
+def test_its_cost_is_the_determinant_of_its_whitening(name):
+    """Of a linear map of all pixels: then their joint density integrates to one."""
+    frame, p = uniform(name)
+    values, columns = np.array(STRONG[name]), []
+    for unit in np.eye(np.prod(SHAPE)):
+        z = unit.reshape(SHAPE)
+        white, cost = every()[name].whiten(z, p, values, frame, frame.beta2)
+        columns.append(white.ravel())
+    determinant = np.linalg.slogdet(np.array(columns))[1]
+    assert np.broadcast_to(cost, SHAPE).sum() == pytest.approx(determinant, abs=1e-8)
+    assert determinant != 0
 
 
 @pytest.mark.parametrize("name", PLANTED)
