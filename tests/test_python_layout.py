@@ -160,6 +160,19 @@ def test_a_library_has_one_user(name):
         assert room_of(name) in LIBRARIES[library], library
 
 
+def test_a_constant_of_the_diagnosis_has_one_home():
+    """One name has one meaning: a threshold is imported, and not written twice."""
+    homes = {}
+    for path in (ROOT / "python" / "cg2raw" / "diagnose").rglob("*.py"):
+        for node in tree_of(path).body:
+            for target in node.targets if isinstance(node, ast.Assign) else ():
+                names = target.elts if isinstance(target, ast.Tuple) else [target]
+                for name in names:
+                    if name.id.isupper() and name.id not in ("EFFECT", "MISSING"):
+                        homes.setdefault(name.id, []).append(path.name)
+    assert {name: files for name, files in homes.items() if len(files) > 1} == {}
+
+
 MOST_LINES, LONGEST_FUNCTION = 350, 40
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose.assessment import acceptance
-from cg2raw.diagnose.assessment.acceptance import LEAST_GAIN, founded, is_better
+from cg2raw.diagnose.assessment.acceptance import CONFIRMING_GAIN, founded, is_better
 from cg2raw.diagnose.assessment.gap import Sums
 from cg2raw.diagnose.assessment.verdict import CHI_SQUARE_NAME, left_over
 from cg2raw.diagnose.captures.capture import CaptureSet
@@ -112,7 +112,7 @@ def test_what_is_not_founded_is_left_out_and_the_rest_fitted_again():
 
 
 @pytest.mark.parametrize(
-    ("gain", "better"), [(LEAST_GAIN + 0.1, True), (2.9, False), (-100.0, False)]
+    ("gain", "better"), [(CONFIRMING_GAIN + 0.1, True), (2.9, False), (-100.0, False)]
 )
 def test_whole_held_out_frames_must_be_more_likely(gain, better):
     before, after = Sums(log_likelihood=-5e6), Sums(log_likelihood=-5e6 + gain)

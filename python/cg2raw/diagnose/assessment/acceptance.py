@@ -25,7 +25,7 @@ Estimates = Mapping[str, Mapping[str, Estimate]]
 ON_BOUND = 1e-6  # of the distance between bounds
 # Nats that whole held-out frames must gain. By chance, a model that is no better gains
 # as much in one case of twenty at most. Source: as of the search, Ville's inequality.
-LEAST_GAIN = float(np.log(20))
+CONFIRMING_GAIN = float(np.log(20))
 
 
 def founded(
@@ -97,7 +97,7 @@ def _registry_bound(model: Model, term: Term) -> str:
 
 def is_better(before: Sums, after: Sums) -> bool:
     """Return whether whole held-out frames are more likely by more than chance."""
-    return after.log_likelihood - before.log_likelihood >= LEAST_GAIN
+    return after.log_likelihood - before.log_likelihood >= CONFIRMING_GAIN
 
 
 def refusals(refused: Mapping[str, str]) -> list[str]:
@@ -115,6 +115,6 @@ def not_better(names: Sequence[str], before: Sums, after: Sums) -> str:
     more = "more" if gain > 0 else "less"
     return (
         f"Not confirmed: with {listed} the report frames, whole, are {more} likely by "
-        f"{abs(gain):.1f} nats; a name needs {LEAST_GAIN:.1f} more. The profile stays "
-        "as it is."
+        f"{abs(gain):.1f} nats; a name needs {CONFIRMING_GAIN:.1f} more. The profile "
+        "stays as it is."
     )

@@ -13,13 +13,12 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.intervals import NORMAL_95
-from cg2raw.diagnose.likelihood.censoring import MEASURED, residuals
+from cg2raw.diagnose.likelihood.censoring import DRAWN_ABOVE, UNCLIPPED, residuals
 from cg2raw.diagnose.likelihood.likelihood import block_sums, log_density
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
-LARGEST = 50.0  # standard deviations that count in chi-square
-HIGHEST = 0.95  # of white, for repeats
+LARGEST_IN_CHI_SQUARE = 50.0  # standard deviations that count in chi-square
 
 
 @dataclass
@@ -49,14 +48,16 @@ class Sums:
         self.loss -= float(density[used].sum())
         self.log_likelihood += float(density[frame.counted].sum())
         self.pixels += int(used.sum())
-        counted = frame.keep & ~frame.at_white & (p.mean < MEASURED)
-        self.squares += float((np.minimum(np.abs(z[counted]), LARGEST) ** 2).sum())
+        counted = frame.keep & ~frame.at_white & (p.mean < DRAWN_ABOVE)
+        self.squares += float(
+            (np.minimum(np.abs(z[counted]), LARGEST_IN_CHI_SQUARE) ** 2).sum()
+        )
         self.residuals += int(counted.sum())
         self.blocks.append(block_sums(np.where(used, -density, 0)))
         truth = frame.capture.log_density
         if truth is None or self.true_loss is None:
             self.true_loss = None
-            beyond = 0.5 * (np.minimum(z * z, LARGEST**2) - 1)
+            beyond = 0.5 * (np.minimum(z * z, LARGEST_IN_CHI_SQUARE**2) - 1)
         else:
             true_density = np.nan_to_num(frame.tiles.cut(truth()))
             self.true_loss -= float(true_density[used].sum())
@@ -95,7 +96,7 @@ def systematic(model: Model, base: Model, frames: Sequence[Frame]) -> float | No
             continue
         first, second = members[:2]
         p = predict(model, first)
-        used = first.keep & second.keep & (p.mean < HIGHEST)
+        used = first.keep & second.keep & (p.mean < UNCLIPPED)
         # Residuals of censored pixels are drawn: without them noise near 0 is biased.
         product = residuals(p, first) * residuals(p, second) * p.variance
         product = product / predict(base, first).variance

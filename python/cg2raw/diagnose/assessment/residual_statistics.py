@@ -12,14 +12,14 @@ import numpy as np
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.likelihood.censoring import MEASURED
+from cg2raw.diagnose.likelihood.censoring import DRAWN_ABOVE
 from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
 from cg2raw.diagnose.likelihood.model import Model
 
-LEVELS = (0.003, 0.01, 0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6, 0.8)
-RINGS = 10
+LEVEL_EDGES = (0.003, 0.01, 0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6, 0.8)
+RADIUS_BINS = 10
 TILES = (6, 8)
-LARGEST = 8.0
+LARGEST_RESIDUAL = 8.0
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (2, 2))
 STEEPEST = 30.0  # of an edge, in standard deviations per pixel
 FAR_ABOVE = 8.0  # standard deviations beyond white that are surely at white
@@ -142,10 +142,10 @@ def _collect(
 ) -> None:
     # Censored pixels take part: their residuals are drawn. Without them, what is left
     # of a dark whose noise reaches 0 would look lopsided.
-    used = frame.keep & (p.mean < MEASURED)
+    used = frame.keep & (p.mean < DRAWN_ABOVE)
     sure = frame.keep & ~frame.at_white & (p.mean - FAR_ABOVE * np.sqrt(p.variance) > 1)
     c.below_white.append(((frame.signal - p.mean) / np.sqrt(p.variance))[sure])
-    z = np.clip(z, -LARGEST, LARGEST)
+    z = np.clip(z, -LARGEST_RESIDUAL, LARGEST_RESIDUAL)
     values = z[used]
     if not values.size:
         return
@@ -222,9 +222,9 @@ def _groups(frame: Frame, p: Prediction) -> Iterator[tuple[str, Array, int]]:
     height, width = frame.tiles.shape
     tile = rows * TILES[0] // height * TILES[1] + columns * TILES[1] // width
     yield "channel", frame.site[None], int(frame.site.max()) + 1
-    radius = np.sqrt(u * u + v * v) * RINGS
-    yield "radius", np.minimum(radius.astype(int), RINGS - 1), RINGS
-    yield "level", np.digitize(p.exposed, LEVELS), len(LEVELS) + 1
+    radius = np.sqrt(u * u + v * v) * RADIUS_BINS
+    yield "radius", np.minimum(radius.astype(int), RADIUS_BINS - 1), RADIUS_BINS
+    yield "level", np.digitize(p.exposed, LEVEL_EDGES), len(LEVEL_EDGES) + 1
     yield "tile", tile, TILES[0] * TILES[1]
     yield "row", rows, height
     yield "column", columns, width

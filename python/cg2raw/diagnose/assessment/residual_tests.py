@@ -19,7 +19,7 @@ from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
-FEWEST = 20.0  # pixels of a group
+FEWEST_PIXELS = 20.0  # pixels of a group
 MOST_NATS = 200.0  # that one pixel counts
 
 WHERE = {
@@ -75,7 +75,7 @@ def _tested(name: str, sums: TestSums, pixels: int) -> ResidualTest:
         size, nats = statistic / max(freedom, 1) - 1, 0.5 * (statistic - freedom)
     elif np.ndim(sums.score):
         score, variance = np.asarray(sums.score), np.asarray(sums.whole_variance)
-        enough = variance > FEWEST
+        enough = variance > FEWEST_PIXELS
         statistic = float((score[enough] ** 2 / variance[enough]).sum())
         freedom = int(enough.sum())
         p_value = float(chi2.sf(statistic, freedom)) if freedom else 1.0

@@ -22,7 +22,13 @@ UNCERTAINTY = {"light": 1.0, "radiance": 1.0, "registration": 100.0}  # largest
 COLORS = ("rgb", "xyz", "lab")
 CHARTS = ("colorchecker",)
 UNKNOWN = "unknown"
-LARGEST = {"gain": 1e6, "radiance": 1e6, "iso": 1e7, "seconds": 1e6, "pixel": 65535.0}
+LARGEST_OF_UNIT = {
+    "gain": 1e6,
+    "radiance": 1e6,
+    "iso": 1e7,
+    "seconds": 1e6,
+    "pixel": 65535.0,
+}
 
 
 @dataclass(frozen=True)
@@ -117,7 +123,7 @@ def frame_entry(
     at = {"": value, **{name: top[name] for name in DEFAULTS if name in top}, **own}
 
     def number(name: str, low: float, unit: str) -> float | None:
-        return at[name].number(low, LARGEST[unit]) if name in at else None
+        return at[name].number(low, LARGEST_OF_UNIT[unit]) if name in at else None
 
     gain = number("gain", 1e-6, "gain")
     return FrameEntry(
@@ -178,7 +184,7 @@ def scene_of(
 ) -> tuple[float, ...] | str:
     """Return (r, g, b), a path or "unknown"."""
     if value.is_list:
-        color = value.numbers(3, 0.0, LARGEST["radiance"])
+        color = value.numbers(3, 0.0, LARGEST_OF_UNIT["radiance"])
     else:
         text = value.text()
         if text == UNKNOWN and not KINDS[kind].image:
@@ -189,7 +195,7 @@ def scene_of(
             float(text)
         except ValueError:
             return existing(value, manifest)
-        color = (value.number(0.0, LARGEST["radiance"]),) * 3
+        color = (value.number(0.0, LARGEST_OF_UNIT["radiance"]),) * 3
     if KINDS[kind].render:
         value.fail(
             "is one colour; a scene needs its render: if it was uniform, kind: flat"
@@ -207,9 +213,11 @@ def patches_of(value: Value) -> tuple[Patch, ...]:
             item.fail(f"has {' and '.join(spaces) or 'no colour'}; needs one of rgb, "
                       "xyz and lab")  # fmt: skip
         low, high = (
-            (-200.0, 200.0) if spaces == ["lab"] else (-1.0, LARGEST["radiance"])
+            (-200.0, 200.0)
+            if spaces == ["lab"]
+            else (-1.0, LARGEST_OF_UNIT["radiance"])
         )
-        numbers = own["area"].numbers(4, 0.0, LARGEST["pixel"])
+        numbers = own["area"].numbers(4, 0.0, LARGEST_OF_UNIT["pixel"])
         if any(number != int(number) for number in numbers) or min(numbers[2:]) < 4:
             own["area"].fail(
                 "must be [row, column, height, width] in whole pixels, at least 4 high "
@@ -235,4 +243,4 @@ def corners_of(value: Value) -> tuple[tuple[float, ...], ...]:
             f"has {len(corners)} positions; must have 4: the centres of the patches "
             "dark skin, bluish green, black and white, each [row, column]"
         )
-    return tuple(corner.numbers(2, 0.0, LARGEST["pixel"]) for corner in corners)
+    return tuple(corner.numbers(2, 0.0, LARGEST_OF_UNIT["pixel"]) for corner in corners)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.captures.capture import Group
 
 GROUPS: tuple[Group, ...] = get_args(Group)
-BLOCK = 8  # px; a multiple of every Bayer repeat
+SPLIT_BLOCK = 8  # px; a multiple of every Bayer repeat
 
 
 def groups_of_sets(
@@ -42,7 +42,7 @@ def third(shape: Sequence[int], group: Group) -> NDArray[np.bool_]:
 
     Blocks in diagonals: each row and column has a third of its pixels in each group, so
     that rows and columns can be tested, and every radius is in all three."""
-    rows = np.arange(shape[0])[:, None] // BLOCK
-    cols = np.arange(shape[1])[None, :] // BLOCK
+    rows = np.arange(shape[0])[:, None] // SPLIT_BLOCK
+    cols = np.arange(shape[1])[None, :] // SPLIT_BLOCK
     mask: NDArray[np.bool_] = (rows + cols) % len(GROUPS) == GROUPS.index(group)
     return mask

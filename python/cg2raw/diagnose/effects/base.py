@@ -44,6 +44,7 @@ SPREAD = "spread"
 TEMPORAL = "temporal"
 PEDESTAL = "pedestal"
 
+CURVE_POINTS = 60  # of a curve that is drawn
 LIGHT = frozenset({"light"})
 IMAGE = frozenset({"light", "image"})
 TIME = frozenset({"time"})

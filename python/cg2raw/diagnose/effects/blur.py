@@ -7,6 +7,7 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
+    CURVE_POINTS,
     IMAGE,
     SPREAD,
     Effect,
@@ -18,8 +19,7 @@ from cg2raw.diagnose.effects.base import (
     value_of,
 )
 
-RINGS = 10  # cosines of the transfer function
-POINTS = 60
+COSINES = 10  # cosines of the transfer function
 
 
 class Blur(Effect):
@@ -40,16 +40,16 @@ class Blur(Effect):
     }
 
     def size(self, values: Estimates) -> str:
-        rings = [value_of(values, f"ring_{n}") for n in range(1, RINGS + 1)]
+        rings = [value_of(values, f"ring_{n}") for n in range(1, COSINES + 1)]
         half = 1 + sum(a * (np.cos(n * np.pi / 2) - 1) for n, a in enumerate(rings, 1))
         return f"contrast at half the Nyquist frequency is {percent(half)}"
 
     def curve(
         self, values: Values, estimates: Estimates, measured: MeasuredRatio
     ) -> Curve:
-        f = np.linspace(0, 1, POINTS)
-        design = np.zeros((POINTS, len(values)))
-        for n in range(1, RINGS + 1):
+        f = np.linspace(0, 1, CURVE_POINTS)
+        design = np.zeros((CURVE_POINTS, len(values)))
+        for n in range(1, COSINES + 1):
             design[:, n - 1] = np.cos(n * np.pi * f) - 1
         nothing = np.zeros(0)
         return Curve(

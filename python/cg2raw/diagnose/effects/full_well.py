@@ -23,7 +23,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 
-LEAST_CHANCE = 1e-15
+LEAST_TAIL = 1e-15
 NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
 LEAST_PILE = 2  # pixels at one level that may be a well's
 BRIGHT = 0.2  # of white, from which on pixels may be clipped
@@ -67,7 +67,7 @@ class FullWell(Effect):
         below_y = _both_below(a, (y - x) / np.sqrt(both), sd / np.sqrt(both))
         below_y += ndtr(-a) * ndtr((y - well) / np.sqrt(rest))
         white = z.copy()
-        white[near] = ndtri(np.clip(below_y, LEAST_CHANCE, 1 - LEAST_CHANCE))
+        white[near] = ndtri(np.clip(below_y, LEAST_TAIL, 1 - LEAST_TAIL))
         extra[near] = (
             np.logaddexp(open_, shut)
             + 0.5 * white[near] ** 2

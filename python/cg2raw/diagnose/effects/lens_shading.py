@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
+    CURVE_POINTS,
     GAIN,
     LIGHT,
     Effect,
@@ -21,7 +22,7 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 
-POINTS, RINGS = 60, 20
+CURVE_RINGS = 20
 CORNER = (0.832, 0.555)  # of a 3:2 frame, in half diagonals
 
 
@@ -48,17 +49,17 @@ class LensShading(Effect):
     def curve(
         self, values: Values, estimates: Estimates, measured: MeasuredRatio
     ) -> Curve:
-        r = np.linspace(0, 1, POINTS)
-        design = np.zeros((POINTS, len(values)))
+        r = np.linspace(0, 1, CURVE_POINTS)
+        design = np.zeros((CURVE_POINTS, len(values)))
         design[:, :3] = np.stack([r**2, r**4, r**6], 1)
-        x, y = measured(_ring, RINGS)
+        x, y = measured(_ring, CURVE_RINGS)
         return Curve(
             "Vignetting",
             "radius, 1 in the corner",
             "relative illumination",
             r,
             *curve_with_interval(values, estimates, design),
-            (x + 0.5) / RINGS,
+            (x + 0.5) / CURVE_RINGS,
             y,
             self.name,
         )
@@ -66,8 +67,8 @@ class LensShading(Effect):
 
 def _ring(frame: Frame, p: Prediction) -> NDArray[np.int64]:
     u, v = frame.tiles.field()
-    rings: NDArray[np.int64] = (np.hypot(u, v) * RINGS).astype(int)
-    return np.minimum(rings, RINGS - 1)
+    rings: NDArray[np.int64] = (np.hypot(u, v) * CURVE_RINGS).astype(int)
+    return np.minimum(rings, CURVE_RINGS - 1)
 
 
 def corner_loss(values: Estimates) -> float:

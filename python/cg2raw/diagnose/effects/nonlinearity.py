@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
+    CURVE_POINTS,
     GAIN,
     LIGHT,
     RESPONSE,
@@ -22,7 +23,7 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 
-POINTS, LEVELS = 60, 20
+CURVE_LEVELS = 20
 
 
 class Nonlinearity(Effect):
@@ -41,24 +42,24 @@ class Nonlinearity(Effect):
     def curve(
         self, values: Values, estimates: Estimates, measured: MeasuredRatio
     ) -> Curve:
-        x = np.linspace(0.02, 1, POINTS)
+        x = np.linspace(0.02, 1, CURVE_POINTS)
         design = np.stack([-x, -(x**2)], 1)
-        level, ratio = measured(_level, LEVELS)
+        level, ratio = measured(_level, CURVE_LEVELS)
         return Curve(
             "Response of the sensor",
             "light, 1 is white",
             "signal per light",
             x,
             *curve_with_interval(values, estimates, design),
-            (level + 0.5) / LEVELS,
+            (level + 0.5) / CURVE_LEVELS,
             ratio,
             self.name,
         )
 
 
 def _level(frame: Frame, p: Prediction) -> NDArray[np.int64]:
-    levels: NDArray[np.int64] = (p.mean * LEVELS).astype(int)
-    return np.clip(levels, 0, LEVELS - 1)
+    levels: NDArray[np.int64] = (p.mean * CURVE_LEVELS).astype(int)
+    return np.clip(levels, 0, CURVE_LEVELS - 1)
 
 
 EFFECT = Nonlinearity()

@@ -6,6 +6,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+LEAST_VARIANCE = 1e-12
+
 
 @dataclass(frozen=True)
 class NoiseModel:

@@ -12,7 +12,7 @@ from cg2raw.diagnose.frames.frame import Frame, frame_of, repeat_of, source_of
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import Mask, tiling
 
-SHARE = 0.25  # of a diagnosis, that reading takes
+READING_SHARE = 0.25  # of a diagnosis, that reading takes
 
 
 def read_frames(
@@ -31,7 +31,7 @@ def read_frames(
     }
     frames = []
     for number, capture in enumerate(capture_set.captures):
-        share = SHARE * number / len(capture_set.captures)
+        share = READING_SHARE * number / len(capture_set.captures)
         report(f"reading {capture.name}", share)
         source = source_of(capture_set, capture)
         frames.append(frame_of(source, tiles[capture.shape], noise[capture.iso]))

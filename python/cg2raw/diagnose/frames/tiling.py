@@ -15,7 +15,7 @@ Mask = NDArray[Any]  # of bool
 
 LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of them
 SMALLEST_TILE, STEP_OF_TILES = 18, 6  # a multiple of any CFA's repeat
-FEWEST = 5  # pieces along each side: both ends, the middle and between
+FEWEST_TILES = 5  # pieces along each side: both ends, the middle and between
 NARROW = 176  # pixels: a border of masked pixels is taken whole
 WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
 BATCH = 16  # such tiles at a time
@@ -109,7 +109,7 @@ def tiling(
         most of it is."""
     height, width = shape
     size = _size_of_tiles(pixels, repeat)
-    narrow = max(NARROW, FEWEST * max(size))
+    narrow = max(NARROW, FEWEST_TILES * max(size))
     if height * width <= 1.5 * pixels or min(shape) < narrow:
         return Tiling(shape, shape, 0, np.zeros((1, 2), np.int32))
     if wanted is not None and wanted.mean() < 0.5:
@@ -127,7 +127,7 @@ def tiling(
 
 def _size_of_tiles(pixels: int, repeat: int) -> tuple[int, int]:
     """Return (rows, columns) of tiles of which the fewest hold so many pixels."""
-    rows = np.sqrt(0.75 * pixels / FEWEST**2) // STEP_OF_TILES * STEP_OF_TILES
+    rows = np.sqrt(0.75 * pixels / FEWEST_TILES**2) // STEP_OF_TILES * STEP_OF_TILES
     rows = int(np.clip(rows, SMALLEST_TILE, LARGEST_TILE))
     columns = rows * 4 // 3
     return rows - rows % repeat, columns - columns % repeat
@@ -135,7 +135,7 @@ def _size_of_tiles(pixels: int, repeat: int) -> tuple[int, int]:
 
 def _odd(count: float) -> int:
     """Return an odd number of pieces near a number, so that one lies in the middle."""
-    return max(FEWEST, 2 * round((count - 1) / 2) + 1)
+    return max(FEWEST_TILES, 2 * round((count - 1) / 2) + 1)
 
 
 def _places(length: int, tile: int, count: int, repeat: int) -> NDArray[np.int64]:

@@ -19,8 +19,8 @@ from cg2raw.diagnose.likelihood.prediction import predict
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
-HIGHEST = 0.9  # of white, for that
-FEWEST = 500  # pixels, for that
+HIGHEST_COMPARED = 0.9  # of white, for that
+FEWEST_COMPARED = 500  # pixels, for that
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,10 @@ def check_correspondence(model: Model, splits: Splits) -> None:
         if not frame.capture.shows.render:
             continue
         p = predict(model, frame)
-        used = frame.keep & ~frame.censored & (p.mean < HIGHEST)
-        if used.sum() < FEWEST or p.mean[used].std() < np.sqrt(p.variance[used].mean()):
+        used = frame.keep & ~frame.censored & (p.mean < HIGHEST_COMPARED)
+        if used.sum() < FEWEST_COMPARED or p.mean[used].std() < np.sqrt(
+            p.variance[used].mean()
+        ):
             continue  # too little light or contrast to tell
         alike = float(np.corrcoef(p.mean[used], frame.signal[used])[0, 1])
         if not alike > LEAST_ALIKE:

@@ -13,9 +13,9 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 ENOUGH = 0.3  # nats; a step that promises less is not taken
-SHARE = 0.4  # of a value that the first step is
+FIRST_STEP = 0.4  # of a value that the first step is
 SMALLER = 0.35  # the next steps
-ROUNDS = 4
+SWEEPS = 4
 MOST_RIDGE = 3  # steps along the way that coordinates led
 FARTHEST_TOP = 4.0  # steps, of the top of a parabola
 
@@ -75,8 +75,8 @@ def climb(
     then along where these led, ever smaller.
 
     Source: M. J. D. Powell, The Computer Journal 7(2), 1964."""
-    scale = np.maximum(np.abs(values) * SHARE, space.first_scale)
-    for _ in range(ROUNDS):
+    scale = np.maximum(np.abs(values) * FIRST_STEP, space.first_scale)
+    for _ in range(SWEEPS):
         start = values
         for index in range(len(values)):
             unit = np.zeros(len(values))

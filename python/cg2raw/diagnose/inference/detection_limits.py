@@ -22,7 +22,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 WEAKEST = 1e-6  # of the strongest
-LEAST_INFORMATION = 1e-6
+NO_INFORMATION = 1e-6
 
 
 def _beside(information: NDArray[np.float64], one: int, own: Sequence[int]) -> float:
@@ -82,7 +82,7 @@ def _by_information(
     known = _beside(information, strongest, own)
     index = parameters[strongest][1]
     strength = None
-    if known > LEAST_INFORMATION:
+    if known > NO_INFORMATION:
         strength = float(np.sqrt(2 * (needed + len(own) / 2) / known))
     if strength is not None and strength > effect.high[index]:
         strength = None

@@ -13,7 +13,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 TURNS = 2  # of smooth and other parameters
-STEPS = 7  # of Fisher scoring
+SCORING_STEPS = 7  # of Fisher scoring
 SETTLED = 0.5  # nats between two turns
 
 
@@ -40,7 +40,7 @@ def _scored(
     model: Model, current: float, likelihood: Likelihood
 ) -> tuple[Model, float]:
     """Fisher scoring with damped steps until it gains no more."""
-    for _ in range(STEPS):
+    for _ in range(SCORING_STEPS):
         base = Linearisation(model, likelihood)
         model, gain = one_step(model, base, current)
         current += gain

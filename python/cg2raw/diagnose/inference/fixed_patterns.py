@@ -19,7 +19,7 @@ from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
-from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
+from cg2raw.diagnose.inference.sparse_map import LEAST_INFORMATION, fit_sparse_map
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
@@ -27,10 +27,9 @@ from cg2raw.diagnose.likelihood.prediction import predict
 
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
-FARTHEST = 2.5  # standard deviations that a pixel counts for in the prior
+HUBER_BOUND = 2.5  # standard deviations that a pixel counts for in the prior
 LONGEST_TAIL = 6.0
-LEAST_SHARE = 1e-6  # of the best pixel's information; a pixel with less is not known
-LEAST_INFORMATION = 1e-200
+LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
 
 
 def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
@@ -83,7 +82,7 @@ def _evidence(effect: FixedPattern, rest: Model, likelihood: Likelihood) -> _Evi
     for part in likelihood.each(of_frame):
         information += part[0]
         score += part[1]
-    known = information > max(LEAST_SHARE * information.max(), LEAST_INFORMATION)
+    known = information > max(LEAST_KNOWN * information.max(), LEAST_INFORMATION)
     information = np.where(known, information, LEAST_INFORMATION)
     return _Evidence(information, score, known)
 
@@ -113,18 +112,18 @@ def _high_pass(image: Array, known: Mask) -> Array:
 def _prior(square: Array, error: Array) -> float:
     """Return the variance of a map from squares of estimates and their errors.
 
-    Each square counts at most FARTHEST**2 times its variance: a few pixels that are
+    Each square counts at most HUBER_BOUND**2 times its variance: a few pixels that are
     hot, or wrong, are no map. Source: P. J. Huber, Ann. Math. Stat. 35(1), 1964,
     proposal 2."""
     if not square.size:
         return 0.0
-    density = np.exp(-0.5 * FARTHEST**2) / np.sqrt(2 * np.pi)
-    beyond = ndtr(-FARTHEST)
-    expected = 1 - 2 * beyond - 2 * FARTHEST * density + 2 * FARTHEST**2 * beyond
+    density = np.exp(-0.5 * HUBER_BOUND**2) / np.sqrt(2 * np.pi)
+    beyond = ndtr(-HUBER_BOUND)
+    expected = 1 - 2 * beyond - 2 * HUBER_BOUND * density + 2 * HUBER_BOUND**2 * beyond
 
     def excess(prior: float) -> float:
         scaled = square / (error + prior)
-        return float(np.minimum(scaled, FARTHEST**2).mean() - expected)
+        return float(np.minimum(scaled, HUBER_BOUND**2).mean() - expected)
 
     high = float(square.mean()) + 1e-30
     if excess(0.0) <= 0:

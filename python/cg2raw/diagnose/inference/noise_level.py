@@ -12,18 +12,17 @@ from scipy.optimize import least_squares, nnls
 
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import every
-from cg2raw.diagnose.frames.noise_model import NoiseModel
+from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE, NoiseModel
 from cg2raw.sensor import Sensor
 
 MOST_OF_A_KIND = 6  # captures
 MOST_PIXELS = 1536  # a side
-BRIGHTEST = 0.9  # of white
-BINS, FEWEST = 25, 200  # edges of levels; pixels of a level
+BRIGHTEST_LEVEL = 0.9  # of white
+BINS, FEWEST_PER_LEVEL = 25, 200  # edges of levels; pixels of a level
 ERROR_OF_MEDIAN = 5.5  # variance of one pixel's squared median, of its variance
-FARTHEST = 2.0  # standard deviations; a level beyond it counts less and less
+OUTLYING_LEVEL = 2.0  # standard deviations; a level beyond it counts less and less
 WIDEST_NOISE = 6.0  # standard deviations of a level that its bin is wide
-MOST_AT_ZERO = 0.1  # of the pixels of a level, clipped
-LEAST_VARIANCE = 1e-12
+MOST_CLIPPED = 0.1  # of the pixels of a level, clipped
 
 
 def noise_models(capture_set: CaptureSet) -> dict[float | None, NoiseModel]:
@@ -89,7 +88,7 @@ def _line(
         errors: NDArray[np.float64] = np.log(v) - np.log(design @ np.exp(logs))
         return precision * errors
 
-    fitted = least_squares(away, np.log(start), loss="cauchy", f_scale=FARTHEST)
+    fitted = least_squares(away, np.log(start), loss="cauchy", f_scale=OUTLYING_LEVEL)
     slope, offset = np.exp(fitted.x)
     return float(slope), float(offset)
 
@@ -131,8 +130,8 @@ def _levels_and_variances(
     a, b, c = signal[:, : -2 * step], signal[:, step:-step], signal[:, 2 * step :]
     ends = part[:, : -2 * step], part[:, step:-step], part[:, 2 * step :]
     second, level, unlike = b - (a + c) / 2, (a + b + c) / 3, np.abs(c - a)
-    usable = (np.maximum.reduce(ends) < sensor.white_level) & (level < BRIGHTEST)
-    if usable.sum() < FEWEST:
+    usable = (np.maximum.reduce(ends) < sensor.white_level) & (level < BRIGHTEST_LEVEL)
+    if usable.sum() < FEWEST_PER_LEVEL:
         return
     at_zero = (np.minimum.reduce(ends) == 0)[usable]
     second, level, unlike = second[usable], level[usable], unlike[usable]
@@ -140,7 +139,7 @@ def _levels_and_variances(
     bins = np.digitize(level, edges)
     for one in range(len(edges) + 1):
         chosen = np.flatnonzero(bins == one)
-        if len(chosen) < FEWEST or at_zero[chosen].mean() > MOST_AT_ZERO:
+        if len(chosen) < FEWEST_PER_LEVEL or at_zero[chosen].mean() > MOST_CLIPPED:
             continue
         alike = chosen[unlike[chosen] <= np.median(unlike[chosen])]
         spread = np.median(np.abs(second[alike])) / 0.6745

@@ -18,9 +18,14 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.diagnose.likelihood.prediction import predict
 
-HIGHEST = 0.85  # of white; above it errors of the capture decide what clips
-LEAST = {"light": 0.005, "radiance": 0.01, "registration": 0.0, "texture": 0.0}
-MOST = {"light": 0.2, "radiance": 0.2, "registration": 0.5, "texture": 0.1}
+HIGHLIGHT = 0.85  # of white; above it errors of the capture decide what clips
+LEAST_DEVIATION = {
+    "light": 0.005,
+    "radiance": 0.01,
+    "registration": 0.0,
+    "texture": 0.0,
+}
+MOST_DEVIATION = {"light": 0.2, "radiance": 0.2, "registration": 0.5, "texture": 0.1}
 STARTS = ((0.005, 0.01, 0.005, 0.001), (0.01, 0.03, 0.02, 0.003))
 FIRST_SCALE = 5e-4
 SEARCHES = 4
@@ -33,7 +38,7 @@ def nuisance_of(capture_set: CaptureSet, likelihood: Likelihood) -> Nuisance | N
     free = capture_set.nuisances
     if not free and not any(frame.level_free for frame in likelihood.frames):
         return None
-    least = {**LEAST, **capture_set.uncertainty}
+    least = {**LEAST_DEVIATION, **capture_set.uncertainty}
     start = Nuisance(
         light=least["light"] if "light" in free else 0.0,
         radiance=least["radiance"] if "radiance" in free else 0.0,
@@ -45,7 +50,7 @@ def nuisance_of(capture_set: CaptureSet, likelihood: Likelihood) -> Nuisance | N
 
 
 def refitted(
-    model: Model, likelihood: Likelihood, least: Mapping[str, float] = LEAST
+    model: Model, likelihood: Likelihood, least: Mapping[str, float] = LEAST_DEVIATION
 ) -> Nuisance:
     """Return the nuisance of a model with standard deviations that fit frames best.
 
@@ -57,7 +62,7 @@ def refitted(
         return old
     box = Box(
         np.array([least[name] for name in names]),
-        np.array([MOST[name] for name in names]),
+        np.array([MOST_DEVIATION[name] for name in names]),
         FIRST_SCALE,
     )
 
@@ -68,7 +73,7 @@ def refitted(
     def score(values: Values) -> float:
         return likelihood.total(replace(model, nuisance=with_values(values)))
 
-    order = list(LEAST)
+    order = list(LEAST_DEVIATION)
     starts = [
         box.clipped(np.array([start[order.index(name)] for name in names]))
         for start in STARTS
@@ -89,7 +94,7 @@ def refitted(
 
 def _moving(nuisance: Nuisance) -> list[str]:
     """Return the standard deviations that are fitted."""
-    moving = [name for name in LEAST if name in nuisance.free]
+    moving = [name for name in LEAST_DEVIATION if name in nuisance.free]
     if nuisance.free & {"registration", "radiance"}:
         moving.append("texture")
     return moving
@@ -100,5 +105,5 @@ def without_highlights(frame: Frame, model: Model) -> Frame:
     as light that hardly anything is known of: enough to show a well that clips it."""
     if not frame.capture.shows.image:
         return frame
-    bright = predict(model, frame).mean >= HIGHEST
+    bright = predict(model, frame).mean >= HIGHLIGHT
     return replace(frame, highlights=frame.keep & bright, keep=frame.keep & ~bright)

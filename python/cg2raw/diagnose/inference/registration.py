@@ -17,18 +17,18 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.likelihood.censoring import UNCLIPPED
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
-ROUNDS = 30
+GAUSS_NEWTON_ROUNDS = 30
 SLOW = 3.0  # pairs of pixels; what is slower does not say where edges lie
 LONGEST_STEP = 0.5  # px
 CLOSE_ENOUGH = 1e-3  # px
 SAME_BRIGHTNESS = 1e-5  # relative
-HIGHEST = 0.95  # of white
 # Relative error of a prediction, round by round: while a render lies beside its
 # capture, edges differ by more than noise; in the end they must.
-UNSURE = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
+UNSURE_BY_ROUND = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
 
 
 @dataclass
@@ -81,13 +81,13 @@ class Registration:
             members = _members(name, frames)
             if one.shifted:
                 one.affine[:, 0] = _first_guess(members[0], model)
-            self._align(one, members, model, UNSURE)
+            self._align(one, members, model, UNSURE_BY_ROUND)
 
     def again(self, model: Model, frames: Sequence[Frame]) -> None:
         """Do so from where they are, under a better model."""
         for name, one in self._places.items():
             members = _members(name, frames)
-            self._align(one, members, model, UNSURE[-1:])
+            self._align(one, members, model, UNSURE_BY_ROUND[-1:])
 
     def _align(
         self,
@@ -96,7 +96,7 @@ class Registration:
         model: Model,
         unsure: Sequence[float],
     ) -> None:
-        for turn in range(ROUNDS):
+        for turn in range(GAUSS_NEWTON_ROUNDS):
             placed = [self.placed(frame) for frame in frames]
             doubt = unsure[min(turn, len(unsure) - 1)]
             step, brighter = _step(placed, model, one.shifted, doubt)
@@ -138,7 +138,7 @@ def _warped(camera: Array, frame: Frame, affine: Array) -> Array:
 def _first_guess(frame: Frame, model: Model) -> Array:
     """Return whole pairs of pixels of best correlation, by Fourier transform."""
     p = predict(model, frame)
-    usable = frame.keep & (p.mean < HIGHEST)
+    usable = frame.keep & (p.mean < UNCLIPPED)
     correlation: Array | float = 0.0
     for tile in range(len(p.mean)):
         measured, expected = (
@@ -175,7 +175,7 @@ def _step(
     for frame in frames:
         p = predict(model, frame)
         weight = 1 / np.sqrt(p.variance + (unsure * p.mean) ** 2)
-        used = frame.keep & ~frame.censored & (p.mean < HIGHEST)
+        used = frame.keep & ~frame.censored & (p.mean < UNCLIPPED)
         z = np.clip((frame.signal - p.mean) * weight, -4, 4)[used]
         columns = [p.exposed * weight]
         if shift:

@@ -22,9 +22,9 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import photon_gain
 
-LEAST = 3.0  # standard deviations above the others that a pixel must lie
-UNSURE = 0.02  # probability below which a pixel counts as any other
-ROUNDS = 30  # of expectation and maximisation
+STANDS_OUT = 3.0  # standard deviations above the others that a pixel must lie
+UNLIKELY = 0.02  # probability below which a pixel counts as any other
+EM_ROUNDS = 30  # of expectation and maximisation
 CLOSE = 1e-3  # relative change of the share that ends them
 MOST_CHI_SQUARE = 6.0  # standard deviations of chi-square between frames
 MISFIT = 0.02  # of the evidence, which the model of light may be wrong by
@@ -112,7 +112,7 @@ def _posterior(
 
     leak, cold : with and without the shot noise of the rate."""
     z = np.where(leak.known & leak.agreed, cold.rate / cold.deviation, 0.0)
-    likely = z > LEAST
+    likely = z > STANDS_OUT
     hot, rate, variance = np.zeros((3, *z.shape))
     if not likely.any():
         return hot, rate, variance
@@ -124,7 +124,7 @@ def _posterior(
     pixels = int(leak.known.sum())
     share, mean = max(likely.sum(), 1) / pixels, float(e.mean())
     probability = np.zeros(e.shape)
-    for _ in range(ROUNDS):
+    for _ in range(EM_ROUNDS):
         inside = (e - s * s / mean) / s
         slab = 0.5 * (s / mean) ** 2 - e / mean + log_ndtr(inside) - np.log(mean)
         odds = np.log(share) - np.log1p(-min(share, 0.5)) + slab - spike
@@ -134,7 +134,7 @@ def _posterior(
         if abs(share - before) < CLOSE * before:
             break
     step = np.exp(-0.5 * inside**2 - log_ndtr(inside)) / np.sqrt(2 * np.pi)
-    hot[likely] = np.where(probability > UNSURE, probability, 0.0)
+    hot[likely] = np.where(probability > UNLIKELY, probability, 0.0)
     rate[likely] = s * (inside + step)
     variance[likely] = np.maximum(s * s * (1 - step * (inside + step)), 0)
     return hot, rate, variance

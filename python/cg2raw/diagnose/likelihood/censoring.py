@@ -12,8 +12,9 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 
 LOG_2PI = np.log(2 * np.pi)
 LARGEST_Z = 8.0
-LEAST_SHARE = 1e-6  # of the information of a pixel that is not censored
-MEASURED = 0.97  # of white; above it residuals are drawn, not measured
+LEAST_INFORMATION_SHARE = 1e-6  # of the information of a pixel that is not censored
+UNCLIPPED = 0.95  # of white, up to which noise does not reach it
+DRAWN_ABOVE = 0.97  # of white; above it residuals are drawn, not measured
 
 
 def residuals(p: Prediction, frame: Frame) -> Array:
@@ -54,7 +55,7 @@ def scores(p: Prediction, frame: Frame) -> tuple[Array, Array, Array]:
         if hit.any():
             end = first_censored(frame, hit, sign, p) / spread[hit]
             ratio = np.exp(-0.5 * end**2 - 0.5 * LOG_2PI - log_ndtr(-end))
-            told = np.sqrt(np.clip(ratio * (ratio - end), LEAST_SHARE, 1))
+            told = np.sqrt(np.clip(ratio * (ratio - end), LEAST_INFORMATION_SHARE, 1))
             z[hit], weight[hit] = sign * ratio / told, told
             square[hit] = np.sqrt(0.5) * ratio * end
     return z, square, weight

@@ -19,7 +19,7 @@ from cg2raw.diagnose.frames.tiling import Array
 FIELD = (5, 6)  # bumps of a smooth error, down and across a frame
 WIDTH_OF_BUMP = 0.7  # of their distance, standard deviation
 BUMPS_THAT_ADD = 1.6  # how many of their variances a pixel sees
-UNSURE = 0.15  # relative, of light there
+UNSURE_HIGHLIGHT = 0.15  # relative, of light there
 CLIPPED = 3.0  # standard deviations below its light that a pixel is clipped
 UNKNOWN_LEVEL = 0.3  # relative, of what nobody measured
 AFTER_ALIGNMENT = 0.05  # relative, of an exposure that was estimated
@@ -44,7 +44,7 @@ class Nuisance:
         extra = self.registration**2 * slope + self.texture**2 * light
         whole = self.light**2 + BUMPS_THAT_ADD * self.radiance**2
         if frame.highlights is not None:
-            extra = extra + frame.highlights * UNSURE**2 * light
+            extra = extra + frame.highlights * UNSURE_HIGHLIGHT**2 * light
         return extra + frame.censored * whole * light
 
     def _columns(self, frame: Frame, p: Prediction) -> Array | None:

@@ -8,12 +8,14 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.model import Model
 
-LEAST_VARIANCE = 1e-12
-LEAST_SHARE = 0.15  # of a variance, that is left without what fit frames made of a map
+LEAST_VARIANCE_LEFT = (
+    0.15  # of a variance, that is left without what fit frames made of a map
+)
 BAYER = 4  # sites of its repeat
 
 
@@ -113,7 +115,7 @@ def _with_maps(
         if not fitted:
             variance = variance + unsure
     sign = -1.0 if fitted else 1.0
-    return mean, np.maximum(variance + sign * doubt, LEAST_SHARE * variance)
+    return mean, np.maximum(variance + sign * doubt, LEAST_VARIANCE_LEFT * variance)
 
 
 def photon_gain(model: Model, frame: Frame) -> Array:

@@ -14,12 +14,12 @@ from cg2raw.diagnose.diagnosis import Picture
 from cg2raw.diagnose.report.text import is_known, number, rough_percent
 
 SIGMAS = 4.0  # a residual map saturates there
-STEPS = (
+COLOR_STEPS = (
     41  # colours of a residual map: as many as the eye tells apart, so it packs well
 )
 MASKED = (128, 128, 128)
 WHITE_AT = 0.9  # of the display, for the brightest percentile
-BRIGHTEST = 99.0  # percentile
+BRIGHTEST_PERCENTILE = 99.0  # percentile
 LARGEST_GAIN = 64.0  # six stops: a dark stays dark
 BUDGET = 1_900_000  # bytes of all frames' PNGs
 REDUCTIONS = (1, 2, 3, 4, 6, 8)
@@ -158,7 +158,7 @@ def display_gain(balanced: Pixels) -> float:
     known = balanced[np.isfinite(balanced)]
     if not known.size:
         return 1.0
-    bright = float(np.percentile(known, BRIGHTEST))
+    bright = float(np.percentile(known, BRIGHTEST_PERCENTILE))
     return float(np.clip(WHITE_AT / max(bright, 1e-9), 0.25, LARGEST_GAIN))
 
 
@@ -174,11 +174,13 @@ def map_colors(z: Pixels) -> tuple[NDArray[np.uint8], bytes]:
     """Return indices of colours, and the palette; what is not known is grey."""
     from matplotlib import colormaps
 
-    colors = colormaps["RdBu_r"](np.linspace(0, 1, STEPS))[:, :3]
+    colors = colormaps["RdBu_r"](np.linspace(0, 1, COLOR_STEPS))[:, :3]
     palette = [*np.rint(255 * colors).astype(np.uint8).ravel().tolist(), *MASKED]
     known = np.isfinite(z)
     share = (np.clip(np.where(known, z, 0), -SIGMAS, SIGMAS) + SIGMAS) / (2 * SIGMAS)
-    index = np.where(known, np.rint(share * (STEPS - 1)), STEPS).astype(np.uint8)
+    index = np.where(known, np.rint(share * (COLOR_STEPS - 1)), COLOR_STEPS).astype(
+        np.uint8
+    )
     return index, bytes(palette)
 
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve, Gap, Histogram, ResidualTest
-from cg2raw.diagnose.report.frame_images import SIGMAS, STEPS
-from cg2raw.diagnose.report.text import UNKNOWN, is_known, number, plain, power_of_ten
+from cg2raw.diagnose.report.frame_images import COLOR_STEPS, SIGMAS
+from cg2raw.diagnose.report.text import NOT_KNOWN, is_known, number, plain, power_of_ten
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ WIDTH = 4.5  # inches
 DPI = 150
 # Distinct for all common colour vision. Source: Okabe and Ito, Color Universal
 # Design, 2008.
-BEFORE, AFTER, MEASURED, FITTED = "#d55e00", "#0072b2", "#333333", "#009e73"
+BEFORE, AFTER, MEASURED_COLOR, FITTED = "#d55e00", "#0072b2", "#333333", "#009e73"
 STYLE = {
     "text.parse_math": False,  # a dollar sign is a dollar sign
     "font.size": 9.5,
@@ -38,7 +38,7 @@ STYLE = {
     "grid.linewidth": 0.7,
     "axes.axisbelow": True,
 }
-LEAST_NATS = 1e-6  # per pixel; nothing smaller is drawn at its place
+LEAST_DRAWN = 1e-6  # per pixel; nothing smaller is drawn at its place
 SIGNIFICANT = 0.001  # p-value, divided by the number of tests
 MOST_TESTS = 14  # bars; the table has them all
 LEAST_DENSITY = 1e-6
@@ -133,7 +133,9 @@ def draw_step(
     if ideal is not None:
         axes.axvline(ideal, color="#777777", linewidth=1.2, linestyle=":")
     if not (is_known(before) or is_known(after)):
-        axes.text(0.5, 0.5, UNKNOWN, transform=axes.transAxes, ha="center", va="center")
+        axes.text(
+            0.5, 0.5, NOT_KNOWN, transform=axes.transAxes, ha="center", va="center"
+        )
         return
     if is_known(before) and is_known(after):
         axes.annotate(
@@ -151,7 +153,7 @@ def draw_step(
 def span(values: Sequence[float | None], ideal: float | None) -> tuple[float, float]:
     """Return the ends of a logarithmic axis; room for what is not above zero."""
     known = [x for x in values if is_known(x)]
-    positive = [max(x, LEAST_NATS) for x in known if x > 0]
+    positive = [max(x, LEAST_DRAWN) for x in known if x > 0]
     shown = positive + ([] if ideal is None else [ideal])
     least, most = min(shown, default=0.1), max(shown, default=0.1)
     room = 2 if len(positive) == len(known) else 100
@@ -193,7 +195,7 @@ def tests_figure(
             ):
                 draw_bar(axes, row + shift, test, color, count)
         set_log(axes.xaxis)
-        axes.set_xlim(LEAST_NATS, 2 * largest(pairs))
+        axes.set_xlim(LEAST_DRAWN, 2 * largest(pairs))
         axes.set_yticks(range(len(pairs)), [short(name) for name, *_ in pairs])
         axes.set_ylim(len(pairs) - 0.4, -0.6)
         axes.set_xlabel("nats/pixel")
@@ -211,7 +213,7 @@ def draw_bar(
     if test is None or not is_known(test.nats_per_pixel):
         return
     is_chance = not is_known(test.p_value) or test.p_value >= SIGNIFICANT / count
-    axes.barh(at, max(test.nats_per_pixel - LEAST_NATS, 0), 0.36, left=LEAST_NATS,
+    axes.barh(at, max(test.nats_per_pixel - LEAST_DRAWN, 0), 0.36, left=LEAST_DRAWN,
               color=color, alpha=0.3 if is_chance else 1)  # fmt: skip
 
 
@@ -219,7 +221,7 @@ def largest(pairs: Sequence[Pair]) -> float:
     """Return the largest size of any test, nats per pixel."""
     sizes = [t.nats_per_pixel for _, *tests in pairs for t in tests if t is not None]
     return (
-        max([size for size in sizes if is_known(size)], default=1.0) + LEAST_NATS * 10
+        max([size for size in sizes if is_known(size)], default=1.0) + LEAST_DRAWN * 10
     )
 
 
@@ -278,13 +280,13 @@ def curve_figure(curve: Curve) -> bytes:
         axes.fill_between(curve.x, curve.low, curve.high, color=FITTED, alpha=0.25,
                           linewidth=0, label="95 %")  # fmt: skip
         axes.plot(curve.x, curve.y, color=FITTED, linewidth=2, label="fitted")
-        axes.plot(curve.measured_x, curve.measured_y, "o", color=MEASURED,
+        axes.plot(curve.measured_x, curve.measured_y, "o", color=MEASURED_COLOR,
                   markersize=3.5, alpha=0.8, label="measured")  # fmt: skip
         axes.set(xlabel=short(curve.x_label), ylabel=short(curve.y_label))
         axes.grid()
         axes.margins(0.03)
         words = (("fitted", FITTED), ("95 % interval", "#bfe6dc"))
-        legend(figure, (*words, ("measured", MEASURED)))
+        legend(figure, (*words, ("measured", MEASURED_COLOR)))
 
     return drawn(3.1, draw)
 
@@ -299,7 +301,7 @@ def scale_figure() -> bytes:
 
         figure.colorbar(
             ScalarMappable(
-                Normalize(-SIGMAS, SIGMAS), colormaps["RdBu_r"].resampled(STEPS)
+                Normalize(-SIGMAS, SIGMAS), colormaps["RdBu_r"].resampled(COLOR_STEPS)
             ),
             cax=figure.subplots(),
             orientation="horizontal",

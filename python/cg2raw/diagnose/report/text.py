@@ -9,7 +9,7 @@ from typing import TypeGuard
 from cg2raw.diagnose.diagnosis import LARGEST_E, Diagnosis, Estimate, Gap
 from cg2raw.diagnose.effects.catalogue import title
 
-UNKNOWN = "unknown"
+NOT_KNOWN = "unknown"
 MINUS = "\N{MINUS SIGN}"
 TIMES = "\N{MULTIPLICATION SIGN}"
 NARROW_SPACE = "\N{NARROW NO-BREAK SPACE}"
@@ -38,7 +38,7 @@ def is_known(value: float | None) -> TypeGuard[float]:
 def number(value: float | None, digits: int = 3) -> str:
     """Return @value with so many significant digits; powers of ten beyond 1e-4, 1e6."""
     if value is None or not math.isfinite(value):
-        return UNKNOWN
+        return NOT_KNOWN
     if value == 0:
         return "0"
     scientific = f"{value:.{digits - 1}e}"
@@ -91,7 +91,7 @@ def estimate(parameter: Estimate) -> tuple[str, str]:
 def interval(bounds: tuple[float, float] | None, digits: int = 3) -> str:
     """Return "low to high", or "unknown"."""
     if bounds is None or not all(is_known(bound) for bound in bounds):
-        return UNKNOWN
+        return NOT_KNOWN
     return f"{number(bounds[0], digits)} to {number(bounds[1], digits)}"
 
 
@@ -122,7 +122,7 @@ def closed(gap: Gap) -> float | None:
 def percent(share: float | None) -> str:
     """Return a share in percent, rounded down: what is nearly all is never "100 %"."""
     if share is None or not math.isfinite(share):
-        return UNKNOWN
+        return NOT_KNOWN
     if share >= 1:
         return "100 %"
     return f"{math.floor(share * 1e4) / 100:.2f} %".replace("-", MINUS)
@@ -130,13 +130,13 @@ def percent(share: float | None) -> str:
 
 def rough_percent(share: float | None) -> str:
     """Return a share in percent with two significant digits."""
-    return f"{number(100 * share, 2)} %" if is_known(share) else UNKNOWN
+    return f"{number(100 * share, 2)} %" if is_known(share) else NOT_KNOWN
 
 
 def evidence(e_value: float) -> tuple[str, str]:
     """Return an e-value, and what it says in words."""
     if not is_known(e_value):
-        return UNKNOWN, "The strength of the evidence is not known."
+        return NOT_KNOWN, "The strength of the evidence is not known."
     is_largest = e_value >= LARGEST_E
     shown = f"at least {power_of_ten(300)}" if is_largest else number(e_value, 2)
     strength = next((word for least, word in STRENGTHS if e_value >= least), "none")
