@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The pages: the API's is up to date, and the Python examples of all of them run."""
+"""The pages: what scripts write is up to date, the Python examples run, and the
+reference lists every public name, each of which says what it is."""
 
+import dataclasses
 import inspect
 import re
 import shlex
@@ -15,8 +17,9 @@ import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw import diagnose
+from cg2raw import diagnose, synthetic
 from cg2raw.cli import make_parser
+from cg2raw.diagnose import diagnosis
 
 ROOT = Path(__file__).resolve().parents[2]
 # tests/dataset/test_docs.py and tests/diagnose/test_docs.py run those whose programs
@@ -71,7 +74,7 @@ def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch, request):
 
 
 # Pages that scripts write, and by which.
-WRITTEN = {"python.md": "scripts/api_page.py", "effects.md": "scripts/effects_page.py"}
+WRITTEN = {"effects.md": "scripts/effects_page.py"}
 
 
 def write_page(script, *arguments):
@@ -124,14 +127,70 @@ def test_every_public_name_says_what_it_is(name):
     said = [line for line in text.splitlines() if " -> " not in line and line.strip()]
     if name != "RawFrame.simulation":
         assert said and len(" ".join(said)) > 10
-    page = (ROOT / "docs/python.md").read_text()
-    assert f"{name}\n" in page or f"`{name.partition('.')[2]}`" in page
 
 
-@pytest.mark.parametrize("name", diagnose.__all__)
-def test_every_name_of_the_diagnosis_is_on_the_page(name):
-    assert len(inspect.getdoc(getattr(diagnose, name))) > 10
-    assert f"## cg2raw.diagnose.{name}\n" in (ROOT / "docs/python.md").read_text()
+DIRECTIVE = re.compile(
+    r"^\.\. (auto\w+|py:data):: ([\w.]+)\n((?:   .+\n)*)", re.MULTILINE
+)
+
+
+def reference():
+    """Return {dotted name: (directive, options)} of the reference's sources."""
+    pages = sorted((ROOT / "docs/reference").glob("*.rst"))
+    found = [match for page in pages for match in DIRECTIVE.findall(page.read_text())]
+    assert len({name for _, name, _ in found}) == len(found)
+    return {name: (directive, options) for directive, name, options in found}
+
+
+def classes_of_a_diagnosis():
+    """Return the names of the classes that diagnosis.py defines."""
+    of_module = vars(diagnosis).values()
+    classes = filter(inspect.isclass, of_module)
+    return {c.__name__ for c in classes if c.__module__ == diagnosis.__name__}
+
+
+def test_the_reference_lists_all_public_names_and_no_others():
+    parts = classes_of_a_diagnosis() - set(diagnose.__all__)
+    assert set(reference()) == {
+        "cg2raw",
+        "cg2raw.diagnose",
+        "cg2raw.synthetic",
+        *(f"cg2raw.{name}" for name in cg2raw.__all__),
+        *(f"cg2raw.diagnose.{name}" for name in diagnose.__all__),
+        *(f"cg2raw.diagnose.diagnosis.{name}" for name in parts),
+        *(f"cg2raw.synthetic.{name}" for name in synthetic.__all__),
+    }
+
+
+def test_the_reference_shows_what_a_name_is():
+    """A class with its members; a dataclass has its fields shown without that."""
+    for name, (directive, options) in reference().items():
+        home, _, last = name.rpartition(".")
+        value = getattr(sys.modules[home], last) if home else cg2raw
+        if directive == "autoclass":
+            assert inspect.isclass(value)
+            assert ":members:" in options or dataclasses.is_dataclass(value), name
+        elif directive == "autofunction":
+            assert callable(value) and not inspect.isclass(value)
+        elif directive == "automodule":
+            assert inspect.ismodule(value)
+        else:
+            assert directive == "py:data" and isinstance(value, str)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        *(getattr(diagnose, name) for name in diagnose.__all__),
+        *(getattr(diagnosis, name) for name in classes_of_a_diagnosis()),
+        *(getattr(synthetic, name) for name in synthetic.__all__),
+    ],
+    ids=lambda value: value.__name__,
+)
+def test_every_name_of_the_diagnosis_says_what_it_is(value):
+    assert len(inspect.getdoc(value)) > 10
+    # A dataclass without a docstring has its signature for one.
+    assert not inspect.getdoc(value).startswith(f"{value.__name__}(")
 
 
 def test_all_is_sorted_and_whole():
