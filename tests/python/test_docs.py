@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw import diagnose, synthetic
+from cg2raw import _core, diagnose, synthetic
 from cg2raw.cli import make_parser
 from cg2raw.diagnose import diagnosis
 
@@ -104,6 +104,44 @@ def test_every_effect_has_its_section():
     sections = re.findall(r"^## (\w+)$", page, re.MULTILINE)
     assert sections == [effect["name"] for effect in cg2raw.effects()]
     assert sections == re.findall(r"^\| \[`(\w+)`\]\(#", page, re.MULTILINE)
+
+
+TERM = re.compile(r"^\| (.+?) \| (.+) \|$", re.MULTILINE)
+
+
+def glossary():
+    """Return {term without what is in brackets: (term, meaning)}."""
+    _, _, table = (ROOT / "docs/glossary.md").read_text().partition("|---|---|\n")
+    rows = TERM.findall(table)
+    assert len(rows) == table.count("\n")
+    found = {term.partition(" (")[0]: (term, meaning) for term, meaning in rows}
+    assert len(found) == len(rows)
+    return found
+
+
+def test_the_glossary_is_in_order():
+    terms = [term.replace("`", "").lower() for term, _ in glossary().values()]
+    assert terms == sorted(terms) and len(terms) > 100
+    assert all(meaning[-1] == "." for _, meaning in glossary().values())
+
+
+@pytest.mark.parametrize("effect", cg2raw.effects(), ids=lambda effect: effect["name"])
+def test_the_glossary_has_every_effect_and_its_stage(effect):
+    assert glossary()[f"`{effect['name']}`"][1].startswith("Effect: ")
+    assert "(stage" in glossary()[f"`{effect['stage']}`"][0]
+
+
+@pytest.mark.parametrize("verdict", diagnosis.VERDICTS)
+def test_the_glossary_has_every_verdict(verdict):
+    assert glossary()[f"`{verdict}`"][1].startswith("Verdict: ")
+
+
+@pytest.mark.parametrize(
+    "former", ["early_clipping", "photon_statistics", "column_noise"]
+)
+def test_the_glossary_has_the_former_names_of_effects(former):
+    current = _core.current_effect_name(former)
+    assert f"formerly `{former}`" in glossary()[f"`{current}`"][0]
 
 
 def public_things():
