@@ -20,7 +20,7 @@ INTRO = """\
 # Effects
 
 `scripts/effects_page.py` writes this page from the registry; `cg2raw effects` and
-`cg2raw effects NAME` print the same, and `cg2raw effects --json` gives it to programs.
+`cg2raw effects NAME` print the same; `cg2raw effects --json` prints it for programs.
 
 An effect is one physical departure of a camera from an ideal one. A profile switches it
 on in its `effects`; all its parameters must be given, within their bounds:
@@ -39,11 +39,11 @@ STAGES = {
     "optics": "camera RGB, as light that reaches the filters",
     "pixel": "the mosaic, from here on: light that falls on a pixel",
     "response": "charge",
-    "noise": "charge, as photons draw it",
+    "noise": "charge, with the noise of its photons",
     "saturation": "charge with its noise, at the full well",
-    "readout": "what the amplifiers give",
-    "adc": "what the ADC gives",
-    "processing": "what the camera makes of it before it writes the file",
+    "readout": "the output of the amplifiers",
+    "adc": "the output of the ADC",
+    "processing": "the numbers, before the camera writes them to the file",
 }
 
 
