@@ -57,7 +57,7 @@ Effect color_shading()
              Stage::optics,
              Pattern::none,
              parameters,
-             "fall-off of red and blue that differs from green's",
+             "vignetting of red and blue that differs from green's",
              "P. B. Catrysse, X. Liu, A. El Gamal, Proc. SPIE 3965, 2000 (pixel "
              "vignetting)",
              predict };

@@ -49,7 +49,7 @@ Effect lens_shading()
           { "tilt_y", "1", -1.0, 1.0, 0.0, "linear, downwards, per half diagonal" },
           { "tilt_x_r2", "1", -2.0, 2.0, 0.0, "of r^2 times the way to the right" },
           { "tilt_y_r2", "1", -2.0, 2.0, 0.0, "of r^2 times the way downwards" } },
-        "fall-off of illumination towards the corners",
+        "vignetting: loss of illumination towards the corners",
         "D. B. Goldman, IEEE Trans. PAMI 32(12), 2010 (even polynomial); the tilt: "
         "first and third order of a shift of its centre",
         predict
