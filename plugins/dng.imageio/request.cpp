@@ -194,6 +194,32 @@ Run run_of(const Attributes& attributes)
     return run;
 }
 
+/// What pixels that are no RAW must have beside them: a sensor, Rec.709 and a light.
+void require_scene(const ImageSpec& spec, const Attributes& attributes, bool has_sensor)
+{
+    if (!has_sensor && attributes.reference.empty())
+        throw Error("which sensor? Add --attrib dng:sensor ID (cg2raw doctor lists "
+                    "them) or --attrib dng:reference FILE.dng, or convert with "
+                    "--tocolorspace \"RAW - <sensor> - <illuminant>\"");
+    require_rec709(color_space_of(spec));
+    require_rec709_primaries(spec);
+    if (attributes.illuminant.empty())
+        throw Error("under which light? Add --attrib dng:illuminant WORD: "
+                    + std::string(illuminant_grammar));
+}
+
+/// The profile, neutral and shot of the DNG @p file; of @p sensor, if there is one,
+/// what a DNG does not say.
+void put_reference(const std::string& file, const std::optional<SensorProfile>& sensor,
+                   Request& request)
+{
+    const DngMetadata metadata = read_dng_metadata(file);
+    const SensorProfile reference = profile_from_dng(metadata);
+    request.profile = sensor ? with_measurements(reference, *sensor, file) : reference;
+    request.run.as_shot = metadata.as_shot_neutral;
+    request.shot = merged(metadata.shot, request.shot);
+}
+
 } // namespace
 
 Request request_of(const ImageSpec& spec, const std::string& file)
@@ -208,35 +234,19 @@ Request request_of(const ImageSpec& spec, const std::string& file)
     };
     request.run.frame = frame_of(spec, attributes, file);
 
-    const auto space = raw_space_of(spec, attributes, sensor);
-    if (space) {
+    if (const auto space = raw_space_of(spec, attributes, sensor)) {
         request.run.camera_input = true;
         request.run.color_effects = false;
         request.run.illuminant = space->illuminant;
         if (!sensor)
             sensor = load_profile(space->sensor);
     } else {
-        if (!sensor && attributes.reference.empty())
-            throw Error("which sensor? Add --attrib dng:sensor ID (cg2raw doctor lists "
-                        "them) or --attrib dng:reference FILE.dng, or convert with "
-                        "--tocolorspace \"RAW - <sensor> - <illuminant>\"");
-        require_rec709(color_space_of(spec));
-        require_rec709_primaries(spec);
-        if (attributes.illuminant.empty())
-            throw Error("under which light? Add --attrib dng:illuminant WORD: "
-                        + std::string(illuminant_grammar));
+        require_scene(spec, attributes, sensor.has_value());
     }
-    if (!attributes.reference.empty()) {
-        const DngMetadata metadata = read_dng_metadata(attributes.reference);
-        const SensorProfile reference = profile_from_dng(metadata);
-        request.profile = sensor
-            ? with_measurements(reference, *sensor, attributes.reference)
-            : reference;
-        request.run.as_shot = metadata.as_shot_neutral;
-        request.shot = merged(metadata.shot, request.shot);
-    } else {
+    if (attributes.reference.empty())
         request.profile = *sensor;
-    }
+    else
+        put_reference(attributes.reference, sensor, request);
     request.run.exposure_time = request.shot.exposure_time;
     if (attributes.iso)
         request.shot.iso = int(std::lround(*attributes.iso));
