@@ -5,8 +5,9 @@
 /// Both give the same bits: no fused multiply-add, no reordering (see build flags).
 #pragma once
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__)         \
-    && !defined(CG2RAW_SANITIZED)
+// Clang defines __GNUC__, too, but (as of 18) refuses target_clones on templates.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)                    \
+    && !defined(__SANITIZE_ADDRESS__) && !defined(CG2RAW_SANITIZED)
 #define CG2RAW_MULTIVERSION __attribute__((target_clones("avx2", "default")))
 #else
 #define CG2RAW_MULTIVERSION
