@@ -75,8 +75,9 @@ Temperature temperature_from_xy(Chromaticity xy, RobertsonTable table)
     // Direction of the isotherm at the point, interpolated between unit vectors.
     const double length_a = std::hypot(1.0, a.slope),
                  length_b = std::hypot(1.0, b.slope);
-    double du = to_cool / length_a + (1.0 - to_cool) / length_b;
-    double dv = a.slope / length_a * to_cool + b.slope / length_b * (1.0 - to_cool);
+    const double du = to_cool / length_a + (1.0 - to_cool) / length_b;
+    const double dv
+        = a.slope / length_a * to_cool + b.slope / length_b * (1.0 - to_cool);
     const double length = std::hypot(du, dv);
     const double off_u = u - (a.u * to_cool + b.u * (1.0 - to_cool));
     const double off_v = v - (a.v * to_cool + b.v * (1.0 - to_cool));

@@ -14,12 +14,12 @@ namespace cg2raw {
 /// By 2 artanh((m - 1) / (m + 1)) with the mantissa m in 0.707 ... 1.414.
 inline double natural_log(double x)
 {
-    std::int64_t bits;
+    std::int64_t bits = 0;
     std::memcpy(&bits, &x, sizeof bits);
     // 0x3FE6A09E are the upper bits of sqrt(1/2).
     const std::int32_t exponent = (std::int32_t(bits >> 32) - 0x3FE6A09E) >> 20;
     bits -= std::int64_t(std::uint64_t(std::int64_t(exponent)) << 52);
-    double mantissa;
+    double mantissa = 0.0;
     std::memcpy(&mantissa, &bits, sizeof mantissa);
     const double s = (mantissa - 1.0) / (mantissa + 1.0), square = s * s;
     double p = 1.0 / 21.0;
@@ -57,10 +57,10 @@ inline double exponential(double x)
     p = p * r + 1.0 / 6.0;
     p = p * r + 0.5;
     p = p * r * r + r + 1.0;
-    std::int64_t bits; // the whole number stands in the last bits of shifted
+    std::int64_t bits = 0; // the whole number stands in the last bits of shifted
     std::memcpy(&bits, &shifted, sizeof bits);
     bits = std::int64_t((std::uint64_t(bits) + 1023u) << 52);
-    double scale;
+    double scale = 0.0;
     std::memcpy(&scale, &bits, sizeof scale);
     return p * scale;
 }

@@ -192,7 +192,7 @@ SensorProfile parse_profile(std::string_view text, const std::string& file)
     check_profile_syntax(text, file);
     const Fields::Json json = Fields::Json::parse(text);
     try {
-        const SensorProfile profile = profile_from({ json, file, "" });
+        SensorProfile profile = profile_from({ json, file, "" });
         check(profile, file);
         return profile;
     } catch (const nlohmann::json::exception& error) {

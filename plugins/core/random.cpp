@@ -47,11 +47,11 @@ inline void philox(Words& w, std::uint32_t key_0, std::uint32_t key_1)
 /// not libm's, so that every machine has the same bits.
 inline float log_of(float x)
 {
-    std::int32_t bits;
+    std::int32_t bits = 0;
     std::memcpy(&bits, &x, sizeof bits);
     const std::int32_t exponent = (bits - 0x3F3504F3) >> 23; // 0x3F3504F3 = sqrt(1/2)
     bits -= exponent * (1 << 23);
-    float mantissa;
+    float mantissa = 0.0f;
     std::memcpy(&mantissa, &bits, sizeof mantissa);
     const float f = mantissa - 1.0f; // -0.2929 ... 0.4142
     float p = 0.0874394535f;
@@ -129,7 +129,7 @@ inline double uniform_of(std::uint32_t high, std::uint32_t low)
     // As the mantissa of a number in 1 ... 2.
     const std::uint64_t bits
         = 0x3FF0000000000000u | (std::uint64_t(high) << 20 | low >> 12);
-    double value;
+    double value = 0.0;
     std::memcpy(&value, &bits, sizeof value);
     return (value - 1.0) + 0x1p-53;
 }
@@ -141,7 +141,7 @@ CG2RAW_MULTIVERSION void draw_uniforms(std::uint32_t first_group, std::uint32_t 
 {
     Words w;
     draw_words(first_group, row, frame, key, w);
-    for (int i = 0; i < lanes; ++i) {
+    for (std::ptrdiff_t i = 0; i < lanes; ++i) {
         uniforms[2 * i] = uniform_of(w.word[0][i], w.word[1][i]);
         uniforms[2 * i + 1] = uniform_of(w.word[2][i], w.word[3][i]);
     }

@@ -34,7 +34,8 @@ void each_piece_of_sites(const Signal& signal, const Values& values, const Work&
     double value[most_in_piece];
     for (int row = 0; row < signal.mean[0].height; ++row) {
         const int site_row = (signal.origin.row + row) % cfa.height;
-        const double* const of_row = values.data() + site_row * cfa.width;
+        const double* const of_row
+            = values.data() + std::ptrdiff_t(site_row) * cfa.width;
         for (int col = 0; col < width; col += most_in_piece) {
             const Site at { signal.origin.row + row, signal.origin.col + col };
             const int count = std::min(most_in_piece, width - col);

@@ -37,8 +37,9 @@ void each_row_of_sites(Signal& signal, const Values& values, const Row& row)
     assert(cfa.width % 2 == 0 && cfa.width <= 2 * most_pairs);
     const int pairs = cfa.width / 2, width = signal.variance.width;
     for (int r = 0; r < signal.variance.height; ++r) {
+        const int site_row = (signal.origin.row + r) % cfa.height;
         const double* const of_row
-            = values.data() + (signal.origin.row + r) % cfa.height * cfa.width;
+            = values.data() + std::ptrdiff_t(site_row) * cfa.width;
         float pair[most_pairs][2];
         for (int col = 0; col < cfa.width; ++col)
             pair[col / 2][col % 2]

@@ -18,7 +18,7 @@ constexpr double least_lambda = 1e-7;
 /// zeta(k) - 1 for k >= 2: eleven terms, then Euler and Maclaurin's remainder.
 double zeta_less_one(int k)
 {
-    constexpr double last = 12.0;
+    constexpr int last = 12;
     const auto power = [k](double base) { // base^-k
         double result = 1.0;
         for (int i = 0; i < k; ++i)
@@ -26,7 +26,7 @@ double zeta_less_one(int k)
         return result;
     };
     double sum = 0.0;
-    for (double n = 2.0; n < last; n += 1.0)
+    for (int n = 2; n < last; ++n)
         sum += power(n);
     const double tail = power(last), bend = k / (12.0 * last);
     const double next = k * (k + 1.0) * (k + 2.0) / (720.0 * last * last * last);

@@ -12,7 +12,7 @@ namespace {
 
 inline float float_of(std::uint32_t bits)
 {
-    float value;
+    float value = 0.0f;
     std::memcpy(&value, &bits, sizeof value);
     return value;
 }

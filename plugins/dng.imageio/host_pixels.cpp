@@ -59,7 +59,7 @@ RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
                             host.format, host.xstride, host.ystride, OIIO::AutoStride,
                             room.data() + color, TypeDesc::FLOAT, pixel,
                             pixel * host.width, OIIO::AutoStride);
-    return { room.data(), host.width, host.height, 3, 3 * host.width };
+    return { room.data(), host.width, host.height, 3, 3 * std::ptrdiff_t(host.width) };
 }
 
 FrameWindow::FrameWindow(const OIIO::ImageSpec& spec)

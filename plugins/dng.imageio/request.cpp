@@ -148,7 +148,7 @@ std::optional<RawSpace> raw_space_of(const ImageSpec& spec,
     if (sensor)
         sensors.push_back(sensor->id);
     const std::string name = color_space_of(spec);
-    const auto space = raw_space_from_name(name, sensors);
+    auto space = raw_space_from_name(name, sensors);
     if (!space)
         return std::nullopt;
     const std::string pixels = "pixels already are \"" + name + "\"";

@@ -14,8 +14,9 @@ void predict(Signal& signal, const Values& values)
 {
     const CfaPattern& cfa = signal.exposure.cfa;
     for (int row = 0; row < signal.noise.height; ++row) {
+        const int site_row = (signal.origin.row + row) % cfa.height;
         const double* const of_row
-            = values.data() + (signal.origin.row + row) % cfa.height * cfa.width;
+            = values.data() + std::ptrdiff_t(site_row) * cfa.width;
         const float pair[2] = { float(of_row[signal.origin.col % 2]),
                                 float(of_row[(signal.origin.col + 1) % 2]) };
         float* const noise = signal.noise.row(row);

@@ -19,7 +19,7 @@ void predict(Signal& signal, const Values& values)
 void draw(Signal& signal, const Values& values, const Rng& rng)
 {
     for (int row = 0; row < signal.noise.height; ++row) {
-        float normal;
+        float normal = 0.0f;
         rng.normals({ signal.origin.row + row, 0 }, 1, &normal);
         const float offset = float(values[0]) * normal;
         for (int col = 0; col < signal.noise.width; ++col)

@@ -98,7 +98,7 @@ void find_sizes(const std::vector<std::uint16_t>& differences,
     for (std::size_t i = 0; i < count; ++i) {
         const int difference = std::int16_t(in[i]);
         const float magnitude = float(difference < 0 ? -difference : difference);
-        std::int32_t word;
+        std::int32_t word = 0;
         std::memcpy(&word, &magnitude, sizeof word);
         const int size = (word >> 23) - bias;
         out[i] = std::uint8_t(size < 0 ? 0 : size);

@@ -61,14 +61,14 @@ public:
     float real32()
     {
         const std::uint32_t word = this->word();
-        float value;
+        float value = 0.0f;
         std::memcpy(&value, &word, sizeof value);
         return value;
     }
     double real64()
     {
         const std::uint64_t word = bits(8);
-        double value;
+        double value = 0.0;
         std::memcpy(&value, &word, sizeof value);
         return value;
     }

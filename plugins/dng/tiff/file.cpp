@@ -148,7 +148,8 @@ std::uint64_t TiffFile::entry_value(std::uint32_t directory, std::uint32_t numbe
     // offset.
     const std::uint32_t entries = word_at(directory, 2);
     for (std::uint32_t i = 0; i < entries; ++i) {
-        const std::uint64_t entry = std::uint64_t(directory) + 2 + 12 * i;
+        const std::uint64_t entry
+            = std::uint64_t(directory) + 2 + 12 * std::uint64_t(i);
         if (word_at(entry, 2) == number)
             return entry + 8;
     }

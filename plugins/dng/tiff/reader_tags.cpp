@@ -61,7 +61,7 @@ double decoded_value(const TiffReader& file, std::uint16_t type,
 {
     const std::uint64_t bits = file.number(value, tiff_value_size(type));
     const auto word
-        = [&](int i) { return std::uint32_t(file.number(value + 4 * i, 4)); };
+        = [&](std::size_t i) { return std::uint32_t(file.number(value + 4 * i, 4)); };
     switch (type) {
     case type_byte:
     case type_short:

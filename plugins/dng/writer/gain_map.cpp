@@ -28,13 +28,13 @@ public:
     }
     void put(float value)
     {
-        std::uint32_t word;
+        std::uint32_t word = 0;
         std::memcpy(&word, &value, sizeof word);
         put(word);
     }
     void put(double value)
     {
-        std::uint64_t word;
+        std::uint64_t word = 0;
         std::memcpy(&word, &value, sizeof word);
         put(std::uint32_t(word >> 32));
         put(std::uint32_t(word));

@@ -156,7 +156,7 @@ void Preview::render(CameraRow& camera, std::uint8_t* out) const
     std::vector<int> steps(camera[0].size());
     int* const step = steps.data();
     for (int c = 0; c < 3; ++c) {
-        const float* const from = m_srgb_from_balanced.data() + 3 * c;
+        const float* const from = m_srgb_from_balanced.data() + 3 * std::ptrdiff_t(c);
         const float from_r = from[0], from_g = from[1], from_b = from[2];
         for (int i = 0; i < width; ++i) {
             const float linear = from_r * r[i] + from_g * g[i] + from_b * b[i];
