@@ -72,7 +72,7 @@ void check_shapes(const FloatArray& camera, const OriginArray& origins, int marg
         throw Error("origins must have the shape (" + std::to_string(camera.shape(0))
                     + ", 2), row and col of each block, not " + shape_of(origins));
     const py::ssize_t least = std::min(camera.shape(2), camera.shape(3));
-    if (margin < 0 || 2 * margin >= least)
+    if (margin < 0 || 2 * py::ssize_t(margin) >= least)
         throw Error("margin " + std::to_string(margin)
                     + " must be 0 or more and leave some of the "
                     + std::to_string(least) + " pixels of a block");
@@ -109,9 +109,9 @@ predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings
           const std::optional<GlareContext>& glare_context, int threads)
 {
     check_shapes(camera, origins, margin);
-    const std::vector<py::ssize_t> shape { camera.shape(0),
-                                           camera.shape(2) - 2 * margin,
-                                           camera.shape(3) - 2 * margin };
+    const py::ssize_t margins = 2 * py::ssize_t(margin);
+    const std::vector<py::ssize_t> shape { camera.shape(0), camera.shape(2) - margins,
+                                           camera.shape(3) - margins };
     std::array<FloatArray, 3> results { FloatArray(shape), FloatArray(shape),
                                         FloatArray(shape) };
     const auto blocks = blocks_of(camera, origins, margin, results);

@@ -132,6 +132,7 @@ ERRORS = [
     (dict(origins=[(-1, 0)]), "row -1, col 0 leaves the frame"),
     (dict(origins=[(0, 0), (0, 0)]), r"origins.*\(1, 2\)"),
     (dict(margin=24), "margin 24 must.*48"),
+    (dict(margin=1 << 30), "margin 1073741824 must.*48"),  # twice it is no int
     (dict(margin=-1), "margin -1"),
 ]
 
