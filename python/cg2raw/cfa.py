@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Camera RGB to a mosaic of any colour filter array, and back."""
+"""Mosaic and demosaic for any colour filter array."""
 
 from numpy.typing import ArrayLike
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""From an image file to a DNG: the way of the plugin's attributes, without a host."""
+"""Convert an image file to a DNG as the plugin does, without OpenImageIO as a host."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

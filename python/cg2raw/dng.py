@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""A mosaic of DN becomes a DNG."""
+"""Write a mosaic of DN as a DNG."""
 
 import os
 from collections.abc import Mapping

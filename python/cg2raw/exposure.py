@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""What one exposure is asked to be, as the core takes it."""
+"""Run: the options of one exposure, as the core takes them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

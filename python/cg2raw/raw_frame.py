@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""RawFrame: DN that remember the simulation they came from."""
+"""RawFrame: DN with the simulation that made them."""
 
 from typing import Any
 

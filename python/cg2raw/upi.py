@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""UPI: random cameras instead of a chosen one, to compare the sensors' way with.
+"""UPI: random cameras instead of a chosen one, for comparison.
 
 Source: T. Brooks et al., Unprocessing Images for Learned Raw Denoising, CVPR 2019. Its
 inverse tone curve and gamma are left out: a render is scene linear already.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The way back: captures as a found profile simulates them, to be diagnosed again.
+"""Closed loop: captures simulated from an updated profile, to be diagnosed again.
 
 With the profile as its own model there must be no gap."""
 

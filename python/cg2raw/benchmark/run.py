@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The bench of the diagnosis: hidden effects, drawn by seed, and how many it names.
+"""Benchmark of the diagnosis: hidden effects, drawn by seed, and how many it names.
 
     python -m cg2raw.benchmark single --json single.jsonl
 

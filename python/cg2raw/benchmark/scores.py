@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""How well a diagnosis found what was hidden, and the table of a bench."""
+"""Scores: how well a diagnosis found the hidden effects, and the table of a suite."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The suites of the bench: which case hides what, decided by seed and number alone."""
+"""Benchmark suites: which case hides which effects, set by seed and number alone."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Words that go in, and words of errors that come out."""
+"""Parsing of words on the command line, and error messages."""
 
 from collections.abc import Sequence
 

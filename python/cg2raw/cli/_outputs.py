@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Where the files of a command go."""
+"""Output paths of a command."""
 
 import argparse
 import os

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""All files of one image: read once, made in order, those that are finished kept."""
+"""Job: all files for one image, read once, made in order; finished ones are kept."""
 
 import hashlib
 import json

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What is finished of each image: a file of JSON lines per image, beside the data set.
+"""Journal: which files are finished, as JSON lines per image, beside the data set.
 
 The first line is about the image, each other one a row of the manifest, written when
 the row's file stands under its final name. A checksum stands before each: a line that

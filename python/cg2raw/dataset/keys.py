@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Numbers that a key decides, whatever the order of work."""
+"""Random numbers set by a key, whatever the order of work."""
 
 import hashlib
 import json

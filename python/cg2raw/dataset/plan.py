@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What a data set is to hold: each file's name, key, and all that was drawn for it."""
+"""Plan of a data set: name, key and drawn settings of each file."""
 
 import hashlib
 import json

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""A whole data set: begun or gone on with, handed to workers, listed."""
+"""Make a whole data set, or resume it: hand jobs to workers, write the manifest."""
 
 import contextlib
 import ctypes

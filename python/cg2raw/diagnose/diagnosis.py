@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Diagnosis: what was found, as objects; verdict.json is their text."""
+"""Diagnosis: the result as frozen objects, which verdict.json holds as text."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

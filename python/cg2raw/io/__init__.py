@@ -1,3 +1,3 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Files: images, RAW files through LibRaw, arrays, and how all are written whole."""
+"""Files: images, RAW files through LibRaw, arrays, and atomic writing."""

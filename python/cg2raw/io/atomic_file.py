@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Files that appear whole or not at all."""
+"""Atomic files: they appear whole or not at all."""
 
 import contextlib
 import errno

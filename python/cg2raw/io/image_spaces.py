@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What an image file says of its colours: names of spaces, primaries, curves."""
+"""Colour spaces of image files: names, primaries and transfer curves."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What LibRaw and Exif say of a RAW file that is no DNG."""
+"""Metadata of a RAW file that is no DNG, from LibRaw and Exif."""
 
 import contextlib
 import logging

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The module OpenImageIO, which is not needed until an image is read."""
+"""The OpenImageIO module, imported when an image is read."""
 
 from types import ModuleType
 

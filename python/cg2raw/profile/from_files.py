@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The profile that a camera's RAW files amount to."""
+"""Make a profile from a camera's RAW files."""
 
 import json
 import os

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The profile that RAW files which are no DNG amount to, by what LibRaw says."""
+"""Make a profile from RAW files that are no DNGs, through LibRaw."""
 
 import os
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Captures with hidden effects, by physics of its own: electrons, numpy and scipy.
+"""Captures with hidden effects, by independent physics: electrons, numpy and scipy.
 
 Nothing here calls the effects, the simulation or the diagnosis: what is hidden is not
 drawn by the code that has to find it. Of a sensor it reads numbers only.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""What goes wrong with a capture, and not with a camera."""
+"""Conditions: what goes wrong with a capture, and not with a camera."""
 
 from collections.abc import Mapping
 from typing import Any

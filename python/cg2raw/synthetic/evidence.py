@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""How much the frames that decide tell of a hidden effect, at best."""
+"""Evidence: how much the select frames can say about a hidden effect, at best."""
 
 from collections.abc import Iterable
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Which effects can be hidden, in which ranges, and what else of them is drawn.
+"""Effects that can be hidden: ranges of their strengths, and their random parameters.
 
 Every effect has one strength, whose magnitude is log-uniform over the range where it
 matters; its other parameters are drawn beside it. Parameters are the generator's own.

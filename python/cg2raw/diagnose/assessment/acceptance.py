@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Acceptance: which of the effects that a search found may be named.
+"""Acceptance: which effects that the search found may be named.
 
 These rules only take names away. An effect that may as well be absent, or whose value
 lies where the search could not go on, is no finding; and a model that does not make

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Findings: the effects that were accepted, in words, and which of them are none."""
+"""Findings: the accepted effects in words, without those that complete another."""
 
 from collections.abc import Mapping, Sequence
 

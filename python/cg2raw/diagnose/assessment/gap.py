@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The gap between simulation and measurement, on frames that nothing was fitted to."""
+"""Gap between simulation and measurement, on held-out frames."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Residual tests: is anything left, and where.
+"""Residual tests: whether structure is left in the residuals, and where.
 
 Every test asks the standardised residuals of held-out frames one question; without a
 gap they are independent N(0, 1), and each statistic has a known distribution.

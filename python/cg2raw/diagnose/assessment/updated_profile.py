@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The sensor with the found effects added, as a profile that simulates them."""
+"""Updated profile: the sensor with the found effects added."""
 
 import json
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Report frames from edge to edge: their sums and their pictures, piece by piece."""
+"""Whole report frames, from edge to edge: their sums and pictures, piece by piece."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

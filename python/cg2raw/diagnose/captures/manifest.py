@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""captures.yaml: what was captured, by which sensor, of what; checked line by line."""
+"""captures.yaml: the captures, their sensor and their scenes, checked line by line."""
 
 import os
 from dataclasses import dataclass, field

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""How far a render is shifted against its capture, and whether it is of it at all."""
+"""Phase correlation: how far a render is shifted, and whether it matches at all."""
 
 from dataclasses import dataclass
 

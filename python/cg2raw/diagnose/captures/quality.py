@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Whether captures are what their manifest says, before they are diagnosed."""
+"""Checks that captures are what their manifest says, before they are diagnosed."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Who is fitted, who decides, who is reported: frames in three disjoint groups."""
+"""Splits: frames in three disjoint groups, to fit, to select and to report."""
 
 from collections.abc import Mapping, Sequence
 from typing import get_args

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""YAML whose every value knows its line, so that errors can say it."""
+"""YAML whose values keep their line numbers, for error messages."""
 
 import difflib
 import math

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Effect: what the inference has to know of an effect beside the registry's physics.
+"""Effect: what the inference needs to know, beside the physics in the registry.
 
 The registry (cg2raw.effects()) says what an effect does to a signal. A file of this
 folder says the rest, and only where the default does not do. Three estimators:

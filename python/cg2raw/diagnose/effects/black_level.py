@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Black level: an offset of each CFA site."""
+"""Black level: an offset for each CFA site."""
 
 from cg2raw.diagnose.effects.base import PEDESTAL, Effect
 

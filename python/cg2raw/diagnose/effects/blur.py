@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Blur: the lens spreads light over neighbours."""
+"""Blur: the lens spreads light over neighbouring pixels."""
 
 import numpy as np
 

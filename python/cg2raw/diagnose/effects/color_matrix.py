@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Colour matrix: channels are mixed otherwise than the profile says."""
+"""Colour matrix: channels mix in another way than the profile says."""
 
 from cg2raw.diagnose.effects.base import GAIN, IMAGE, Effect
 

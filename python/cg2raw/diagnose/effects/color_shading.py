@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Colour shading: red and blue fall off otherwise than green."""
+"""Colour shading: vignetting of red and blue that differs from that of green."""
 
 from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect
 

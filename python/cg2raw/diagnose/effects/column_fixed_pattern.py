@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Column fixed pattern: an offset of each column, the same in all frames."""
+"""Column fixed pattern: an offset for each column, the same in all frames."""
 
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Dark current: charge that comes with time."""
+"""Dark current: charge that gathers with time."""
 
 from cg2raw.diagnose.effects.base import PEDESTAL, TIME, Effect
 

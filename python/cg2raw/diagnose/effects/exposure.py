@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Exposure: one gain of all light."""
+"""Exposure: one gain for all light."""
 
 from cg2raw.diagnose.effects.base import (
     GAIN,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Lateral chromatic aberration: red and blue lie elsewhere than green."""
+"""Lateral chromatic aberration: red and blue are displaced against green."""
 
 from cg2raw.diagnose.effects.base import IMAGE, SPREAD, Effect, Estimates, total
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Nonlinearity: signal is no straight line of the light."""
+"""Nonlinearity: the signal is not proportional to the light."""
 
 import numpy as np
 from numpy.typing import NDArray

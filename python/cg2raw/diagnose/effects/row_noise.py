@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Row noise: an offset of each row, new in every frame."""
+"""Row noise: an offset for each row, new in every frame."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

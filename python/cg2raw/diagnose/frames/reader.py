@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Reader: the frames of a capture set, a tile or many of each."""
+"""Reader: the frames of a capture set, whole or in tiles."""
 
 from collections.abc import Callable, Mapping
 

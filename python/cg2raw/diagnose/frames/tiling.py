@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Tiling: which pieces of a frame are worked on."""
+"""Tiling: the pieces of a frame that are worked on."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

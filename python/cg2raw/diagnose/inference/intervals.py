@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Intervals of what was fitted."""
+"""Confidence intervals of fitted values."""
 
 from collections.abc import Mapping
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Search: effects are added one by one, each on frames that did not fit it.
+"""Model selection: effects are added one by one, each on frames that did not fit it.
 
 A candidate is screened by one step on the fit frames, fitted there by maximum
 likelihood, and accepted if the likelihood of the select frames rises by

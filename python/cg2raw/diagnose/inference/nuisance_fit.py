@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Nuisance fit: how large what is wrong with captures is."""
+"""Nuisance fit: the size of what is wrong with captures."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Sparse map, of hot pixels: which pixels leak charge, how fast, and how sure that is.
+"""Sparse map: which pixels leak charge, how fast, and with which certainty.
 
 A few pixels leak at rates of an exponential law, the others do not leak: a spike and a
 slab, whose share and mean rate are found by expectation and maximisation. Source: A. P.

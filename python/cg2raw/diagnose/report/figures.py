@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The figures of a report, and in words with numbers what they show."""
+"""The figures of a report, with descriptions in words and numbers."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The folder of a report: whole or not at all, and nobody else's files are lost."""
+"""The folder of a report: written whole or not at all, without loss of other files."""
 
 import json
 import os

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""The page: sections and pictures put into the template, written with its PNGs."""
+"""The page: the template filled with sections and pictures, written with its PNGs."""
 
 import base64
 import re
