@@ -139,7 +139,7 @@ def test_a_planted_value_is_recovered(frames, name):
     assert len(values) == len(effect.parameters)
     shown = on(drawn(frames, Model(SENSOR).with_effect(effect, values), 7))
     base = Linearisation(Model(SENSOR), shown)
-    start, _ = first_guess(effect, base, shown.total(Model(SENSOR)))
+    start, _ = first_guess(effect, base)
     found = fit(start, shown)
     true = Model(SENSOR).with_effect(effect, values)
     assert shown.total(found) > shown.total(true) - 2

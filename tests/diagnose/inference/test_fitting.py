@@ -191,8 +191,7 @@ def test_two_effects_are_told_apart(frames):
 
 def guessed(name, frames):
     """Return what a search begins with."""
-    base = Linearisation(Model(SENSOR), on(frames))
-    return first_guess(BY_NAME[name], base, on(frames).total(Model(SENSOR)))
+    return first_guess(BY_NAME[name], Linearisation(Model(SENSOR), on(frames)))
 
 
 def test_where_charge_clips_is_found(frames):

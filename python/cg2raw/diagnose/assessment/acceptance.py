@@ -14,13 +14,12 @@ import numpy as np
 
 from cg2raw.diagnose.assessment.gap import Sums
 from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import heading, title
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.intervals import estimates
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-
-Estimates = Mapping[str, Mapping[str, Estimate]]
 
 ON_BOUND = 1e-6  # of the distance between bounds
 # Nats that whole held-out frames must gain. By chance, a model that is no better gains
@@ -30,7 +29,7 @@ CONFIRMING_GAIN = float(np.log(20))
 
 def founded(
     model: Model, likelihood: Likelihood
-) -> tuple[Model, Estimates, dict[str, str]]:
+) -> tuple[Model, EstimatesByEffect, dict[str, str]]:
     """Return (model of the effects that may be named, their estimates, why others may
     not by name).
 
@@ -52,7 +51,7 @@ def founded(
         model = fit(model.without(name), likelihood)
 
 
-def _unfounded(model: Model, term: Term, values: Estimates) -> str:
+def _unfounded(model: Model, term: Term, values: EstimatesByEffect) -> str:
     """Return why an effect may not be named; nothing if it may."""
     parameters = values[term.name]
     switches = term.effect.switches or tuple(parameters)

@@ -3,12 +3,12 @@
 
 """Curves: what was fitted beside what was measured."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from cg2raw.diagnose.diagnosis import Curve, Estimate
-from cg2raw.diagnose.effects.base import Labels, MeasuredRatio
+from cg2raw.diagnose.diagnosis import Curve
+from cg2raw.diagnose.effects.base import EstimatesByEffect, Labels, MeasuredRatio
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -18,7 +18,7 @@ from cg2raw.diagnose.likelihood.model import Model
 
 def curves_of(
     model: Model,
-    values: Mapping[str, Mapping[str, Estimate]],
+    values: EstimatesByEffect,
     frames: Sequence[Frame],
 ) -> list[Curve]:
     """Return the curves that belong to a model's terms."""

@@ -3,18 +3,18 @@
 
 """Findings: the accepted effects in words, without those that complete another."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import (
     LARGEST_E,
     Alternative,
-    Estimate,
     Finding,
     Gap,
     Rung,
 )
+from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.effects.sentences import sentence
 from cg2raw.diagnose.inference.fitting import fit
@@ -26,7 +26,7 @@ from cg2raw.diagnose.likelihood.model import Model
 def findings_of(
     model: Model,
     steps: Sequence[Step],
-    values: Mapping[str, Mapping[str, Estimate]],
+    values: EstimatesByEffect,
     gap: Gap,
     provisional: bool,
 ) -> list[Finding]:

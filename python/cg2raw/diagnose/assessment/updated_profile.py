@@ -4,12 +4,13 @@
 """Updated profile: the sensor with the found effects added."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from cg2raw.diagnose.diagnosis import Estimate, Finding
+from cg2raw.diagnose.diagnosis import Finding
+from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.sensor import Sensor
@@ -19,7 +20,7 @@ def updated_profile(
     model: Model,
     frames: Sequence[Frame],
     findings: Sequence[Finding],
-    estimates: Mapping[str, Mapping[str, Estimate]],
+    estimates: EstimatesByEffect,
 ) -> str:
     """Return the JSON of the baseline's profile with a model's effects in it."""
     profile = json.loads(model.sensor.to_json())

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.stats import norm
 
 from cg2raw.diagnose.assessment.acceptance import (
-    Estimates,
     founded,
     is_better,
     not_better,
@@ -43,6 +42,7 @@ from cg2raw.diagnose.diagnosis import (
     Gap,
     ResidualTest,
 )
+from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.sentences import deciding_captures
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
@@ -60,7 +60,7 @@ class _Held:
     likely by it. notes : sentences on both."""
 
     model: Model
-    values: Estimates
+    values: EstimatesByEffect
     look: Look
     refused: Sequence[str]
     confirmed: bool

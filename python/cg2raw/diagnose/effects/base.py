@@ -29,7 +29,8 @@ from cg2raw.sensor import Sensor
 
 Estimator = Literal["smooth", "transform", "fixed pattern"]
 Values = NDArray[np.float64]
-Estimates = Mapping[str, Estimate]
+Estimates = Mapping[str, Estimate]  # of an effect's parameters
+EstimatesByEffect = Mapping[str, Estimates]
 Whitened = tuple[Array, Array | float]
 Gain = Callable[[float], float]  # nats that a strength is expected to gain
 Predicted = Sequence[tuple[Frame, Prediction]]
@@ -294,6 +295,12 @@ class Effect:
 def registered() -> Mapping[str, Mapping[str, Any]]:
     """Return the registry's effects by name, in the order in which they act."""
     return {effect["name"]: effect for effect in _core.effects()}
+
+
+def draw_noise_by(profile: dict[str, Any], name: str, gaussian: str) -> None:
+    """Let an effect draw a profile's noise in the place of the Gaussian one."""
+    drawn = profile.get("noise_effects", ["shot_noise", "read_noise"])
+    profile["noise_effects"] = [name if one == gaussian else one for one in drawn]
 
 
 def value_of(values: Estimates, name: str) -> float:

@@ -18,6 +18,7 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
     WhiteningStage,
+    draw_noise_by,
 )
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -97,10 +98,7 @@ class HeavyTailedNoise(Effect):
         return row["outlier_fraction"], row["outlier_variance_ratio"]
 
     def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
-        drawn = profile.setdefault("noise_effects", ["shot_noise", "read_noise"])
-        profile["noise_effects"] = [
-            self.name if name == "read_noise" else name for name in drawn
-        ]
+        draw_noise_by(profile, self.name, "read_noise")
         for row in profile.get("noise", []):
             row["tukey_lambda"] = NORMAL_LAMBDA
             row["row_sigma"] = 0.0

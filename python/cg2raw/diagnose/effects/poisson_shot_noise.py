@@ -20,6 +20,7 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
     WhiteningStage,
+    draw_noise_by,
 )
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -80,10 +81,7 @@ class PoissonShotNoise(Effect):
         return (1.0,) if self.name in sensor.noise_effects else None
 
     def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
-        drawn = profile.setdefault("noise_effects", ["shot_noise", "read_noise"])
-        profile["noise_effects"] = [
-            self.name if name == "shot_noise" else name for name in drawn
-        ]
+        draw_noise_by(profile, self.name, "shot_noise")
         return True
 
 

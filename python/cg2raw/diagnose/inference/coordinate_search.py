@@ -3,7 +3,7 @@
 
 """Coordinate search: parabolas along one coordinate after the other."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -57,12 +57,19 @@ def fit_transform(
     starts = [np.array(start, float) for start in term.effect.starts]
     if np.any(term.values):
         starts.append(term.values)
-    scores = [score(values) for values in starts]
-    best = int(np.argmax(scores))
-    values, highest = starts[best], scores[best]
+    values, highest = best_of(starts, score)
     if not quick:
         values, highest = climb(term.effect, values, highest, score)
     return model.with_values(name, values), highest
+
+
+def best_of(
+    starts: Sequence[Values], score: Callable[[Values], float]
+) -> tuple[Values, float]:
+    """Return (values, their score) of the start that scores highest."""
+    scores = [score(values) for values in starts]
+    best = int(np.argmax(scores))
+    return starts[best], scores[best]
 
 
 def climb(

@@ -52,6 +52,11 @@ class Linearisation:
         self.model, self.likelihood = model, likelihood
 
     @cached_property
+    def height(self) -> float:
+        """The log-likelihood of the model."""
+        return self.likelihood.total(self.model)
+
+    @cached_property
     def _states(self) -> list[_State]:
         return self.likelihood.each(self._state)
 

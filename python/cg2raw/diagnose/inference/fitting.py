@@ -49,24 +49,22 @@ def _scored(
     return model, current
 
 
-def first_guess(
-    effect: Effect, base: Linearisation, height: float
-) -> tuple[Model, float] | None:
+def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | None:
     """Return (model with a first guess of an effect, its gain when fitted, 0 of a fixed
     pattern); None if frames show nothing of it.
 
-    base : of the model that lacks it. height : log-likelihood of that."""
+    base : of the model that lacks it."""
     model, likelihood = base.model, base.likelihood
     if effect.starts_from_data:
         values = effect.first_values(likelihood.predicted(model))
         if values is None:
             return None
         start = model.with_effect(effect, effect.clipped(values))
-        return start, likelihood.total(start) - height
+        return start, likelihood.total(start) - base.height
     if effect.estimator == "smooth":
-        return one_step(model.with_effect(effect), base, height)
+        return one_step(model.with_effect(effect), base, base.height)
     if effect.estimator == "transform":
         start = model.with_effect(effect, np.array(effect.starts[0]))
         start, score = fit_transform(start, effect.name, likelihood, quick=True)
-        return start, score - height
+        return start, score - base.height
     return fit_patterns(model.with_effect(effect), likelihood), 0.0

@@ -3,12 +3,11 @@
 
 """Confidence intervals of fitted values."""
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.effects.base import Estimates, EstimatesByEffect
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.inference.fisher_scoring import information_of
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
@@ -68,12 +67,10 @@ def _errors_by_likelihood(
     return [float(error) for error in spread * steps]
 
 
-def estimates(
-    model: Model, likelihood: Likelihood
-) -> dict[str, Mapping[str, Estimate]]:
+def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
     """Return the values of every term with their intervals, in the registry's units."""
     errors = standard_errors(model, likelihood)
-    result: dict[str, Mapping[str, Estimate]] = {}
+    result: dict[str, Estimates] = {}
     for term in model.terms:
         scale = term.effect.unit_scale(likelihood.frames)
         of_term = {}

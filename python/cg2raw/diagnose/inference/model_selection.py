@@ -200,9 +200,8 @@ class Search:
         smooth = [t for t in model.terms if t.effect.estimator == "smooth"]
         if all(term.name == but for term in smooth):
             return 0.0
-        current = self.splits.select.total(model)
         base = Linearisation(model, self.splits.select)
-        return one_step(model, base, current, but)[1]
+        return one_step(model, base, base.height, but)[1]
 
     def _trials(self, model: Model, current: Array) -> list[Trial]:
         """Screen all candidates, fit the best; sorted by gain on the select frames."""
@@ -227,13 +226,12 @@ class Search:
     ) -> list[tuple[float, Effect, Model]]:
         """Return (score, candidate, first guess), best first."""
         base = Linearisation(model, self.splits.fit)
-        height = self.splits.fit.total(model)
         found = []
         for candidate in self.effects:
             if candidate.name in model.names:
                 continue
             self.report(f"screening {candidate.name}")
-            guess = first_guess(candidate, base, height)
+            guess = first_guess(candidate, base)
             if guess is None:
                 continue
             start, score = guess
@@ -307,6 +305,7 @@ class Search:
                 continue
             rest = model.without(term.name)
             loss = height - self._select(rest).sum()
+            base = Linearisation(rest, self.splits.fit)
             for candidate in self.effects:
                 pair = (term.name, candidate.name)
                 known = pair in self._swapped or pair[::-1] in self._swapped
@@ -314,7 +313,7 @@ class Search:
                     continue
                 if not confusable(term.effect, candidate):
                     continue
-                trial = self._swapped_model(rest, candidate, height, loss)
+                trial = self._swapped_model(base, candidate, height, loss)
                 if trial is None:
                     continue
                 gain = float(self._select(trial).sum() - height)
@@ -330,12 +329,11 @@ class Search:
         return self._settled(trial, new)
 
     def _swapped_model(
-        self, rest: Model, candidate: Effect, height: float, loss: float
+        self, base: Linearisation, candidate: Effect, height: float, loss: float
     ) -> Model | None:
         """Return a model with a candidate fitted; None if it is nowhere near."""
         self.report(f"would {candidate.name} do as well")
-        base = Linearisation(rest, self.splits.fit)
-        guess = first_guess(candidate, base, self.splits.fit.total(rest))
+        guess = first_guess(candidate, base)
         if guess is None:
             return None
         if self._select(guess[0]).sum() < height - 0.5 * abs(loss) - 50:

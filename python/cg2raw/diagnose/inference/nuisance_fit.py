@@ -12,7 +12,7 @@ import numpy as np
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects.base import Values
 from cg2raw.diagnose.frames.frame import Frame
-from cg2raw.diagnose.inference.coordinate_search import ENOUGH, Box, climb
+from cg2raw.diagnose.inference.coordinate_search import ENOUGH, Box, best_of, climb
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
@@ -79,9 +79,7 @@ def refitted(
         for start in STARTS
     ]
     starts.append(box.clipped(np.array([getattr(old, name) for name in names])))
-    scores = [score(values) for values in starts]
-    best = int(np.argmax(scores))
-    values, height = starts[best], scores[best]
+    values, height = best_of(starts, score)
     for _ in range(SEARCHES):
         values, higher = climb(box, values, height, score)
         if higher - height < ENOUGH:
