@@ -231,3 +231,36 @@ def test_another_sensor_in_the_manifests_place(tmp_path):
     assert read_captures(path, other).sensor.black_level[0] == 66
     with pytest.raises(ValueError, match="its CFA is"):
         read_captures(path, cg2raw.Sensor("nikon-d850"))
+
+
+def test_a_fits_file_is_read_as_its_header_says(tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    header = {"EXPTIME": 0.0, "BAYERPAT": "GRBG", "EGAIN": 2.0, "PEDESTAL": -4}
+    raw = files.frame(tmp_path, "raw.npy")
+    hdu = fits.PrimaryHDU(raw + np.uint16(4))
+    hdu.header.update(header)
+    hdu.writeto(tmp_path / "bias.fit")
+    path = files.manifest(tmp_path, ["{file: bias.fit, kind: dark, iso: 100}"])
+    found = read_captures(path)
+    first = found.captures[0]
+    np.testing.assert_array_equal(first.raw(), raw)
+    assert (first.exposure_time, first.shape) == (0.0, files.SHAPE)
+    assert "bias.fit: a PEDESTAL of 4 DN is taken off" in found.notes
+    sensor = found.sensor
+    beta1 = np.mean(sensor.noise_at(100)["beta1"])
+    per_dn = 1 / (beta1 * (sensor.white_level - np.mean(sensor.black_level)))
+    assert any(
+        f"headers say 2 electrons per DN, the noise of {sensor.id} at ISO 100 "
+        f"{per_dn:.3g};" in note
+        for note in found.notes
+    )
+
+
+def test_a_fits_file_of_another_cfa_is_refused(tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    hdu = fits.PrimaryHDU(files.frame(tmp_path, "raw.npy"))
+    hdu.header["BAYERPAT"] = "BGGR"
+    hdu.writeto(tmp_path / "a.fits")
+    path = files.manifest(tmp_path, ["{file: a.fits, kind: dark}"])
+    with pytest.raises(ValueError, match=r":3: frames\[0\].file a.fits: its CFA is BG"):
+        read_captures(path)

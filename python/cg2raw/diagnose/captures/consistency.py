@@ -7,6 +7,8 @@ import hashlib
 import os
 from collections.abc import Sequence
 
+import numpy as np
+
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.manifest import UNKNOWN, FrameEntry
@@ -18,6 +20,7 @@ from cg2raw.sensor import Sensor
 
 CHUNK = 1 << 20  # bytes
 MOST_NAMES = 3  # of files in a note
+SAME_GAIN = 0.05  # relative difference of a header's gain and a profile's
 
 
 def check_distinct(entries: Sequence[FrameEntry]) -> None:
@@ -132,6 +135,7 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
             f"{some(without)}: neither manifest nor file says the ISO, which chooses "
             "the noise; add iso"
         )
+    notes += gain_notes(frames, sensor)
     shown = [frame.capture for frame in frames if frame.capture.shows.image]
     charts = [capture.name for capture in shown if not capture.shows.render]
     if charts:
@@ -148,6 +152,25 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
         if has_curve(path)
     ]
     return notes
+
+
+def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
+    """Return sentences on headers whose gain is not that of the profile's noise."""
+    said: dict[str, list[str]] = {}
+    for frame in frames:
+        told, iso = frame.header.electrons_per_dn, frame.capture.iso
+        if told is None or iso is None or not sensor.noise:
+            continue
+        beta1 = float(np.mean(sensor.noise_at(iso)["beta1"]))
+        span = sensor.white_level - float(np.mean(sensor.black_level))
+        known = 1 / (beta1 * span)
+        if abs(told / known - 1) > SAME_GAIN:
+            words = (
+                f"headers say {told:.3g} electrons per DN, the noise of {sensor.id} at "
+                f"ISO {iso:g} {known:.3g}; the profile's is used, since it is tested"
+            )
+            said.setdefault(words, []).append(frame.capture.name)
+    return [f"{some(names)}: {words}" for words, names in said.items()]
 
 
 def what_is_missing(frames: Sequence[Frame]) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.arrays import RawImage
-from cg2raw.io import libraw, npy_file
+from cg2raw.io import fits_file, libraw, npy_file
 from cg2raw.profile.from_files import is_dng
 from cg2raw.sensor import Sensor
 
@@ -38,7 +38,9 @@ class RawHeader:
     """What a RAW file says of itself; None: it does not say.
 
     active, borders : a border begins at a whole repeat of the CFA from the active area.
-    black_level : DN, one per CFA site, or one."""
+    black_level : DN, one per CFA site, or one. exposure_time : s. temperature : of the
+    sensor, degrees Celsius. electrons_per_dn : inverse of the system gain.
+    notes : sentences on what was assumed of the file."""
 
     path: str
     active: Area
@@ -50,6 +52,9 @@ class RawHeader:
     as_shot: tuple[float, ...] | None = None
     iso: float | None = None
     exposure_time: float | None = None
+    temperature: float | None = None
+    electrons_per_dn: float | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -58,11 +63,30 @@ class RawHeader:
 
 
 def read_header(path: str) -> RawHeader:
-    """Return what a DNG, another RAW or an .npy says. Raises ValueError, OSError."""
+    """Return what a DNG, another RAW, FITS or .npy says. Raises ValueError, OSError."""
+    if fits_file.is_fits(path):
+        return fits_header(path)
     if npy_file.is_npy(path):
         height, width = mapped_npy(path).shape
         return RawHeader(path, Area("active", 0, 0, height, width))
     return dng_header(path) if is_dng(path) else other_header(path)
+
+
+def fits_header(path: str) -> RawHeader:
+    """Return the header of a FITS file; all of its frame is taken as the active area."""
+    header = fits_file.read_header(path)
+    notes = header.notes
+    if header.pedestal:
+        notes = (*notes, f"a PEDESTAL of {header.pedestal:g} DN is taken off")
+    return RawHeader(
+        path,
+        Area("active", 0, 0, *header.shape),
+        cfa=header.cfa,
+        exposure_time=header.exposure_time,
+        temperature=header.temperature,
+        electrons_per_dn=header.electrons_per_dn,
+        notes=notes,
+    )
 
 
 def dng_header(path: str) -> RawHeader:
@@ -143,6 +167,8 @@ def read_raw(path: str, area: Area) -> RawImage:
     """Return (height, width) uint16 DN of an area. Raises ValueError, OSError."""
     rows = slice(area.top, area.top + area.height)
     cols = slice(area.left, area.left + area.width)
+    if fits_file.is_fits(path):
+        return fits_file.read_pixels(path)[rows, cols].copy()
     if npy_file.is_npy(path):
         return np.array(mapped_npy(path)[rows, cols])
     with libraw.opened(path) as raw:
@@ -192,11 +218,11 @@ def check_sensor(header: RawHeader, sensor: Sensor) -> list[str]:
                 f"{name}: its {what} is {ours}, that of {sensor.id} {theirs}; give "
                 "frames of this sensor, or the sensor of these frames"
             )
+    notes = list(header.notes)
     if header.white_level is None or header.black_level is None:
-        return []
+        return notes
     black = float(np.mean(sensor.black_level))
     span = sensor.white_level - black
-    notes = []
     for what, read, model, most in (
         ("black level", float(np.mean(header.black_level)), black, 0.02),
         ("white level", header.white_level, sensor.white_level, 0.05),

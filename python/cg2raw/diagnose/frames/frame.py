@@ -62,7 +62,8 @@ class Frame:
     @property
     def seconds(self) -> float:
         """Exposure time; 1 where none is known, so that rates are per frame."""
-        return self.capture.exposure_time or 1.0
+        time = self.capture.exposure_time
+        return 1.0 if time is None else time
 
     @cached_property
     def is_cut(self) -> bool:

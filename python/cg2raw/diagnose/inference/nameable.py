@@ -39,6 +39,7 @@ def _shown_by(frames: Sequence[Frame]) -> set[str]:
         shown.add("light")
     if any(frame.capture.shows.image for frame in frames):
         shown.add("image")
-    if all(frame.capture.exposure_time for frame in frames):
+    times = [frame.capture.exposure_time for frame in frames]
+    if all(time is not None for time in times) and any(times):
         shown.add("time")
     return shown

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Only what some frames can show may be named."""
+
+import pytest
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.inference.nameable import nameable
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.workers import Workers
+from diagnose.planted import capture_of, frames_of, sensor_of
+
+SENSOR = sensor_of()
+
+
+def named(captures):
+    """Return the names that a fit and a select frame of each capture allow."""
+    every = [
+        capture_of(name=f"{n}{group}", group=group, **capture)
+        for n, capture in enumerate(captures)
+        for group in ("fit", "select")
+    ]
+    splits = Splits(frames_of(SENSOR, every), Workers(1))
+    effects, unseen = nameable(CaptureSet(SENSOR, every), splits, (), ())
+    assert not {e.name for e in effects} & {e.name for e in unseen}
+    return {effect.name for effect in effects}
+
+
+@pytest.mark.parametrize(
+    ("times", "shown"),
+    [((0.0, 60.0), True), ((0.0, 0.0), False), ((None, 60.0), False), ((2.0,), True)],
+)
+def test_dark_current_needs_times_and_some_time(times, shown):
+    names = named([{"kind": "dark", "exposure_time": time} for time in times])
+    assert ("dark_current" in names) == shown
+    assert {"read_noise", "black_level"} <= names and "prnu" not in names
+
+
+@pytest.mark.parametrize(("time", "seconds"), [(0.0, 0.0), (None, 1.0), (2.5, 2.5)])
+def test_a_bias_frame_has_no_time(time, seconds):
+    [frame] = frames_of(SENSOR, [capture_of("dark", exposure_time=time)])
+    assert frame.seconds == seconds
