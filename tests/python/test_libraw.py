@@ -3,6 +3,8 @@
 """RAW files through LibRaw: known cameras are found again, the rest is refused."""
 
 import dataclasses
+import struct
+import subprocess
 from types import SimpleNamespace
 
 import numpy as np
@@ -132,3 +134,24 @@ def test_files_that_are_only_a_header(camera_data, name, capfd):
     path = camera_data / "real" / "meta_only" / name
     assert f"{name}: LibRaw cannot read it" in fails("profile", path)
     assert capfd.readouterr() == ("", "")  # nor do the libraries speak by themselves
+
+
+@pytest.mark.parametrize(("stored", "degrees"), [(0, None), (150, 22.0), (122, -6.0)])
+def test_the_heat_inside_a_canon(camera_data, program, tmp_path, stored, degrees):
+    """Of a real CR2's ShotInfo, whose twelfth number it is; exiftool agrees."""
+    data = bytearray((camera_data / "real/meta_only/CanonRaw.cr2").read_bytes())
+    numbers = struct.pack("<5H", 0, 224, 96, 192, 125)  # ShotInfo from its first on
+    assert data.count(numbers) == 1
+    struct.pack_into("<H", data, data.index(numbers) + 2 * (12 - 1), stored)
+    path = tmp_path / "a.cr2"
+    path.write_bytes(data)
+    assert libraw.camera_temperature(path) == degrees
+    command = [program("exiftool"), "-s3", "-CameraTemperature", path]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert said.strip() == ("" if degrees is None else f"{degrees:g} C")
+
+
+def test_no_maker_note_has_no_temperature(tmp_path):
+    assert libraw.camera_temperature(write_dng(tmp_path / "a.dng", "A")) is None
+    (tmp_path / "b.cr2").write_bytes(b"II*\0" + b"\xff" * 100)
+    assert libraw.camera_temperature(tmp_path / "b.cr2") is None

@@ -18,8 +18,8 @@ WIDTH = 10  # columns of a line's first word
 MOST_LEFT = 6  # tests that are listed, those that explain most first
 HOLES = 0.05  # share of missing codes that is worth a word; small frames have some
 CHECK_HEAD = (
-    *("frame", "kind", "ISO", "time", "low", "mean", "high", "clipped", "codes"),
-    "registration",
+    *("frame", "kind", "ISO", "time", "temperature", "low", "mean", "high", "clipped"),
+    *("codes", "registration"),
 )
 
 
@@ -99,13 +99,14 @@ def integrity_text(
     lines = [f"{sensor.id}: black {black} DN, white {sensor.white_level} DN"]
     rows = [CHECK_HEAD]
     for capture, item in zip(captures, found, strict=True):
-        time = capture.exposure_time
+        time, degrees = capture.exposure_time, capture.temperature
         rows.append(
             (
                 item.name,
                 item.kind,
                 "-" if capture.iso is None else f"{capture.iso:g}",
                 "-" if time is None else f"{time:g} s",
+                "-" if degrees is None else f"{degrees:g} C",
                 str(item.low),
                 f"{item.mean:.1f}",
                 str(item.high),

@@ -5,6 +5,7 @@
 import contextlib
 import logging
 import os
+import re
 import tempfile
 import threading
 from collections.abc import Iterator, Sequence
@@ -13,6 +14,8 @@ from typing import Any
 
 from cg2raw.io.atomic_file import FilePath
 
+CANON_TEMPERATURE = "MakerNote CameraTemperature"
+CANON_UNKNOWN = -128.0  # degrees Celsius: a camera that records none writes 0 for it
 REMEDY = "convert it with Adobe DNG Converter or dnglab, then give the DNG"
 
 _stderr = threading.Lock()  # the process has one, and no_words_of_libraries moves it
@@ -134,13 +137,25 @@ def exif_names(path: FilePath) -> tuple[str, str]:
     return make, model
 
 
-def exif_tags(path: FilePath) -> dict[str, Any]:
-    """Return {name: tag} of a file's Exif, as ExifRead names them."""
+def camera_temperature(path: FilePath) -> float | None:
+    """Return the temperature inside a Canon, degrees Celsius; None if not recorded.
+
+    Exif's own AmbientTemperature is that of the air, which no sensor has."""
+    text = str(exif_tags(path, maker_note=True).get(CANON_TEMPERATURE, ""))
+    found = re.fullmatch(r"(-?\d+) C", text)
+    degrees = float(found[1]) if found else CANON_UNKNOWN
+    return None if degrees == CANON_UNKNOWN else degrees
+
+
+def exif_tags(path: FilePath, maker_note: bool = False) -> dict[str, Any]:
+    """Return {name: tag} of a file's Exif, as ExifRead names them.
+
+    maker_note : also what makers of cameras add in their own way."""
     import exifread
 
     logging.getLogger("exifread").setLevel(logging.CRITICAL)
     with open(path, "rb") as file:
         try:
-            return exifread.process_file(file, details=False)
+            return exifread.process_file(file, details=maker_note)
         except Exception:  # ExifRead lets any exception out on a damaged file
             return {}

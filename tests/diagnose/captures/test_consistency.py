@@ -157,3 +157,26 @@ def test_what_captures_cannot_tell_is_said(tmp_path, frames, words):
     assert len(notes) == len(words)
     for note, word in zip(notes, words, strict=True):
         assert note.startswith(word)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "words"),
+    [
+        ((-5.0, -4.82), None),
+        ((-5.0, -3.5), None),  # 1.5 C exactly
+        ((None, -5.0), None),
+        # 2 to the power of 7 / 7 and of 7 / 5
+        ((20.0, None, 27.0, 24.0), "at 20 C in 0.npy and at 27 C in 2.npy: dark current"
+         ", which doubles every 5 to 7 C, is 2 to 2.64 times as large there"),
+    ],
+)  # fmt: skip
+def test_a_sensor_that_warmed_up_is_said(tmp_path, degrees, words):
+    lines = []
+    for index, warm in enumerate(degrees):
+        files.frame(tmp_path, f"{index}.npy", frame=index)
+        more = "" if warm is None else f", temperature: {warm}"
+        lines.append(f"{{file: {index}.npy, kind: dark{more}}}")
+    notes = read_captures(files.manifest(tmp_path, lines)).notes
+    told = [note for note in notes if "the sensor was at" in note]
+    assert bool(told) == bool(words)
+    assert not words or words in told[0]

@@ -51,6 +51,10 @@ BAD = {
         DARK + "nuisances: [exposure]",
         [":4: nuisances is no field", "one of sensor, frames", "mean nuisance?"],
     ),
+    "temperature": (
+        frame("kind: dark, temperature: -274"),
+        ["[0].temperature is '-274'; must be a number, -273.15 to 200 degrees Celsius"],
+    ),
     "double field": (
         DARK + "iso: 1\niso: 2",
         [":5: iso is there twice, first in line 4; remove one"],

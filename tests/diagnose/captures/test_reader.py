@@ -148,6 +148,30 @@ def test_darks_of_two_times_are_in_each_group(tmp_path):
         assert {c.exposure_time for c in captures if c.group == group} == {0.1, 2.0}
 
 
+def test_darks_of_two_temperatures_are_in_each_group(tmp_path):
+    lines = []
+    for index in range(6):
+        files.frame(tmp_path, f"{index}.npy", frame=index)
+        degrees = -10 - 0.1 * index if index % 2 else 20 + 0.1 * index
+        line = f"{{file: {index}.npy, kind: dark, exposure_time: 1"
+        lines.append(f"{line}, temperature: {degrees}}}")
+    captures = read_captures(files.manifest(tmp_path, lines)).captures
+    for group in GROUPS:
+        warm = [c.temperature > 0 for c in captures if c.group == group]
+        assert sorted(warm) == [False, True]
+
+
+def test_the_temperature_of_all_frames_and_of_one(tmp_path):
+    files.frame(tmp_path, "a.npy")
+    files.frame(tmp_path, "b.npy", frame=1)
+    lines = ["{file: a.npy, kind: dark}", "{file: b.npy, kind: dark, temperature: 5}"]
+    path = files.manifest(tmp_path, lines, f"sensor: {files.SENSOR}\ntemperature: -20")
+    captures = read_captures(path).captures
+    assert {c.name[0]: c.temperature for c in captures} == {"a": -20.0, "b": 5.0}
+    path = files.manifest(tmp_path, lines[:1])
+    assert read_captures(path).captures[0].temperature is None
+
+
 def test_frames_of_a_set_stay_together(tmp_path):
     lines = []
     for index in range(6):
@@ -235,7 +259,8 @@ def test_another_sensor_in_the_manifests_place(tmp_path):
 
 def test_a_fits_file_is_read_as_its_header_says(tmp_path):
     fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
-    header = {"EXPTIME": 0.0, "BAYERPAT": "GRBG", "EGAIN": 2.0, "PEDESTAL": -4}
+    header = {"EXPTIME": 0.0, "CCD-TEMP": -4.82, "BAYERPAT": "GRBG"}
+    header |= {"EGAIN": 2.0, "PEDESTAL": -4}
     raw = files.frame(tmp_path, "raw.npy")
     hdu = fits.PrimaryHDU(raw + np.uint16(4))
     hdu.header.update(header)
@@ -245,6 +270,7 @@ def test_a_fits_file_is_read_as_its_header_says(tmp_path):
     first = found.captures[0]
     np.testing.assert_array_equal(first.raw(), raw)
     assert (first.exposure_time, first.shape) == (0.0, files.SHAPE)
+    assert first.temperature == -4.82
     assert "bias.fit: a PEDESTAL of 4 DN is taken off" in found.notes
     sensor = found.sensor
     beta1 = np.mean(sensor.noise_at(100)["beta1"])

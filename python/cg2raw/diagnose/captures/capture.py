@@ -68,6 +68,7 @@ class Capture:
     illuminant : word of the illuminant grammar.
     iso : None where neither manifest nor file says it.
     exposure_time : s; None where it is not known.
+    temperature : of the sensor, degrees Celsius; None where it is not known.
     raw : () -> (H, W) uint16 DN, the active area.
     scene : () -> what the camera should have seen, scene-linear Rec.709 times the gain,
         so that 1 is the model's white level: (H, W, 3) float32, or (3,) where it is
@@ -90,6 +91,7 @@ class Capture:
     mask: Callable[[], NDArray[np.bool_]] | None = None
     as_shot: Sequence[float] | None = None
     log_density: Callable[[], NDArray[np.float32]] | None = None
+    temperature: float | None = None
 
     @property
     def shows(self) -> CaptureKind:

@@ -11,12 +11,16 @@ from cg2raw.diagnose.captures.capture import KINDS, NUISANCES, Group, Kind
 from cg2raw.diagnose.captures.yaml_lines import Value, read_yaml
 
 GROUPS = get_args(Group)
-TOP = ("sensor", "frames", "nuisance", "uncertainty", "mask", "iso", "illuminant")
+TOP = (
+    *("sensor", "frames", "nuisance", "uncertainty", "mask", "iso", "illuminant"),
+    "temperature",
+)
 FRAME = (
     *("file", "kind", "scene", "gain", "illuminant", "set", "group", "iso"),
-    *("exposure_time", "mask", "patches", "chart", "corners"),
+    *("exposure_time", "temperature", "mask", "patches", "chart", "corners"),
 )
-DEFAULTS: tuple[str, ...] = ("iso", "illuminant")  # that the top level may say
+# What the top level may say for all frames.
+DEFAULTS: tuple[str, ...] = ("iso", "illuminant", "temperature")
 OF_CHARTS = ("patches", "chart", "corners")
 UNCERTAINTY = {"light": 1.0, "radiance": 1.0, "registration": 100.0}  # largest
 COLORS = ("rgb", "xyz", "lab")
@@ -28,7 +32,10 @@ LARGEST_OF_UNIT = {
     "iso": 1e7,
     "seconds": 1e6,
     "pixel": 65535.0,
+    "celsius": 200.0,
 }
+SHOWN = {"celsius": "degrees Celsius"}  # units that a message has
+ABSOLUTE_ZERO = -273.15  # degrees Celsius
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,7 @@ class FrameEntry:
     group: Group | None
     iso: float | None
     exposure_time: float | None
+    temperature: float | None
     mask: str | None
     patches: tuple[Patch, ...] = ()
     corners: tuple[tuple[float, ...], ...] = ()
@@ -116,14 +124,15 @@ def read_manifest(path: str | os.PathLike[str]) -> Manifest:
 def frame_entry(
     value: Value, top: dict[str, Value], path: str | os.PathLike[str]
 ) -> FrameEntry:
-    """Return a checked frame; iso and illuminant of the top level are its defaults."""
+    """Return a checked frame; the top level has its DEFAULTS."""
     own = value.fields(FRAME, required=("file", "kind"))
     kind = own["kind"].word(tuple(KINDS))
     check_fields_of_kind(value, own, kind)
     at = {"": value, **{name: top[name] for name in DEFAULTS if name in top}, **own}
 
     def number(name: str, low: float, unit: str) -> float | None:
-        return at[name].number(low, LARGEST_OF_UNIT[unit]) if name in at else None
+        most = LARGEST_OF_UNIT[unit]
+        return at[name].number(low, most, SHOWN.get(unit, "")) if name in at else None
 
     gain = number("gain", 1e-6, "gain")
     return FrameEntry(
@@ -137,6 +146,7 @@ def frame_entry(
         group=own["group"].word(GROUPS) if "group" in own else None,
         iso=number("iso", 1.0, "iso"),
         exposure_time=number("exposure_time", 0.0, "seconds"),
+        temperature=number("temperature", ABSOLUTE_ZERO, "celsius"),
         mask=existing(own["mask"], path) if "mask" in own else None,
         patches=patches_of(own["patches"]) if "patches" in own else (),
         corners=corners_of(own["corners"]) if "corners" in own else (),

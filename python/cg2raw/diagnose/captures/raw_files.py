@@ -73,7 +73,7 @@ def read_header(path: str) -> RawHeader:
 
 
 def fits_header(path: str) -> RawHeader:
-    """Return the header of a FITS file; all of its frame is taken as the active area."""
+    """Return the header of a FITS file; all of its image is the active area."""
     header = fits_file.read_header(path)
     notes = header.notes
     if header.pedestal:
@@ -111,6 +111,7 @@ def dng_header(path: str) -> RawHeader:
         as_shot=tuple(metadata.as_shot_neutral) if metadata.as_shot_neutral else None,
         iso=metadata.shot["iso"] or None,
         exposure_time=metadata.shot["exposure_time"] or None,
+        temperature=libraw.camera_temperature(path),
     )
 
 
@@ -130,6 +131,7 @@ def other_header(path: str) -> RawHeader:
         as_shot=(neutral[0], 1.0, neutral[1]) if neutral else None,
         iso=iso,
         exposure_time=exposure_time,
+        temperature=libraw.camera_temperature(path),
     )
 
 

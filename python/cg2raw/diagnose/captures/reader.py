@@ -129,6 +129,9 @@ def frame_of(
         scene=None,
         mask=None,
         as_shot=header.as_shot,
+        temperature=(
+            header.temperature if entry.temperature is None else entry.temperature
+        ),
     )
     scene, middles = scene_of(entry, header.shape)
     mask = mask_of(manifest, entry, header.shape, middles)
@@ -265,10 +268,12 @@ def divided(frames: Sequence[Frame]) -> tuple[list[Capture], list[str]]:
 
 
 def stratum(frame: Frame) -> tuple[float, ...]:
-    """Return what sets of a kind are spread by: ISO, exposure time, radiance."""
+    """Return what sets of a kind are spread by: ISO, exposure time, radiance, and the
+    temperature, which comes last since a cooler leaves it to chance."""
     capture, scene = frame.capture, frame.entry.scene
     level = scene[1] * frame.entry.gain if isinstance(scene, tuple) else 0.0
-    return capture.iso or 0.0, capture.exposure_time or 0.0, level
+    warm = capture.temperature or 0.0
+    return capture.iso or 0.0, capture.exposure_time or 0.0, level, warm
 
 
 def in_groups(capture: Capture, group: Group | None) -> list[Capture]:
