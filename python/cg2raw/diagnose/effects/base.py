@@ -12,7 +12,7 @@ folder says the rest, and only where the default does not do. Three estimators:
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cache, cached_property
 from typing import Any, ClassVar, Literal
@@ -75,10 +75,14 @@ class Parameter:
 @dataclass(frozen=True)
 class SensorMap:
     """A fixed map of the sensor as the fit frames show it, on the tiles: (T, h, w) mean
-    and variance. An effect's sensitivity says what it is multiplied by."""
+    and variance. An effect's sensitivity says what it is multiplied by.
+
+    covariance : with maps of other effects, by name, whose errors came from the same
+        frames: what is wrong with an offset cancels in a rate that it was taken off."""
 
     mean: Array
     variance: Array
+    covariance: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def spread(self) -> float:

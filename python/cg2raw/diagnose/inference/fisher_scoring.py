@@ -6,7 +6,7 @@
 Source: S. M. Kay, Fundamentals of Statistical Signal Processing I, 1993, section 3.9.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -90,13 +90,13 @@ class Linearisation:
         return mean[frame.counted].astype("f4"), spread[frame.counted].astype("f4")
 
     def system(
-        self, model: Model, but: str = ""
+        self, model: Model, held: Collection[str] = ()
     ) -> tuple[list[Parameter], Array, Array]:
         """Return (parameters, score, Fisher information) of a model that has this one's
         prediction: the same terms, or one more at its null.
 
-        but : name of a term whose parameters rest."""
-        parameters = [one for one in free_parameters(model) if one[0] != but]
+        held : names of terms whose parameters rest."""
+        parameters = [one for one in free_parameters(model) if one[0] not in held]
         if not parameters:
             return parameters, np.zeros(0), np.zeros((0, 0))
 
@@ -161,12 +161,12 @@ def moved(model: Model, parameters: Sequence[Parameter], step: Array) -> Model:
 
 
 def one_step(
-    model: Model, base: Linearisation, current: float, but: str = ""
+    model: Model, base: Linearisation, current: float, held: Collection[str] = ()
 ) -> tuple[Model, float]:
     """Return (model after one damped step, actual gain in nats).
 
-    but : name of a term that rests."""
-    parameters, score, information = base.system(model, but)
+    held : names of terms that rest."""
+    parameters, score, information = base.system(model, held)
     if not parameters:
         return model, 0.0
     step, promised = solve(score, information)

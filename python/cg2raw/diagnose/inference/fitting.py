@@ -3,6 +3,8 @@
 
 """fit(): all terms of a model together, each by its own estimator."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect
@@ -22,7 +24,7 @@ def fit(model: Model, likelihood: Likelihood) -> Model:
     current = likelihood.total(model)
     for _ in range(TURNS):
         start = current
-        model, current = _scored(model, current, likelihood)
+        model, current = scored(model, current, likelihood)
         others = [term for term in model.terms if term.effect.estimator != "smooth"]
         if not others:
             break
@@ -36,13 +38,14 @@ def fit(model: Model, likelihood: Likelihood) -> Model:
     return model
 
 
-def _scored(
-    model: Model, current: float, likelihood: Likelihood
+def scored(
+    model: Model, current: float, likelihood: Likelihood, held: Collection[str] = ()
 ) -> tuple[Model, float]:
-    """Fisher scoring with damped steps until it gains no more."""
+    """Return (model after damped steps of Fisher scoring until they gain no more, its
+    log-likelihood). held : names of terms that rest."""
     for _ in range(SCORING_STEPS):
         base = Linearisation(model, likelihood)
-        model, gain = one_step(model, base, current)
+        model, gain = one_step(model, base, current, held)
         current += gain
         if gain < ENOUGH:
             break

@@ -201,7 +201,7 @@ class Search:
         if all(term.name == but for term in smooth):
             return 0.0
         base = Linearisation(model, self.splits.select)
-        return one_step(model, base, base.height, but)[1]
+        return one_step(model, base, base.height, (but,))[1]
 
     def _trials(self, model: Model, current: Array) -> list[Trial]:
         """Screen all candidates, fit the best; sorted by gain on the select frames."""

@@ -18,6 +18,7 @@ from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import photon_gain
@@ -28,7 +29,6 @@ EM_ROUNDS = 30  # of expectation and maximisation
 CLOSE = 1e-3  # relative change of the share that ends them
 MOST_CHI_SQUARE = 6.0  # standard deviations of chi-square between frames
 MISFIT = 0.02  # of the evidence, which the model of light may be wrong by
-LEAST_INFORMATION = 1e-200
 
 
 @dataclass(frozen=True)

@@ -99,15 +99,18 @@ def _with_maps(
     smaller."""
     photons = np.maximum(exposed, 0)
     fitted = frame.capture.group == "fit"
+    slopes = {t.name: e.sensitivity(frame, photons) for t, e, _ in model.maps}
     doubt: Array | float = 0.0
-    for _, effect, sensor_map in model.maps:
-        sensitivity = effect.sensitivity(frame, photons)
+    for term, effect, sensor_map in model.maps:
+        sensitivity = slopes[term.name]
         if sensor_map.mean.shape != mean.shape:  # elsewhere the map is not known
             variance = variance + (sensitivity * sensor_map.spread) ** 2
             continue
         shift = sensitivity * sensor_map.mean
         mean = mean + shift
         unsure = sensitivity**2 * sensor_map.variance
+        for name, covariance in sensor_map.covariance.items():
+            unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
         if not effect.is_charge:
             doubt = doubt + unsure
             continue

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Maps of the same pixels are told apart, and what is wrong with one cancels."""
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import READ, SHAPE, capture_of, drawn, frames_of, model_of, on
+from diagnose.planted import sensor_of as made
+
+SENSOR = made()
+TILE = (1, *SHAPE)
+OFFSET, GAIN = READ, 0.02  # standard deviations of what is planted
+
+
+def planted(seed=3, darks=6, flats=6):
+    """Return (frames, offsets, gains) of pixels that differ in both."""
+    rng = np.random.default_rng([1, seed])
+    offsets = OFFSET * rng.standard_normal(TILE)
+    gains = GAIN * rng.standard_normal(TILE)
+
+    def extra(frame, _):
+        return offsets + gains * predict(Model(SENSOR), frame).exposed
+
+    captures = [
+        capture_of(kind, n, name=f"{kind}{n}", level=level)
+        for kind, level, count in (("dark", 0, darks), ("flat", 0.3, flats))
+        for n in range(count)
+    ]
+    frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed, extra)
+    return frames, offsets, gains
+
+
+def fitted(frames):
+    model = fit_patterns(model_of(SENSOR, prnu=[0.0], dsnu=[0.0]), on(frames))
+    return model.term("prnu"), model.term("dsnu")
+
+
+def test_offsets_and_gains_of_the_same_pixels_are_told_apart():
+    frames, offsets, gains = planted()
+    keep = frames[0].keep
+    for term, truth, sigma in zip(
+        fitted(frames), (gains, offsets), (GAIN, OFFSET), strict=True
+    ):
+        assert term.values[0] == pytest.approx(sigma, rel=0.05)
+        alike = np.corrcoef(term.sensor_map.mean[keep], truth[keep])[0, 1]
+        assert alike > 0.8
+
+
+def test_errors_of_two_maps_have_the_covariance_that_is_stated():
+    """Flats of one level tell the sum of both: what the offset has too much, the gain
+    has too little."""
+    frames, offsets, gains = planted(seed=5, darks=1, flats=12)
+    keep = frames[0].keep
+    gain, offset = fitted(frames)
+    of_gain = (gain.sensor_map.mean - gains)[keep]
+    of_offset = (offset.sensor_map.mean - offsets)[keep]
+    stated = gain.sensor_map.covariance["dsnu"][keep]
+    assert (stated < 0).all()
+    assert np.mean(of_gain * of_offset) == pytest.approx(stated.mean(), rel=0.15)
+    light = predict(Model(SENSOR), frames[-1]).exposed[keep]
+    of_frame = of_offset + light * of_gain
+    of_each = (one.sensor_map.variance[keep] for one in (offset, gain))
+    alone = next(of_each) + light**2 * next(of_each)
+    together = alone + 2 * light * stated
+    assert np.mean(of_frame**2 / together) == pytest.approx(1, abs=0.08)
+
+
+def test_the_order_of_terms_does_not_matter():
+    frames, _, _ = planted(darks=3, flats=3)
+    one = fit_patterns(model_of(SENSOR, prnu=[0.0], dsnu=[0.0]), on(frames))
+    other = fit_patterns(model_of(SENSOR, dsnu=[0.0], prnu=[0.0]), on(frames))
+    for name in ("prnu", "dsnu"):
+        assert one.term(name).values == pytest.approx(other.term(name).values, rel=5e-3)
