@@ -24,6 +24,7 @@ from cg2raw.diagnose.assessment.findings import (
     without_shapes,
 )
 from cg2raw.diagnose.assessment.gap import Sums, gap_of, systematic
+from cg2raw.diagnose.assessment.pieces import Pieces
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.assessment.updated_profile import updated_profile
 from cg2raw.diagnose.assessment.whole_frames import Look, WholeFrames
@@ -73,12 +74,14 @@ def _held(
     splits: Splits,
     model: Model,
     details: bool,
+    most_outliers: float,
 ) -> _Held:
     model, values, refused = founded(model, splits.fit)
     notes = refusals(refused)
-    whole = WholeFrames(
-        capture_set, splits.report, baseline.model, baseline.registration, details
+    pieces = Pieces(
+        capture_set, baseline.model, baseline.registration, splits.fit, most_outliers
     )
+    whole = WholeFrames(splits.report, baseline.model, pieces, details)
     look = whole.look_at(model)
     if model.found_names and not is_better(look.before, look.after):
         notes.append(not_better(model.found_names, look.before, look.after))
@@ -106,7 +109,7 @@ def assessed(
 
     details : with pictures and curves."""
     splits, report = search.splits, search.splits.report
-    held = _held(capture_set, baseline, splits, model, details)
+    held = _held(capture_set, baseline, splits, model, details, search.most_outliers)
     gap = _gap(baseline, held, report.frames)
     before = residual_tests(baseline.model, splits.select, splits.fit)
     after = residual_tests(held.model, report, splits.select)

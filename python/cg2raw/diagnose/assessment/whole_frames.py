@@ -3,23 +3,16 @@
 
 """Whole report frames, from edge to edge: their sums and pictures, piece by piece."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 from cg2raw.diagnose.assessment.figures import Canvas
 from cg2raw.diagnose.assessment.gap import Sums
-from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.assessment.pieces import Pieces
 from cg2raw.diagnose.diagnosis import Picture
-from cg2raw.diagnose.frames.frame import (
-    Frame,
-    frame_of,
-    repeat_of,
-    source_of,
-    with_level_of,
-)
-from cg2raw.diagnose.frames.tiling import whole_tilings
-from cg2raw.diagnose.inference.nuisance_fit import without_highlights
-from cg2raw.diagnose.inference.registration import Registration
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Tiling
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
@@ -48,46 +41,50 @@ class WholeFrames:
 
     base : the baseline's model. details : with pictures."""
 
-    capture_set: CaptureSet
     report: Likelihood
     base: Model
-    registration: Registration | None
+    pieces: Pieces
     details: bool
 
     def look_at(self, model: Model) -> Look:
         """Go through all of the frames under the baseline and a model."""
-        parts = self.report.each(lambda frame: self._look_at_one(frame, model))
+        views = [_View(frame, self._canvas(frame)) for frame in self.report.frames]
+        for tiles in {id(f.tiles): f.tiles for f in self.report.frames}.values():
+            shown = [view for view in views if view.frame.tiles is tiles]
+            for batch in self.pieces.batches(tiles):
+                models = (
+                    self.pieces.with_maps(self.base, batch),
+                    self.pieces.with_maps(model, batch),
+                )
+                work = partial(_add, self.pieces, batch, models)
+                self.report.workers.map(work, shown)
         return Look(
-            sum((part[0] for part in parts), Sums()),
-            sum((part[1] for part in parts), Sums()),
-            [part[2] for part in parts if part[2] is not None],
+            sum((view.before for view in views), Sums()),
+            sum((view.after for view in views), Sums()),
+            [view.canvas.picture() for view in views if view.canvas is not None],
         )
 
-    def _look_at_one(
-        self, frame: Frame, model: Model
-    ) -> tuple[Sums, Sums, Picture | None]:
-        before, after = Sums(), Sums()
-        canvas = Canvas(frame, self.capture_set.sensor.cfa) if self.details else None
-        for piece in self._pieces(frame):
-            z_before, p_before = before.add(self.base, piece)
-            z_after, p_after = after.add(model, piece)
-            if canvas is not None:
-                canvas.mount(piece, p_before.mean, p_after.mean, z_before, z_after)
-        return before, after, None if canvas is None else canvas.picture()
+    def _canvas(self, frame: Frame) -> Canvas | None:
+        cfa = self.base.sensor.cfa
+        return Canvas(frame, cfa) if self.details else None
 
-    def _pieces(self, frame: Frame) -> Iterator[Frame]:
-        """Yield all of a frame; a small one as it is."""
-        if frame.tiles.margin == 0:
-            yield frame
-            return
-        source = source_of(self.capture_set, frame.capture)
-        repeat = repeat_of(self.capture_set.sensor.cfa)
-        for tiles in whole_tilings(frame.tiles, repeat):
-            piece = frame_of(source, tiles, frame.noise)
-            if piece.level_free:
-                piece = with_level_of(piece, frame)
-            elif self.registration is not None:
-                piece = self.registration.placed(piece)
-            if self.capture_set.nuisances:
-                piece = without_highlights(piece, self.base)
-            yield piece
+
+@dataclass
+class _View:
+    """One report frame, as far as it was gone through."""
+
+    frame: Frame
+    canvas: Canvas | None
+    before: Sums = field(default_factory=Sums)
+    after: Sums = field(default_factory=Sums)
+
+
+def _add(
+    pieces: Pieces, tiles: Tiling, models: tuple[Model, Model], view: _View
+) -> None:
+    """Count a batch of tiles. models : before and after, with maps of the batch."""
+    piece = pieces.without_outliers(pieces.of(view.frame, tiles), models[1])
+    z_before, p_before = view.before.add(models[0], piece)
+    z_after, p_after = view.after.add(models[1], piece)
+    if view.canvas is not None:
+        view.canvas.mount(piece, p_before.mean, p_after.mean, z_before, z_after)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.diagnose.diagnosis import Curve, Estimate
+from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -175,6 +176,13 @@ class Effect:
         return None
 
     # How it is found.
+
+    # Darks and flats alone measure it: it is in a model from the start (full_start).
+    measured_by_uniform_frames: ClassVar[bool] = False
+
+    def from_moments(self, moments: Moments) -> Values:
+        """Return where a fit of all effects together starts."""
+        return self.null
 
     starts_from_data: ClassVar[bool] = False  # its likelihood has no slope at its null
 

@@ -10,6 +10,7 @@ class ColorShading(Effect):
     name = "color_shading"
     title = "colour shading"
     where = "with radius, red and blue unlike green"
+    measured_by_uniform_frames = True
     step = 2e-3
     families = frozenset({GAIN})
     needs = LIGHT

@@ -31,6 +31,7 @@ class FixedPattern(Effect):
     lacks_slow_part : a slow map is shading, and not of the pixels."""
 
     estimator: ClassVar[Estimator] = "fixed pattern"
+    measured_by_uniform_frames: ClassVar[bool] = True
     step: ClassVar[float] = 0.01
     search: ClassVar[tuple[Parameter, ...]] = (Parameter("sigma", 0.0, 1.0),)
     families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})

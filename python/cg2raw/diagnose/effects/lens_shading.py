@@ -30,6 +30,7 @@ class LensShading(Effect):
     name = "lens_shading"
     title = "lens shading"
     where = "falls off with radius, all channels, in proportion to signal"
+    measured_by_uniform_frames = True
     step = 2e-3
     families = frozenset({GAIN})
     signature = frozenset({"gain"})

@@ -3,7 +3,10 @@
 
 """Read noise: its variance."""
 
-from cg2raw.diagnose.effects.base import Parameter
+import numpy as np
+
+from cg2raw.diagnose.effects.base import Parameter, Values
+from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
 NO_DIRECTION = (
@@ -23,6 +26,9 @@ class ReadNoise(NoiseGain):
         "row_noise": NO_DIRECTION,
         "column_fixed_pattern": NO_DIRECTION,
     }
+
+    def from_moments(self, moments: Moments) -> Values:
+        return np.array([np.log(moments.read or 1.0)])
 
 
 EFFECT = ReadNoise()

@@ -32,6 +32,7 @@ class RowNoise(Effect):
     name = "row_noise"
     title = "row noise"
     where = "rows differ, anew in every frame"
+    measured_by_uniform_frames = True
     estimator = "transform"
     search = (Parameter("sigma", 0, 4),)
     step = 0.01

@@ -3,7 +3,10 @@
 
 """Shot noise: its variance per signal."""
 
-from cg2raw.diagnose.effects.base import LIGHT, Parameter
+import numpy as np
+
+from cg2raw.diagnose.effects.base import LIGHT, Parameter, Values
+from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
 
@@ -19,6 +22,9 @@ class ShotNoise(NoiseGain):
         "variance grows with the square of the signal, that of shot noise with the "
         "signal.",
     }
+
+    def from_moments(self, moments: Moments) -> Values:
+        return np.array([np.log(moments.light or 1.0)])
 
 
 EFFECT = ShotNoise()

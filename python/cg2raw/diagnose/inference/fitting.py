@@ -19,10 +19,12 @@ SCORING_STEPS = 7  # of Fisher scoring
 SETTLED = 0.5  # nats between two turns
 
 
-def fit(model: Model, likelihood: Likelihood) -> Model:
-    """Return the model of maximum likelihood near a model."""
+def fit(model: Model, likelihood: Likelihood, turns: int = TURNS) -> Model:
+    """Return the model of maximum likelihood near a model.
+
+    turns : of smooth and other parameters."""
     current = likelihood.total(model)
-    for _ in range(TURNS):
+    for _ in range(turns):
         start = current
         model, current = scored(model, current, likelihood)
         others = [term for term in model.terms if term.effect.estimator != "smooth"]

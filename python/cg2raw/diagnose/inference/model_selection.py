@@ -23,7 +23,9 @@ from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
 from cg2raw.diagnose.inference.fitting import first_guess, fit
+from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
+from cg2raw.diagnose.inference.pruning import pruned
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
@@ -35,6 +37,7 @@ CLEAR_SHARE = 0.05  # of the gain
 MEAN_FIRST = 0.25  # of the gain that an effect of the mean needs to go first
 MOST_SWAPS = 3
 MAP_COST = 1000  # parameters that a map counts as
+FEW = 3  # effects, up to which both ways of the search are gone
 LEAST_GAIN = 0.3  # nats, of a change after all that depends on it was looked at again
 
 
@@ -63,6 +66,12 @@ class Step:
     ranking: Sequence[tuple[str, float]] = ()
     ambiguous: Sequence[str] = ()
     rule: str = ""
+
+
+_CALIBRATED = (
+    "Measured on darks and flats together with all others: so much less likely are the "
+    "held-out frames without it."
+)
 
 
 def _rule(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
@@ -102,8 +111,10 @@ class Search:
         self.steps: list[Step] = []
         self.interrupted = baseline.ended is KeyboardInterrupt
         self.timed_out = baseline.ended is TimeIsUp
+        self.most_outliers = 0.0  # share of a frame that is set aside
         self._reached = baseline.model
         self._swapped: set[tuple[str, str]] = set()
+        self._given = 0  # effects that were there before any was added
 
     @property
     def threshold(self) -> float:
@@ -116,12 +127,46 @@ class Search:
         if self.baseline.ended:
             return self._reached
         try:
-            self._climb(self._reached)
+            self._run()
         except KeyboardInterrupt:
             self.interrupted = True
         except TimeIsUp:
             self.timed_out = True
         return self._reached
+
+    def _run(self) -> None:
+        """Prune what starts full, and go on from there; where few effects are left, go
+        up from the baseline too, and keep what the select frames like better."""
+        bare = self._reached
+        if not self._start_full():
+            self._climb(bare)
+            return
+        self._climb(self._reached)
+        if not 0 < len(self._reached.found_names) <= FEW:
+            return
+        full, steps = self._reached, self.steps
+        self.steps, self._reached, self._given = [], bare, 0
+        self._swapped = set()
+        self._climb(bare)
+        lead = float((self._select(full) - self._select(self._reached)).sum())
+        if lead > CLEAR:
+            self._reached, self.steps = full, steps
+
+    def _start_full(self) -> bool:
+        """Take all effects that uniform frames measure, and of them what is needed."""
+        self.report("fitting what darks and flats show, all together")
+        start = full_start(self.baseline, self.effects)
+        if start is None:
+            return False
+        self.splits, self.most_outliers = start.splits, MOST_OUTLIERS
+        left = pruned(start.model, start.splits, self.threshold, self.report)
+        ranking = sorted(left.losses.items(), key=lambda one: -one[1])
+        for name, loss in ranking:
+            step = Step("calibrated", name, loss, loss, ranking, rule=_CALIBRATED)
+            self.steps.append(step)
+        self.steps += [Step("dropped", n, -loss) for n, loss in left.dropped.items()]
+        self._reached, self._given = left.model, len(left.losses)
+        return True
 
     def _climb(self, model: Model) -> None:
         """Add and swap as long as the select frames gain by it."""
@@ -146,7 +191,7 @@ class Search:
 
     def _add(self, model: Model) -> Model | None:
         """Return the model with the best candidate that passes; None if none does."""
-        if len(model.found_names) >= self.most:
+        if len(model.found_names) - self._given >= self.most:
             return None
         self.report(f"looking for effect {len(model.found_names) + 1}")
         current = self._select(model)

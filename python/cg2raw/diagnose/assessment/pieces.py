@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Pieces: large frames from edge to edge, a batch of tiles at a time."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.frames.frame import (
+    Frame,
+    Source,
+    frame_of,
+    repeat_of,
+    source_of,
+    with_level_of,
+)
+from cg2raw.diagnose.frames.tiling import Tiling, whole_tilings
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.inference.nuisance_fit import without_highlights
+from cg2raw.diagnose.inference.outliers import outliers
+from cg2raw.diagnose.inference.registration import Registration
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
+
+KEPT_BYTES = 1 << 30  # of frames that are not read again for each batch
+MAP_ROUNDS = 2  # of maps, and of outliers that are in the frames that they are made of
+
+
+@dataclass
+class Pieces:
+    """What large frames show of any of their tiles.
+
+    base : the baseline's model. learnt_from : the frames that maps are made from.
+    most_outliers : share of a piece that may be set aside, 0 for none."""
+
+    capture_set: CaptureSet
+    base: Model
+    registration: Registration | None
+    learnt_from: Likelihood
+    most_outliers: float = 0.0
+    _sources: dict[str, Source] = field(default_factory=dict)
+    _bytes: int = 0
+
+    def batches(self, tiles: Tiling) -> Iterator[Tiling]:
+        """Yield tilings that together are a frame."""
+        return whole_tilings(tiles, repeat_of(self.capture_set.sensor.cfa))
+
+    def of(self, frame: Frame, tiles: Tiling) -> Frame:
+        """Return a frame's tiles; a small one, which has one, as it is."""
+        if tiles.margin == 0:
+            return frame
+        piece = frame_of(self._source(frame), tiles, frame.noise)
+        if piece.level_free:
+            piece = with_level_of(piece, frame)
+        elif self.registration is not None:
+            piece = self.registration.placed(piece)
+        if self.capture_set.nuisances:
+            piece = without_highlights(piece, self.base)
+        return piece
+
+    def without_outliers(self, piece: Frame, model: Model) -> Frame:
+        """Return a piece without its outliers under a model."""
+        if not self.most_outliers:
+            return piece
+        far = outliers(model, piece, self.most_outliers)
+        return replace(piece, keep=piece.keep & ~far)
+
+    def with_maps(self, model: Model, tiles: Tiling) -> Model:
+        """Return a model with its maps of these tiles."""
+        if tiles.margin == 0 or not list(model.maps):
+            return model
+        frames = [f for f in self.learnt_from.frames if f.tiles.shape == tiles.shape]
+        uniform = [f for f in frames if not f.capture.shows.image] or frames
+        if not uniform:
+            return model
+        workers = self.learnt_from.workers
+        pieces = workers.map(lambda frame: self.of(frame, tiles), uniform)
+        for _ in range(MAP_ROUNDS if self.most_outliers else 1):
+            model = fit_patterns(model, Likelihood(pieces, workers))
+            cleaned = partial(self.without_outliers, model=model)
+            pieces = workers.map(cleaned, pieces)
+        return model
+
+    def _source(self, frame: Frame) -> Source:
+        """Return a frame's files; of those that take little room they are kept."""
+        name = frame.capture.name
+        known = self._sources.get(name)
+        if known is None:
+            known = source_of(self.capture_set, frame.capture)
+            self._bytes += known.raw.nbytes + known.camera.nbytes
+            if self._bytes <= KEPT_BYTES:
+                self._sources[name] = known
+        return known

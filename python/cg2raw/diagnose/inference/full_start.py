@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Full start: all effects that darks and flats measure, at once.
+
+A real sensor has ten effects. Added one by one to a bare profile, the first that is
+noise takes up all others. So moments say how large noise and pedestal are, maps are
+made under that noise, then everything is fitted together; what is not needed is
+dropped afterwards. Source of the order: EMVA Standard 1288, release 4.0.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.coordinate_search import fit_transform
+from cg2raw.diagnose.inference.fitting import fit, scored
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.inference.moments import moments_of
+from cg2raw.diagnose.inference.outliers import without_outliers
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model
+
+ROUNDS = 3  # of maps and what is smooth, by turns, before noise is fitted
+MOST_OUT = 0.03  # of a frame's pixels, that may be far from a model that is half fitted
+MOST_OUTLIERS = 2e-3  # of a frame's pixels, that are set aside from the fitted one
+
+
+@dataclass(frozen=True)
+class FullStart:
+    """A model of all effects, and the frames without what it sets aside."""
+
+    model: Model
+    splits: Splits
+
+
+def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | None:
+    """Return the fit of all effects that uniform frames measure; None if too few of
+    them repeat each other.
+
+    effects : that may be named."""
+    splits = baseline.splits
+    uniform = [f for f in splits.fit.frames if not f.capture.shows.image]
+    moments = moments_of(baseline.model, splits.fit.of(uniform))
+    chosen = [effect for effect in effects if effect.measured_by_uniform_frames]
+    if moments.read is None or not chosen:
+        return None
+    model = _with_all(baseline.model, chosen, moments)
+    transforms = [e.name for e in chosen if e.estimator == "transform"]
+    noise = [e.name for e in chosen if e.scales]
+    later = [model.term(name) for name in transforms]
+    for name in transforms:
+        model = model.without(name)
+    shown = splits
+    for _ in range(ROUNDS):
+        model = fit_patterns(model, shown.fit)
+        shown = without_outliers(model, splits, MOST_OUT)
+        model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
+    for term in later:
+        assert term is not None
+        model, _ = fit_transform(model.with_term(term), term.name, shown.fit)
+    model = fit(model, shown.fit)
+    shown = without_outliers(model, splits, MOST_OUTLIERS)
+    return FullStart(fit(model, shown.fit), shown)
+
+
+def _with_all(model: Model, effects: Sequence[Effect], moments: Moments) -> Model:
+    """Return the model with effects where moments say; what calibrates it stays so."""
+    for effect in effects:
+        values = effect.clipped(effect.from_moments(moments))
+        if model.term(effect.name) is None:
+            model = model.with_effect(effect, values)
+        elif effect.scales:
+            model = model.with_values(effect.name, values)
+    return model

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Pruning: what of a model of many effects the held-out frames need.
+
+One effect is dropped at a time, all others are fitted again without it, and the select
+frames say what that costs: the evidence for the effect, with all others in place.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
+from cg2raw.diagnose.inference.fitting import fit
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
+from cg2raw.diagnose.likelihood.model import Model
+
+BEYOND_DOUBT = 100.0  # thresholds, from where on the model without it need not move
+TURNS = 1  # of a fit without one effect, which starts at that with it
+
+
+@dataclass(frozen=True)
+class Pruned:
+    """A model of the effects that are needed. losses : nats that the select frames lose
+    without each of them. dropped : the same of the others, in order."""
+
+    model: Model
+    losses: dict[str, float]
+    dropped: dict[str, float]
+
+
+def pruned(
+    model: Model,
+    splits: Splits,
+    threshold: float,
+    report: Callable[[str], None] = lambda text: None,
+) -> Pruned:
+    """Return a model without the effects that gain less than a threshold, nats."""
+    losses: dict[str, float] = {}
+    dropped: dict[str, float] = {}
+    while True:
+        height = splits.select.total(model)
+        for name in _least_first(model, splits.select, losses):
+            report(f"is {name} needed")
+            rest = fit(model.without(name), splits.fit, TURNS)
+            loss = height - splits.select.total(rest)
+            if loss < BEYOND_DOUBT * threshold:
+                loss -= _gain_there(rest, splits.select)
+            if loss < threshold:
+                dropped[name] = loss
+                model = rest
+                break
+            losses[name] = loss
+        else:
+            return Pruned(model, losses, dropped)
+
+
+def _least_first(
+    model: Model, select: Likelihood, known: dict[str, float]
+) -> list[str]:
+    """Return the effects that were not yet tried, the most dispensable first; without
+    others, those that were needed are needed all the more."""
+    names = [name for name in model.found_names if name not in known]
+    height = {name: select.total(model.without(name)) for name in names}
+    return sorted(names, key=lambda name: -height[name])
+
+
+def _gain_there(model: Model, select: Likelihood) -> float:
+    """Return what a model gains on the select frames by fitting itself to them."""
+    base = Linearisation(model, select)
+    return one_step(model, base, base.height)[1]
