@@ -11,6 +11,7 @@ class Dsnu(FixedPattern):
     title = "DSNU"
     where = "the same pixels in all frames, whatever the light"
     lacks_slow_part = True
+    has_long_tails = True
     told_apart = {
         "prnu": "Darks and flats: DSNU is there without light, PRNU is in proportion "
         "to it.",

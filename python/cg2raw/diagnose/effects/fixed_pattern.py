@@ -28,7 +28,8 @@ class FixedPattern(Effect):
     layout : "pixels" each of their own, "columns" that share a value, or "sparse":
         few pixels have any.
     is_charge : the map adds charge, which has shot noise.
-    lacks_slow_part : a slow map is shading, and not of the pixels."""
+    lacks_slow_part : a slow map is shading, and not of the pixels.
+    has_long_tails : a few pixels are far out, and no other effect has them."""
 
     estimator: ClassVar[Estimator] = "fixed pattern"
     measured_by_uniform_frames: ClassVar[bool] = True
@@ -39,6 +40,7 @@ class FixedPattern(Effect):
     layout: ClassVar[Literal["pixels", "columns", "sparse"]] = "pixels"
     is_charge: ClassVar[bool] = False
     lacks_slow_part: ClassVar[bool] = False
+    has_long_tails: ClassVar[bool] = False
 
     def sensitivity(self, frame: Frame, photons: Array) -> Array | float:
         """Return what the map is multiplied by in a frame."""

@@ -15,6 +15,7 @@ class Prnu(FixedPattern):
     where = "the same pixels in all frames, in proportion to signal"
     needs = LIGHT
     lacks_slow_part = True
+    has_long_tails = True
     # The slow part of the map, which the map leaves out.
     taken_up_by = {
         "color_shading": 0.01,

@@ -15,7 +15,6 @@ import numpy as np
 from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
-from cg2raw.diagnose.frames.tiling import Tiling
 from cg2raw.diagnose.inference.map_evidence import (
     LEAST_INFORMATION,
     Evidence,
@@ -60,7 +59,7 @@ def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[
         return [fit_sparse_map(terms[0], effects[0], rest, likelihood)]
     evidence = evidence_of(effects, rest, likelihood)
     if effects[0].layout == "columns":
-        return [_columns(terms[0], evidence, likelihood.frames[0].tiles)]
+        return [_columns(terms[0], evidence, likelihood.frames[0])]
     return pixel_maps(terms, effects, evidence)
 
 
@@ -74,12 +73,19 @@ def _of_common_shape(frames: Sequence[Frame]) -> list[Frame]:
     return [frame for frame in frames if frame.signal.shape == most]
 
 
-def _columns(term: Term, evidence: Evidence, tiles: Tiling) -> Term:
-    """One offset per column of the frame."""
+def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
+    """One offset per column of the frame. What columns of one site of the CFA have in
+    common is its black level, and not theirs."""
+    tiles = frame.tiles
     a = tiles.over_columns(evidence.information[0, 0])
     b = tiles.over_columns(evidence.score[0])
     used = a > 0
     estimate = np.where(used, b / np.maximum(a, LEAST_INFORMATION), 0)
+    repeat = round(np.sqrt(int(frame.site.max()) + 1))
+    for first in range(repeat):
+        same = np.s_[:, :, first::repeat]
+        mean = np.average(estimate[same], weights=a[same] + LEAST_INFORMATION)
+        estimate[same] -= np.where(used[same], mean, 0)
     error = 1 / np.maximum(a, LEAST_INFORMATION)
     prior = prior_of((estimate**2)[used], error[used])
     share = prior / (prior + error)

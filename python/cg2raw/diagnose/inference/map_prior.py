@@ -3,14 +3,20 @@
 
 """The prior of a map: its variance, from estimates of all pixels and their errors."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import ndtr
+from scipy.special import expit, ndtr
 
 from cg2raw.diagnose.frames.tiling import Array
 
 HUBER_BOUND = 2.5  # standard deviations that a pixel counts for in the prior
-LONGEST_TAIL = 6.0
+LONGEST_TAIL = 6.0  # standard deviations, from where on a pixel is of the tail
+FEWEST_WIDE = 5  # pixels of a tail
+EM_ROUNDS = 30  # of expectation and maximisation
+MOST_PIXELS = 65536  # that they go by
+LEAST_VARIANCE = 1e-200
 
 
 def prior_of(square: Array, error: Array) -> float:
@@ -37,10 +43,59 @@ def prior_of(square: Array, error: Array) -> float:
     return float(brentq(excess, 0.0, high, rtol=1e-6, xtol=1e-30))
 
 
-def long_tailed_prior_of(square: Array, error: Array) -> float:
-    """Return the same for a map with long tails: half of what they add."""
+def bounded_tail(square: Array, error: Array) -> float:
+    """Return the same with half of what a map's long tails add."""
     prior = prior_of(square, error)
     bounded = np.minimum(square, LONGEST_TAIL**2 * (error + prior))
     weight = 1 / (error + prior + 1e-300)
     mean = ((bounded - error) * weight).sum() / max(weight.sum(), 1e-300)
     return max(prior, 0.5 * float(mean))
+
+
+@dataclass(frozen=True)
+class MixedPrior:
+    """A normal map of which a few pixels are wide: share, variances of both kinds."""
+
+    share: float
+    narrow: float
+    wide: float
+
+    def at(self, square: Array, error: Array) -> Array:
+        """Return the variance that each pixel's prior has, given its estimate: the mean
+        of the precisions of both kinds, by how likely it is of either."""
+        wide = self._probability(square, error)
+        narrow = max(self.narrow, LEAST_VARIANCE)
+        variance: Array = 1 / (wide / self.wide + (1 - wide) / narrow)
+        return variance
+
+    def _probability(self, square: Array, error: Array) -> Array:
+        """Return that of each pixel to be wide."""
+        odds = np.log(self.share) - np.log1p(-self.share)
+        for variance, sign in ((self.wide, 1.0), (self.narrow, -1.0)):
+            total = variance + error
+            odds = odds - 0.5 * sign * (np.log(total) + square / total)
+        probability: Array = expit(odds)
+        return probability
+
+
+def mixed_prior_of(square: Array, error: Array) -> MixedPrior | None:
+    """Return the prior of a map with long tails; None if it has none.
+
+    By expectation and maximisation, on some of the pixels if they are many. Source: as
+    of sparse_map."""
+    step = max(1, square.size // MOST_PIXELS)
+    square, error = square[::step], error[::step]
+    narrow = prior_of(square, error)
+    far = square > LONGEST_TAIL**2 * (error + narrow)
+    if far.sum() < FEWEST_WIDE:
+        return None
+    wide = float((square - error)[far].mean())
+    prior = MixedPrior(float(far.mean()), narrow, wide)
+    for _ in range(EM_ROUNDS):
+        weight = prior._probability(square, error)
+        share = float(np.clip(weight.mean(), 1 / square.size, 0.5))
+        wide = max(float((weight * (square - error)).sum() / weight.sum()), narrow)
+        rest = 1 - weight
+        narrow = max(float((rest * (square - error)).sum() / rest.sum()), 0.0)
+        prior = MixedPrior(share, narrow, max(wide, 2 * narrow, LEAST_VARIANCE))
+    return prior
