@@ -18,7 +18,8 @@ from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.effects.sentences import sentence
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.model_selection import Search, Step
+from cg2raw.diagnose.inference.model_selection import Search
+from cg2raw.diagnose.inference.steps import Step
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 

@@ -26,7 +26,7 @@ from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
-ROUNDS = 3  # of maps of several layouts, by turns
+TURNS_OF_MAPS = 3  # of maps of several layouts, by turns
 
 
 def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
@@ -34,14 +34,14 @@ def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
 
     Maps of pixels are estimated together, since the same pixels' offsets, rates and
     gains look alike in few frames; other maps by turns with them."""
-    patterns = [t for t in model.terms if isinstance(t.effect, FixedPattern)]
-    if not patterns:
+    effects = [t.effect for t in model.terms if isinstance(t.effect, FixedPattern)]
+    if not effects:
         return model
     chosen = likelihood.of(_of_common_shape(likelihood.frames))
-    parts = [[t.name] for t in patterns if t.effect.layout != "pixels"]
-    if of_pixels := [t.name for t in patterns if t.effect.layout == "pixels"]:
+    parts = [[effect.name] for effect in effects if effect.layout != "pixels"]
+    if of_pixels := [e.name for e in effects if e.layout == "pixels"]:
         parts.append(of_pixels)
-    for _ in range(ROUNDS if len(parts) > 1 else 1):
+    for _ in range(TURNS_OF_MAPS if len(parts) > 1 else 1):
         for names in parts:
             for term in _fitted(model, names, chosen):
                 model = model.with_term(term)

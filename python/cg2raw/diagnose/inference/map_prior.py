@@ -14,9 +14,9 @@ from cg2raw.diagnose.frames.tiling import Array
 HUBER_BOUND = 2.5  # standard deviations that a pixel counts for in the prior
 LONGEST_TAIL = 6.0  # standard deviations, from where on a pixel is of the tail
 FEWEST_WIDE = 5  # pixels of a tail
-EM_ROUNDS = 30  # of expectation and maximisation
-MOST_PIXELS = 65536  # that they go by
-LEAST_VARIANCE = 1e-200
+MIXING_ROUNDS = 30  # of expectation and maximisation
+MOST_MIXED = 65536  # that they go by
+LEAST_NARROW = 1e-200
 
 
 def prior_of(square: Array, error: Array) -> float:
@@ -64,7 +64,7 @@ class MixedPrior:
         """Return the variance that each pixel's prior has, given its estimate: the mean
         of the precisions of both kinds, by how likely it is of either."""
         wide = self._probability(square, error)
-        narrow = max(self.narrow, LEAST_VARIANCE)
+        narrow = max(self.narrow, LEAST_NARROW)
         variance: Array = 1 / (wide / self.wide + (1 - wide) / narrow)
         return variance
 
@@ -83,7 +83,7 @@ def mixed_prior_of(square: Array, error: Array) -> MixedPrior | None:
 
     By expectation and maximisation, on some of the pixels if they are many. Source: as
     of sparse_map."""
-    step = max(1, square.size // MOST_PIXELS)
+    step = max(1, square.size // MOST_MIXED)
     square, error = square[::step], error[::step]
     narrow = prior_of(square, error)
     far = square > LONGEST_TAIL**2 * (error + narrow)
@@ -91,11 +91,11 @@ def mixed_prior_of(square: Array, error: Array) -> MixedPrior | None:
         return None
     wide = float((square - error)[far].mean())
     prior = MixedPrior(float(far.mean()), narrow, wide)
-    for _ in range(EM_ROUNDS):
+    for _ in range(MIXING_ROUNDS):
         weight = prior._probability(square, error)
         share = float(np.clip(weight.mean(), 1 / square.size, 0.5))
         wide = max(float((weight * (square - error)).sum() / weight.sum()), narrow)
         rest = 1 - weight
         narrow = max(float((rest * (square - error)).sum() / rest.sum()), 0.0)
-        prior = MixedPrior(share, narrow, max(wide, 2 * narrow, LEAST_VARIANCE))
+        prior = MixedPrior(share, narrow, max(wide, 2 * narrow, LEAST_NARROW))
     return prior

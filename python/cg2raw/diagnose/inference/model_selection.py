@@ -13,7 +13,7 @@ Balakrishnan, Universal inference, PNAS 117(29), 2020.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +26,13 @@ from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
 from cg2raw.diagnose.inference.pruning import pruned
+from cg2raw.diagnose.inference.steps import (
+    CALIBRATED,
+    MEAN_FIRST,
+    Step,
+    Trial,
+    rule_of,
+)
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
@@ -34,62 +41,10 @@ WORTH_FITTING = 0.05  # of the best screening score
 LEAST_SCORE = 2.0  # nats that screening finds, beyond one for every parameter
 CLEAR = 5.0  # nats between two names: an e-value ratio of 150
 CLEAR_SHARE = 0.05  # of the gain
-MEAN_FIRST = 0.25  # of the gain that an effect of the mean needs to go first
 MOST_SWAPS = 3
 MAP_COST = 1000  # parameters that a map counts as
-FEW = 3  # effects, up to which both ways of the search are gone
+FEW_EFFECTS = 3  # effects, up to which both ways of the search are gone
 LEAST_GAIN = 0.3  # nats, of a change after all that depends on it was looked at again
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A candidate that was fitted: what it gains on the select frames, nats.
-
-    evidence : the gain, less what the model without it gains by moving there."""
-
-    name: str
-    gain: float
-    blocks: Array
-    model: Model
-    evidence: float = -np.inf
-
-
-@dataclass(frozen=True)
-class Step:
-    """One change of the model. ambiguous: names that explain it as well. rule: why this
-    one of the ranking, in words."""
-
-    action: str
-    name: str
-    gain: float
-    evidence: float = 0.0
-    ranking: Sequence[tuple[str, float]] = ()
-    ambiguous: Sequence[str] = ()
-    rule: str = ""
-
-
-_CALIBRATED = (
-    "Measured on darks and flats together with all others: so much less likely are the "
-    "held-out frames without it."
-)
-
-
-def _rule(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
-    """Return why one of the trials was taken, in words."""
-    if best is not first:
-        return (
-            f"It and {first.name} explain these frames alike: the one with fewer "
-            "parameters is taken."
-        )
-    top = max(trials, key=lambda trial: trial.gain)
-    if best is top:
-        return "It gains most on the held-out frames."
-    if top.evidence < best.evidence:
-        return f"{top.name} gains more, but is not sure."
-    return (
-        f"{top.name} gains more, but is noise, which takes up any error of the mean: "
-        f"an effect of the mean that gains {MEAN_FIRST:.0%} as much goes first."
-    )
 
 
 class Search:
@@ -142,7 +97,7 @@ class Search:
             self._climb(bare)
             return
         self._climb(self._reached)
-        if not 0 < len(self._reached.found_names) <= FEW:
+        if not 0 < len(self._reached.found_names) <= FEW_EFFECTS:
             return
         full, steps = self._reached, self.steps
         self.steps, self._reached, self._given = [], bare, 0
@@ -162,7 +117,7 @@ class Search:
         left = pruned(start.model, start.splits, self.threshold, self.report)
         ranking = sorted(left.losses.items(), key=lambda one: -one[1])
         for name, loss in ranking:
-            step = Step("calibrated", name, loss, loss, ranking, rule=_CALIBRATED)
+            step = Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
             self.steps.append(step)
         self.steps += [Step("dropped", n, -loss) for n, loss in left.dropped.items()]
         self._reached, self._given = left.model, len(left.losses)
@@ -213,7 +168,7 @@ class Search:
                 best.evidence,
                 [(t.name, t.gain) for t in trials],
                 ambiguous,
-                _rule(best, first, trials),
+                rule_of(best, first, trials),
             )
         )
         self._reached = best.model

@@ -25,7 +25,7 @@ from cg2raw.diagnose.likelihood.model import Model
 CLIPPED_AT = 4.0  # standard deviations
 CLIPPINGS = 4  # until the deviation stays
 # Of a normal's variance, what is left of it within that.
-KEPT = 1 - 2 * CLIPPED_AT * norm.pdf(CLIPPED_AT) / (1 - 2 * norm.sf(CLIPPED_AT))
+LEFT_INSIDE = 1 - 2 * CLIPPED_AT * norm.pdf(CLIPPED_AT) / (1 - 2 * norm.sf(CLIPPED_AT))
 ALIKE = 0.2  # relative difference of two flats' levels
 FEWEST = 200  # pixels of a pair
 
@@ -49,7 +49,7 @@ def clipped_variance(values: Array) -> float:
     deviation = 1.4826 * float(np.median(np.abs(centred))) or float(centred.std())
     for _ in range(CLIPPINGS):
         inside = np.abs(centred) < CLIPPED_AT * deviation
-        deviation = float(np.sqrt((centred[inside] ** 2).mean() / KEPT))
+        deviation = float(np.sqrt((centred[inside] ** 2).mean() / LEFT_INSIDE))
     return deviation**2
 
 

@@ -23,7 +23,7 @@ from cg2raw.diagnose.likelihood.model import Term
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
 MOST_TURNS = 30  # of all maps, until they agree
-CLOSE = 1e-3  # relative change of their deviations, from where on they do
+AGREED = 1e-3  # relative change of their deviations, from where on they do
 
 
 def pixel_maps(
@@ -39,7 +39,7 @@ def pixel_maps(
         for k in range(count):
             priors[k] = _prior(k, effects[k], evidence, priors)
         now = [prior.variance for prior in priors]
-        if np.allclose(np.sqrt(now), np.sqrt(before), rtol=CLOSE, atol=0):
+        if np.allclose(np.sqrt(now), np.sqrt(before), rtol=AGREED, atol=0):
             break
     means = _means(effects, evidence, priors)
     covariance = _covariance(evidence, priors)
@@ -133,7 +133,7 @@ def _means(
             if effect.lacks_slow_part:
                 estimate = _high_pass(estimate, known)
             means[k] = estimate * (priors[k].each / (priors[k].each + 1 / own))
-        if np.abs(means - before).max() <= CLOSE * np.abs(means).max():
+        if np.abs(means - before).max() <= AGREED * np.abs(means).max():
             break
     return means
 

@@ -17,7 +17,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 BEYOND_DOUBT = 100.0  # thresholds, from where on the model without it need not move
-TURNS = 1  # of a fit without one effect, which starts at that with it
+TURNS_WITHOUT = 1  # of a fit without one effect, which starts at that with it
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def pruned(
         height = splits.select.total(model)
         for name in _least_first(model, splits.select, losses):
             report(f"is {name} needed")
-            rest = fit(model.without(name), splits.fit, TURNS)
+            rest = fit(model.without(name), splits.fit, TURNS_WITHOUT)
             loss = height - splits.select.total(rest)
             if loss < BEYOND_DOUBT * threshold:
                 loss -= _gain_there(rest, splits.select)
