@@ -27,6 +27,7 @@ ROOMS = (
     "cg2raw.conversion",
     "cg2raw.quick_look",
     "cg2raw.dataset",
+    "cg2raw.calibration",
     "cg2raw.diagnose",
     "cg2raw.synthetic",
     "cg2raw.benchmark",

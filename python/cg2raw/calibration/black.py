@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Black: the level without light or charge, its drift, and its fixed structure.
+
+Source: EMVA Standard 1288, release 4.0, sections on dark signal and DSNU (spatial
+variances split into columns, rows and pixels).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cg2raw.calibration.frames import Group
+from cg2raw.calibration.measured import SIGNIFICANT, Measured, root_of
+from cg2raw.calibration.robust import CUT, Array, clipped_moments, line_means
+from cg2raw.calibration.sites import Sites
+
+EDGE_LENGTHS = np.geomspace(0.7, 256, 40)  # px that are tried
+LONGEST_EDGE = 1 / 6  # of the width; a longer one is the ramp's
+LEAST_COLUMNS = 32  # for an edge beside a ramp
+
+
+@dataclass(frozen=True)
+class BiasStructure:
+    """Fixed offsets, DN. horizontal, vertical : of the right edge over the left, the
+    bottom over the top, of a straight ramp. edge : of column 0, falling to its e-th
+    part in edge_length px; both None where the first columns are like the others.
+    column_pattern, row_pattern : standard deviation of what columns and rows have
+    besides. dsnu : likewise of pixels. columns, rows : the profiles, DN."""
+
+    horizontal: Measured
+    vertical: Measured
+    edge: Measured | None
+    edge_length: Measured | None
+    column_pattern: Measured
+    row_pattern: Measured
+    dsnu: Measured
+    columns: Array
+    rows: Array
+    fitted_columns: Array
+    fitted_rows: Array
+
+    @property
+    def edge_columns(self) -> Array:
+        """The edge alone, DN of each column."""
+        if self.edge is None or self.edge_length is None:
+            return np.zeros(len(self.columns))
+        place = np.arange(len(self.columns))
+        found: Array = self.edge.value * np.exp(-place / self.edge_length.value)
+        return found
+
+
+def black_levels(
+    offset: Array, known: Array, sites: Sites, structure: BiasStructure, drift: float
+) -> tuple[Measured, ...]:
+    """Return the mean of each site's offsets, DN; its structure is about that mean.
+
+    drift : DN, by which the mean of the frames may be off."""
+    height, width = offset.shape
+    shares = (
+        structure.column_pattern.value / math.sqrt(width / sites.side),
+        structure.row_pattern.value / math.sqrt(height / sites.side),
+        drift,
+    )
+    found = []
+    for plane, used in zip(sites.of(offset), sites.of(known), strict=True):
+        mean, sigma, count = clipped_moments(plane[used])
+        error = math.hypot(*shares, sigma / math.sqrt(count))
+        found.append(Measured(mean, error, "DN"))
+    return tuple(found)
+
+
+def bias_structure(
+    offset: Array,
+    known: Array,
+    sites: Sites,
+    pixel_variance: float,
+    row_variance: float = 0.0,
+    column_variance: float = 0.0,
+) -> BiasStructure:
+    """Return the structure of an (H, W) map of offsets, DN.
+
+    pixel_variance : DN^2, of the map's temporal noise in a pixel. row_variance,
+    column_variance : likewise in whole rows and columns."""
+    flat = np.array(offset, np.float32)
+    sigmas = []
+    for plane, used in zip(sites.of(flat), sites.of(known), strict=True):
+        mean, sigma, _ = clipped_moments(plane[used])
+        plane -= np.float32(mean)
+        sigmas.append(sigma)
+    inside = known & (np.abs(flat) <= CUT * sites.spread(sigmas, flat.shape))
+    columns, per_column = line_means(flat, inside, 0)
+    horizontal, edge, length, of_columns = ramp_and_edge(columns)
+    flat -= columns[None].astype(np.float32)
+    rows, per_row = line_means(flat, inside, 1)
+    vertical, _, _, of_rows = ramp_and_edge(rows, with_edge=False)
+    flat -= rows[:, None].astype(np.float32)
+    variances = []
+    for plane, used in zip(sites.of(flat), sites.of(known), strict=True):
+        _, sigma, count = clipped_moments(plane[used])
+        variances.append((sigma**2, count))
+    pixel = float(np.mean([v for v, _ in variances]))
+    many = sum(count for _, count in variances)
+    return BiasStructure(
+        horizontal,
+        vertical,
+        edge,
+        length,
+        _pattern(columns - of_columns, pixel / per_column + column_variance),
+        _pattern(rows - of_rows, pixel / per_row + row_variance),
+        root_of(pixel - pixel_variance, pixel * math.sqrt(3 / many), "DN"),
+        columns,
+        rows,
+        of_columns,
+        of_rows,
+    )
+
+
+def _pattern(rest: Array, share: float) -> Measured:
+    """Return the standard deviation of columns or rows without the pixels' share."""
+    _, sigma, count = clipped_moments(rest)
+    variance = sigma**2 * count / max(count - 2, 1)
+    return root_of(variance - share, variance * math.sqrt(2 / count), "DN")
+
+
+def ramp_and_edge(
+    profile: Array, with_edge: bool = True
+) -> tuple[Measured, Measured | None, Measured | None, Array]:
+    """Return (ramp, edge, its length, the fitted profile), DN and px.
+
+    profile : (N,) DN. The ramp is end over beginning, 0 in the middle; the edge falls
+    by a factor e over its length. Columns far off the others do not count."""
+    place = (np.arange(len(profile)) + 0.5) / len(profile) - 0.5
+    straight = np.stack([np.ones_like(place), place], 1)
+    best = _fit(straight, profile)
+    ramp, edge, length = _error_of(best, 1), None, None
+    if with_edge and len(profile) >= LEAST_COLUMNS:
+        lengths = EDGE_LENGTHS[EDGE_LENGTHS < len(profile) * LONGEST_EDGE]
+        tried = [_fit(_with_edge(straight, x), profile, cut=False) for x in lengths]
+        index = int(np.argmin([squares for _, _, squares, _ in tried]))
+        found = _fit(_with_edge(straight, lengths[index]), profile, edges=True)
+        height = _error_of(found, 2)
+        if height.stands_out and abs(height.value) > CUT * math.sqrt(found[2]):
+            best, edge, ramp = found, height, _error_of(found, 1)
+            curve = [squares for _, _, squares, _ in tried]
+            length = _length(lengths, np.array(curve), index, found[3])
+    design = straight if length is None else _with_edge(straight, length.value)
+    return ramp, edge, length, design @ best[0]
+
+
+def _with_edge(straight: Array, length: float) -> Array:
+    fall = np.exp(-np.arange(len(straight)) / length)
+    return np.column_stack([straight, fall])
+
+
+Fit = tuple[Array, Array, float, int]  # values, inverse normal matrix, variance, count
+
+
+def _fit(design: Array, y: Array, cut: bool = True, edges: bool = False) -> Fit:
+    """Return least squares; with cut, without columns 4 sigma off.
+
+    edges : keep the first columns whatever they are: the edge is of them."""
+    keep = np.ones(len(y), bool)
+    rounds = 4 if cut else 1
+    for _ in range(rounds):
+        values = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
+        rest = y - design @ values
+        freedom = max(int(keep.sum()) - design.shape[1], 1)
+        variance = float((rest[keep] ** 2).sum()) / freedom
+        if not cut:
+            break
+        sigma = clipped_moments(rest)[1]
+        keep = np.abs(rest) <= CUT * sigma
+        if edges:
+            keep[:8] = True
+    inverse = np.linalg.pinv(design[keep].T @ design[keep])
+    return values, inverse * _correlated(rest[keep]), variance, int(keep.sum())
+
+
+def _correlated(rest: Array) -> float:
+    """Return by how much neighbours that correlate widen the errors of a fit."""
+    own = float(rest @ rest)
+    next_one = float(rest[1:] @ rest[:-1]) / own if own > 0 else 0.0
+    r = min(max(next_one, 0.0), 0.95)
+    return (1 + r) / (1 - r)
+
+
+def _error_of(fit: Fit, index: int) -> Measured:
+    values, inverse, variance, _ = fit
+    error = math.sqrt(max(float(inverse[index, index]) * variance, 0.0))
+    return Measured(float(values[index]), error, "DN")
+
+
+def _length(lengths: Array, squares: Array, index: int, count: int) -> Measured:
+    """Return the edge's length, px: where the sum of squares rises by one variance."""
+    rise = (squares / squares[index] - 1) * count
+    near = lengths[rise < 1]
+    step = lengths[index] * (lengths[1] / lengths[0] - 1)
+    error = max(float(near[-1] - near[0]) / 2, step / 2)
+    return Measured(float(lengths[index]), error, "px")
+
+
+@dataclass(frozen=True)
+class Drift(Measured):
+    """Standard deviation of the level from frame to frame, DN, without what noise of
+    pixels, rows and columns moves it. total : DN, with it. freedom : of that."""
+
+    total: float
+    freedom: int
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether the level moves more than that noise moves it, at 3 sigma: by the
+        distribution of chi-square (E. Wilson, M. Hilferty, PNAS 17, 1931)."""
+        part = 2 / (9 * self.freedom)
+        most = (1 - part + SIGNIFICANT * math.sqrt(part)) ** 3
+        return self.total**2 > most * (self.total**2 - self.value**2)
+
+
+def level_drift(groups: Sequence[Group], floor: float) -> Drift | None:
+    """Return how the level moves from frame to frame; None if no two frames repeat each
+    other.
+
+    groups : of exposures so short that dark current does not show. floor : DN^2, the
+    variance of a frame's mean by noise."""
+    squares, freedom = 0.0, 0
+    for group in groups:
+        levels = np.array([scanned.mean_level for scanned in group.frames])
+        squares += float(((levels - levels.mean()) ** 2).sum())
+        freedom += len(levels) - 1
+    if not freedom:
+        return None
+    total = squares / freedom
+    own = root_of(total - floor, total * math.sqrt(2 / freedom), "DN")
+    return Drift(own.value, own.standard_error, "DN", math.sqrt(total), freedom)

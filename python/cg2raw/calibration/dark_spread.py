@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Dark current of pixels: its spread, hot pixels, and an amplifier's glow.
+
+A pixel's rate above the median is log-normal, a few pixels' exponential besides, and
+what was measured has Gaussian noise. Source: R. L. Baer, Proc. SPIE 6068, 2006
+(log-normal); R. Widenhorn et al., Proc. SPIE 4669, 2002 (tails).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import erfcx, ndtr
+
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.robust import Array
+
+EDGES = np.concatenate([-np.geomspace(8, 0.25, 21), np.geomspace(0.25, 1e5, 121)])
+NODES = np.linspace(-5.5, 5.5, 221)  # of the normal that the log-normal is made of
+WEIGHTS = np.exp(-(NODES**2) / 2) / np.exp(-(NODES**2) / 2).sum()
+SHARES = (0.5, 0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
+MOST_LOG_SIGMA, MOST_HOT = 3.0, 0.2  # as the registry bounds them
+
+
+@dataclass(frozen=True)
+class DarkSpread:
+    """Rates of pixels above the median, DN/s.
+
+    rate, log_sigma : of rate * (exp(log_sigma n) - 1), n normal. fraction, hot_rate :
+    share of hot pixels, and the mean of their exponential law.
+    quantiles : {share: DN/s}, as measured. noise : DN/s, of a pixel's rate.
+    above : {DN/s: share of pixels beyond it}, at 5, 20 and 100 times the noise."""
+
+    rate: Measured
+    log_sigma: Measured
+    fraction: Measured
+    hot_rate: Measured
+    quantiles: dict[float, float]
+    noise: float
+    above: dict[float, float]
+    spread_nats: float
+    hot_nats: float
+
+
+def dark_spread(excess: Array, noise: float) -> DarkSpread:
+    """Return the law of rates above their median by maximum likelihood.
+
+    excess : (N,) DN/s, median 0. noise : DN/s, standard deviation by temporal noise."""
+    counts = np.histogram(excess / noise, EDGES)[0].astype(float)
+    start = 0.5, 1.0, 1e-3, 20.0
+    both = _fitted(counts, start, (True, True), (0.3, 2.0))
+    flat = _fitted(counts, start, (False, True), (1.0,))
+    cold = _fitted(counts, start, (True, False), (1.0,))
+    values, errors = both[0], both[2]
+    rate, log_sigma, fraction, hot = (
+        Measured(v * unit, e * unit, words)
+        for v, e, unit, words in zip(
+            values,
+            errors,
+            (noise, 1, 1, noise),
+            ("DN/s", "1", "1", "DN/s"),
+            strict=True,
+        )
+    )
+    return DarkSpread(
+        rate,
+        log_sigma,
+        fraction,
+        hot,
+        dict(zip(SHARES, map(float, np.quantile(excess, SHARES)), strict=True)),
+        noise,
+        {k * noise: float(np.mean(excess > k * noise)) for k in (5, 20, 100)},
+        both[1] - flat[1],
+        both[1] - cold[1],
+    )
+
+
+def _fitted(
+    counts: Array,
+    start: tuple[float, ...],
+    used: tuple[bool, bool],
+    scales: tuple[float, ...],
+) -> tuple[Array, float, Array]:
+    """Return (values, log likelihood, errors) of log-normal and hot pixels.
+
+    Values in units of the noise; an unused part has rate or fraction 0. scales : of the
+    first rate, over that of hot pixels, where the search begins."""
+    low = np.log([1e-3, 0.02, 1e-7, 1.0])
+    high = np.log([1e3, MOST_LOG_SIGMA, MOST_HOT, 1e5])
+
+    def unpacked(x: Array) -> Array:
+        values: Array = np.exp(np.clip(x, low, high))
+        values[0] *= used[0]
+        values[2] *= used[1]
+        return values
+
+    def loss(x: Array) -> float:
+        beyond = np.maximum(x - high, 0) + np.maximum(low - x, 0)
+        share = np.maximum(shares_of(unpacked(x)), 1e-12)
+        return -float(counts @ np.log(share)) + 1e3 * float(beyond @ beyond)
+
+    best = None
+    for scale in scales:
+        first = np.log(np.array(start) * [scale, 1, 1, 1 / scale])
+        found = minimize(loss, first, method="Nelder-Mead", options=OPTIONS)
+        if best is None or found.fun < best.fun:
+            best = found
+    assert best is not None
+    errors = _errors(loss, best.x) if all(used) else np.zeros(4)
+    values = unpacked(best.x)
+    return values, -float(best.fun), errors * values
+
+
+OPTIONS = {"maxiter": 1200, "maxfev": 1200, "xatol": 1e-4, "fatol": 1e-2}
+
+
+def shares_of(values: Array) -> Array:
+    """Return the expected share of each bin between EDGES; what lies beyond them is in
+    none. values : rate, log_sigma, fraction, hot rate; noise is 1."""
+    rate, log_sigma, fraction, hot = values
+    shift = rate * np.expm1(log_sigma * NODES)
+    cold = ndtr(EDGES[:, None] - shift[None]) @ WEIGHTS
+    warm = cold if fraction == 0 else _with_hot(EDGES, hot, shift)
+    together = (1 - fraction) * cold + fraction * warm
+    total: Array = np.diff(together)
+    return total
+
+
+def _with_hot(x: Array, hot: float, shift: Array) -> Array:
+    """Return the distribution of noise plus an exponential of mean @hot, at the centre
+    of the others' law (hot ones are far off it)."""
+    z = x - float(WEIGHTS @ np.minimum(shift, 1.0))
+    inner = (1 / hot - z) / math.sqrt(2)
+    tail = 0.5 * erfcx(np.maximum(inner, -25)) * np.exp(-(z**2) / 2)
+    far = inner < -20
+    tail = np.where(far, np.exp(np.clip(0.5 / hot**2 - z / hot, -700, 0)), tail)
+    found: Array = ndtr(z) - tail
+    return found
+
+
+def _errors(loss: object, at: Array) -> Array:
+    """Return standard errors by the curvature of the loss, numerically."""
+    size, step = len(at), 0.02
+    assert callable(loss)
+    hessian = np.zeros((size, size))
+    centre = loss(at)
+    for i in range(size):
+        for j in range(i, size):
+            a, b = np.zeros((2, size))
+            a[i], b[j] = step, step
+            if i == j:
+                hessian[i, i] = (loss(at + a) + loss(at - a) - 2 * centre) / step**2
+            else:
+                mixed = loss(at + a + b) + loss(at - a - b)
+                mixed -= loss(at + a - b) + loss(at - a + b)
+                hessian[i, j] = hessian[j, i] = mixed / (4 * step**2)
+    values, vectors = np.linalg.eigh(hessian)
+    covariance = (vectors / np.maximum(values, 1e-3)) @ vectors.T
+    found: Array = np.sqrt(np.maximum(np.diag(covariance), 0))
+    return found

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Darks: their groups are read by exposure, and what they show without light."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cg2raw.calibration.black import (
+    BiasStructure,
+    Drift,
+    bias_structure,
+    black_levels,
+    level_drift,
+)
+from cg2raw.calibration.dark_current import DarkCurrent, DarkPoint, dark_current
+from cg2raw.calibration.dark_maps import DarkMaps, DarkSums
+from cg2raw.calibration.dark_spread import DarkSpread, dark_spread
+from cg2raw.calibration.frames import Group, set_points
+from cg2raw.calibration.glow import Glow, glow
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measurements import Transients
+from cg2raw.calibration.repeats import Repeats, repeats_of
+from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.temporal_noise import TemporalNoise, temporal_noise
+from cg2raw.sensor import Sensor
+
+LEAST_VARIANCE = 1 / 12  # DN^2, of rounding alone
+
+
+@dataclass(frozen=True)
+class DarkResults:
+    """What darks show; see Calibration."""
+
+    black_level: tuple[Measured, ...] | None = None
+    drift: Drift | None = None
+    structure: BiasStructure | None = None
+    noise: TemporalNoise | None = None
+    dark: DarkCurrent | None = None
+    spread: DarkSpread | None = None
+    glow: Glow | None = None
+    maps: DarkMaps | None = None
+    transients: tuple[Transients, ...] = ()
+
+
+@dataclass
+class _Read:
+    """What is kept of the groups while they are read one by one."""
+
+    sums: DarkSums | None = None
+    noise: TemporalNoise | None = None
+    noisy: Repeats | None = None
+    origin_frames: int = 0
+
+
+@dataclass(frozen=True)
+class Todo:
+    """Whose frames are read, and on how many threads."""
+
+    sensor: Sensor
+    sites: Sites
+    threads: int
+
+
+def read_darks(
+    todo: Todo,
+    groups: Sequence[Group],
+    system_gain: float | None,
+    tell: Callable[[float], None],
+) -> DarkResults:
+    """Return what groups of darks, shortest first, show.
+
+    system_gain : DN per electron, None if no flat has shown it."""
+    if not groups:
+        return DarkResults()
+    points, transients, read = [], [], _Read()
+    numbers = set_points([group.temperature for group in groups])
+    main = main_set_point(groups, numbers)
+    for index, (group, number) in enumerate(zip(groups, numbers, strict=True)):
+        repeats = repeats_of(
+            group,
+            todo.sites,
+            todo.sensor.white_level,
+            groups[0].level,
+            system_gain,
+            todo.threads,
+        )
+        if repeats.transients is not None:
+            transients.append(
+                Transients(words_of(group), repeats.transients, repeats.count)
+            )
+        points.append(taken_up(read, repeats, number == main, groups, system_gain))
+        points[-1] = DarkPoint(**{**vars(points[-1]), "set_point": number})
+        tell((index + 1) / len(groups))
+    assert read.sums is not None
+    maps = read.sums.maps()
+    drift = level_drift(shortest(groups), floor_of(read.noise, maps.offset.shape))
+    current = dark_current(points, drift.total if drift else 0.0)
+    spread, shine = None, None
+    if maps.rate is not None and current is not None:
+        spread, shine = centred_rates(maps, current)
+    return DarkResults(
+        *levels_of(maps, todo.sites, read, drift),
+        read.noise,
+        current,
+        spread,
+        shine,
+        maps,
+        tuple(transients),
+    )
+
+
+def floor_of(noise: TemporalNoise | None, shape: tuple[int, ...]) -> float:
+    """Return the variance of a frame's mean by noise of pixels, rows and columns."""
+    if noise is None:
+        return 0.0
+    height, width = shape
+    return (
+        noise.mean_read_noise.value**2 / (height * width)
+        + noise.row_noise.value**2 / height
+        + noise.column_noise.value**2 / width
+    )
+
+
+def shortest(groups: Sequence[Group]) -> list[Group]:
+    """Return the groups of the shortest exposure."""
+    least = min(group.exposure_time or 0.0 for group in groups)
+    return [group for group in groups if (group.exposure_time or 0.0) == least]
+
+
+def main_set_point(groups: Sequence[Group], numbers: Sequence[int]) -> int:
+    """Return the set point of which there are most frames with charge."""
+    least = min(group.exposure_time or 0.0 for group in groups)
+    charged: dict[int, int] = {}
+    for group, number in zip(groups, numbers, strict=True):
+        longer = (group.exposure_time or 0.0) > least
+        charged[number] = charged.get(number, 0) + longer * len(group.frames)
+    return max(charged, key=lambda number: (charged[number], -number))
+
+
+def taken_up(
+    read: _Read,
+    repeats: Repeats,
+    is_main: bool,
+    groups: Sequence[Group],
+    system_gain: float | None,
+) -> DarkPoint:
+    """Add a group to what was read; return its point of the dark current's line.
+
+    Of other temperatures than the main one only the shortest exposure goes into the
+    maps of pixels."""
+    time = repeats.group.exposure_time or 0.0
+    above = max(repeats.group.level.mean() - groups[0].level.mean(), 0.0)
+    charge = (system_gain or 0.0) * float(above)
+    if repeats.noise is not None:
+        variance = float(repeats.noise.site_variance.mean())
+        if read.noise is None:
+            read.noise = temporal_noise(repeats.noise, repeats.pairs, charge, time)
+            read.noisy = repeats
+    else:
+        own = read.noise.mean_read_noise.value**2 if read.noise else LEAST_VARIANCE
+        variance = own + charge
+    variance = max(variance, LEAST_VARIANCE)
+    if read.sums is None:
+        read.sums = DarkSums(repeats, variance)
+        read.origin_frames = repeats.count
+        middle = 0.0
+    elif is_main or time == read.sums.first_time:
+        middle = read.sums.add(repeats, variance)
+    else:
+        middle = read.sums.middle(repeats)
+    statistical = 1.25 * math.sqrt(variance / repeats.count / repeats.mean.size)
+    return DarkPoint(
+        time, repeats.group.temperature, 0, middle, repeats.count, statistical
+    )
+
+
+def centred_rates(maps: DarkMaps, current: DarkCurrent) -> tuple[DarkSpread, Glow]:
+    """Return the law of pixels' rates, and the amplifier's glow.
+
+    The map is brought to the median rate of the line, in place: the level of each
+    group drifts, and the line has weighed that."""
+    assert maps.rate is not None
+    known = maps.known
+    middle = float(np.median(maps.rate[known]))
+    noise = math.sqrt(float(maps.covariance[1, 1]))
+    spread = dark_spread(maps.rate[known] - middle, noise)
+    maps.rate[known] += np.float32(current.rate.value - middle)
+    return spread, glow(np.where(known, maps.rate, np.nan))
+
+
+def levels_of(
+    maps: DarkMaps, sites: Sites, read: _Read, drift: Drift | None
+) -> tuple[tuple[Measured, ...], Drift | None, BiasStructure]:
+    """Return (black level, drift, structure) of the map of offsets."""
+    variance = float(maps.covariance[0, 0])
+    rows = columns = 0.0
+    if read.noise is not None:
+        one = read.noise.mean_read_noise.value**2
+        share = variance / max(one, LEAST_VARIANCE)  # one over the frames in the map
+        rows = read.noise.row_noise.value**2 * share
+        columns = read.noise.column_noise.value**2 * share
+    structure = bias_structure(maps.offset, maps.known, sites, variance, rows, columns)
+    of_level = drift.total / math.sqrt(read.origin_frames) if drift else 0.0
+    black = black_levels(maps.offset, maps.known, sites, structure, of_level)
+    return black, drift, structure
+
+
+def words_of(group: Group) -> str:
+    """Return "10 darks of 60 s at -5 C"."""
+    kind, count = group.frames[0].frame.kind, len(group.frames)
+    words = f"{count} {kind}{'s' if count > 1 else ''}"
+    if group.exposure_time is not None:
+        words += f" of {group.exposure_time:g} s"
+    if group.temperature is not None:
+        words += f" at {group.temperature:.1f} C"
+    return words

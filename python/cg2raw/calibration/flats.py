@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Flats: their groups are read by level, and what they show above the darks."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cg2raw.calibration.darks import DarkResults, Todo, words_of
+from cg2raw.calibration.frames import Group
+from cg2raw.calibration.light import Light, Linearity, lamp_drift, light_of, linearity
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measurements import Transients
+from cg2raw.calibration.photon_transfer import (
+    PhotonTransfer,
+    TransferPoints,
+    photon_transfer,
+    saturation,
+    transfer_points,
+)
+from cg2raw.calibration.repeats import Repeats, repeats_of
+from cg2raw.calibration.robust import Array
+from cg2raw.calibration.sites import Sites
+from cg2raw.sensor import Sensor
+
+MOST_LEVEL = 0.9  # of saturation, of a flat whose pixels' response is looked at
+
+
+@dataclass(frozen=True)
+class FlatResults:
+    """What flats show; see Calibration."""
+
+    transfer: PhotonTransfer | None = None
+    light: Light | None = None
+    linearity: Linearity | None = None
+    lamp: Measured | None = None
+
+
+@dataclass
+class Flats:
+    """What is kept of the groups of flats; of the brightest that is not saturated, all.
+
+    first_gain : DN per electron, roughly, before darks are known."""
+
+    groups: Sequence[Group]
+    points: list[TransferPoints]
+    transients: list[Transients]
+    best: Repeats | None = None
+    first_gain: float | None = None
+    ceiling: tuple[Measured, str] | None = None
+
+
+def read_flats(
+    todo: Todo,
+    groups: Sequence[Group],
+    black: Sequence[float] | Array,
+    tell: Callable[[float], None],
+) -> Flats:
+    """Return what is needed of flats, read group by group from dark to bright.
+
+    black : (sites,) DN, of the shortest darks or the profile."""
+    levels = np.asarray(black, float)
+    sites, white = todo.sites, todo.sensor.white_level
+    found = Flats([], [], [])
+    order = sorted(groups, key=lambda group: float(group.level.mean()))
+    below: Repeats | None = None
+    for index, group in enumerate(order):
+        if float((group.level - levels).min()) <= 0:
+            raise ValueError(
+                f"{group.frames[0].frame.name}: a flat of {group.level.mean():.1f} DN, "
+                f"black is {levels.mean():.1f} DN: is it a dark? Give it among --darks"
+            )
+        repeats = repeats_of(group, sites, white, levels, None, todo.threads)
+        if repeats.noise is not None:
+            point = transfer_points(repeats, sites, levels)
+            found.points.append(point)
+            found.groups = [*found.groups, group]
+            found.transients.append(
+                Transients(words_of(group), repeats.transients or 0, repeats.count)
+            )
+            ceiling = saturation(found.points, white, levels, group)
+            if ceiling is not None and found.ceiling is None:
+                found.ceiling = ceiling
+            if found.ceiling is None:
+                below = repeats
+        tell((index + 1) / len(order))
+    found.best = below
+    if below is not None:
+        last = next(p for p in found.points if p.level == _level(below, levels))
+        found.first_gain = float(np.median(last.variance / np.maximum(last.mean, 1)))
+    return found
+
+
+def _level(repeats: Repeats, black: Array) -> float:
+    return float((repeats.group.level - black).mean())
+
+
+def above_darks(
+    flats: Flats,
+    darks: DarkResults,
+    sensor: Sensor,
+    sites: Sites,
+    iso: float | None,
+) -> FlatResults:
+    """Return what flats show once the darks are known."""
+    if not flats.points:
+        return FlatResults()
+    rate = darks.dark.rate.value if darks.dark else 0.0
+    points = [
+        replace(
+            p,
+            mean=p.mean - rate * (p.exposure_time or 0.0),
+            level=p.level - rate * (p.exposure_time or 0.0),
+        )
+        for p in flats.points
+    ]
+    black = np.mean(
+        [m.value for m in darks.black_level]
+        if darks.black_level
+        else sensor.black_level
+    )
+    white = sensor.white_level - float(black)
+    lamp = lamp_drift(flats.groups, float(black))
+    top = flats.ceiling[0].value if flats.ceiling else white
+    return FlatResults(
+        photon_transfer(
+            points,
+            dark_variance(darks, sensor, sites, iso, points),
+            white,
+            flats.ceiling,
+        ),
+        response(flats, darks, sensor, sites),
+        linearity(points, top, lamp.value if lamp else 0.0, white),
+        lamp,
+    )
+
+
+def dark_variance(
+    darks: DarkResults,
+    sensor: Sensor,
+    sites: Sites,
+    iso: float | None,
+    points: Sequence[TransferPoints],
+) -> list[Measured] | None:
+    """Return (sites) DN^2 of a pixel without light: of the darks; else, for flats of
+    one level, of the profile's noise; else None, and the line's intercept counts."""
+    if darks.noise is not None:
+        return [
+            Measured(m.value**2, 2 * m.value * m.standard_error, "DN^2")
+            for m in darks.noise.read_noise
+        ]
+    levels = [p.level for p in points]
+    if iso is None or not sensor.noise or max(levels) > 1.2 * min(levels):
+        return None
+    square = (sensor.white_level - float(np.mean(sensor.black_level))) ** 2
+    betas = np.broadcast_to(sensor.noise_at(iso)["beta2"], sites.count)
+    return [Measured(float(b) * square, 0.1 * float(b) * square, "DN^2") for b in betas]
+
+
+def response(
+    flats: Flats, darks: DarkResults, sensor: Sensor, sites: Sites
+) -> Light | None:
+    """Return PRNU and shading of the brightest flats that are not saturated."""
+    best = flats.best
+    if best is None or best.noise is None:
+        return None
+    mean, known = np.array(best.mean), ~best.saturated
+    temporal = float(best.noise.site_variance.mean()) / best.count
+    if darks.maps is None:
+        mean -= sites.spread(sensor.black_level, mean.shape)
+    else:
+        time = best.group.exposure_time or 0.0
+        mean -= darks.maps.offset
+        powers = np.array([1.0, time])
+        if darks.maps.rate is not None:
+            mean -= darks.maps.rate * np.float32(time)
+        known &= darks.maps.known
+        temporal += float(powers @ darks.maps.covariance @ powers)
+    return light_of(mean, known, sites, temporal, best.count)

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""UniformFrame: one dark or flat, and which of them repeat each other."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cg2raw.arrays import RawImage, raw_plane
+from cg2raw.calibration.robust import Array, clipped_moments_of_counts
+from cg2raw.calibration.sites import Sites
+from cg2raw.sensor import Sensor
+
+SAME_TEMPERATURE = 1.0  # K; what lies closer is the jitter of one set point
+SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
+FEWEST_CODES = 8  # DN that must occur before a missing one is no chance
+MOST_SATURATED = 0.5  # of the pixels; a frame with more says nothing but its ceiling
+
+
+@dataclass(frozen=True)
+class UniformFrame:
+    """One frame without light, or of light that is the same everywhere.
+
+    raw : () -> (H, W) uint16 DN, the active area; read when it is needed, not kept.
+    exposure_time : s; None where it is not known.
+    temperature : of the sensor, degrees Celsius; None where it is not known."""
+
+    name: str
+    kind: Literal["dark", "flat"]
+    raw: Callable[[], RawImage]
+    exposure_time: float | None = None
+    iso: float | None = None
+    temperature: float | None = None
+
+    def pixels(self) -> RawImage:
+        """Return (H, W) uint16 DN. Raises ValueError naming the frame."""
+        try:
+            return raw_plane(self.raw())
+        except ValueError as error:
+            raise ValueError(f"{self.name}: {error}") from None
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """A frame with what a first look at it says.
+
+    level : (sites,) mean of each site, DN, without what lies 4 sigma off.
+    saturated, zeros : share of the pixels at the white level or above, and at 0.
+    highest, at_highest : the largest DN, and the share of the pixels that have it."""
+
+    frame: UniformFrame
+    shape: tuple[int, int]
+    level: Array
+    saturated: float
+    zeros: float
+    highest: int
+    at_highest: float
+
+    @property
+    def mean_level(self) -> float:
+        return float(self.level.mean())
+
+
+@dataclass(frozen=True)
+class Group:
+    """Frames that repeat each other: same kind, exposure, temperature and light."""
+
+    frames: tuple[Scanned, ...]
+
+    @property
+    def exposure_time(self) -> float | None:
+        return self.frames[0].frame.exposure_time
+
+    @property
+    def temperature(self) -> float | None:
+        """Their mean, degrees Celsius."""
+        known = [f.frame.temperature for f in self.frames]
+        found = [t for t in known if t is not None]
+        return float(np.mean(found)) if found else None
+
+    @property
+    def level(self) -> Array:
+        """(sites,) DN."""
+        found: Array = np.mean([scanned.level for scanned in self.frames], axis=0)
+        return found
+
+
+def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
+    """Return a first look at one frame. Raises ValueError for one of fewer bits."""
+    raw = frame.pixels()
+    if min(raw.shape) < sites.side * sites.least_repeats:
+        raise ValueError(
+            f"{frame.name}: is {raw.shape[1]}x{raw.shape[0]}; must be at least "
+            f"{sites.side * sites.least_repeats} pixels wide and high"
+        )
+    by_site = [np.bincount(plane.ravel(), minlength=1) for plane in sites.of(raw)]
+    counts = np.zeros(max(map(len, by_site)), np.int64)
+    for part in by_site:
+        counts[: len(part)] += part
+    _check_codes(frame, counts, sensor)
+    codes = np.arange(len(counts))
+    level = [clipped_moments_of_counts(codes[: len(part)], part)[0] for part in by_site]
+    highest = int(np.flatnonzero(counts)[-1])
+    return Scanned(
+        frame,
+        (raw.shape[0], raw.shape[1]),
+        np.array(level),
+        float(counts[sensor.white_level :].sum() / raw.size),
+        float(counts[0] / raw.size),
+        highest,
+        float(counts[highest] / raw.size),
+    )
+
+
+def _check_codes(frame: UniformFrame, counts: Array, sensor: Sensor) -> None:
+    used = np.flatnonzero(counts)
+    total = np.cumsum(counts)
+    first, last = np.searchsorted(total, [0.01 * total[-1], 0.99 * total[-1]])
+    middle = used[(used >= first) & (used <= last)]  # single pixels may have any DN
+    if used[-1] >= 2**sensor.bits:
+        raise ValueError(
+            f"{frame.name}: {used[-1]} DN does not fit into the {sensor.bits} bits of "
+            f"{sensor.id}: give the sensor of these frames"
+        )
+    step = int(np.gcd.reduce(np.diff(middle))) if len(middle) >= FEWEST_CODES else 1
+    if step > 1:
+        raise ValueError(
+            f"{frame.name}: only every {step}th DN occurs: scaled from fewer bits; "
+            "give the camera's own RAW"
+        )
+    of_8_bits = used[-1] <= 255 < sensor.white_level // 4
+    if frame.kind == "flat" and of_8_bits and counts[used[-1]] > counts.sum() / 1000:
+        raise ValueError(
+            f"{frame.name}: ends at {used[-1]} DN of {sensor.white_level}: a flat of 8 "
+            "bits shows no noise; give the camera's own RAW"
+        )
+
+
+def groups_of(scanned: Sequence[Scanned]) -> list[Group]:
+    """Return frames that repeat each other, darks first, then by exposure and level.
+
+    Temperatures that lie in one chain of steps below 1 K are one set point."""
+    keys: dict[tuple[str, float, int], list[Scanned]] = {}
+    points = set_points([s.frame.temperature for s in scanned])
+    for item, point in zip(scanned, points, strict=True):
+        exposure = item.frame.exposure_time
+        time = -1.0 if exposure is None else exposure
+        keys.setdefault((item.frame.kind, time, point), []).append(item)
+    found = []
+    for key in sorted(keys):
+        members = keys[key]
+        parts = by_level(members) if key[0] == "flat" else [members]
+        found += [Group(tuple(part)) for part in parts]
+    return found
+
+
+def set_points(temperatures: Sequence[float | None]) -> list[int]:
+    """Return the number of the set point that each temperature belongs to."""
+    known = sorted({t for t in temperatures if t is not None})
+    number, numbers = 0, {}
+    for before, t in zip([None, *known], known, strict=False):
+        number += before is not None and t - before > SAME_TEMPERATURE
+        numbers[t] = number
+    return [0 if t is None else numbers[t] for t in temperatures]
+
+
+def by_level(frames: Sequence[Scanned]) -> list[list[Scanned]]:
+    """Return flats in groups of one level, each in the order in which it was given."""
+    ordered = sorted(frames, key=lambda item: item.mean_level)
+    parts = [[ordered[0]]]
+    for item in ordered[1:]:
+        if item.mean_level > parts[-1][-1].mean_level * (1 + SAME_LEVEL):
+            parts.append([])
+        parts[-1].append(item)
+    place = {id(item): index for index, item in enumerate(frames)}
+    return [sorted(part, key=lambda item: place[id(item)]) for part in parts]

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Measurements: all that darks and flats show of a sensor, each with its error."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.calibration.black import BiasStructure, Drift
+from cg2raw.calibration.dark_current import DarkCurrent
+from cg2raw.calibration.dark_maps import DarkMaps
+from cg2raw.calibration.dark_spread import DarkSpread
+from cg2raw.calibration.glow import Glow
+from cg2raw.calibration.light import Light, Linearity
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.photon_transfer import PhotonTransfer
+from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.temporal_noise import TemporalNoise
+from cg2raw.sensor import Sensor
+
+
+@dataclass(frozen=True)
+class Transients:
+    """Pixels of single frames far above their repeats: cosmic rays, or flicker."""
+
+    group: str
+    count: int
+    frames: int
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """What frames of uniform light and of none show; None where they cannot, and why
+    is in the notes.
+
+    sensor : whose profile was given. iso : of the frames, None if nobody says it.
+    shape : (H, W) px. frames : (darks, flats). black_level : (sites) DN.
+    drift : DN, standard deviation of the level from frame to frame.
+    lamp : relative, standard deviation of the flats' light. maps : of each pixel."""
+
+    sensor: Sensor
+    sites: Sites
+    shape: tuple[int, int]
+    iso: float | None
+    frames: tuple[int, int]
+    black_level: tuple[Measured, ...] | None = None
+    drift: Drift | None = None
+    structure: BiasStructure | None = None
+    noise: TemporalNoise | None = None
+    dark: DarkCurrent | None = None
+    spread: DarkSpread | None = None
+    glow: Glow | None = None
+    transfer: PhotonTransfer | None = None
+    light: Light | None = None
+    linearity: Linearity | None = None
+    lamp: Measured | None = None
+    maps: DarkMaps | None = field(default=None, repr=False)
+    transients: tuple[Transients, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def black(self) -> NDArray[np.float64]:
+        """(sites,) DN: as measured, else the profile's."""
+        if self.black_level is None:
+            return np.array(self.sensor.black_level)
+        return np.array([m.value for m in self.black_level])
+
+    @property
+    def range(self) -> float:
+        """White above black, DN, mean of all sites: the unit of a signal."""
+        return self.sensor.white_level - float(self.black.mean())

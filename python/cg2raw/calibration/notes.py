@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Notes: what frames could not show, which capture would, and what stood out."""
+
+from collections.abc import Sequence
+
+from cg2raw.calibration.frames import Scanned
+from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.photon_transfer import LINEAR
+from cg2raw.calibration.temporal_noise import LEAST_NOISE
+
+ZEROS = 0.001  # share of a dark's pixels at 0 DN that moves its mean
+HIGH_CHI2 = 2.0  # of the photon-transfer points, per degree of freedom
+
+
+def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]:
+    """Return sentences, each with what would help."""
+    return (*of_frames(found, scanned), *of_darks(found), *of_flats(found))
+
+
+def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
+    """Return what is wrong with single frames."""
+    notes = []
+    cut = [s for s in scanned if s.frame.kind == "dark" and s.zeros > ZEROS]
+    if cut:
+        notes.append(
+            f"black is cut: {cut[0].zeros:.1%} of the pixels of {cut[0].frame.name} "
+            "are 0 DN: the black level comes out too high, noise too low: capture "
+            "with an offset, if the camera has one"
+        )
+    saturated = sum(t > 0.01 for t in (s.saturated for s in scanned))
+    if saturated:
+        notes.append(
+            f"{saturated} of {len(scanned)} frames have more than 1 % of saturated "
+            "pixels, which are left out"
+        )
+    if found.iso is None:
+        notes.append("ISO: no frame says it, and no noise can be written: give --iso")
+    return notes
+
+
+def of_darks(found: Measurements) -> list[str]:
+    """Return what darks could not show."""
+    notes = []
+    if found.black_level is None:
+        notes.append("black level: no darks; the profile's is used: capture biases")
+    if found.noise is None:
+        notes.append("read noise: needs two darks of one exposure")
+    elif found.noise.excess_kurtosis is None:
+        notes.append(
+            f"tails of the read noise: {found.noise.mean_read_noise.value:.2f} DN is "
+            f"below {LEAST_NOISE:g} DN, where rounding shapes them: capture at a "
+            "higher ISO"
+        )
+    if found.black_level is not None and found.drift is None:
+        notes.append(
+            "black level drift: needs two darks of the shortest exposure; errors of "
+            "black level and dark current leave it out"
+        )
+    if found.black_level is not None and found.dark is None:
+        notes.append(
+            "dark current, hot pixels, glow: need darks of two exposures: add some as "
+            "long as the camera is used for"
+        )
+    elif found.dark is not None and found.dark.doubling is None:
+        notes.append(
+            "doubling temperature: needs long darks at two temperatures, 5 K apart"
+        )
+    notes += of_scatter(found)
+    return notes
+
+
+def of_scatter(found: Measurements) -> list[str]:
+    """Return by how much the points of the dark current's line scatter."""
+    if found.dark is None or found.dark.scatter == 0:
+        return []
+    if found.dark.scatter_grows:
+        return [
+            f"dark current: charge scatters by {found.dark.scatter:.1%} from group to "
+            "group beyond drift, as a temperature that is not held does"
+        ]
+    return [
+        f"black level: moves by {found.dark.scatter:.2f} DN from one exposure's darks "
+        "to another's, beyond its drift from frame to frame: the error of the dark "
+        "current has it"
+    ]
+
+
+def of_flats(found: Measurements) -> list[str]:
+    """Return what flats could not show."""
+    if not found.frames[1]:
+        return [
+            "gain, PRNU, shading, linearity: no flats: capture some, of many levels"
+        ]
+    notes = []
+    transfer = found.transfer
+    if transfer is None:
+        notes.append(
+            f"gain: needs two flats of one level below {LINEAR:.0%} of saturation, and "
+            "two darks or flats of other levels"
+        )
+    else:
+        if transfer.chi2 > HIGH_CHI2:
+            notes.append(
+                f"gain: the points scatter by chi-square {transfer.chi2:.1f} about the "
+                "line; its error is widened by that"
+            )
+        if transfer.saturation is None:
+            notes.append(
+                "full well: no flats reach it: add some, brighter and brighter"
+            )
+    if found.light is None:
+        notes.append("PRNU, shading: need two flats of one level below saturation")
+    elif not found.frames[0]:
+        notes.append("PRNU: without darks the pixels' own offsets count as response")
+    if found.linearity is None:
+        notes.append(
+            "linearity: needs flats of three exposures under one lamp, 5 to 95 % of "
+            "saturation"
+        )
+    return notes

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Photon transfer: system gain from variance against mean, and where it ends.
+
+Source: EMVA Standard 1288, release 4.0, sections on system gain (the slope from 0 to
+70 % of saturation) and saturation capacity; J. R. Janesick, Photon Transfer, 2007.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cg2raw.calibration.frames import Group
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.pair_noise import relative_error
+from cg2raw.calibration.repeats import Repeats
+from cg2raw.calibration.robust import Array, clipped_moments
+from cg2raw.calibration.sites import Sites, blocks_of
+
+LINEAR = 0.7  # of saturation, up to which the slope is taken
+CEILING = 0.5  # of the variance that light brings; below it the well is full
+MANY = 0.2  # of the pixels at one DN, which noise spreads over several
+
+
+@dataclass(frozen=True)
+class TransferPoints:
+    """Of one group of flats, (sites, blocks): mean above black, variance of a frame,
+    both DN, and the relative error of the variance."""
+
+    mean: Array
+    variance: Array
+    error: Array
+    level: float  # DN above black, of the whole frame
+    exposure_time: float | None
+    frames: int
+    saturated: float  # share of pixels
+
+
+@dataclass(frozen=True)
+class PhotonTransfer:
+    """What photon transfer shows.
+
+    system_gain : (sites) DN per electron. intercept : DN^2, variance without light of
+    each site: measured in darks, or of the line itself; measured_dark tells which.
+    saturation : DN, level of the full well or of the converter; None if no frame
+    reaches it. clipped_by : "full well" or "white level" then.
+    chi2 : of the points about the line, per degree of freedom."""
+
+    system_gain: tuple[Measured, ...]
+    intercept: tuple[float, ...]
+    measured_dark: bool
+    points: tuple[TransferPoints, ...]
+    chi2: float
+    saturation: Measured | None
+    clipped_by: str
+
+    @property
+    def mean_gain(self) -> Measured:
+        """Electrons per DN, of all sites together."""
+        values = np.array([m.value for m in self.system_gain])
+        errors = np.array([max(m.standard_error, 1e-30) for m in self.system_gain])
+        weight = 1 / errors**2
+        mean = float((values * weight).sum() / weight.sum())
+        error = 1 / math.sqrt(float(weight.sum()))
+        return Measured(1 / mean, error / mean**2, "e-/DN")
+
+
+def transfer_points(flats: Repeats, sites: Sites, black: Array) -> TransferPoints:
+    """Return mean and variance in blocks of the field: each block is nearly uniform,
+    however the light falls off. black : (sites,) DN, dark signal included."""
+    noise = flats.noise
+    assert noise is not None
+    means = []
+    kept = sites.of(~flats.saturated)
+    for plane, used, level in zip(sites.of(flats.mean), kept, black, strict=True):
+        for block, mask in zip(blocks_of(plane), blocks_of(used), strict=True):
+            inside = block[mask]
+            means.append(clipped_moments(inside)[0] - level if inside.size > 8 else 0.0)
+    mean = np.reshape(means, noise.variance.shape)
+    error = np.array(
+        [relative_error(max(n, 1), flats.pairs) for n in noise.pixels.ravel()]
+    )
+    level = float((flats.group.level - black).mean())
+    return TransferPoints(
+        mean,
+        noise.variance,
+        error.reshape(mean.shape),
+        level,
+        flats.group.exposure_time,
+        flats.count,
+        float(flats.saturated.mean()),
+    )
+
+
+def photon_transfer(
+    points: Sequence[TransferPoints],
+    dark_variance: Sequence[Measured] | None,
+    white: float,
+    ceiling: tuple[Measured, str] | None,
+) -> PhotonTransfer | None:
+    """Return the line of variance against mean; None if no flat can show it.
+
+    dark_variance : (sites) DN^2, of darks of the flats' exposure; None: the line's own
+    intercept, which needs two levels. white : DN above black.
+    ceiling : saturation above black, DN, and what clips there."""
+    most = LINEAR * (ceiling[0].value if ceiling else white)
+    used = [p for p in points if p.level <= most and p.saturated < 0.01]
+    levels = np.array([p.level for p in used])
+    if not used or (dark_variance is None and np.ptp(levels) < 0.2 * levels.max()):
+        return None
+    gains, intercepts, chi2 = [], [], []
+    for site in range(used[0].mean.shape[0]):
+        mean, variance, error = (
+            np.concatenate([getattr(p, name)[site] for p in used])
+            for name in ("mean", "variance", "error")
+        )
+        dark = None if dark_variance is None else dark_variance[site]
+        gain, intercept, misfit = _slope(mean, variance, error, dark)
+        gains.append(gain)
+        intercepts.append(intercept)
+        chi2.append(misfit)
+    return PhotonTransfer(
+        tuple(gains),
+        tuple(intercepts),
+        dark_variance is not None,
+        tuple(points),
+        float(np.mean(chi2)),
+        ceiling[0] if ceiling else None,
+        ceiling[1] if ceiling else "",
+    )
+
+
+def _slope(
+    mean: Array, variance: Array, error: Array, dark: Measured | None
+) -> tuple[Measured, float, float]:
+    """Return (system gain, intercept, chi-square per freedom) of one site."""
+    design = mean[:, None]
+    target = variance - (0.0 if dark is None else dark.value)
+    if dark is None:
+        design = np.stack([mean, np.ones_like(mean)], 1)
+    model, keep = variance, mean > 0
+    for _ in range(3):  # weights of the fitted variance, not of the measured one
+        weight = np.where(keep, 1 / np.maximum(error * model, 1e-9), 0)
+        scaled = design * weight[:, None]
+        values = np.linalg.lstsq(scaled, target * weight, rcond=None)[0]
+        model = np.maximum(design @ values + variance - target, 1e-9)
+        z = (target - design @ values) * weight
+        keep &= np.abs(z) <= 6 * max(clipped_moments(z[keep])[1], 1.0)
+    covariance = np.linalg.pinv(scaled.T @ scaled)
+    freedom = max(int(keep.sum()) - design.shape[1], 1)
+    chi2 = float((z[keep] ** 2).sum()) / freedom
+    widened = float(covariance[0, 0]) * max(chi2, 1.0)
+    if dark is not None:  # the dark variance's own error moves all points alike
+        weights = scaled[:, 0] * weight
+        pull = float(weights.sum()) * float(covariance[0, 0])
+        widened += (pull * dark.standard_error) ** 2
+    intercept = dark.value if dark is not None else float(values[1])
+    return Measured(float(values[0]), math.sqrt(widened), "DN/e-"), intercept, chi2
+
+
+def saturation(
+    points: Sequence[TransferPoints], white: int, black: Array, group: Group
+) -> tuple[Measured, str] | None:
+    """Return (saturation above black in DN, "full well" or "white level") if the last
+    of the points, those of @group, has reached it; else None.
+
+    points : from dark to bright. The well is full where more light brings no more
+    noise: where the variance falls below half of what darker flats let expect."""
+    point = points[-1]
+    top = max(scanned.highest for scanned in group.frames)
+    at_top = float(np.mean([scanned.at_highest for scanned in group.frames]))
+    if at_top > MANY or point.saturated > MANY:
+        return Measured(min(top, white) - float(black.mean()), 0.5, "DN"), "white level"
+    slopes = [float(np.median(p.variance)) / p.level for p in points]
+    if len(points) > 1 and slopes[-1] < CEILING * max(slopes[:-1]):
+        levels = [scanned.mean_level for scanned in group.frames]
+        noise = math.sqrt(float(np.median(point.variance)))
+        error = max(float(np.std(levels)), 0.1 * noise)
+        return Measured(point.level, error, "DN"), "full well"
+    return None

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Effects of the registry that a calibration calls for, in units of the signal.
+
+A signal is 1 at white, above black. An effect is called for if it stands out from its
+standard error and from its estimator's floor; where it was looked for and does not, the
+profile is not to have it.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Literal
+
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measurements import Measurements
+
+Found = Mapping[str, float | Measured]
+# Of the noise variance that an estimator takes off: it is not known better than that,
+# by the cut at 4 sigma and by pixels that are not alike.
+FLOOR = 0.01
+CORRELATION_FLOOR = 0.005  # which a few flickering pixels bring
+SHADING_FLOOR = 1e-3  # rms; no lamp is flatter
+NONLINEARITY_FLOOR = 1e-3  # of white
+LEAST_NATS = 10.0  # of evidence for a law of two parameters
+
+
+def effects_found(
+    found: Measurements, known: set[str], has_shapes: bool
+) -> tuple[dict[str, Found | None], list[str]]:
+    """Return ({effect: its values, None if it does not stand out}, notes).
+
+    known : names of the registry. has_shapes : the rows of noise say row_sigma, so that
+    rows' noise is no effect. What the frames cannot show is not in it."""
+    answers: dict[str, Found | None] = {}
+    for name, look in LOOKS.items():
+        answer = look(found)
+        if answer is not False:
+            answers[name] = answer
+    if has_shapes and "row_noise" in answers:
+        answers["row_noise"] = None
+    notes = [
+        f"{name}: stands out, and this version of cg2raw has no such effect: the "
+        "profile goes without"
+        for name, values in answers.items()
+        if values is not None and name not in known
+    ]
+    kept = {name: values for name, values in answers.items() if name in known}
+    return kept, notes + tails(found)
+
+
+def tails(found: Measurements) -> list[str]:
+    """Return a note on heavy tails, which a row of noise may say."""
+    noise = found.noise
+    if noise is None or noise.excess_kurtosis is None or not noise.has_tails:
+        return []
+    return [
+        f"read noise: its tails are not normal (excess kurtosis "
+        f"{noise.excess_kurtosis.value:.2f}, Tukey lambda {noise.tukey_lambda:.2f}); "
+        "rows of noise with tukey_lambda and row_sigma say that"
+    ]
+
+
+Answer = Found | None | Literal[False]  # False: the frames cannot show it
+
+
+def deviation(
+    measured: Measured | None, scale: float, floor: float, parameter: str = "sigma"
+) -> Answer:
+    """Return a standard deviation as an effect's parameter, in units of @scale.
+
+    floor : variance that it must exceed."""
+    if measured is None:
+        return False
+    if not measured.variance_stands_out or measured.value**2 <= floor:
+        return None
+    return {parameter: measured.scaled(1 / scale, "1")}
+
+
+def row_noise(c: Measurements) -> Answer:
+    if c.noise is None:
+        return False
+    pixels = c.noise.mean_read_noise.value**2 / c.shape[1]
+    return deviation(c.noise.row_noise, c.range, FLOOR * pixels)
+
+
+def black_level_drift(c: Measurements) -> Answer:
+    if c.drift is None:
+        return False
+    return {"sigma": c.drift.scaled(1 / c.range, "1")} if c.drift.stands_out else None
+
+
+def bias_structure(c: Measurements) -> Answer:
+    s = c.structure
+    if s is None:
+        return False
+    parts: dict[str, float | Measured] = {}
+    for name in ("horizontal", "vertical"):
+        measured = getattr(s, name)
+        if measured.stands_out:
+            parts[name] = measured.scaled(1 / c.range, "1")
+    if s.edge is not None and s.edge_length is not None:
+        parts["edge"] = s.edge.scaled(1 / c.range, "1")
+        parts["edge_length"] = s.edge_length
+    return parts or None
+
+
+def column_fixed_pattern(c: Measurements) -> Answer:
+    if c.structure is None:
+        return False
+    return deviation(
+        c.structure.column_pattern, c.range, FLOOR * noise_of_map(c) / c.shape[0]
+    )
+
+
+def dsnu(c: Measurements) -> Answer:
+    if c.structure is None:
+        return False
+    return deviation(c.structure.dsnu, c.range, FLOOR * noise_of_map(c))
+
+
+def noise_of_map(c: Measurements) -> float:
+    """Return the temporal variance of a pixel's offset, DN^2."""
+    return float(c.maps.covariance[0, 0]) if c.maps is not None else 0.0
+
+
+def dark_current(c: Measurements) -> Answer:
+    if c.dark is None:
+        return False
+    rate = c.dark.rate
+    if not rate.stands_out or rate.value < 0:
+        return None
+    shine = c.glow.median if c.glow is not None and c.glow.stands_out else 0.0
+    without = Measured(max(rate.value - shine, 0.0), rate.standard_error, rate.unit)
+    return {"per_second": without.scaled(1 / c.range, "1/s")}
+
+
+def dark_current_nonuniformity(c: Measurements) -> Answer:
+    s = c.spread
+    if s is None:
+        return False
+    is_wide = (s.rate.value * s.log_sigma.value) ** 2 > FLOOR * s.noise**2
+    if s.spread_nats < LEAST_NATS or not is_wide or not s.rate.stands_out:
+        return None
+    return {"rate": s.rate.scaled(1 / c.range, "1/s"), "log_sigma": s.log_sigma}
+
+
+def hot_pixels(c: Measurements) -> Answer:
+    s = c.spread
+    if s is None:
+        return False
+    if s.hot_nats < LEAST_NATS or not s.fraction.stands_out:
+        return None
+    return {"fraction": s.fraction, "rate": s.hot_rate.scaled(1 / c.range, "1/s")}
+
+
+def amplifier_glow(c: Measurements) -> Answer:
+    g = c.glow
+    if g is None:
+        return False
+    if not g.stands_out:
+        return None
+    return {
+        "per_second": g.per_second.scaled(1 / c.range, "1/s"),
+        "row": g.row,
+        "column": g.column,
+        "extent": g.extent,
+    }
+
+
+def read_noise_correlation(c: Measurements) -> Answer:
+    if c.noise is None:
+        return False
+    r = c.noise.row_correlation
+    return (
+        {"coefficient": r}
+        if r.stands_out and abs(r.value) > CORRELATION_FLOOR
+        else None
+    )
+
+
+def prnu(c: Measurements) -> Answer:
+    if c.light is None:
+        return False
+    return deviation(c.light.prnu, 1.0, FLOOR * c.light.noise)
+
+
+def lens_shading(c: Measurements) -> Answer:
+    if c.light is None:
+        return False
+    is_shaded = c.light.fall_off.stands_out and c.light.fall_off.value > SHADING_FLOOR
+    return dict(c.light.shading) if is_shaded else None
+
+
+def full_well(c: Measurements) -> Answer:
+    if c.transfer is None or c.transfer.saturation is None:
+        return False
+    if c.transfer.clipped_by != "full well":
+        return None
+    level = c.transfer.saturation.scaled(1 / c.range, "1")
+    return {"below_white": Measured(1 - level.value, level.standard_error, "1")}
+
+
+def nonlinearity(c: Measurements) -> Answer:
+    x = c.linearity
+    if x is None:
+        return False
+    largest = abs(x.quadratic.value + (x.cubic.value if x.cubic else 0.0))
+    if not x.quadratic.stands_out or largest < NONLINEARITY_FLOOR:
+        return None
+    return {"quadratic": x.quadratic, **({"cubic": x.cubic} if x.cubic else {})}
+
+
+LOOKS: dict[str, Callable[[Measurements], Answer]] = {
+    look.__name__: look
+    for look in (
+        bias_structure,
+        black_level_drift,
+        column_fixed_pattern,
+        dsnu,
+        row_noise,
+        read_noise_correlation,
+        dark_current,
+        dark_current_nonuniformity,
+        hot_pixels,
+        amplifier_glow,
+        prnu,
+        lens_shading,
+        nonlinearity,
+        full_well,
+    )
+}

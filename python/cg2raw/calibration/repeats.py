@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Repeats: the frames of a group, read once: their noise, their mean, cosmic rays."""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.arrays import RawImage
+from cg2raw.calibration.frames import Group, UniformFrame
+from cg2raw.calibration.pair_noise import PairNoise, pair_noise, pooled
+from cg2raw.calibration.robust import Array
+from cg2raw.calibration.sites import Sites
+
+TRANSIENT = 8.0  # sigma above its repeats beyond which one frame's pixel is a transient
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """What the frames of one group say together.
+
+    mean : (H, W) float32 DN, without transients. saturated : (H, W) bool, in any frame.
+    noise : None of a single frame. pairs : how many differences it is of.
+    transients : pixels of one frame far above the others; None of a single frame."""
+
+    group: Group
+    mean: NDArray[np.float32]
+    saturated: NDArray[np.bool_]
+    noise: PairNoise | None
+    pairs: int
+    transients: int | None
+    single: Sequence[PairNoise] = field(default=(), repr=False)
+
+    @property
+    def count(self) -> int:
+        return len(self.group.frames)
+
+
+def repeats_of(
+    group: Group,
+    sites: Sites,
+    white: int,
+    black: Array,
+    system_gain: float | None,
+    threads: int = 2,
+) -> Repeats:
+    """Return what a group's frames say; each is read once, two are held at a time.
+
+    white : DN from which a pixel is saturated. black : (sites,) DN; flats are scaled to
+    one light above it. system_gain : DN per electron, which tells how noisy a bright
+    pixel is; None: it is taken of the differences."""
+    frames = [scanned.frame for scanned in group.frames]
+    above = np.array([scanned.level for scanned in group.frames]) - black
+    lit = frames[0].kind == "flat"
+    total = highest = lowest = previous = None
+    pairs: list[PairNoise] = []
+    for index, raw in enumerate(read_ahead(frames, threads)):
+        if total is None or highest is None or lowest is None or previous is None:
+            total, highest, lowest = raw.astype(np.uint32), raw.copy(), raw.copy()
+            previous = raw
+            continue
+        total += raw
+        np.maximum(highest, raw, out=highest)
+        np.minimum(lowest, raw, out=lowest)
+        scale = above[index] / above[index - 1] if lit else np.ones(sites.count)
+        pairs.append(noise_between(previous, raw, sites, white, scale, black))
+        previous = raw
+    if total is None or highest is None or lowest is None:
+        raise ValueError("a group of no frames: give at least one")
+    noise = pooled(pairs) if pairs else None
+    saturated: NDArray[np.bool_] = highest >= white
+    mean, transients = _without_transients(
+        total, highest, lowest, len(frames), _variance(noise, group, black, system_gain)
+    )
+    return Repeats(
+        group, mean, saturated, noise, len(pairs), transients if pairs else None, pairs
+    )
+
+
+def noise_between(
+    first: RawImage,
+    second: RawImage,
+    sites: Sites,
+    white: int,
+    scale: Array,
+    black: Array,
+) -> PairNoise:
+    """Return the noise of two frames, the second brighter by the factor @scale.
+
+    scale, black : (sites,); both frames are brought to their geometric mean."""
+    difference = second.astype(np.float32)
+    other = first.astype(np.float32)
+    if not np.allclose(scale, 1, atol=1e-7):
+        level = sites.spread(black, difference.shape)
+        root = sites.spread(np.sqrt(scale), difference.shape)
+        difference -= level
+        difference /= root
+        other -= level
+        other *= root
+    difference -= other
+    full = (first >= white) | (second >= white)
+    return pair_noise(difference, ~full if full.any() else None, sites)
+
+
+def _variance(
+    noise: PairNoise | None, group: Group, black: Array, system_gain: float | None
+) -> tuple[float, float, float]:
+    """Return (variance, system gain, level at which it holds) of one frame's pixels."""
+    if noise is None:
+        return 0.0, 0.0, 0.0
+    level = float(group.level.mean())
+    variance = float(noise.site_variance.max())
+    above = max(level - float(np.mean(black)), 1.0)
+    lit = group.frames[0].frame.kind == "flat"
+    gain = system_gain
+    if gain is None:
+        gain = variance / above if lit else 0.0
+    return variance, gain, level
+
+
+def _without_transients(
+    total: Array,
+    highest: RawImage,
+    lowest: RawImage,
+    count: int,
+    noise: tuple[float, float, float],
+) -> tuple[NDArray[np.float32], int]:
+    """Return (mean, transients): a pixel of one frame that lies 8 sigma above the mean
+    of the others does not count. A brighter pixel is noisier, by its charge."""
+    mean = total.astype(np.float32)
+    mean /= count
+    if count < 2:
+        return mean, 0
+    variance, system_gain, level = noise
+    others = (total - highest.astype(np.uint32)).astype(np.float32)
+    others /= count - 1
+    excess = highest - others
+    spread = np.maximum(others - level, 0) * np.float32(system_gain)
+    spread += np.float32(variance)
+    found = excess * excess > TRANSIENT**2 * (1 + 1 / (count - 1)) * spread
+    mean[found] = others[found]
+    return mean, int(np.count_nonzero(found))
+
+
+def read_ahead(frames: Sequence[UniformFrame], threads: int) -> Iterator[RawImage]:
+    """Yield the pixels of frames in order, the next being read meanwhile."""
+    if threads < 2:
+        for frame in frames:
+            yield frame.pixels()
+        return
+    with ThreadPoolExecutor(1) as pool:
+        waiting: deque[Future[RawImage]] = deque()
+        for frame in frames:
+            waiting.append(pool.submit(frame.pixels))
+            if len(waiting) == 2:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Robust moments: without what lies 4 sigma off, and corrected for it."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+CUT = 4.0  # sigma beyond which a pixel does not count
+# Of a normal distribution, what a cut at 4 sigma leaves of its variance.
+LEFT = 1 - 2 * CUT * math.exp(-CUT * CUT / 2) / math.sqrt(2 * math.pi) / math.erf(
+    CUT / math.sqrt(2)
+)
+MAD = 1.4826  # of a normal distribution: sigma over the median absolute deviation
+ROUNDS = 6
+ENOUGH = 20_000  # values for a median that only begins
+LEAST_SIGMA = 0.5  # DN at which a cut begins, where whole DN make the MAD 0
+
+
+def clipped_moments(
+    values: Array, least: float = 0.0, start: tuple[float, float] | None = None
+) -> tuple[float, float, int]:
+    """Return (mean, standard deviation, count) of what lies within 4 sigma.
+
+    values : any shape, finite. least : sigma at which the cut begins at least, one half
+    for whole DN. start : (mean, sigma) of the first cut; else median and MAD, which of
+    whole DN is an artefact, and a start alone. The deviation is corrected for the cut
+    as for a normal distribution."""
+    flat = values.ravel()
+    if start is None:
+        some = flat[:: max(1, flat.size // ENOUGH)]
+        middle = float(np.median(some))
+        sigma = max(MAD * float(np.median(np.abs(some - middle))), least)
+    else:
+        middle, sigma = start
+    mean, count = middle, flat.size
+    for _ in range(ROUNDS):
+        kept = flat[np.abs(flat - mean) <= CUT * sigma]
+        before = count, mean
+        count, mean = int(kept.size), float(kept.mean(dtype=np.float64))
+        sigma = max(float(kept.std(dtype=np.float64)) / math.sqrt(LEFT), 1e-12)
+        if (count, mean) == before:
+            break
+        if sigma < least and count == flat.size:
+            break
+    return mean, sigma, count
+
+
+def clipped_moments_of_counts(codes: Array, counts: Array) -> tuple[float, float, int]:
+    """Return clipped_moments of whole DN that occur so often."""
+    total = np.cumsum(counts)
+    middle = float(codes[np.searchsorted(total, total[-1] / 2)])
+    away = np.abs(codes - middle)
+    order = np.argsort(away, kind="stable")
+    half = np.searchsorted(np.cumsum(counts[order]), total[-1] / 2)
+    sigma = max(MAD * float(away[order][half]), LEAST_SIGMA)
+    mean = middle
+    for _ in range(ROUNDS):
+        kept = np.where(np.abs(codes - mean) <= CUT * sigma, counts, 0)
+        count = int(kept.sum())
+        mean = float(kept @ codes / count)
+        sigma = math.sqrt(float(kept @ (codes - mean) ** 2) / count / LEFT)
+        sigma = max(sigma, LEAST_SIGMA)
+    return mean, sigma, count
+
+
+def middle_of(values: Array) -> float:
+    """Return the median of DN, between whole ones too: that of a grouped sample.
+
+    values : any shape, finite, wider than 1 DN, or in steps of one."""
+    flat = values.ravel()
+    middle = float(np.median(flat))
+    below = int(np.count_nonzero(flat < middle - 0.5))
+    inside = int(np.count_nonzero(np.abs(flat - middle) <= 0.5))
+    return middle - 0.5 + (flat.size / 2 - below) / max(inside, 1)
+
+
+def line_means(plane: Array, keep: Array, axis: int) -> tuple[Array, float]:
+    """Return (means along an axis, pixels per mean) of what is kept of a plane."""
+    counts = np.count_nonzero(keep, axis=axis)
+    sums = np.where(keep, plane, 0).sum(axis, dtype=np.float64)
+    per_mean = float(np.mean(counts))
+    return sums / np.maximum(counts, 1), per_mean

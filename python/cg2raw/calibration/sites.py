@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Sites: the planes of a CFA repeat, and blocks of pixels in each."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.sensor import Sensor
+
+Number = TypeVar("Number", bound=np.generic)
+BLOCKS = 8  # along each side of a frame, for what changes over the field
+FIELD_BLOCKS = 32  # likewise, of maps of light and of dark current
+
+
+@dataclass(frozen=True)
+class Sites:
+    """The CFA sites of a sensor in raster order of its square repeat; one if it has no
+    CFA. count : how many black levels its profile has."""
+
+    count: int
+    names: tuple[str, ...]
+    least_repeats: int = 16  # of the CFA along each side of a frame
+
+    @property
+    def side(self) -> int:
+        """Pixels along the repeat."""
+        return math.isqrt(self.count)
+
+    def of(self, plane: NDArray[Number]) -> list[NDArray[Number]]:
+        """Return the views (h, w) of each site of an (H, W) plane."""
+        side = self.side
+        return [plane[r::side, c::side] for r in range(side) for c in range(side)]
+
+    def spread(self, values: Any, shape: tuple[int, int]) -> NDArray[np.float32]:
+        """Return (H, W) float32 with the value of each site."""
+        tile = np.asarray(values, np.float32).reshape(self.side, self.side)
+        repeats = [-(-length // self.side) for length in shape]
+        return np.ascontiguousarray(np.tile(tile, repeats)[: shape[0], : shape[1]])
+
+
+def sites_of(sensor: Sensor) -> Sites:
+    """Return the sites of a sensor, named by their colours where it has any."""
+    count = len(sensor.black_level)
+    letters = sensor.cfa if len(sensor.cfa) == count and count > 1 else ""
+    if not letters:
+        return Sites(count, ("",) * count)
+    names = []
+    for index, letter in enumerate(letters):
+        number = letters[: index + 1].count(letter)
+        names.append(f"{letter}{number}" if letters.count(letter) > 1 else letter)
+    return Sites(count, tuple(names))
+
+
+def blocks_of(
+    plane: NDArray[Number], across: int = BLOCKS
+) -> Iterator[NDArray[Number]]:
+    """Yield the views of across x across blocks of a plane, row by row; together they
+    are all of it."""
+    rows = edges(plane.shape[0], across)
+    cols = edges(plane.shape[1], across)
+    for top, bottom in zip(rows, rows[1:], strict=False):
+        for left, right in zip(cols, cols[1:], strict=False):
+            yield plane[top:bottom, left:right]
+
+
+def edges(length: int, across: int) -> list[int]:
+    """Return where blocks of a side begin and end; no more of them than pixels."""
+    return [int(e) for e in np.linspace(0, length, min(across, length) + 1)]
+
+
+def centres(length: int, across: int, side: int = 1) -> NDArray[np.float64]:
+    """Return the middles of the blocks along a side, px.
+
+    side : of the CFA repeat, where blocks are of the planes of its sites."""
+    ends = np.array(edges(length // side, across), float)
+    found: NDArray[np.float64] = (ends[1:] + ends[:-1]) / 2 * side
+    return found

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Temporal noise without light: read noise, its tails and neighbours, rows, columns.
+
+Source: EMVA Standard 1288, release 4.0 (temporal dark noise, of differences of frames);
+tails: K. Wei et al., IEEE Trans. PAMI 44(11), 2022 (Tukey lambda)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cg2raw.calibration.measured import Measured, root_of
+from cg2raw.calibration.pair_noise import PairNoise, relative_error
+from cg2raw.calibration.robust import Array
+
+ROUNDING = 1 / 12  # variance of rounding to whole DN, DN^2
+FOURTH_OF_ROUNDING = -1 / 120  # its fourth cumulant, DN^4
+LEAST_NOISE = 1.0  # DN; below it rounding shapes the tails
+TAILS_FLOOR = 0.1  # excess kurtosis that a mixture of slightly noisier pixels has, too
+
+
+@dataclass(frozen=True)
+class TemporalNoise:
+    """Noise of one frame without light, DN; None where the frames cannot show it.
+
+    read_noise : (sites) standard deviation of pixels, rounding to DN included, rows'
+    and columns' own noise and dark current's shot noise not.
+    row_noise, column_noise : of offsets of whole rows and columns, anew in each frame.
+    row_correlation, column_correlation : with the next pixel of the row, the column.
+    excess_kurtosis : 0 of a normal distribution. tukey_lambda : of that kurtosis.
+    histogram : of differences, see pair_noise.HISTOGRAM. frames : how many went in."""
+
+    read_noise: tuple[Measured, ...]
+    row_noise: Measured
+    column_noise: Measured
+    row_correlation: Measured
+    column_correlation: Measured
+    excess_kurtosis: Measured | None
+    tukey_lambda: float | None
+    histogram: Array
+    frames: int
+    exposure_time: float | None
+
+    @property
+    def has_tails(self) -> bool:
+        """Whether the distribution is not the normal one, beyond the floor."""
+        k = self.excess_kurtosis
+        return k is not None and k.stands_out and abs(k.value) > TAILS_FLOOR
+
+    @property
+    def mean_read_noise(self) -> Measured:
+        """Of all sites, DN: the root of their mean variance."""
+        variances = [m.value**2 for m in self.read_noise]
+        errors = [2 * m.value * m.standard_error for m in self.read_noise]
+        return root_of(
+            float(np.mean(variances)), float(np.linalg.norm(errors)) / len(errors), "DN"
+        )
+
+
+def temporal_noise(
+    noise: PairNoise, pairs: int, charge_variance: float, exposure_time: float | None
+) -> TemporalNoise:
+    """Return the noise of the darks of one exposure.
+
+    charge_variance : DN^2, of dark current's shot noise in a pixel of them."""
+    pixels = noise.pixels.sum(1)
+    total = noise.site_variance
+    read = [
+        root_of(
+            float(v) - charge_variance, float(v) * relative_error(float(n), pairs), "DN"
+        )
+        for v, n in zip(total, pixels, strict=True)
+    ]
+    many = float(pixels.sum())
+    per_pixel = math.sqrt(1.5 / (many * pairs)) if pairs > 1 else math.sqrt(1 / many)
+    along_row = Measured(noise.row_correlation, per_pixel, "1")
+    along_column = Measured(noise.column_correlation, per_pixel, "1")
+    kurtosis = _kurtosis(noise.kurtosis, float(total.mean()), many, pairs)
+    return TemporalNoise(
+        tuple(read),
+        line_noise(noise.row, noise.row_correlation, pairs),
+        line_noise(noise.column, noise.column_correlation, pairs),
+        along_row,
+        along_column,
+        kurtosis,
+        None if kurtosis is None else lambda_of(kurtosis.value),
+        noise.histogram,
+        pairs + 1,
+        exposure_time,
+    )
+
+
+def line_noise(
+    line: tuple[float, float, int], correlation: float, pairs: int
+) -> Measured:
+    """Return the own noise of rows or columns, DN.
+
+    line : variance of their means, the pixels' share of it, how many they are. Pixels
+    that correlate with the next one have another share: (1 + r) / (1 - r) of it."""
+    variance, share, count = line
+    share *= (1 + correlation) / (1 - correlation)
+    error = variance * relative_error(count - 1, pairs)
+    return root_of(variance - share, error, "DN")
+
+
+def _kurtosis(
+    of_difference: float, variance: float, pixels: float, pairs: int
+) -> Measured | None:
+    """Return the excess kurtosis of one frame; None where rounding shapes the tails.
+
+    Cumulants add up: a difference of two has half the excess kurtosis of one, and
+    rounding to whole DN, where noise spreads over them, adds its own."""
+    if variance < LEAST_NOISE**2:
+        return None
+    inner = max(variance - ROUNDING, 1e-9)
+    value = (2 * of_difference * variance**2 - FOURTH_OF_ROUNDING) / inner**2
+    error = 2 * math.sqrt(24 / pixels) * math.sqrt(1.5 / pairs)
+    return Measured(value, error, "1")
+
+
+def lambda_of(excess_kurtosis: float) -> float:
+    """Return the lambda, -0.2 to 0.5, of Tukey's distribution with such tails.
+
+    Source of the moments: B. Joiner, J. Rosenblatt, J. Am. Stat. Assoc. 66, 1971."""
+    grid = np.linspace(-0.2, 0.5, 701)
+    grid = grid[np.abs(grid) > 1e-6]
+    found = np.array([kurtosis_of(float(x)) for x in grid])
+    return float(np.interp(-excess_kurtosis, -found, grid))
+
+
+def kurtosis_of(shape: float) -> float:
+    """Return the excess kurtosis of Tukey's lambda distribution, @shape above -0.25."""
+
+    def gamma(x: float) -> float:
+        return math.gamma(x * shape + 1)
+
+    second = (
+        2
+        / shape**2
+        * (1 / (1 + 2 * shape) - gamma(1) ** 2 / gamma(2) / (2 * shape + 1))
+    )
+    one, three = gamma(1), gamma(3)
+    fourth = (
+        2
+        / shape**4
+        / (4 * shape + 1)
+        * (1 - 4 * one * three / gamma(4) + 3 * gamma(2) ** 2 / gamma(4))
+    )
+    return fourth / second**2 - 3

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Updated profile: a sensor with what was measured in place of what it had."""
+
+import json
+from typing import Any
+
+import numpy as np
+
+from cg2raw import _core
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.profile_effects import Found, effects_found
+from cg2raw.calibration.temporal_noise import ROUNDING
+from cg2raw.sensor import Sensor
+
+SOURCE = "cg2raw calibrate, photon transfer (EMVA 1288 R4.0)"
+NORMAL = 0.14  # Tukey's lambda of an almost normal distribution
+DIGITS = 6  # significant, of numbers in the profile
+CI95 = 1.96  # standard errors
+
+
+def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]]:
+    """Return (JSON of a sensor's profile with what was measured, notes)."""
+    profile = json.loads(sensor.to_json())
+    known = {effect["name"]: effect for effect in _core.effects()}
+    effects, notes = effects_found(found, set(known), has_shapes(profile))
+    frames = f"{found.frames[0]} darks and {found.frames[1]} flats"
+    source = f"{SOURCE}: {frames}"
+    if found.black_level is not None:
+        profile["black_level"] = levels_of(found, "bias_structure" in effects)
+        profile["sources"]["black_level"] = source
+    notes += add_noise(profile, found, sensor, source)
+    settings = {effect["name"]: effect for effect in profile.get("effects", [])}
+    if found.black_level is not None:
+        settings.pop("black_level", None)  # the level itself has it now
+    for name, values in effects.items():
+        settings.pop(name, None)
+        if values is not None:
+            settings[name] = setting(name, values, known[name], frames)
+    profile["effects"] = list(settings.values())
+    text = json.dumps(profile, indent=2)
+    return Sensor.from_json(text, "the calibrated profile").profile.to_json(), notes
+
+
+def levels_of(found: Measurements, has_structure: bool) -> list[float]:
+    """Return the black level of each site; without the first columns' edge, where the
+    profile has that by itself."""
+    edge = 0.0
+    if has_structure and found.structure is not None:
+        edge = float(found.structure.edge_columns.mean())
+    return [rounded(max(level - edge, 0.0)) for level in found.black]
+
+
+def has_shapes(profile: dict[str, Any]) -> bool:
+    """Return whether the rows of noise say how they are distributed."""
+    return any("tukey_lambda" in row for row in profile.get("noise", []))
+
+
+def add_noise(
+    profile: dict[str, Any], found: Measurements, sensor: Sensor, source: str
+) -> list[str]:
+    """Put a row of the frames' ISO among the noise; return notes.
+
+    beta2 is the variance of pixels alone where rows' noise is an effect, and all of it
+    where rows of noise say row_sigma. Rounding to DN is not in it: it comes anew."""
+    if found.iso is None or (found.noise is None and found.transfer is None):
+        return []
+    betas = betas_of(found, sensor)
+    if isinstance(betas, str):
+        return [betas]
+    beta1, beta2 = betas
+    row: dict[str, Any] = {"iso": found.iso, "beta1": beta1, "beta2": beta2}
+    old = {r["iso"]: r for r in profile.get("noise", [])}
+    if has_shapes(profile):
+        before = old.get(found.iso, profile["noise"][0])
+        row = {**before, **row, **shape_of(found, beta2, before)}
+        row["beta2"] = [rounded(b + row["row_sigma"] ** 2) for b in beta2]
+    old[found.iso] = row
+    profile["noise"] = [old[iso] for iso in sorted(old)]
+    profile["sources"]["noise"] = f"ISO {found.iso:g}: {source}" + (
+        f"; other ISOs: {profile['sources'].get('noise', 'as before')}"
+        if len(old) > 1 and SOURCE not in profile["sources"].get("noise", "")
+        else ""
+    )
+    return []
+
+
+def betas_of(
+    found: Measurements, sensor: Sensor
+) -> tuple[list[float], list[float]] | str:
+    """Return (beta1, beta2) of each site, what was not measured by the profile; a note
+    if neither says it."""
+    count, beta1, beta2 = found.sites.count, None, None
+    if found.transfer is not None:
+        beta1 = [m.value / found.range for m in found.transfer.system_gain]
+    if found.noise is not None:
+        squares = [m.value**2 - ROUNDING for m in found.noise.read_noise]
+        beta2 = [max(square, 0.0) / found.range**2 for square in squares]
+    if beta1 is None or beta2 is None:
+        try:
+            row = sensor.noise_at(float(found.iso or 0))
+        except ValueError:
+            lacking = "flats" if beta1 is None else "darks"
+            return f"noise: no row is written: give {lacking}, too"
+        beta1 = list(np.broadcast_to(row["beta1"], count)) if beta1 is None else beta1
+        beta2 = list(np.broadcast_to(row["beta2"], count)) if beta2 is None else beta2
+    return [rounded(b) for b in beta1], [rounded(b) for b in beta2]
+
+
+def shape_of(
+    found: Measurements, beta2: list[float], before: dict[str, Any]
+) -> dict[str, float]:
+    """Return how a row of noise says that it is distributed."""
+    if found.noise is None:
+        return {name: before[name] for name in ("tukey_lambda", "row_sigma")}
+    shape = found.noise.tukey_lambda
+    return {
+        "tukey_lambda": rounded(NORMAL if shape is None else shape),
+        "row_sigma": rounded(found.noise.row_noise.value / found.range),
+    }
+
+
+def setting(
+    name: str, values: Found, known: dict[str, Any], frames: str
+) -> dict[str, Any]:
+    """Return an effect of the profile, its parameters within the registry's bounds."""
+    parameters, intervals = {}, {}
+    for parameter in known["parameters"]:
+        low, high = parameter["min"], parameter["max"]
+        given = values.get(parameter["name"], parameter["null"])
+        if isinstance(given, Measured):
+            half = CI95 * given.standard_error
+            intervals[parameter["name"]] = [
+                rounded(given.value - half),
+                rounded(given.value + half),
+            ]
+            given = given.value
+        parameters[parameter["name"]] = rounded(min(max(float(given), low), high))
+    return {
+        "name": name,
+        "parameters": parameters,
+        "ci95": intervals,
+        "evidence": {"found_by": "cg2raw calibrate", "frames": frames},
+    }
+
+
+def rounded(value: float) -> float:
+    """Return a number with as many digits as a measurement has at most."""
+    return float(f"{value:.{DIGITS}g}")

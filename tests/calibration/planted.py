@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Darks and flats drawn from a profile whose effects are known."""
+
+import json
+
+import numpy as np
+
+from cg2raw import Sensor
+from cg2raw.calibration import UniformFrame
+
+ISO = 100.0
+BLACK, WHITE = 256.0, 16383
+RANGE = WHITE - BLACK
+GAIN, READ = 2.5, 3.0  # e-/DN; DN, rounding not included
+SHAPE = (192, 256)
+
+
+def sensor_of(effects=None, shape=SHAPE, **fields):
+    """Return a 14-bit Bayer sensor with @effects, {name: {parameter: value}}."""
+    profile = json.loads(Sensor("canon-70d").to_json())
+    profile.pop("noise_effects", None)
+    betas = {"beta1": [1 / (GAIN * RANGE)] * 4, "beta2": [(READ / RANGE) ** 2] * 4}
+    profile |= {
+        "id": "planted",
+        "bits": 14,
+        "black_level": [BLACK] * 4,
+        "white_level": WHITE,
+        "width": shape[1],
+        "height": shape[0],
+        "noise": [{"iso": ISO, **betas}],
+        "effects": [
+            {"name": name, "parameters": values}
+            for name, values in (effects or {}).items()
+        ],
+    }
+    return Sensor.from_json(json.dumps(profile | fields), "planted")
+
+
+def frames_of(sensor, seed=1, biases=6, darks=6, flats=6, **more):
+    """Return biases, darks of 30 s and flats of half the range, drawn by @seed.
+
+    more : dark_times (s), flat_times (s, under one lamp that fills half the range in
+    one second), shape, drift (DN, of each frame's level), lamp (relative)."""
+    shape = more.get("shape", (sensor.height, sensor.width))
+    rng = np.random.default_rng(seed)
+    plan = [("dark", 0.0)] * biases
+    for time in more.get("dark_times", (30.0,)):
+        plan += [("dark", time)] * darks
+    for time in more.get("flat_times", (1.0,)):
+        plan += [("flat", time)] * flats
+    found = []
+    for number, (kind, time) in enumerate(plan):
+        lamp = 0.5 * time * (1 + rng.normal() * more.get("lamp", 0.0))
+        shift = rng.normal() * more.get("drift", 0.0)
+        light = lamp if kind == "flat" else 0.0
+        raw = drawn(sensor, shape, light, time, seed, number, shift)
+        found.append(UniformFrame(f"{kind}-{number}", kind, raw, time, ISO))
+    return found
+
+
+def drawn(sensor, shape, light, time, seed, number, shift):
+    """Return () -> (H, W) uint16 of one frame, @light of white on each site."""
+
+    def raw():
+        image = np.full((*shape, 3), light, np.float32)
+        signal = sensor.signal(
+            image,
+            illuminant="neutral:1:1",
+            iso=ISO,
+            seed=seed,
+            frame=number,
+            convention="sensor",
+            camera_input=True,
+            exposure_time=time,
+        )
+        return sensor.raw_from_signal(signal + np.float32(shift / RANGE))
+
+    return raw

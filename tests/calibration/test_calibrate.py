@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Planted numbers are found within three of their own standard errors."""
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+
+from calibration.planted import GAIN, RANGE, READ, frames_of, sensor_of
+from cg2raw.calibration import calibrate
+
+EFFECTS = {
+    "row_noise": {"sigma": 1.0 / RANGE},
+    "column_fixed_pattern": {"sigma": 1.5 / RANGE},
+    "dsnu": {"sigma": 1.2 / RANGE},
+    "prnu": {"sigma": 0.006},
+    "dark_current": {"per_second": 0.4 / RANGE},
+    "hot_pixels": {"fraction": 0.01, "rate": 20 / RANGE},
+    "lens_shading": {
+        "r2": -0.2, "r4": 0.05, "r6": 0.0, "tilt_x": 0.01, "tilt_y": 0.0,
+        "tilt_x_r2": 0.0, "tilt_y_r2": 0.0,
+    },
+}  # fmt: skip
+SEEDS = range(1, 13)
+# What a calibration finds of the planted profile, and its truth. Fixed patterns are one
+# draw of the sensor: their sample has a deviation of its own, which is in the error.
+TRUTHS = {
+    "black level": (lambda c: c.black_level[0], 256.0),
+    "drift": (lambda c: c.drift, 0.5),
+    "read noise": (lambda c: c.noise.read_noise[1], np.hypot(READ, 12**-0.5)),
+    "row noise": (lambda c: c.noise.row_noise, 1.0),
+    "column noise": (lambda c: c.noise.column_noise, 0.0),
+    "correlation": (lambda c: c.noise.row_correlation, 0.0),
+    "kurtosis": (lambda c: c.noise.excess_kurtosis, 0.0),
+    "column pattern": (lambda c: c.structure.column_pattern, 1.5),
+    "dsnu": (lambda c: c.structure.dsnu, 1.2),
+    "dark current": (lambda c: c.dark.rate, 0.4),
+    "hot pixels": (lambda c: c.spread.fraction, 0.01),
+    "hot rate": (lambda c: c.spread.hot_rate, 20.0),
+    "gain": (lambda c: c.transfer.mean_gain, GAIN),
+    "prnu": (lambda c: c.light.prnu, 0.006),
+    "tilt": (lambda c: c.light.shading["tilt_x"], 0.01),
+    "lamp": (lambda c: c.lamp, 0.002),
+}
+# Of a chi-square of few frames the error is lopsided.
+WIDE = {"drift": 4.0, "lamp": 4.0}
+
+
+@cache
+def found(seed):
+    """Return the calibration of the planted sensor's frames."""
+    sensor = sensor_of(EFFECTS)
+    plan = {"drift": 0.5, "lamp": 0.002, "flat_times": (0.1, 0.3, 0.6, 1.0, 1.5)}
+    return calibrate(sensor, frames_of(sensor, seed, **plan))
+
+
+@pytest.mark.parametrize("name", TRUTHS)
+def test_a_planted_number_is_found_within_its_error(name):
+    look, truth = TRUTHS[name]
+    measured = look(found(1))
+    assert measured.standard_error > 0
+    off = abs(measured.value - truth) / measured.standard_error
+    assert off < WIDE.get(name, 3.0), measured
+
+
+def test_the_profile_has_what_was_planted_and_nothing_else():
+    profile = json.loads(found(1).updated_profile())
+    effects = {e["name"]: e["parameters"] for e in profile["effects"]}
+    assert set(effects) - {"black_level_drift"} == set(EFFECTS)
+    assert effects["dsnu"]["sigma"] * RANGE == pytest.approx(1.2, rel=0.03)
+    row = profile["noise"][0]
+    # beta2 is of pixels alone: rows' noise, 1 DN of 3, would add 11 % to it.
+    assert row["beta2"][2] * RANGE**2 == pytest.approx(READ**2, rel=0.03)
+    assert row["beta1"][2] * RANGE == pytest.approx(1 / GAIN, rel=0.03)
+
+
+def test_a_sensor_without_effects_gets_none():
+    sensor = sensor_of()
+    profile = json.loads(calibrate(sensor, frames_of(sensor)).updated_profile())
+    assert profile.get("effects", []) == []
