@@ -103,6 +103,7 @@ def bias_structure(
         _, sigma, count = clipped_moments(plane[used])
         variances.append((sigma**2, count))
     pixel = float(np.mean([v for v, _ in variances]))
+    pixel /= (1 - 1 / per_column) * (1 - 1 / per_row)  # the means took their part
     many = sum(count for _, count in variances)
     return BiasStructure(
         horizontal,

@@ -21,7 +21,7 @@ from cg2raw.calibration.robust import Array
 EDGES = np.concatenate([-np.geomspace(8, 0.25, 21), np.geomspace(0.25, 1e5, 121)])
 NODES = np.linspace(-5.5, 5.5, 221)  # of the normal that the log-normal is made of
 WEIGHTS = np.exp(-(NODES**2) / 2) / np.exp(-(NODES**2) / 2).sum()
-SHARES = (0.5, 0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
+SHARES = (0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
 MOST_LOG_SIGMA, MOST_HOT = 3.0, 0.2  # as the registry bounds them
 
 

@@ -102,6 +102,7 @@ def read_darks(
     spread, shine = None, None
     if maps.rate is not None and current is not None:
         spread, shine = centred_rates(maps, current)
+        anchor(maps, read.sums)
     return DarkResults(
         *levels_of(maps, todo.sites, read, drift),
         read.noise,
@@ -190,6 +191,15 @@ def centred_rates(maps: DarkMaps, current: DarkCurrent) -> tuple[DarkSpread, Glo
     spread = dark_spread(maps.rate[known] - middle, noise)
     maps.rate[known] += np.float32(current.rate.value - middle)
     return spread, glow(np.where(known, maps.rate, np.nan))
+
+
+def anchor(maps: DarkMaps, sums: DarkSums) -> None:
+    """Bring the map of offsets, in place, to the level of the shortest darks: that of
+    the longer ones has drifted, and the line of pixels has spread that."""
+    assert maps.rate is not None
+    known = maps.known
+    excess = maps.offset + maps.rate * np.float32(sums.first_time) - sums.origin
+    maps.offset[known] -= np.float32(np.median(excess[known]))
 
 
 def levels_of(

@@ -81,8 +81,14 @@ def pair_noise(difference: Array, keep: Array | None, sites: Sites) -> PairNoise
         for (means, _), share in zip(lines, shares, strict=True)
     ]
     z = difference / sites.spread(np.sqrt(2 * np.maximum(noise, 1e-12)), inside.shape)
-    z[~inside if keep is None else ~keep] = 0
-    return PairNoise(variance, pixels, lined[0], lined[1], *_shape_of(z, inside, keep))
+    if keep is not None:
+        z[~keep] = 0
+    row, column, kurtosis, counts = _shape_of(z, inside, keep)
+    # ... and has made the others of its line anticorrelate by one over their number.
+    row, column = row + 1 / lines[0][1], column + 1 / lines[1][1]
+    return PairNoise(
+        variance, pixels, lined[0], lined[1], row, column, kurtosis, counts
+    )
 
 
 def _subtract_levels(difference: Array, keep: Array | None, sites: Sites) -> Array:

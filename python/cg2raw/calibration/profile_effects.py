@@ -38,12 +38,14 @@ def effects_found(
             answers[name] = answer
     if has_shapes and "row_noise" in answers:
         answers["row_noise"] = None
-    notes = [
-        f"{name}: stands out, and this version of cg2raw has no such effect: the "
-        "profile goes without"
-        for name, values in answers.items()
-        if values is not None and name not in known
-    ]
+    wanted = [name for name, values in answers.items() if values is not None]
+    lacking = [name for name in wanted if name not in known]
+    notes = []
+    if lacking:
+        notes.append(
+            f"{', '.join(lacking)}: found, and no effect of this version of cg2raw: "
+            "the profile goes without"
+        )
     kept = {name: values for name, values in answers.items() if name in known}
     return kept, notes + tails(found)
 

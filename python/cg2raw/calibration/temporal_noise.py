@@ -18,7 +18,8 @@ from cg2raw.calibration.robust import Array
 ROUNDING = 1 / 12  # variance of rounding to whole DN, DN^2
 FOURTH_OF_ROUNDING = -1 / 120  # its fourth cumulant, DN^4
 LEAST_NOISE = 1.0  # DN; below it rounding shapes the tails
-TAILS_FLOOR = 0.1  # excess kurtosis that a mixture of slightly noisier pixels has, too
+# Excess kurtosis that pixels bring whose variances differ by a quarter: 3 times 0.25^2.
+TAILS_FLOOR = 0.19
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,8 @@ def _kurtosis(
         return None
     inner = max(variance - ROUNDING, 1e-9)
     value = (2 * of_difference * variance**2 - FOURTH_OF_ROUNDING) / inner**2
-    error = 2 * math.sqrt(24 / pixels) * math.sqrt(1.5 / pairs)
+    # Pairs that share a frame: fourth powers of their differences correlate by 1/16.
+    error = 2 * math.sqrt(24 / pixels * (9 * pairs - 1) / 8) / pairs
     return Measured(value, error, "1")
 
 

@@ -5,8 +5,7 @@
 
 Drawn as wide as a telephone shows them, so that their words stay legible there."""
 
-import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
@@ -14,30 +13,16 @@ import numpy as np
 from cg2raw.diagnose.diagnosis import Curve, Gap, Histogram, ResidualTest
 from cg2raw.diagnose.report.frame_images import COLOR_STEPS, SIGMAS
 from cg2raw.diagnose.report.text import NOT_KNOWN, is_known, number, plain, power_of_ten
+from cg2raw.io.figure import drawn
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import XAxis, YAxis
     from matplotlib.figure import Figure
 
-WIDTH = 4.5  # inches
-DPI = 150
 # Distinct for all common colour vision. Source: Okabe and Ito, Color Universal
 # Design, 2008.
 BEFORE, AFTER, MEASURED_COLOR, FITTED = "#d55e00", "#0072b2", "#333333", "#009e73"
-STYLE = {
-    "text.parse_math": False,  # a dollar sign is a dollar sign
-    "font.size": 9.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#777777",
-    "axes.labelcolor": "#222222",
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.7,
-    "axes.axisbelow": True,
-}
 LEAST_DRAWN = 1e-6  # per pixel; nothing smaller is drawn at its place
 SIGNIFICANT = 0.001  # p-value, divided by the number of tests
 MOST_TESTS = 14  # bars; the table has them all
@@ -46,35 +31,6 @@ LONGEST = 32  # characters of a label
 
 Interval = tuple[float, float] | None
 Pair = tuple[str, ResidualTest | None, ResidualTest | None]  # name, before, after
-
-
-def drawn(
-    height: float, draw: Callable[["Figure"], None], width: float = WIDTH
-) -> bytes:
-    """Return the PNG of a figure of that size, inches, filled by draw(figure)."""
-    from matplotlib import style
-
-    with style.context(["default", STYLE]):  # whatever the user's matplotlibrc says
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
-        FigureCanvasAgg(figure)
-        draw(figure)
-        png = io.BytesIO()
-        figure.savefig(png, format="png", metadata={"Software": None})
-    return indexed(png.getvalue())
-
-
-def indexed(png: bytes) -> bytes:
-    """Return a figure's PNG with a palette: a third of the bytes, the same look."""
-    from PIL import Image as Pillow
-
-    packed = io.BytesIO()
-    with Pillow.open(io.BytesIO(png)) as picture:
-        flat = picture.convert("RGB").quantize(64, dither=Pillow.Dither.NONE)
-        flat.save(packed, "PNG", optimize=True)
-    return packed.getvalue()
 
 
 def gap_figure(gap: Gap) -> bytes:

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Curves of a calibration: photon transfer, dark current, linearity, noise, bias."""
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.pair_noise import HISTOGRAM
+from cg2raw.calibration.robust import Array
+from cg2raw.calibration.table import told
+from cg2raw.io.figure import drawn
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import XAxis, YAxis
+    from matplotlib.figure import Figure
+
+# Distinct for all common colour vision. Source: Okabe and Ito, Color Universal
+# Design, 2008.
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+LINE, POINT = "#333333", "#0072b2"
+HEIGHT = 3.2  # inches
+Drawn = tuple[str, str, bytes]  # title, description, PNG
+
+
+def curves(found: Measurements) -> Iterator[Drawn]:
+    """Yield each curve that the frames show."""
+    if found.transfer is not None:
+        yield photon_transfer(found)
+    if found.dark is not None:
+        yield dark_current(found)
+    if found.linearity is not None:
+        yield linearity(found)
+    if found.noise is not None:
+        yield differences(found)
+    if found.structure is not None:
+        yield profiles(found)
+
+
+def photon_transfer(found: Measurements) -> Drawn:
+    """Return variance against mean: blocks of the field of each level, and the line."""
+    transfer = found.transfer
+    assert transfer is not None
+    gain = transfer.mean_gain
+
+    def draw(figure: "Figure") -> None:
+        axes = figure.subplots()
+        for site in range(min(len(transfer.system_gain), len(COLORS))):
+            mean = np.concatenate([p.mean[site] for p in transfer.points])
+            variance = np.concatenate([p.variance[site] for p in transfer.points])
+            axes.plot(mean, variance, ".", color=COLORS[site], markersize=2.5,
+                      label=found.sites.names[site] or "flats")  # fmt: skip
+        top = max(float(p.mean.max()) for p in transfer.points)
+        x = np.geomspace(max(top / 1e4, 0.1), top, 200)
+        dark = float(np.mean(transfer.intercept))
+        axes.plot(x, dark + x / gain.value, color=LINE, linewidth=1)
+        axes.axhline(dark, color=LINE, linewidth=1, linestyle=":")
+        if transfer.saturation is not None:
+            axes.axvline(transfer.saturation.value, color="#d55e00", linestyle="--")
+        axes.set(xscale="log", yscale="log", xlabel="mean above black, DN",
+                 ylabel="variance of a frame, DN^2")  # fmt: skip
+        plain_ticks(axes.xaxis)
+        plain_ticks(axes.yaxis)
+        electron_axis(axes, found, "x")
+        axes.legend(frameon=False, markerscale=3)
+
+    words = (
+        f"Variance of pixels against their mean, in blocks of the field; the line has "
+        f"{told(gain)}, dotted is the variance without light"
+    )
+    return "Photon transfer", words, figure_of(draw)
+
+
+def figure_of(draw: Callable[["Figure"], None], height: float = HEIGHT) -> bytes:
+    """Return the PNG of a figure with all its colours."""
+    return drawn(height, draw, colors=256)
+
+
+def plain_ticks(axis: "XAxis | YAxis") -> None:
+    """Write powers of ten on a logarithmic axis as they are: 0.01, 100, 1e+06."""
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def electron_axis(axes: "Axes", found: Measurements, side: str) -> None:
+    """Add the same axis in electrons, where there is a gain."""
+    if found.transfer is None:
+        return
+    gain = found.transfer.mean_gain.value
+    both = (lambda dn: dn * gain, lambda electrons: electrons / gain)
+    if side == "x":
+        top = axes.secondary_xaxis("top", functions=both)
+        top.set_xlabel("electrons")
+        if axes.get_xscale() == "log":
+            plain_ticks(top.xaxis)
+    else:
+        axes.secondary_yaxis("right", functions=both).set_ylabel("electrons")
+
+
+def dark_current(found: Measurements) -> Drawn:
+    """Return the middles of darks against exposure time, a line per temperature."""
+    dark = found.dark
+    assert dark is not None
+    points = dark.points
+    numbers = sorted({p.set_point for p in points})
+
+    def draw(figure: "Figure") -> None:
+        axes = figure.subplots()
+        for number in numbers:
+            ours = [p for p in points if p.set_point == number]
+            axes.plot([p.exposure_time for p in ours], [p.excess for p in ours], "o",
+                      color=COLORS[number % len(COLORS)], markersize=4)  # fmt: skip
+        times = np.array([0, max(p.exposure_time for p in points)])
+        for temperature, rate in dark.rates:
+            at = "" if temperature is None else f" at {temperature:.1f} C"
+            axes.plot(times, dark.intercept + rate.value * times, linewidth=1,
+                      color=LINE, label=f"{told(rate)}{at}")  # fmt: skip
+        axes.set(xlabel="exposure time, s", ylabel="median above bias, DN")
+        electron_axis(axes, found, "y")
+        axes.legend(frameon=False, handlelength=0)
+
+    words = "Middle of the pixels of darks above the shortest ones, and the lines"
+    return "Dark current", words, figure_of(draw)
+
+
+def linearity(found: Measurements) -> Drawn:
+    """Return how flats deviate from a straight line through zero."""
+    found_line = found.linearity
+    assert found_line is not None
+
+    def draw(figure: "Figure") -> None:
+        axes = figure.subplots()
+        axes.axhline(0, color=LINE, linewidth=1)
+        axes.plot(found_line.levels, found_line.deviations, "o", color=POINT)
+        axes.set(xlabel="level above black, DN", ylabel="deviation, %")
+        electron_axis(axes, found, "x")
+
+    words = f"Level against exposure time: linearity error {told(found_line.error)}"
+    return "Linearity", words, figure_of(draw)
+
+
+def differences(found: Measurements) -> Drawn:
+    """Return the histogram of differences of biases against a normal one."""
+    noise = found.noise
+    assert noise is not None
+    middles = (HISTOGRAM[1:] + HISTOGRAM[:-1]) / 2
+    width = HISTOGRAM[1] - HISTOGRAM[0]
+
+    def draw(figure: "Figure") -> None:
+        axes = figure.subplots()
+        density = noise.histogram / noise.histogram.sum() / width
+        normal = np.exp(-(middles**2) / 2) / np.sqrt(2 * np.pi)
+        floor = 0.3 / noise.histogram.sum() / width
+        axes.fill_between(middles, floor, np.maximum(normal, floor), color="#cccccc",
+                          label="normal")  # fmt: skip
+        axes.stairs(np.maximum(density, floor), HISTOGRAM, color=POINT, baseline=floor,
+                    label="measured")  # fmt: skip
+        axes.set(yscale="log", xlabel="difference of two darks, standard deviations",
+                 ylabel="density")  # fmt: skip
+        plain_ticks(axes.yaxis)
+        axes.legend(frameon=False)
+
+    words = f"Differences of {noise.frames} darks, in which fixed patterns cancel"
+    return "Temporal noise", words, figure_of(draw)
+
+
+def profiles(found: Measurements) -> Drawn:
+    """Return the means of columns and rows of the offsets, with what was fitted."""
+    structure = found.structure
+    assert structure is not None
+
+    def draw(figure: "Figure") -> None:
+        upper, lower = figure.subplots(2, 1)
+        for axes, profile, fitted, name in (
+            (upper, structure.columns, structure.fitted_columns, "column"),
+            (lower, structure.rows, structure.fitted_rows, "row"),
+        ):
+            draw_profile(axes, profile, fitted)
+            axes.set(xlabel=name, ylabel="DN")
+            electron_axis(axes, found, "y")
+
+    words = "Means of columns and rows of the bias, less the black level; the line is "
+    return "Bias profiles", words + "ramp and edge", figure_of(draw, 1.6 * HEIGHT)
+
+
+def draw_profile(axes: "Axes", profile: Array, fitted: Array) -> None:
+    """Draw one profile; columns far off the others do not set the scale."""
+    axes.plot(profile, color=POINT, linewidth=0.6)
+    axes.plot(fitted, color="#d55e00", linewidth=1.2)
+    low, high = np.percentile(profile, [0.5, 99.5])
+    room = 0.3 * max(high - low, 0.1)
+    axes.set_ylim(low - room, high + room)

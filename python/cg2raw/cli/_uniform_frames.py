@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Files and folders of darks and flats become UniformFrames."""
+
+import csv
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from cg2raw.arrays import RawImage
+from cg2raw.calibration import UniformFrame
+from cg2raw.diagnose.captures.raw_files import check_sensor, read_header, read_raw
+from cg2raw.sensor import Sensor
+
+Kind = Literal["dark", "flat"]
+NO_FRAMES = (".csv", ".json", ".md", ".txt", ".yaml", ".yml", ".xmp", ".jpg", ".png")
+# Of white above black: a dark lies below the first, a flat above the second.
+DARK, LIT = 0.01, 0.03
+COLUMNS = ("frame", "exposure_s", "temperature_c", "kind")
+
+
+@dataclass(frozen=True)
+class Said:
+    """What is said of frames besides what their files say; None: nothing."""
+
+    exposure_time: float | None = None
+    iso: float | None = None
+    temperature: float | None = None
+    kind: Kind | None = None
+
+
+def sensor_of(word: str) -> Sensor:
+    """Return the sensor of an id, a profile (.json) or a DNG. Raises ValueError."""
+    return Sensor.from_dng(word) if word.lower().endswith(".dng") else Sensor(word)
+
+
+def read_table(path: str) -> dict[str, Said]:
+    """Return {frame: what is said of it} of a CSV with the columns frame, exposure_s,
+    and perhaps temperature_c and kind. Raises ValueError naming file, line and value.
+    """
+    found = {}
+    with open(path, newline="", encoding="utf-8-sig") as file:
+        reader = csv.DictReader(file)
+        lacking = {"frame", "exposure_s"} - set(reader.fieldnames or ())
+        if lacking:
+            raise ValueError(
+                f"{path}: has no column {sorted(lacking)[0]}; its first line must name "
+                f"the columns {', '.join(COLUMNS)}, the last two if they are known"
+            )
+        for row in reader:
+            where = f"{path}:{reader.line_num}"
+            kind = (row.get("kind") or "").strip().lower()
+            if kind not in ("", "dark", "flat"):
+                raise ValueError(f"{where}: kind is {kind}; must be dark or flat")
+            found[row["frame"]] = Said(
+                number(where, "exposure_s", row["exposure_s"], 0, 1e6),
+                None,
+                number(where, "temperature_c", row.get("temperature_c"), -273.15, 200),
+                "dark" if kind == "dark" else "flat" if kind else None,
+            )
+    return found
+
+
+def number(
+    where: str, column: str, text: str | None, low: float, high: float
+) -> float | None:
+    """Return the number in a cell, None if it is empty."""
+    if text is None or not text.strip():
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= high:
+        raise ValueError(
+            f"{where}: {column} is {text.strip()}; must be a number from {low:g} to "
+            f"{high:g}"
+        )
+    return value
+
+
+def files_in(paths: Sequence[str]) -> list[str]:
+    """Return files, those of folders by name. Raises ValueError for an empty one."""
+    found: list[str] = []
+    for path in paths:
+        if not os.path.isdir(path):
+            found.append(path)
+            continue
+        inside = [
+            os.path.join(path, name)
+            for name in sorted(os.listdir(path))
+            if not name.startswith(".") and not name.lower().endswith(NO_FRAMES)
+        ]
+        files = [name for name in inside if os.path.isfile(name)]
+        if not files:
+            raise ValueError(f"{path}: holds no frames")
+        found += files
+    repeats = {os.path.realpath(path): path for path in reversed(found)}
+    return list(reversed(repeats.values()))
+
+
+def frames_of(
+    path: str, sensor: Sensor, table: dict[str, Said], given: Said
+) -> Iterator[UniformFrame]:
+    """Yield the frames of one file; a .npz holds several.
+
+    table : says of frames by name what their files do not. given : of all, where
+    neither does; its kind goes before. Raises ValueError, OSError."""
+    for frame, said in stored_in(path, sensor):
+        row = table.get(frame.name) or table.get(os.path.splitext(frame.name)[0])
+        for more in (row, given):
+            said = merged(said, more)
+        frame = replace(
+            frame,
+            exposure_time=said.exposure_time,
+            iso=said.iso,
+            temperature=said.temperature,
+        )
+        kind = given.kind or said.kind or kind_of(frame, sensor)
+        yield replace(frame, kind=kind)
+
+
+def merged(said: Said, more: Said | None) -> Said:
+    """Return what is said, and of the rest what is said elsewhere."""
+    fields = vars(said)
+    others = vars(more or Said())
+    return Said(**{k: others[k] if v is None else v for k, v in fields.items()})
+
+
+def stored_in(path: str, sensor: Sensor) -> Iterator[tuple[UniformFrame, Said]]:
+    """Yield the frames of a file, and what it says of them."""
+    if path.lower().endswith(".npz"):
+        yield from stored_in_npz(path)
+        return
+    header = read_header(path)
+    check_sensor(header, sensor)
+    frame = UniformFrame(
+        os.path.basename(path), "dark", lambda: read_raw(path, header.active)
+    )
+    temperature = getattr(header, "temperature", None)
+    yield frame, Said(header.exposure_time, header.iso, temperature)
+
+
+def stored_in_npz(path: str) -> Iterator[tuple[UniformFrame, Said]]:
+    """Yield the arrays of a .npz; each is read where it is used."""
+
+    def reader(name: str) -> Callable[[], RawImage]:
+        def read() -> RawImage:
+            with np.load(path, allow_pickle=False) as stored:
+                array: RawImage = stored[name]
+                return array
+
+        return read
+
+    with open(path, "rb"):  # NumPy's own message of a missing file has no path
+        pass
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            names = sorted(stored.files)
+    except (ValueError, OSError, EOFError) as error:
+        raise ValueError(f"{path}: is no .npz file, or cut off: {error}") from None
+    for name in names:
+        yield UniformFrame(name, "dark", reader(name)), Said()
+
+
+def kind_of(frame: UniformFrame, sensor: Sensor) -> Kind:
+    """Return what a frame is by its exposure and level. Raises ValueError in doubt."""
+    if frame.exposure_time == 0:
+        return "dark"
+    black = float(np.mean(sensor.black_level))
+    level = float(np.median(frame.pixels()[::5, ::5])) - black
+    share = level / (sensor.white_level - black)
+    if share < DARK:
+        return "dark"
+    if share > LIT:
+        return "flat"
+    raise ValueError(
+        f"{frame.name}: its level is {share:.1%} of white: a long dark or a faint "
+        "flat? Say it: --darks FILES or --flats FILES"
+    )

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Frames that cannot be calibrated are refused in one sentence; few are made use of."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibration.planted import GAIN, RANGE, WHITE, frames_of, sensor_of
+from cg2raw.calibration import UniformFrame, calibrate
+
+SENSOR = sensor_of(shape=(64, 96))
+FRAMES = frames_of(SENSOR, biases=2, darks=2, flats=2)
+
+
+def fails(frames):
+    """Return the message of a calibration that must be refused."""
+    with pytest.raises(ValueError) as error:
+        calibrate(SENSOR, frames)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def frame(array, kind="dark"):
+    """Return a frame of an array."""
+    return UniformFrame("odd", kind, lambda: array, 0.0, 100.0)
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        (FRAMES[:1], "give two that repeat each other"),
+        ([FRAMES[0], FRAMES[2]], "no other frame has its kind, exposure"),
+        ([*FRAMES, replace(FRAMES[0], iso=200.0)], "calibrate one ISO at a time"),
+        ([*FRAMES, frame(np.full((32, 48), 256, np.uint16))], "of one size"),
+        ([*FRAMES, frame(np.full((8, 8), 256, np.uint16))], "at least 32 pixels"),
+        ([*FRAMES, frame(np.full((64, 96), 256.0))], "uint16"),
+        ([frame(np.full((64, 96), WHITE, np.uint16), "flat")] * 2, "expose less"),
+        ([*FRAMES, frame(np.full((64, 96), 2**15, np.uint16))], "does not fit into"),
+        ([replace(FRAMES[2], exposure_time=None), *FRAMES], "no exposure time"),
+        ([replace(FRAMES[0], kind="flat"), *FRAMES[1:]], "is it a dark?"),
+    ],
+)
+def test_bad_frames_are_refused(frames, words):
+    assert words in fails(frames)
+
+
+def test_copies_of_fewer_bits_are_refused():
+    raw = FRAMES[4].pixels()
+    scaled = frame((raw // 16 * 16).astype(np.uint16), "flat")
+    assert "only every 16th DN occurs" in fails([*FRAMES, scaled])
+    eight = frame(np.minimum(raw // 32, 255).astype(np.uint16), "flat")
+    assert "8 bits" in fails([*FRAMES, eight])
+
+
+def test_darks_alone_show_all_but_light():
+    found = calibrate(SENSOR, FRAMES[:4])
+    assert found.noise and found.dark and found.black_level
+    assert found.transfer is None and found.light is None
+    assert any("no flats" in note for note in found.notes)
+    assert found.updated_profile()
+
+
+def test_flats_alone_show_gain_by_the_profile_s_black_and_noise():
+    found = calibrate(SENSOR, FRAMES[4:])
+    assert found.black_level is None and found.noise is None
+    gain = found.transfer.mean_gain
+    assert abs(gain.value - GAIN) < 4 * gain.standard_error
+    assert any("no darks" in note for note in found.notes)
+
+
+def test_hot_pixels_dust_and_cosmic_rays_move_no_number():
+    rng = np.random.default_rng(5)
+    hot = rng.random((64, 96)) < 0.017
+    dust = np.ones((64, 96))
+    dust[20:30, 40:50] = 0.7
+
+    def spoiled(one):
+        raw = one.pixels().astype(float)
+        if one.kind == "flat":
+            raw = 256 + (raw - 256) * dust
+        raw[hot] += 400
+        raw[rng.integers(64, size=3), rng.integers(96, size=3)] += 3000
+        pixels = np.clip(raw, 0, WHITE).astype(np.uint16)
+        return replace(one, raw=lambda: pixels)
+
+    frames = frames_of(SENSOR, biases=5, darks=0, flats=5)
+    clean, found = (
+        calibrate(SENSOR, some) for some in (frames, [spoiled(f) for f in frames])
+    )
+    assert sum(t.count for t in found.transients) >= 25
+    for look in (
+        lambda c: c.noise.mean_read_noise,
+        lambda c: c.noise.row_noise,
+        lambda c: c.transfer.mean_gain,
+        lambda c: c.black_level[0],
+    ):
+        a, b = look(clean), look(found)
+        assert abs(a.value - b.value) < 3 * b.standard_error, (a, b)
+
+
+def test_full_well_and_nonlinearity_are_found():
+    planted = {
+        "full_well": {"below_white": 0.2},
+        "nonlinearity": {"quadratic": 0.05, "cubic": 0.0},
+    }
+    sensor = sensor_of(planted)
+    times = (0.2, 0.4, 0.7, 1.0, 1.3, 1.9)
+    frames = frames_of(sensor, flats=3, darks=0, flat_times=times, lamp=0.0005)
+    found = calibrate(sensor, frames)
+    assert found.transfer.clipped_by == "full well"
+    assert found.transfer.saturation.value / RANGE == pytest.approx(0.8, abs=0.005)
+    bend = found.linearity.quadratic
+    assert abs(bend.value - 0.05) < 3 * bend.standard_error
+    assert found.linearity.error.value > 0.3  # %; the lamp's own is below 0.05
+
+
+def test_the_result_is_the_same_on_any_number_of_threads():
+    one, two = (calibrate(SENSOR, FRAMES, threads=n) for n in (1, 2))
+    assert one.updated_profile() == two.updated_profile()

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""cg2raw calibrate: from files to a profile and a page."""
+
+import json
+
+import numpy as np
+import pytest
+
+from calibration.planted import GAIN, RANGE, frames_of, sensor_of
+from cg2raw import write_dng
+from python.commands import fails, run
+
+EFFECTS = {"dsnu": {"sigma": 2 / RANGE}, "prnu": {"sigma": 0.01}}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Return a folder with my.json, frames.csv, darks/ and flats/ of .npy, all.npz."""
+    folder = tmp_path_factory.mktemp("frames")
+    sensor = sensor_of(EFFECTS, shape=(96, 128))
+    (folder / "my.json").write_text(sensor_of(shape=(96, 128)).to_json())
+    lines, stored = ["frame,exposure_s,temperature_c"], {}
+    for frame in frames_of(sensor, biases=3, darks=3, flats=3):
+        place = folder / f"{frame.kind}s"
+        place.mkdir(exist_ok=True)
+        stored[frame.name] = frame.pixels()
+        np.save(place / f"{frame.name}.npy", stored[frame.name])
+        lines.append(f"{frame.name},{frame.exposure_time},20.0")
+    (folder / "frames.csv").write_text("\n".join(lines) + "\n")
+    np.savez(folder / "all.npz", **stored)
+    return folder
+
+
+def command(files, *frames, **options):
+    """Run cg2raw calibrate on some of the files."""
+    options = {"frames": files / "frames.csv", "sensor": files / "my.json"} | options
+    words = [w for k, v in options.items() if v for w in (f"--{k}", v)]
+    return run("calibrate", *frames, "--iso", 100, *words)
+
+
+def test_a_profile_is_written_over_its_own(files, tmp_path):
+    mine = tmp_path / "my.json"
+    mine.write_bytes((files / "my.json").read_bytes())
+    done = command(files, files / "darks", files / "flats", sensor=mine, output=mine)
+    assert done.code == 0, done.err
+    assert "temporal dark noise" in done.out and "e-/DN" in done.out
+    profile = json.loads(mine.read_text())
+    assert [e["name"] for e in profile["effects"]] == ["dsnu", "prnu"]
+    assert profile["noise"][0]["beta1"][0] * RANGE == pytest.approx(1 / GAIN, rel=0.1)
+    assert "calibrate" in profile["sources"]["noise"]
+
+
+def test_an_npz_of_all_frames_gives_the_same(files):
+    first = command(files, files / "darks", files / "flats", output="-")
+    second = command(files, files / "all.npz", output="-")
+    assert first.code == second.code == 0, first.err + second.err
+    assert json.loads(first.out)["noise"] == json.loads(second.out)["noise"]
+
+
+def test_numbers_for_programs_and_a_page(files, tmp_path):
+    done = run(
+        "calibrate", files / "all.npz", "--frames", files / "frames.csv", "--json",
+        "-s", files / "my.json", "--iso", 100, "--report", tmp_path / "page",
+    )  # fmt: skip
+    assert done.code == 0, done.err
+    by_name = {row["name"]: row for row in json.loads(done.out)["numbers"]}
+    assert by_name["gain"]["value"]["value"] == pytest.approx(GAIN, rel=0.05)
+    assert by_name["saturation"]["value"] is None
+    page = (tmp_path / "page" / "calibration.html").read_text()
+    for words in ("Photon transfer", "Dark current", "Bias profiles", "PRNU", "e-/DN"):
+        assert words in page
+    assert page.count("<img ") == 8 and "<script" not in page
+
+
+def test_dngs_say_their_own_exposure_and_iso(tmp_path):
+    sensor = sensor_of(shape=(96, 128))
+    for number in range(4):
+        light = np.full((96, 128, 3), 0.3 * (number > 1), np.float32)
+        raw = sensor.simulate(
+            light, illuminant="neutral:1:1", iso=100, frame=number, seed=3,
+            convention="sensor", camera_input=True, exposure_time=0.5,
+        )  # fmt: skip
+        write_dng(tmp_path / f"{number}.dng", raw)
+    (tmp_path / "my.json").write_text(sensor.to_json())
+    done = run("calibrate", tmp_path, "-s", tmp_path / "my.json", "-o", "-")
+    assert done.code == 0, done.err
+    row = json.loads(done.out)["noise"][0]
+    assert row["iso"] == 100
+    assert row["beta1"][0] * RANGE == pytest.approx(1 / GAIN, rel=0.1)
+
+
+def test_what_is_wrong_is_said_in_one_line(files, tmp_path):
+    mine, table = files / "my.json", tmp_path / "frames.csv"
+    assert "give darks and flats" in fails("calibrate", "-s", mine)
+    assert "holds no frames" in fails("calibrate", tmp_path, "-s", mine)
+    assert "must end in .json" in fails("calibrate", files, "-s", mine, "-o", "x.txt")
+    table.write_text("frame,exposure_s\ndark-0,minus one\n")
+    words = fails("calibrate", files / "darks", "-s", mine, "--frames", table)
+    assert "frames.csv:2: exposure_s is minus one" in words
+    table.write_text("frame,exposure_s\nother,1\n")
+    words = fails("calibrate", files / "darks", "-s", mine, "--frames", table)
+    assert "names none of the frames" in words
+    np.save(tmp_path / "eight.npy", np.zeros((96, 128), np.uint8))
+    assert "uint16" in fails("calibrate", tmp_path / "eight.npy", "-s", mine)
+    faint = np.full((96, 128), 256 + 0.02 * RANGE, np.uint16)
+    np.save(tmp_path / "faint.npy", faint)
+    assert "Say it: --darks" in fails("calibrate", tmp_path / "faint.npy", "-s", mine)
