@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw import _core, diagnose, synthetic
+from cg2raw import _core, calibration, diagnose, synthetic
 from cg2raw.cli import make_parser
 from cg2raw.diagnose import diagnosis
 
@@ -191,9 +191,11 @@ def test_the_reference_lists_all_public_names_and_no_others():
     parts = classes_of_a_diagnosis() - set(diagnose.__all__)
     assert set(reference()) == {
         "cg2raw",
+        "cg2raw.calibration",
         "cg2raw.diagnose",
         "cg2raw.synthetic",
         *(f"cg2raw.{name}" for name in cg2raw.__all__),
+        *(f"cg2raw.calibration.{name}" for name in calibration.__all__),
         *(f"cg2raw.diagnose.{name}" for name in diagnose.__all__),
         *(f"cg2raw.diagnose.diagnosis.{name}" for name in parts),
         *(f"cg2raw.synthetic.{name}" for name in synthetic.__all__),
