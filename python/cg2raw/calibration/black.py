@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cg2raw.calibration.decay import fit_decay
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import SIGNIFICANT, Measured, root_of
 from cg2raw.calibration.robust import CUT, Array, clipped_moments, line_means
@@ -21,6 +22,7 @@ from cg2raw.calibration.sites import Sites
 EDGE_LENGTHS = np.geomspace(0.7, 256, 40)  # px that are tried
 LONGEST_EDGE = 1 / 6  # of the width; a longer one is the ramp's
 LEAST_COLUMNS = 32  # for an edge beside a ramp
+FIRST_COLUMNS = 8  # that count for it however far off they are
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class BiasStructure:
     bottom over the top, of a straight ramp. edge : of column 0, falling to its e-th
     part in edge_length px; both None where the first columns are like the others.
     column_pattern, row_pattern : standard deviation of what columns and rows have
-    besides. dsnu : likewise of pixels. columns, rows : the profiles, DN."""
+    besides. dsnu : likewise of pixels. columns, rows : the profiles, DN, mean 0."""
 
     horizontal: Measured
     vertical: Measured
@@ -66,7 +68,8 @@ def black_levels(
         drift,
     )
     found = []
-    for plane, used in zip(sites.of(offset), sites.of(known), strict=True):
+    level = (structure.columns[None] + structure.rows[:, None]).astype(np.float32)
+    for plane, used in zip(sites.of(offset - level), sites.of(known), strict=True):
         mean, sigma, count = clipped_moments(plane[used])
         error = math.hypot(*shares, sigma / math.sqrt(count))
         found.append(Measured(mean, error, "DN"))
@@ -86,38 +89,58 @@ def bias_structure(
     pixel_variance : DN^2, of the map's temporal noise in a pixel. row_variance,
     column_variance : likewise in whole rows and columns."""
     flat = np.array(offset, np.float32)
-    sigmas = []
+    levels = []
     for plane, used in zip(sites.of(flat), sites.of(known), strict=True):
-        mean, sigma, _ = clipped_moments(plane[used])
-        plane -= np.float32(mean)
-        sigmas.append(sigma)
-    inside = known & (np.abs(flat) <= CUT * sites.spread(sigmas, flat.shape))
-    columns, per_column = line_means(flat, inside, 0)
+        levels.append(float(np.median(plane[used])))
+        plane -= np.float32(levels[-1])
+    columns, rows, counts = _lines(flat, known, sites)
+    columns -= columns.mean()
+    rows -= rows.mean()
     horizontal, edge, length, of_columns = ramp_and_edge(columns)
-    flat -= columns[None].astype(np.float32)
-    rows, per_row = line_means(flat, inside, 1)
     vertical, _, _, of_rows = ramp_and_edge(rows, with_edge=False)
-    flat -= rows[:, None].astype(np.float32)
-    variances = []
-    for plane, used in zip(sites.of(flat), sites.of(known), strict=True):
-        _, sigma, count = clipped_moments(plane[used])
-        variances.append((sigma**2, count))
-    pixel = float(np.mean([v for v, _ in variances]))
-    pixel /= (1 - 1 / per_column) * (1 - 1 / per_row)  # the means took their part
-    many = sum(count for _, count in variances)
+    moments = [
+        clipped_moments(plane[used])
+        for plane, used in zip(sites.of(flat), sites.of(known), strict=True)
+    ]
+    pixel = float(np.mean([sigma**2 for _, sigma, _ in moments]))
+    pixel /= (1 - 1 / counts[0]) * (1 - 1 / counts[1])  # the means took their part
+    many = sum(count for _, _, count in moments)
     return BiasStructure(
         horizontal,
         vertical,
         edge,
         length,
-        _pattern(columns - of_columns, pixel / per_column + column_variance),
-        _pattern(rows - of_rows, pixel / per_row + row_variance),
+        _pattern(columns - of_columns, pixel / counts[0] + column_variance),
+        _pattern(rows - of_rows, pixel / counts[1] + row_variance),
         root_of(pixel - pixel_variance, pixel * math.sqrt(3 / many), "DN"),
         columns,
         rows,
         of_columns,
         of_rows,
     )
+
+
+def _lines(
+    flat: Array, known: Array, sites: Sites
+) -> tuple[Array, Array, tuple[float, float]]:
+    """Return (columns, rows, pixels per mean of each): means without pixels 4 sigma off
+    their own column and row. They are taken off @flat, in place.
+
+    Medians of some pixels come first: a column may be far off the others."""
+    steps = [max(1, side // 128) | 1 for side in flat.shape]  # odd: of all sites
+    columns = np.median(flat[:: steps[0]], axis=0)
+    flat -= columns[None]
+    rows = np.median(flat[:, :: steps[1]], axis=1)
+    flat -= rows[:, None]
+    pairs = zip(sites.of(flat), sites.of(known), strict=True)
+    sigmas = [clipped_moments(plane[used])[1] for plane, used in pairs]
+    inside = known & (np.abs(flat) <= CUT * sites.spread(sigmas, flat.shape))
+    more, per_column = line_means(flat, inside, 0)
+    flat -= more[None].astype(np.float32)
+    columns = columns.astype(np.float64) + more
+    more, per_row = line_means(flat, inside, 1)
+    flat -= more[:, None].astype(np.float32)
+    return columns, rows.astype(np.float64) + more, (per_column, per_row)
 
 
 def _pattern(rest: Array, share: float) -> Measured:
@@ -134,55 +157,44 @@ def ramp_and_edge(
 
     profile : (N,) DN. The ramp is end over beginning, 0 in the middle; the edge falls
     by a factor e over its length. Columns far off the others do not count."""
-    place = (np.arange(len(profile)) + 0.5) / len(profile) - 0.5
+    column = np.arange(len(profile))
+    place = (column + 0.5) / len(profile) - 0.5
     straight = np.stack([np.ones_like(place), place], 1)
-    best = _fit(straight, profile)
-    ramp, edge, length = _error_of(best, 1), None, None
     if with_edge and len(profile) >= LEAST_COLUMNS:
         lengths = EDGE_LENGTHS[EDGE_LENGTHS < len(profile) * LONGEST_EDGE]
-        tried = [_fit(_with_edge(straight, x), profile, cut=False) for x in lengths]
-        index = int(np.argmin([squares for _, _, squares, _ in tried]))
-        found = _fit(_with_edge(straight, lengths[index]), profile, edges=True)
-        height = _error_of(found, 2)
-        if height.stands_out and abs(height.value) > CUT * math.sqrt(found[2]):
-            best, edge, ramp = found, height, _error_of(found, 1)
-            curve = [squares for _, _, squares, _ in tried]
-            length = _length(lengths, np.array(curve), index, found[3])
-    design = straight if length is None else _with_edge(straight, length.value)
-    return ramp, edge, length, design @ best[0]
+        found = fit_decay(straight, column, profile, lengths, first=FIRST_COLUMNS)
+        wide = math.sqrt(_correlated(found.rest))
+        ramp, edge = (
+            Measured(float(found.values[i]), float(found.errors[i]) * wide, "DN")
+            for i in (1, 2)
+        )
+        if edge.stands_out and abs(edge.value) > CUT * math.sqrt(found.variance):
+            length = Measured(found.length, float(found.errors[3]) * wide, "px")
+            return ramp, edge, length, profile - found.rest
+    line = _fit(straight, profile)
+    return _error_of(line, 1), None, None, straight @ line[0]
 
 
-def _with_edge(straight: Array, length: float) -> Array:
-    fall = np.exp(-np.arange(len(straight)) / length)
-    return np.column_stack([straight, fall])
+Fit = tuple[Array, Array, float]  # values, inverse normal matrix, variance
 
 
-Fit = tuple[Array, Array, float, int]  # values, inverse normal matrix, variance, count
-
-
-def _fit(design: Array, y: Array, cut: bool = True, edges: bool = False) -> Fit:
-    """Return least squares; with cut, without columns 4 sigma off.
-
-    edges : keep the first columns whatever they are: the edge is of them."""
+def _fit(design: Array, y: Array) -> Fit:
+    """Return least squares without what lies 4 sigma off."""
     keep = np.ones(len(y), bool)
-    rounds = 4 if cut else 1
-    for _ in range(rounds):
+    for _ in range(4):
         values = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
         rest = y - design @ values
         freedom = max(int(keep.sum()) - design.shape[1], 1)
         variance = float((rest[keep] ** 2).sum()) / freedom
-        if not cut:
-            break
-        sigma = clipped_moments(rest)[1]
-        keep = np.abs(rest) <= CUT * sigma
-        if edges:
-            keep[:8] = True
+        keep = np.abs(rest) <= CUT * clipped_moments(rest)[1]
     inverse = np.linalg.pinv(design[keep].T @ design[keep])
-    return values, inverse * _correlated(rest[keep]), variance, int(keep.sum())
+    return values, inverse * _correlated(rest[keep]), variance
 
 
 def _correlated(rest: Array) -> float:
-    """Return by how much neighbours that correlate widen the errors of a fit."""
+    """Return by how much neighbours that correlate widen a fit's variance."""
+    most = CUT * clipped_moments(rest)[1]
+    rest = np.clip(rest, -most, most)
     own = float(rest @ rest)
     next_one = float(rest[1:] @ rest[:-1]) / own if own > 0 else 0.0
     r = min(max(next_one, 0.0), 0.95)
@@ -190,18 +202,9 @@ def _correlated(rest: Array) -> float:
 
 
 def _error_of(fit: Fit, index: int) -> Measured:
-    values, inverse, variance, _ = fit
+    values, inverse, variance = fit
     error = math.sqrt(max(float(inverse[index, index]) * variance, 0.0))
     return Measured(float(values[index]), error, "DN")
-
-
-def _length(lengths: Array, squares: Array, index: int, count: int) -> Measured:
-    """Return the edge's length, px: where the sum of squares rises by one variance."""
-    rise = (squares / squares[index] - 1) * count
-    near = lengths[rise < 1]
-    step = lengths[index] * (lengths[1] / lengths[0] - 1)
-    error = max(float(near[-1] - near[0]) / 2, step / 2)
-    return Measured(float(lengths[index]), error, "px")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ what was measured has Gaussian noise. Source: R. L. Baer, Proc. SPIE 6068, 2006
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,9 +19,12 @@ from scipy.special import erfcx, ndtr
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.robust import Array
 
-EDGES = np.concatenate([-np.geomspace(8, 0.25, 21), np.geomspace(0.25, 1e5, 121)])
+# Bins of rates over their noise; as fine as the laws are, out to all that can be.
+SIDE = np.geomspace(0.25, 1e5, 121)
+EDGES = np.concatenate([-SIDE[::-2], SIDE])
 NODES = np.linspace(-5.5, 5.5, 221)  # of the normal that the log-normal is made of
 WEIGHTS = np.exp(-(NODES**2) / 2) / np.exp(-(NODES**2) / 2).sum()
+FAR = 20.0  # times the noise, where hot pixels are looked for first
 SHARES = (0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
 MOST_LOG_SIGMA, MOST_HOT = 3.0, 0.2  # as the registry bounds them
 
@@ -50,10 +54,15 @@ def dark_spread(excess: Array, noise: float) -> DarkSpread:
 
     excess : (N,) DN/s, median 0. noise : DN/s, standard deviation by temporal noise."""
     counts = np.histogram(excess / noise, EDGES)[0].astype(float)
-    start = 0.5, 1.0, 1e-3, 20.0
-    both = _fitted(counts, start, (True, True), (0.3, 2.0))
-    flat = _fitted(counts, start, (False, True), (1.0,))
-    cold = _fitted(counts, start, (True, False), (1.0,))
+    wide, far = (max(float(q), 1.0) for q in np.quantile(excess / noise, (0.9, 0.999)))
+    start = np.array([wide / 2, 0.8, 1e-3, max(far, FAR)])
+    flat = _fitted(counts, [start], (False, True))
+    cold = _fitted(counts, [start], (True, False))
+    ends = [
+        np.array([*start[:2], *flat[0][2:]]),
+        np.array([*cold[0][:2], *start[2:]]),
+    ]
+    both = _fitted(counts, ends, (True, True))
     values, errors = both[0], both[2]
     rate, log_sigma, fraction, hot = (
         Measured(v * unit, e * unit, words)
@@ -79,15 +88,12 @@ def dark_spread(excess: Array, noise: float) -> DarkSpread:
 
 
 def _fitted(
-    counts: Array,
-    start: tuple[float, ...],
-    used: tuple[bool, bool],
-    scales: tuple[float, ...],
+    counts: Array, starts: Sequence[Array], used: tuple[bool, bool]
 ) -> tuple[Array, float, Array]:
     """Return (values, log likelihood, errors) of log-normal and hot pixels.
 
-    Values in units of the noise; an unused part has rate or fraction 0. scales : of the
-    first rate, over that of hot pixels, where the search begins."""
+    Values in units of the noise; an unused part has rate or fraction 0. starts : where
+    the search begins, in turn; the likeliest end counts."""
     low = np.log([1e-3, 0.02, 1e-7, 1.0])
     high = np.log([1e3, MOST_LOG_SIGMA, MOST_HOT, 1e5])
 
@@ -103,9 +109,13 @@ def _fitted(
         return -float(counts @ np.log(share)) + 1e3 * float(beyond @ beyond)
 
     best = None
-    for scale in scales:
-        first = np.log(np.array(start) * [scale, 1, 1, 1 / scale])
-        found = minimize(loss, first, method="Nelder-Mead", options=OPTIONS)
+    for start in starts:
+        first = np.clip(np.log(np.maximum(start, 1e-12)), low, high)
+        for step in STEPS:  # once more from where it ended: a simplex may collapse
+            corners = np.vstack([first, first + step * np.eye(len(first))])
+            options = {**OPTIONS, "initial_simplex": corners}
+            found = minimize(loss, first, method="Nelder-Mead", options=options)
+            first = found.x
         if best is None or found.fun < best.fun:
             best = found
     assert best is not None
@@ -114,12 +124,14 @@ def _fitted(
     return values, -float(best.fun), errors * values
 
 
-OPTIONS = {"maxiter": 1200, "maxfev": 1200, "xatol": 1e-4, "fatol": 1e-2}
+OPTIONS = {"maxfev": 600, "xatol": 1e-3, "fatol": 1e-2}
+STEPS = (0.7, 0.2)  # of the first simplex, in logarithms
 
 
 def shares_of(values: Array) -> Array:
-    """Return the expected share of each bin between EDGES; what lies beyond them is in
-    none. values : rate, log_sigma, fraction, hot rate; noise is 1."""
+    """Return the expected share of each bin between EDGES.
+
+    values : rate, log_sigma, fraction, hot rate; the noise is 1."""
     rate, log_sigma, fraction, hot = values
     shift = rate * np.expm1(log_sigma * NODES)
     cold = ndtr(EDGES[:, None] - shift[None]) @ WEIGHTS

@@ -188,9 +188,14 @@ def centred_rates(maps: DarkMaps, current: DarkCurrent) -> tuple[DarkSpread, Glo
     known = maps.known
     middle = float(np.median(maps.rate[known]))
     noise = math.sqrt(float(maps.covariance[1, 1]))
-    spread = dark_spread(maps.rate[known] - middle, noise)
+    shine = glow(np.where(known, maps.rate, np.nan))
+    excess = maps.rate - middle
+    if shine.stands_out:
+        excess -= shine.over(maps.rate.shape)
+        excess -= np.median(excess[known])
+    spread = dark_spread(excess[known], noise)
     maps.rate[known] += np.float32(current.rate.value - middle)
-    return spread, glow(np.where(known, maps.rate, np.nan))
+    return spread, shine
 
 
 def anchor(maps: DarkMaps, sums: DarkSums) -> None:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cg2raw.calibration.decay import fit_decay
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.robust import CUT, Array, clipped_moments
+from cg2raw.calibration.robust import CUT, Array
 from cg2raw.calibration.sites import FIELD_BLOCKS, blocks_of, centres
 
 EXTENTS = np.geomspace(0.03, 1.0, 15)  # half diagonals of the frame
@@ -33,6 +34,16 @@ class Glow:
     residual: float
     median: float
 
+    def over(self, shape: tuple[int, ...]) -> Array:
+        """Return (H, W) float32 of the glow over a frame, DN/s."""
+        height, width = shape
+        rows = (np.arange(height) + 0.5 - (self.row + 1) / 2 * height)[:, None]
+        cols = np.arange(width) + 0.5 - (self.column + 1) / 2 * width
+        far = np.hypot(rows.astype(np.float32), cols[None].astype(np.float32))
+        far /= np.float32(-self.extent.value * math.hypot(height, width) / 2)
+        found: Array = np.exp(far) * np.float32(self.per_second.value)
+        return found
+
     @property
     def stands_out(self) -> bool:
         """Whether it is beyond chance, and beyond what else blocks have."""
@@ -46,35 +57,29 @@ def glow(rate: Array) -> Glow:
     smooth = np.array([median_of(b) for b in blocks_of(rate, across)])
     rows, cols = (centres(side, across) for side in rate.shape)
     half = math.hypot(*rate.shape) / 2
-    best: tuple[float, Array, Array, tuple[float, float], float] | None = None
+    ones, best = np.ones((len(smooth), 1)), None
     for row, col in PLACES:
         far = np.hypot(
             rows[:, None] - (row + 1) / 2 * rate.shape[0],
             cols[None] - (col + 1) / 2 * rate.shape[1],
         )
-        for extent in EXTENTS:
-            fall = np.exp(-far.ravel() / half / extent)
-            design = np.stack([np.ones_like(fall), fall], 1)
-            values, rest = _robust(design, smooth)
-            squares = float(rest @ rest)
-            if values[1] > 0 and (best is None or squares < best[0]):
-                best = squares, values, design, (row, col), float(extent)
+        found = fit_decay(ones, far.ravel() / half, smooth, EXTENTS)
+        if found.values[1] > 0 and (best is None or found.variance < best[0].variance):
+            best = found, far.ravel() / half, row, col
     grid = smooth.reshape(len(rows), len(cols))
     if best is None:
         none = Measured(0.0, float(np.std(smooth)), "DN/s")
         return Glow(none, 0, 0, Measured(1.0, 1.0, "1"), grid, float(np.std(smooth)), 0)
-    squares, values, design, (row, col), extent = best
-    sigma = math.sqrt(squares / (len(smooth) - 4))
-    error = sigma * math.sqrt(float(np.linalg.pinv(design.T @ design)[1, 1]))
-    step = extent * (EXTENTS[1] / EXTENTS[0] - 1)
+    found, distance, row, col = best
+    middle = float(np.median(np.exp(-distance / found.length)))
     return Glow(
-        Measured(float(values[1]), error, "DN/s"),
+        Measured(float(found.values[1]), float(found.errors[1]), "DN/s"),
         row,
         col,
-        Measured(extent, float(step) / 2, "1"),
+        Measured(found.length, float(found.errors[2]), "1"),
         grid,
-        sigma,
-        float(np.median(values[1] * design[:, 1])),
+        math.sqrt(found.variance),
+        float(found.values[1]) * middle,
     )
 
 
@@ -82,13 +87,3 @@ def median_of(block: Array) -> float:
     """Return the median of a block's pixels that are finite, 0 if none is."""
     known = block[np.isfinite(block)]
     return float(np.median(known)) if known.size else 0.0
-
-
-def _robust(design: Array, y: Array) -> tuple[Array, Array]:
-    """Return (least squares without what lies 4 sigma off, residuals cut there)."""
-    values = np.linalg.lstsq(design, y, rcond=None)[0]
-    rest = y - design @ values
-    _, sigma, _ = clipped_moments(rest)
-    keep = np.abs(rest) <= CUT * sigma
-    values = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
-    return values, np.clip(y - design @ values, -CUT * sigma, CUT * sigma)

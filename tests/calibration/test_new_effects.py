@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Structure of the bias, drift, spread of dark current, glow, correlation: planted
+together, found one by one, and written into the profile."""
+
+import json
+
+import numpy as np
+import pytest
+
+import cg2raw
+from calibration.planted import RANGE, frames_of, sensor_of
+from cg2raw.calibration import calibrate
+from cg2raw.calibration.black import bias_structure, black_levels
+from cg2raw.calibration.dark_spread import dark_spread
+from cg2raw.calibration.glow import glow
+from cg2raw.calibration.sites import Sites
+
+EFFECTS = {
+    "bias_structure": {
+        "horizontal": 4 / RANGE,
+        "vertical": -2 / RANGE,
+        "edge": 12 / RANGE,
+        "edge_length": 12.0,
+    },
+    "black_level_drift": {"sigma": 0.6 / RANGE},
+    "column_fixed_pattern": {"sigma": 0.5 / RANGE},
+    "row_noise": {"sigma": 0.3 / RANGE},
+    "read_noise_correlation": {"coefficient": -0.07},
+    "dark_current": {"per_second": 0.8 / RANGE},
+    "dark_current_nonuniformity": {"rate": 0.6 / RANGE, "log_sigma": 0.8},
+    "hot_pixels": {"fraction": 0.005, "rate": 40 / RANGE},
+    "amplifier_glow": {
+        "per_second": 1.5 / RANGE, "row": 1.0, "column": -1.0, "extent": 0.15,
+    },
+}  # fmt: skip
+KNOWN = {effect["name"] for effect in cg2raw.effects()}
+# Relative, beyond three standard errors of the samples of 190 x 256 pixels, 10 biases
+# and 8 darks: the drift of 10 frames is known to a quarter, columns' edge to a tenth.
+TOLERANCE = {"sigma": 0.5, "edge_length": 0.3, "fraction": 0.2}
+ONE = Sites(1, ("",))
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Return {effect: parameters} of the profile that all of EFFECTS are found in."""
+    lacking = set(EFFECTS) - KNOWN
+    if lacking:
+        pytest.skip(f"the core has no {', '.join(sorted(lacking))}")
+    sensor = sensor_of(EFFECTS)
+    calibration = calibrate(sensor, frames_of(sensor, biases=10, darks=8, flats=4))
+    profile = json.loads(calibration.updated_profile())
+    return {e["name"]: e["parameters"] for e in profile["effects"]}
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_each_is_found_among_all(found, name):
+    for parameter, truth in EFFECTS[name].items():
+        most = TOLERANCE.get(parameter, 0.15)
+        assert found[name][parameter] == pytest.approx(truth, rel=most), parameter
+
+
+def test_nothing_else_is_found(found):
+    assert set(found) == set(EFFECTS)
+
+
+def offsets(shape=(256, 320), seed=3):
+    """Return an (H, W) float32 map with an edge, two ramps, columns and pixels."""
+    rng = np.random.default_rng(seed)
+    rows, cols = np.mgrid[: shape[0], : shape[1]]
+    level = 100 + 4 * (cols / shape[1] - 0.5) - 2 * (rows / shape[0] - 0.5)
+    level = level + 12 * np.exp(-cols / 12) + rng.normal(0, 0.5, shape[1])[None]
+    return (level + rng.normal(0, 1, shape)).astype(np.float32)
+
+
+def test_structure_of_a_map():
+    image = offsets()
+    known = np.ones(image.shape, bool)
+    s = bias_structure(image, known, ONE, pixel_variance=0.0)
+    for measured, truth in (
+        (s.horizontal, 4.0), (s.vertical, -2.0), (s.edge, 12.0), (s.edge_length, 12.0),
+        (s.column_pattern, 0.5), (s.row_pattern, 0.0), (s.dsnu, 1.0),
+    ):  # fmt: skip
+        assert abs(measured.value - truth) < 3 * measured.standard_error, measured
+    level = black_levels(image, known, ONE, s, 0.0)[0]
+    mean_of_edge = 12 * np.exp(-np.arange(320) / 12).mean()
+    assert abs(level.value - 100 - mean_of_edge) < 3 * level.standard_error
+
+
+def test_spread_of_dark_current_beside_hot_pixels():
+    rng = np.random.default_rng(4)
+    rate = 0.6 * np.expm1(0.8 * rng.normal(size=50_000))
+    rate += (rng.random(50_000) < 0.005) * rng.exponential(40, 50_000)
+    s = dark_spread(rate + rng.normal(0, 0.04, 50_000), 0.04)
+    for measured, truth in (
+        (s.rate, 0.6), (s.log_sigma, 0.8), (s.fraction, 0.005), (s.hot_rate, 40.0),
+    ):  # fmt: skip
+        assert abs(measured.value - truth) < 3 * measured.standard_error, measured
+    mere_noise = dark_spread(rng.normal(0, 0.04, 50_000), 0.04)
+    assert mere_noise.spread_nats < 10 and mere_noise.hot_nats < 10
+
+
+def test_glow_of_a_corner():
+    rows, cols = np.mgrid[:256, :320]
+    far = np.hypot(256 - rows, cols) / (np.hypot(256, 320) / 2)
+    rng = np.random.default_rng(5)
+    rate = 0.8 + 1.5 * np.exp(-far / 0.15) + rng.normal(0, 0.1, rows.shape)
+    g = glow(rate.astype(np.float32))
+    assert (g.row, g.column, g.stands_out) == (1.0, -1.0, True)
+    assert g.per_second.value == pytest.approx(1.5, rel=0.05)
+    assert g.extent.value == pytest.approx(0.15, rel=0.05)
+    flat = glow(rng.normal(0.8, 0.1, rows.shape).astype(np.float32))
+    assert not flat.stands_out
