@@ -141,8 +141,7 @@ def stored_in(path: str, sensor: Sensor) -> Iterator[tuple[UniformFrame, Said]]:
     frame = UniformFrame(
         os.path.basename(path), "dark", lambda: read_raw(path, header.active)
     )
-    temperature = getattr(header, "temperature", None)
-    yield frame, Said(header.exposure_time, header.iso, temperature)
+    yield frame, Said(header.exposure_time, header.iso, header.temperature)
 
 
 def stored_in_npz(path: str) -> Iterator[tuple[UniformFrame, Said]]:
