@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import PyOpenColorIO as ocio
 
 from cg2raw import _core
+from cg2raw.cfa import is_mono
 
 from . import chain, color_effects, names
 
@@ -74,7 +75,13 @@ def camera_transform(
 ) -> _core.CameraTransform:
     """Return the core's CameraTransform of a sensor under an illuminant (a word).
 
-    Raises ValueError for the convention sensor: its light has no white to clip at."""
+    Raises ValueError for the convention sensor: its light has no white to clip at; and
+    for a monochrome sensor, which has no space of colours."""
+    if is_mono(profile.cfa):
+        raise ValueError(
+            f"sensor {profile.id} is monochrome and has no RAW colour space: leave it "
+            "out, and write its DNG from the scene (dng:sensor)"
+        )
     if exposure.convention.lower() == "sensor":
         raise ValueError(
             "convention sensor has no RAW space of its own: take the unbounded space "

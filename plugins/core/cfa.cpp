@@ -14,7 +14,10 @@ namespace {
 constexpr std::string_view letters = "rgb"; ///< by colour
 constexpr const char* allowed
     = "RGGB, GRBG, GBRG or BGGR, or the 16 or 36 letters of a 4 x 4 or 6 x 6 repeat, "
-      "row by row from the top-left active pixel, R, G and B each at least once";
+      "row by row from the top-left active pixel, R, G and B each at least once, or "
+      "mono";
+constexpr const char* mono = "mono";
+constexpr std::uint8_t green = 1;
 
 bool bayer(const std::string& word)
 {
@@ -55,6 +58,8 @@ std::string shown(const CfaPattern& cfa)
 CfaPattern cfa_from_name(std::string_view name)
 {
     const std::string word = lower_case(name);
+    if (word == mono)
+        return mono_cfa();
     const int side = side_of(word);
     if (side == 0)
         throw Error("cfa \"" + std::string(name) + "\" must be " + allowed
@@ -68,8 +73,17 @@ CfaPattern cfa_from_name(std::string_view name)
     return cfa;
 }
 
+CfaPattern mono_cfa()
+{
+    CfaPattern cfa { 1, 1, {} };
+    cfa.colors[0] = green;
+    return cfa;
+}
+
 std::string name_of(const CfaPattern& cfa)
 {
+    if (cfa.is_mono())
+        return "MONO";
     std::string name;
     for (int site = 0; site < cfa.sites(); ++site)
         name += "RGB"[cfa.colors[std::size_t(site)]];
@@ -78,6 +92,8 @@ std::string name_of(const CfaPattern& cfa)
 
 void check_cfa(const CfaPattern& cfa)
 {
+    if (cfa.is_mono() && cfa.colors[0] == green)
+        return;
     const int side = side_of(lower_case(name_of(cfa)));
     if (cfa.width != side || cfa.height != side)
         throw Error("cfa " + shown(cfa) + " must be " + allowed);
@@ -89,6 +105,9 @@ std::vector<double> spread_over_sites(const std::vector<double>& numbers,
     const std::size_t sites = std::size_t(cfa.sites());
     if (numbers.size() == sites)
         return numbers;
+    if (cfa.is_mono())
+        throw Error("must be 1 number, since a monochrome sensor has one CFA site, not "
+                    + std::to_string(numbers.size()));
     if (numbers.size() != 1 && numbers.size() != 3)
         throw Error("must be 1 number (all CFA sites), 3 (R, G, B) or "
                     + std::to_string(sites) + " (one per CFA site), not "

@@ -35,6 +35,8 @@ Demosaic::Demosaic(const CfaPattern& cfa, Size size)
                     + std::to_string(size.width)
                     + " pixels must hold a whole repeat of the CFA, "
                     + std::to_string(cfa.height) + " x " + std::to_string(cfa.width));
+    if (cfa.is_mono())
+        return; // every site has all that there is
     // One repeat away from the border, where no row or column is negative.
     const auto place = [&](int site) {
         return Site { cfa.height + site / cfa.width, cfa.width + site % cfa.width };
@@ -87,6 +89,11 @@ float Demosaic::mean_around(const Plane<const float>& raw, Site at, int color) c
 
 void Demosaic::row(const Plane<const float>& raw, int row, float* const camera[3]) const
 {
+    if (m_cfa.is_mono()) {
+        for (int color = 0; color < 3; ++color)
+            std::copy_n(raw.row(row), m_size.width, camera[color]);
+        return;
+    }
     const bool row_inside = row >= m_radius && row + m_radius < m_size.height;
     for (int col = 0; col < m_size.width; ++col) {
         const Site at { row, col };

@@ -9,23 +9,45 @@
 
 namespace cg2raw {
 
-void check_sites(const Effect& effect, const CfaPattern& cfa, const std::string& file)
+namespace {
+
+bool has_parameter(CfaRepeat repeat, const CfaPattern& cfa)
 {
-    if (cfa.width == 2 && cfa.height == 2)
-        return;
-    for (const Parameter& parameter : effect.parameters)
-        if (parameter.repeat == CfaRepeat::bayer)
-            throw Error(file + ": effect " + effect.name + ": parameter "
-                        + parameter.name + " is of a 2 x 2 CFA, and this one is "
-                        + std::to_string(cfa.height) + " x " + std::to_string(cfa.width)
-                        + ": leave the effect out; a profile of any CFA can give noise"
-                          " per site in its noise table, and black_level per site");
+    return !cfa.is_mono() || repeat == CfaRepeat::any
+        || repeat == CfaRepeat::first_site;
 }
 
-void check_values(const Effect& effect, const Values& values, const std::string& file)
+/// Of what no site of this CFA has anything.
+bool is_foreign(CfaRepeat repeat, const CfaPattern& cfa)
+{
+    if (cfa.is_mono())
+        return repeat == CfaRepeat::colors || repeat == CfaRepeat::bayer;
+    const bool is_2x2 = cfa.width == 2 && cfa.height == 2;
+    return !is_2x2
+        && (repeat == CfaRepeat::bayer || repeat == CfaRepeat::first_site
+            || repeat == CfaRepeat::other_site);
+}
+
+[[noreturn]] void fail_foreign(const Effect& effect, const Parameter& parameter,
+                               const CfaPattern& cfa, const std::string& file)
 {
     const std::string where = file + ": effect " + effect.name + ": ";
-    const std::vector<Parameter>& parameters = effect.parameters;
+    if (cfa.is_mono())
+        throw Error(
+            where
+            + "tells the colours of a CFA apart, and this sensor is monochrome: "
+              "leave the effect out");
+    throw Error(
+        where + "parameter " + parameter.name + " is of a 2 x 2 CFA, and this one is "
+        + std::to_string(cfa.height) + " x " + std::to_string(cfa.width)
+        + ": leave the effect out; a profile of any CFA can give noise per site "
+          "in its noise table, and black_level per site");
+}
+
+void check_each(const Effect& effect, const Values& values,
+                const std::vector<Parameter>& parameters, const std::string& file)
+{
+    const std::string where = file + ": effect " + effect.name + ": ";
     if (values.size() != parameters.size()) {
         std::vector<std::string> names;
         for (const Parameter& parameter : parameters)
@@ -41,13 +63,42 @@ void check_values(const Effect& effect, const Values& values, const std::string&
     }
 }
 
+} // namespace
+
+bool has_effect(const CfaPattern& cfa, const Effect& effect)
+{
+    return std::none_of(
+        effect.parameters.begin(), effect.parameters.end(),
+        [&](const Parameter& parameter) { return is_foreign(parameter.repeat, cfa); });
+}
+
+std::vector<Parameter> parameters_of(const Effect& effect, const CfaPattern& cfa,
+                                     const std::string& file)
+{
+    std::vector<Parameter> parameters;
+    for (const Parameter& parameter : effect.parameters) {
+        if (is_foreign(parameter.repeat, cfa))
+            fail_foreign(effect, parameter, cfa, file);
+        if (has_parameter(parameter.repeat, cfa))
+            parameters.push_back(parameter);
+    }
+    return parameters;
+}
+
+void check_values(const Effect& effect, const Values& values, const CfaPattern& cfa,
+                  const std::string& file)
+{
+    check_each(effect, values, parameters_of(effect, cfa, file), file);
+}
+
 Values values_of(const Effect& effect, const std::map<std::string, double>& given,
-                 const std::string& file)
+                 const CfaPattern& cfa, const std::string& file)
 {
     const std::string where = file + ": effect " + effect.name + ": ";
     Values values;
     std::vector<std::string> names;
-    for (const Parameter& parameter : effect.parameters) {
+    const std::vector<Parameter> parameters = parameters_of(effect, cfa, file);
+    for (const Parameter& parameter : parameters) {
         names.push_back(parameter.name);
         const auto found = given.find(parameter.name);
         if (found == given.end())
@@ -56,7 +107,7 @@ Values values_of(const Effect& effect, const std::map<std::string, double>& give
                         + number(parameter.max) + " " + parameter.unit + ")");
         values.push_back(found->second);
     }
-    check_values(effect, values, file);
+    check_each(effect, values, parameters, file);
     for (const auto& [name, value] : given)
         if (std::find(names.begin(), names.end(), name) == names.end())
             throw Error(where + "parameter " + name

@@ -63,11 +63,41 @@ Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
     return over_green(*as_shot);
 }
 
+/// What a monochrome sensor sees of a light is 1, whatever the light: white of the
+/// scene is. The words of a light say which it was, and no word is needed.
+Illuminant mono_illuminant(const SensorProfile& profile, std::string_view spec)
+{
+    using Kind = IlluminantSpec::Kind;
+    constexpr Chromaticity scene_white { 0.3127, 0.3290 }; // D65, of Rec.709
+    Chromaticity xy = scene_white;
+    if (!spec.empty()) {
+        const IlluminantSpec light = parse_illuminant(spec);
+        if (light.kind == Kind::xy)
+            xy = { light.a, light.b };
+        else if (light.kind == Kind::kelvin)
+            xy = planckian_xy({ light.a });
+        else if (light.kind == Kind::sample
+                 || (light.kind == Kind::neutral && (light.a != 1.0 || light.b != 1.0)))
+            throw Error("illuminant \"" + std::string(spec) + "\": sensor " + profile.id
+                        + " is monochrome and has no neutrals: name a light such as "
+                          "D65, or leave the illuminant out");
+    }
+    return { std::string(spec),
+             profile.id,
+             { 1, 1, 1 },
+             xy,
+             temperature_from_xy(xy, RobertsonTable::adobe) };
+}
+
 } // namespace
 
 std::array<std::size_t, 2> warm_and_cool(const SensorProfile& profile)
 {
     const auto& all = profile.calibrations;
+    if (all.empty())
+        throw Error("sensor " + profile.id
+                    + " is monochrome and has no colour matrix: what needs one is for "
+                      "sensors with a colour filter array");
     if (all.size() < 2)
         return { 0, 0 };
     const bool ordered = light_source_temperature(all[0].light_source).value
@@ -145,6 +175,8 @@ Vec3 neutral_from_xy(const SensorProfile& profile, Chromaticity xy)
 Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
                       const std::optional<Vec3>& as_shot)
 {
+    if (profile.cfa.is_mono())
+        return mono_illuminant(profile, spec);
     const Vec3 neutral = neutral_of(profile, parse_illuminant(spec), as_shot);
     const Chromaticity xy = xy_from_neutral(profile, neutral).xy;
     return { std::string(spec), profile.id, neutral, xy,

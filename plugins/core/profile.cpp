@@ -128,6 +128,16 @@ void check_forward_matrix(const Calibration& calibration, const std::string& fil
                      + "; each must be above 0");
 }
 
+/// A monochrome sensor tells no colours apart.
+void check_mono(const SensorProfile& profile, const std::string& file)
+{
+    if (!profile.calibrations.empty())
+        fail(file, "cfa mono needs no colour matrix: leave it out");
+    const NeutralDistribution& lights = profile.illuminants;
+    if (!lights.neutrals.empty() || !lights.hull.empty())
+        fail(file, "cfa mono has no neutrals: leave illuminants out");
+}
+
 void check_calibrations(const SensorProfile& profile, const std::string& file)
 {
     if (profile.calibrations.empty() || profile.calibrations.size() > 2)
@@ -274,7 +284,10 @@ void check(const SensorProfile& profile, const std::string& file)
         fail(file, error.what());
     }
     check_levels(profile, file);
-    check_calibrations(profile, file);
+    if (profile.cfa.is_mono())
+        check_mono(profile, file);
+    else
+        check_calibrations(profile, file);
     check_noise(profile, file);
     check_neutrals(profile, file);
     if (profile.digital_gain

@@ -48,6 +48,19 @@ std::vector<Calibration> calibrations(Fields& fields)
     return result;
 }
 
+/// What speaks of colours has no meaning for one channel.
+void refuse_colors(Fields& fields)
+{
+    for (const std::string field :
+         { "calibration_illuminant_1", "color_matrix_1", "forward_matrix_1",
+           "calibration_illuminant_2", "color_matrix_2", "forward_matrix_2",
+           "illuminants" })
+        if (fields.has(field))
+            fields.fail(field,
+                        "has no meaning with cfa mono, which tells no colours apart: "
+                        "leave it out");
+}
+
 NeutralDistribution illuminants(Fields fields)
 {
     NeutralDistribution result;
@@ -66,6 +79,18 @@ NeutralDistribution illuminants(Fields fields)
     }
     fields.done();
     return result;
+}
+
+/// calibrations and illuminants; a monochrome sensor has neither.
+void read_colors(Fields& fields, SensorProfile& profile)
+{
+    if (profile.cfa.is_mono()) {
+        refuse_colors(fields);
+        return;
+    }
+    profile.calibrations = calibrations(fields);
+    if (fields.has("illuminants"))
+        profile.illuminants = illuminants(fields.object("illuminants"));
 }
 
 std::optional<NoiseShape> noise_shape(Fields& row)
@@ -170,9 +195,7 @@ SensorProfile profile_from(Fields fields)
     profile.bits = fields.integer("bits");
     profile.black_level = fields.per_site("black_level", profile.cfa);
     profile.white_level = fields.integer("white_level");
-    profile.calibrations = calibrations(fields);
-    if (fields.has("illuminants"))
-        profile.illuminants = illuminants(fields.object("illuminants"));
+    read_colors(fields, profile);
     if (fields.has("digital_gain")) {
         Fields gain = fields.object("digital_gain");
         profile.digital_gain = DigitalGain { gain.real("mean"), gain.real("sigma") };

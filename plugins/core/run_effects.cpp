@@ -137,8 +137,8 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
         const Effect& known = effect_of(setting.name, profile);
         if (known.stage == Stage::color && !run.color_effects)
             continue;
-        check_sites(known, profile.cfa, "sensor " + profile.id);
-        add(known, values_of(known, setting.parameters, "sensor " + profile.id));
+        add(known,
+            values_of(known, setting.parameters, profile.cfa, "sensor " + profile.id));
     }
     if (noise)
         for (auto& [name, values] : noise_settings(profile, run, *noise))
@@ -157,8 +157,7 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile,
         const Effect& known = effect_of(name, profile);
         if (holds(active, known))
             throw Error(where + ": effect " + name + " is given twice: give it once");
-        check_sites(known, profile.cfa, where);
-        check_values(known, values, where);
+        check_values(known, values, profile.cfa, where);
         active.push_back({ &known, values, rng_of(known, profile, {}) });
     }
     sort_by_stage(active);

@@ -61,6 +61,20 @@ Mat3 balanced_from_srgb(const SensorProfile& profile, const Illuminant& light)
     return row_normalised(camera);
 }
 
+/// Luminance of the scene in all three planes: white is 1. Source: IEC 61966-2-1.
+CameraTransform mono_transform()
+{
+    const Mat3 xyz = xyz_d65_from_srgb();
+    const double white = xyz(1, 0) + xyz(1, 1) + xyz(1, 2);
+    CameraTransform transform {};
+    for (int row = 0; row < 3; ++row)
+        for (int col = 0; col < 3; ++col)
+            transform.first(row, col) = xyz(1, col) / white;
+    transform.second = diagonal({ 1, 1, 1 });
+    transform.gains = { 1, 1, 1 };
+    return transform;
+}
+
 CameraTransform dng_transform(const SensorProfile& profile, const Illuminant& light)
 {
     CameraTransform transform {};
@@ -74,6 +88,11 @@ CameraTransform dng_transform(const SensorProfile& profile, const Illuminant& li
 
 CameraTransform paper_transform(const SensorProfile& profile, const Illuminant& light)
 {
+    if (profile.cfa.is_mono())
+        throw Error(
+            "convention paper: sensor " + profile.id
+            + " is monochrome, and the paper's method is for colours: say dng or "
+              "sensor");
     const double cct = paper_temperature(profile, light.neutral).cct.value;
     CameraTransform transform {};
     transform.first = inverse(row_normalised(paper_srgb_from_xyz));
@@ -132,7 +151,9 @@ CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant
                     + " must be above 0 and at most 1000");
     CameraTransform transform = convention == Convention::paper
         ? paper_transform(profile, light)
-        : dng_transform(profile, light);
+        : profile.cfa.is_mono() ? mono_transform()
+                                : dng_transform(profile, light);
+    transform.is_grey = profile.cfa.is_mono();
     for (double& gain : transform.gains)
         gain *= digital_gain;
     transform.is_light = convention == Convention::sensor;
@@ -142,8 +163,10 @@ CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant
 
 SceneTransform scene_from_camera(const CameraTransform& camera_from_scene)
 {
-    const auto& [first, two_steps, second, gains, keep, clip, light]
+    const auto& [first, two_steps, second, gains, keep, clip, light, grey]
         = camera_from_scene;
+    if (grey)
+        return { gains, diagonal({ 1, 1, 1 }), false, diagonal({ 1, 1, 1 }) };
     if (two_steps)
         return { gains, inverse(second), true, inverse(first) };
     return { gains, diagonal({ 1, 1, 1 }), false, inverse(second * first) };
@@ -151,6 +174,8 @@ SceneTransform scene_from_camera(const CameraTransform& camera_from_scene)
 
 Mat3 srgb_from_balanced(const SensorProfile& profile, const Illuminant& light)
 {
+    if (profile.cfa.is_mono())
+        return diagonal({ 1, 1, 1 });
     return inverse(balanced_from_srgb(profile, light));
 }
 

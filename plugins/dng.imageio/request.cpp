@@ -194,7 +194,7 @@ Run run_of(const Attributes& attributes)
     return run;
 }
 
-/// What pixels that are no RAW must have beside them: a sensor, Rec.709 and a light.
+/// What pixels that are no RAW must have beside them: a sensor and Rec.709.
 void require_scene(const ImageSpec& spec, const Attributes& attributes, bool has_sensor)
 {
     if (!has_sensor && attributes.reference.empty())
@@ -203,9 +203,20 @@ void require_scene(const ImageSpec& spec, const Attributes& attributes, bool has
                     "--tocolorspace \"RAW - <sensor> - <illuminant>\"");
     require_rec709(color_space_of(spec));
     require_rec709_primaries(spec);
-    if (attributes.illuminant.empty())
+}
+
+/// A light, or a sensor that needs none; a RAW space, or a sensor that has one.
+void require_light(const Request& request)
+{
+    const bool mono = request.profile.cfa.is_mono();
+    if (!mono && request.run.illuminant.empty())
         throw Error("under which light? Add --attrib dng:illuminant WORD: "
                     + std::string(illuminant_grammar));
+    if (mono && request.run.camera_input)
+        throw Error(
+            "sensor " + request.profile.id
+            + " is monochrome and has no RAW colour space: leave the conversion "
+              "to it out and name the sensor by dng:sensor");
 }
 
 /// The profile, neutral and shot of the DNG @p file; of @p sensor, if there is one,
@@ -247,6 +258,7 @@ Request request_of(const ImageSpec& spec, const std::string& file)
         request.profile = *sensor;
     else
         put_reference(attributes.reference, sensor, request);
+    require_light(request);
     request.run.exposure_time = request.shot.exposure_time;
     if (attributes.iso)
         request.shot.iso = int(std::lround(*attributes.iso));

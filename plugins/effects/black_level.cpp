@@ -17,8 +17,8 @@ void predict(Signal& signal, const Values& values)
         const int site_row = (signal.origin.row + row) % cfa.height;
         const double* const of_row
             = values.data() + std::ptrdiff_t(site_row) * cfa.width;
-        const float pair[2] = { float(of_row[signal.origin.col % 2]),
-                                float(of_row[(signal.origin.col + 1) % 2]) };
+        const float pair[2] = { float(of_row[signal.origin.col % cfa.width]),
+                                float(of_row[(signal.origin.col + 1) % cfa.width]) };
         float* const noise = signal.noise.row(row);
         for (int col = 0; col < signal.noise.width; ++col)
             noise[col] += pair[col & 1];

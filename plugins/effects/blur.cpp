@@ -104,7 +104,9 @@ void predict(Signal& signal, const Values& values)
         --count;
     if (count == 0)
         return;
-    const double scales[3] = { 1.0 + values[rings], 1.0, 1.0 + values[rings + 1] };
+    const bool one_color = values.size() == rings;
+    const double scales[3] = { one_color ? 1.0 : 1.0 + values[rings], 1.0,
+                               one_color ? 1.0 : 1.0 + values[rings + 1] };
     Series series(signal.mean[0].width, signal.mean[0].height);
     for (std::size_t plane = 0; plane < 3; ++plane)
         series.add_to(signal.mean[plane], values.data(), count, scales[plane]);
@@ -120,9 +122,11 @@ Effect blur()
                                "of cos(" + std::to_string(n)
                                    + " w) - 1 in the OTF; w in radians per pixel" });
     parameters.push_back({ "red_scale", "1", -0.9, 2.0, 0.0,
-                           "excess of red's OTF deviation over green's, relative" });
+                           "excess of red's OTF deviation over green's, relative",
+                           CfaRepeat::other_color });
     parameters.push_back({ "blue_scale", "1", -0.9, 2.0, 0.0,
-                           "excess of blue's OTF deviation over green's, relative" });
+                           "excess of blue's OTF deviation over green's, relative",
+                           CfaRepeat::other_color });
     return { "blur",
              Stage::optics,
              Pattern::none,

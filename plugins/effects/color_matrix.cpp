@@ -41,7 +41,8 @@ Effect color_matrix()
     for (const char* name : { "rg", "rb", "gr", "gb", "br", "bg" })
         parameters.push_back({ name, "1", -1.0, 1.0, 0.0,
                                "balanced camera RGB: into the first channel, of the"
-                               " second's difference to it" });
+                               " second's difference to it",
+                               CfaRepeat::colors });
     return { "color_matrix",
              Stage::color,
              Pattern::none,

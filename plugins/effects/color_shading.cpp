@@ -45,13 +45,16 @@ Effect color_shading()
     std::vector<Parameter> parameters;
     for (const std::string color : { "red", "blue" }) {
         parameters.push_back({ color + "_r2", "1", -2.0, 2.0, 0.0,
-                               color + " against green, of r^2; r = 1 in the corner" });
-        parameters.push_back(
-            { color + "_r4", "1", -2.0, 2.0, 0.0, color + " against green, of r^4" });
+                               color + " against green, of r^2; r = 1 in the corner",
+                               CfaRepeat::colors });
+        parameters.push_back({ color + "_r4", "1", -2.0, 2.0, 0.0,
+                               color + " against green, of r^4", CfaRepeat::colors });
         parameters.push_back({ color + "_x", "1", -1.0, 1.0, 0.0,
-                               color + " to the right, per half diagonal" });
+                               color + " to the right, per half diagonal",
+                               CfaRepeat::colors });
         parameters.push_back({ color + "_y", "1", -1.0, 1.0, 0.0,
-                               color + " downwards, per half diagonal" });
+                               color + " downwards, per half diagonal",
+                               CfaRepeat::colors });
     }
     return { "color_shading",
              Stage::optics,

@@ -23,8 +23,10 @@ Effect white_balance()
     return { "white_balance",
              Stage::color,
              Pattern::none,
-             { { "red", "1", -0.95, 10.0, 0.0, "excess of red, relative" },
-               { "blue", "1", -0.95, 10.0, 0.0, "excess of blue, relative" } },
+             { { "red", "1", -0.95, 10.0, 0.0, "excess of red, relative",
+                 CfaRepeat::colors },
+               { "blue", "1", -0.95, 10.0, 0.0, "excess of blue, relative",
+                 CfaRepeat::colors } },
              "an illuminant that differs from the stated one, as the sensor sees it",
              "J. von Kries, 1902 (coefficient law); DNG specification 1.6, ch. 6",
              predict };

@@ -146,7 +146,8 @@ void bind_metadata(py::module_& m)
             "(width, height), pixels.")
         .def_property_readonly(
             "cfa", [](const DngMetadata& d) { return name_of(d.cfa); },
-            "Filters of the repeat from the top-left active pixel on: RGGB.")
+            "Filters of the repeat from the top-left active pixel on: RGGB; MONO: "
+            "none.")
         .def_readonly("bits", &DngMetadata::bits, "That white_level needs, 8 to 16.")
         .def_readonly("black_level", &DngMetadata::black_level, "DN, per CFA site.")
         .def_readonly("white_level", &DngMetadata::white_level, "DN at saturation.")

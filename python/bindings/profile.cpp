@@ -55,10 +55,10 @@ py::object dict_of(const std::optional<DigitalGain>& gain)
     return py::dict("mean"_a = gain->mean, "sigma"_a = gain->sigma);
 }
 
-py::dict dict_of(const Effect& effect)
+py::dict dict_of(const Effect& effect, const std::vector<Parameter>& of_cfa)
 {
     py::list parameters;
-    for (const Parameter& p : effect.parameters)
+    for (const Parameter& p : of_cfa)
         parameters.append(py::dict("name"_a = p.name, "unit"_a = p.unit,
                                    "min"_a = p.min, "max"_a = p.max, "null"_a = p.null,
                                    "meaning"_a = p.meaning));
@@ -66,6 +66,22 @@ py::dict dict_of(const Effect& effect)
                     "pattern"_a = name_of(effect.pattern), "parameters"_a = parameters,
                     "needs_exposure_time"_a = effect.needs_exposure_time,
                     "meaning"_a = effect.meaning, "source"_a = effect.source);
+}
+
+/// Of all CFAs; or those that one has, with its parameters.
+py::list effects_of(const std::optional<std::string>& cfa)
+{
+    py::list list;
+    for (const Effect& effect : all_effects()) {
+        if (!cfa) {
+            list.append(dict_of(effect, effect.parameters));
+            continue;
+        }
+        const CfaPattern pattern = cfa_from_name(*cfa);
+        if (has_effect(pattern, effect))
+            list.append(dict_of(effect, parameters_of(effect, pattern, "profile")));
+    }
+    return list;
 }
 
 template <class T> py::list dicts_of(const std::vector<T>& values)
@@ -146,9 +162,11 @@ void bind_search(py::module_& m)
           "What an effect of this name is called now; the name itself if it was never "
           "another.");
     m.def(
-        "effects", [] { return dicts_of(all_effects()); },
+        "effects", &effects_of, "cfa"_a = py::none(),
         "Every effect that a profile may list: name, stage, parameters, meaning, "
-        "source,\nneeds_exposure_time.");
+        "source,\nneeds_exposure_time.\n\n"
+        "cfa : only what a profile of that CFA may list, with the parameters that it "
+        "has there:\n    \"MONO\" has one site, and nothing that tells colours apart.");
 }
 
 void bind_numbers(py::class_<SensorProfile>& c)
@@ -210,7 +228,7 @@ void bind_fields(py::class_<SensorProfile>& c)
     using Profile = SensorProfile;
     c.def_property_readonly(
          "calibrations", [](const Profile& p) { return dicts_of(p.calibrations); },
-         "One or two {\"light_source\", \"camera_from_xyz\", "
+         "None if monochrome, else one or two {\"light_source\", \"camera_from_xyz\", "
          "\"xyz_d50_from_camera\"}:\nname of the light, (3, 3) ColorMatrix, (3, 3) "
          "ForwardMatrix or None.")
         .def_property_readonly(
@@ -254,7 +272,8 @@ void bind_profile(py::module_& m)
                       "(field, where its numbers are from) each.")
         .def_property_readonly(
             "cfa", [](const SensorProfile& p) { return name_of(p.cfa); },
-            "Filters of the repeat from the top-left active pixel on: RGGB.")
+            "Filters of the repeat from the top-left active pixel on: RGGB; MONO: "
+            "none.")
         .def_readonly("width", &SensorProfile::width, "Of the active area, pixels.")
         .def_readonly("height", &SensorProfile::height, "Of the active area, pixels.")
         .def_readonly("bits", &SensorProfile::bits, "Of a DN, 8 to 16.")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cg2raw import _core
+from cg2raw.cfa import is_mono
 from cg2raw.dng import write_dng
 from cg2raw.exposure import Run
 from cg2raw.io import image_file
@@ -111,15 +112,29 @@ def exposure_of(
     if space:
         sensor, illuminant = space
         done = {"camera_input": True, "color_effects": False, "illuminant": illuminant}
-        return request.sensor or Sensor(sensor), asked | done
+        found = request.sensor or Sensor(sensor)
+        if is_mono(found.cfa):
+            raise ValueError(
+                f"sensor {found.id} is monochrome and has no RAW colour space: leave "
+                "the conversion to it out, and name it by --sensor"
+            )
+        return found, asked | done
     if request.sensor is None and request.reference is None:
         raise ValueError("which sensor? Add --sensor ID (cg2raw sensors lists them)")
     image_file.check_rec709(image)
-    if "illuminant" not in asked:
+    if "illuminant" not in asked and not is_mono_sensor(request):
         raise ValueError(
             f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
         )
     return request.sensor, asked
+
+
+def is_mono_sensor(request: Request) -> bool:
+    """Return whether the sensor, or that of the reference, needs no illuminant."""
+    if request.sensor is not None:
+        return is_mono(request.sensor.cfa)
+    assert request.reference is not None  # exposure_of has raised without either
+    return is_mono(_core.read_dng_metadata(request.reference).cfa)
 
 
 def raw_space_of(image: Image, request: Request) -> tuple[str, str] | None:

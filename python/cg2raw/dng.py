@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.arrays import raw_plane
+from cg2raw.cfa import is_mono
 from cg2raw.sensor import Sensor
 
 
@@ -37,7 +38,7 @@ def write_dng(
     raw : RawFrame, as Sensor.simulate returns it; or any (H, W) uint16 DN together with
         a sensor and an illuminant. Row 0, column 0 is the first site of the CFA.
     sensor, illuminant : what a plain array was taken by and under; an illuminant as for
-        Sensor.simulate.
+        Sensor.simulate, none for a monochrome sensor.
     iso : Exif's ISO of a plain array, with the sensor's NoiseProfile at it; None for
         neither.
     effects : False if a plain array has none of the effects of the sensor's profile: no
@@ -89,10 +90,10 @@ def _simulation_of(
 ) -> _core.Simulation:
     """Return what the file says of its pixels."""
     if sensor is not None:
-        if illuminant is None:
+        if illuminant is None and not is_mono(sensor.cfa):
             raise ValueError("a sensor needs an illuminant: give the light, or neither")
         return sensor.simulation(
-            raw_plane(raw).shape, illuminant=illuminant, iso=iso, effects=effects
+            raw_plane(raw).shape, illuminant=illuminant or "", iso=iso, effects=effects
         )
     if illuminant is not None or iso is not None or not effects:
         raise ValueError(

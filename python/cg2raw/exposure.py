@@ -16,7 +16,8 @@ Light = str | _core.Illuminant
 class Run:
     """What one exposure is asked to be: the keywords of Sensor.simulate and its like.
 
-    illuminant : word of the illuminant grammar, or an Illuminant.
+    illuminant : word of the illuminant grammar, or an Illuminant. A monochrome sensor
+        needs none.
     iso : None for no noise; else within one stop of the calibrated ISOs.
     noise : how it is drawn, with the same variance: None for what the profile says
         (its noise_effects), "gaussian", or "physical" (Poisson photons, Tukey lambda
@@ -36,7 +37,7 @@ class Run:
     color_effects : False if the image has the profile's effects of stage color
         already, as pixels in a RAW space of OpenColorIO have."""
 
-    illuminant: Light
+    illuminant: Light = ""
     iso: float | None = None
     noise: str | None = None
     seed: int = 0

@@ -45,7 +45,8 @@ def develop(
             output_color=rawpy.ColorSpace.sRGB,
             gamma=(2.4, 12.92),  # IEC 61966-2-1
         )
-    return picture
+    # Of a monochrome sensor there is one channel.
+    return np.repeat(picture, 3, axis=2) if picture.shape[2] == 1 else picture
 
 
 def refuse_small_x_trans(path: FilePath, raw: Any, half: bool) -> None:

@@ -101,7 +101,7 @@ class Sensor:
             float32 is read in place where its channels lie together; float16 is
             converted a few rows at a time; other floats are copied to float32.
         threads : 0 for one per core; the result does not depend on it.
-        run : the fields of cg2raw.Run; illuminant has no default.
+        run : the fields of cg2raw.Run; only a monochrome sensor needs no illuminant.
 
         Returns (H, W) uint16 DN. Other Python threads run meanwhile.
         Raises ValueError for other arrays and bad runs."""
@@ -136,7 +136,7 @@ class Sensor:
         """Return what decides every pixel of an exposure.
 
         shape : (H, W) of the image.
-        run : the fields of cg2raw.Run; illuminant has no default.
+        run : the fields of cg2raw.Run; only a monochrome sensor needs no illuminant.
 
         Raises ValueError naming what is wrong and what is allowed."""
         height, width = shape
@@ -147,7 +147,7 @@ class Sensor:
         self,
         rgb: ArrayLike,
         *,
-        illuminant: Light,
+        illuminant: Light = "",
         convention: str = "dng",
         digital_gain: float = 1.0,
         highlights: bool = True,
@@ -164,7 +164,7 @@ class Sensor:
         self,
         camera: ArrayLike,
         *,
-        illuminant: Light,
+        illuminant: Light = "",
         convention: str = "dng",
         digital_gain: float = 1.0,
         threads: int = 0,
@@ -184,7 +184,7 @@ class Sensor:
 
     def transform(
         self,
-        light: Light,
+        light: Light = "",
         convention: str = "dng",
         digital_gain: float = 1.0,
         highlights: bool = True,

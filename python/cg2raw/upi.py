@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cg2raw import _core
+from cg2raw.cfa import is_mono, sites_of
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
 
@@ -97,10 +98,15 @@ class Upi:
             raise ValueError("matrices is empty: name at least one sensor")
         _one_of("gains", gains, ("published", "camera"))
         _one_of("noise", noise, ("sensor", "upi"))
-        if noise == "upi" and len(self.sensor.cfa) != 4:
+        if is_mono(self.sensor.cfa):
+            raise ValueError(
+                f"UPI draws colour matrices and white balances, and {self.sensor.id} "
+                "is monochrome: take the sensor itself (method g2r)"
+            )
+        if noise == "upi" and len(sites_of(self.sensor.cfa)) != 4:
             raise ValueError(
                 f"noise upi: is for Bayer sensors; the CFA of {self.sensor.id} is of "
-                f"{len(self.sensor.cfa)} sites"
+                f"{len(sites_of(self.sensor.cfa))} sites"
             )
         published = (RED_GAIN, BLUE_GAIN)
         ranges = published if gains == "published" else gain_ranges(self.sensor)

@@ -91,6 +91,11 @@ def camera(**more):
     return tags | {int(name[1:]): value for name, value in more.items()}
 
 
+def without(tags, *numbers):
+    """Return tags but for those of some numbers."""
+    return {tag: field for tag, field in tags.items() if tag not in numbers}
+
+
 EXIF = {33434: (RATIONAL, 60, [1]), 33437: (RATIONAL, 10, [56]), 34855: (SHORT, [400])}
 EXIF |= {36867: text("2019:06:06 07:29:51"), 37386: (RATIONAL, 1, [65])}
 EXIF |= {42036: text("A lens")}
@@ -125,6 +130,7 @@ def raws():
         "bayer": raw(),
         "x_trans": raw(6, xtrans),
         "quad": raw(4, [0, 0, 1, 1, 0, 0, 1, 1, 1, 1, 2, 2, 1, 1, 2, 2]),
+        "mono": without(raw(t262=(SHORT, [34892])), 33421, 33422),
         "noise": raw(t51041=(DOUBLE, [1e-4, 2e-7])),
         "noise_of_planes": raw(t51041=(DOUBLE, [1e-4, 2e-7, 2e-4, 1e-7, 3e-4, 3e-7])),
         "active_area": raw(t50829=(LONG, [1, 2, 11, 12])),
@@ -142,9 +148,7 @@ def raws():
             t51009=opcodes((8, b"\1\2\3"), gain_map(1)),
             t51022=opcodes((1, bytes(2)), (99, b"")),
         ),
-        "without_levels": {
-            tag: field for tag, field in raw().items() if tag not in (50714, 50717)
-        },
+        "without_levels": without(raw(), 50714, 50717),
     }
 
 
@@ -162,12 +166,8 @@ def cameras():
             t50932=text("signature"),
         ),
         "forward": camera(**pair, t50964=FORWARD, t50965=FORWARD),
-        "white_xy": {
-            tag: field
-            for tag, field in camera(t50729=(RATIONAL, 10000, [3127, 3290])).items()
-            if tag != 50728
-        },
-        "no_neutral": {tag: field for tag, field in camera().items() if tag != 50728},
+        "white_xy": without(camera(t50729=(RATIONAL, 10000, [3127, 3290])), 50728),
+        "no_neutral": without(camera(), 50728),
         "texts": camera(
             t270=text("a description"),
             t315=text("an artist"),
@@ -247,6 +247,13 @@ def profiles():
         "x_trans": profile(**x_trans, noise=noise),
         "x_trans_sites": profile(cfa=X_TRANS, black_level=list(range(36))),
         "quad": profile(cfa="RRGGRRGGGGBBGGBB", black_level=512),
+        "mono": profile(
+            cfa="mono",
+            black_level=512,
+            calibration_illuminant_1=None,
+            color_matrix_1=None,
+            noise=noise,
+        ),
         "digital_gain": profile(digital_gain={"mean": 0.9, "sigma": 0.1}),
         "effects": profile(
             effects=[

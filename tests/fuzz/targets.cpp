@@ -113,7 +113,8 @@ void use(const SensorProfile& profile)
         use_light(profile, light);
     try_step([&] {
         for (const EffectSetting& setting : profile.effects)
-            values_of(effect(setting.name), setting.parameters, "again.json");
+            values_of(effect(setting.name), setting.parameters, profile.cfa,
+                      "again.json");
     });
 }
 

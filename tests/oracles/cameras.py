@@ -95,6 +95,15 @@ def profile_text(**fields):
     return json.dumps(profile(**fields))
 
 
+def mono_text(**fields):
+    """JSON text of a legal monochrome profile: 14 bits, black 512, one ISO."""
+    colored = ("calibration_illuminant", "color_matrix")
+    dropped = {f"{name}_{number}": None for name in colored for number in (1, 2)}
+    mono = {"cfa": "mono", "black_level": 512, "illuminants": None}
+    noise = [{"iso": 100, "beta1": 1e-4, "beta2": 1e-6}]
+    return profile_text(**{**dropped, **mono, "noise": noise, **fields})
+
+
 def profile_of(camera, bits=14, **fields):
     """JSON text of a profile with the matrices of one of the NINE."""
     cm_a, cm_d65 = matrices(camera)

@@ -13,9 +13,12 @@ namespace cg2raw {
 
 namespace {
 
-constexpr int components = 2;
+constexpr int most_components = 2;
 /// The only predictor that every reader knows: RawSpeed (darktable) refuses 2 to 7.
 constexpr std::uint8_t predictor = 1;
+
+/// Of the JPEG; dcraw widens what has two only where there are filters.
+int components_of(Size repeat) { return repeat.width == 1 ? 1 : most_components; }
 
 /// Index within @p length that stands for @p i beyond it: the last of the same phase.
 int repeated(int i, int length, int repeat)
@@ -69,7 +72,8 @@ void find_differences(const Plane<const std::uint16_t>& image, Size tile, Size r
 {
     scratch.padded.resize(std::size_t(tile.width));
     scratch.differences.resize(std::size_t(tile.width) * std::size_t(tile.height));
-    std::array<std::uint16_t, components> above;
+    const int components = components_of(repeat);
+    std::array<std::uint16_t, most_components> above;
     above.fill(std::uint16_t(1U << (bits - 1)));
     std::uint16_t* out = scratch.differences.data();
     for (int row = 0; row < tile.height; ++row, out += tile.width) {
@@ -214,7 +218,7 @@ void put16(std::vector<std::uint8_t>& jpeg, unsigned value)
 }
 
 /// SOI, DHT, SOF3 and SOS.
-void write_head(Size tile, int bits, const HuffmanCode& code,
+void write_head(Size tile, int components, int bits, const HuffmanCode& code,
                 std::vector<std::uint8_t>& jpeg)
 {
     put16(jpeg, 0xffd8);
@@ -229,15 +233,16 @@ void write_head(Size tile, int bits, const HuffmanCode& code,
     jpeg.push_back(std::uint8_t(bits));
     put16(jpeg, unsigned(tile.height));
     put16(jpeg, unsigned(tile.width / components));
-    jpeg.push_back(components);
-    for (std::uint8_t c = 0; c < components; ++c)
-        jpeg.insert(jpeg.end(), { c, 0x11, 0 }); // no subsampling, no quantisation
+    jpeg.push_back(std::uint8_t(components));
+    for (int c = 0; c < components; ++c)
+        jpeg.insert(jpeg.end(),
+                    { std::uint8_t(c), 0x11, 0 }); // no subsampling, no quantisation
 
     put16(jpeg, 0xffda);
     put16(jpeg, 6 + 2 * components);
-    jpeg.push_back(components);
-    for (std::uint8_t c = 0; c < components; ++c)
-        jpeg.insert(jpeg.end(), { c, 0 }); // Huffman table 0
+    jpeg.push_back(std::uint8_t(components));
+    for (int c = 0; c < components; ++c)
+        jpeg.insert(jpeg.end(), { std::uint8_t(c), 0 }); // Huffman table 0
     jpeg.insert(jpeg.end(), { predictor, 0, 0 });
 }
 
@@ -264,7 +269,8 @@ void encode_lossless_jpeg(const Plane<const std::uint16_t>& image, Size tile,
                           Size repeat, int bits, JpegScratch& scratch,
                           std::vector<std::uint8_t>& jpeg)
 {
-    assert(tile.width % components == 0 && tile.width <= 2 * 65535);
+    const int components = components_of(repeat);
+    assert(tile.width % 2 == 0 && tile.width <= components * 65535);
     assert(image.width > 0 && image.width <= tile.width);
     assert(image.height > 0 && image.height <= tile.height && tile.height <= 65535);
     assert(bits >= 2 && bits <= 16);
@@ -274,7 +280,7 @@ void encode_lossless_jpeg(const Plane<const std::uint16_t>& image, Size tile,
     const HuffmanCode code = huffman_code(histogram_of(scratch.sizes));
     write_bits(symbols_of(code), scratch);
     jpeg.clear();
-    write_head(tile, bits, code, jpeg);
+    write_head(tile, components, bits, code, jpeg);
     append_stuffed(scratch.bits, jpeg);
     put16(jpeg, 0xffd9);
 }

@@ -21,7 +21,9 @@ struct JpegScratch {
 
 /// One tile of @p tile pixels -> a lossless JPEG: SOF3, predictor 1, two interleaved
 /// components, so that a pixel is predicted by its neighbour of the same colour two
-/// columns to the left; one Huffman table, made for this tile.
+/// columns to the left; of a monochrome mosaic, whose @p repeat is 1 x 1, one
+/// component, which is what dcraw and LibRaw take a plane without filters to have; one
+/// Huffman table, made for this tile.
 ///
 /// @p image is the part of the tile that the image covers, from its top-left corner;
 /// beyond it the last pixels repeat in the CFA's rhythm @p repeat. The tile's width is

@@ -237,6 +237,12 @@ Vec3 neutral_from_xy(const TiffTags& camera, const DngMetadata& metadata)
 
 void read_dng_color(const TiffTags& camera, DngMetadata& metadata)
 {
+    if (metadata.cfa.is_mono()) {
+        if (camera.has(tag::color_matrix_1))
+            metadata.notes.push_back(text_of(tag::color_matrix_1)
+                                     + " is not used: the sensor is monochrome");
+        return;
+    }
     read_calibrations(camera, metadata);
     if (camera.has(tag::as_shot_neutral)) {
         const auto neutral = camera.numbers(tag::as_shot_neutral, { 3, 3 });
@@ -256,7 +262,8 @@ void read_dng_noise(const TiffTags& raw, DngMetadata& metadata)
 {
     if (!raw.has(tag::noise_profile))
         return;
-    const auto values = raw.numbers(tag::noise_profile, { 2, 8 });
+    const bool mono = metadata.cfa.is_mono();
+    const auto values = raw.numbers(tag::noise_profile, { 2, mono ? 2 : 8 });
     if (values.size() == 8) {
         metadata.notes.push_back(text_of(tag::noise_profile)
                                  + " has 4 planes where the"
@@ -274,7 +281,7 @@ void read_dng_noise(const TiffTags& raw, DngMetadata& metadata)
             raw.fail(tag::noise_profile,
                      "has a value outside 0 to 1, for a signal of 0 to"
                      " 1: the file is damaged");
-    for (std::size_t plane = 0; plane < 3; ++plane) {
+    for (std::size_t plane = 0; plane < (mono ? 1 : 3); ++plane) {
         const std::size_t at = values.size() == 2 ? 0 : 2 * plane;
         metadata.noise_profile.push_back({ values[at], values[at + 1] });
     }

@@ -68,6 +68,14 @@ int photometric_of_main_image(const TiffTags& ifd)
     return int(ifd.integer_or(tag::photometric, { 0, 65535 }, 0));
 }
 
+/// Whether the image holds what the sensor of a monochrome camera measured: LinearRaw
+/// of one sample. Of three, it is demosaicked.
+bool is_mono_mosaic(const TiffTags& ifd)
+{
+    return photometric_of_main_image(ifd) == photometric::linear_raw
+        && ifd.integer_or(tag::samples_per_pixel, { 1, 65535 }, 1) == 1;
+}
+
 /// The directory of the mosaic: IFD0 or one of its SubIFDs.
 TiffIfd raw_ifd(const TiffReader& file, const TiffIfd& ifd0, Directories& directories)
 {
@@ -75,14 +83,17 @@ TiffIfd raw_ifd(const TiffReader& file, const TiffIfd& ifd0, Directories& direct
     int photometric = photometric_of_main_image(main);
     if (photometric == photometric::cfa)
         return ifd0;
+    if (is_mono_mosaic(main))
+        return ifd0;
     bool linear = photometric == photometric::linear_raw;
     std::vector<std::int64_t> offsets;
     if (main.has(tag::sub_ifds))
         offsets = main.integers(tag::sub_ifds, sub_ifd_count, any_offset);
     for (std::int64_t offset : offsets) {
         TiffIfd ifd = directories.read(std::uint64_t(offset), "SubIFD");
-        photometric = photometric_of_main_image({ file, { &ifd } });
-        if (photometric == photometric::cfa)
+        const TiffTags image(file, { &ifd });
+        photometric = photometric_of_main_image(image);
+        if (photometric == photometric::cfa || is_mono_mosaic(image))
             return ifd;
         linear = linear || photometric == photometric::linear_raw;
     }

@@ -64,6 +64,8 @@ void check_planes(const TiffTags& raw)
 /// The phase starts at the corner of the active area (DNG specification, ActiveArea).
 CfaPattern read_cfa(const TiffTags& raw)
 {
+    if (raw.integer_or(tag::photometric, { 0, 65535 }, 0) == photometric::linear_raw)
+        return mono_cfa();
     const auto dim = raw.integers(tag::cfa_repeat_pattern_dim, { 2, 2 }, cfa_side);
     CfaPattern cfa;
     cfa.height = int(dim[0]);

@@ -33,7 +33,7 @@ using NoiseOfFiles = std::vector<const std::vector<NoisePair>*>;
 NoiseAtIso row_at(int iso, const NoiseOfFiles& files, const CfaPattern& cfa,
                   double& spread)
 {
-    std::array<NoisePair, 3> mean {};
+    std::vector<NoisePair> mean(files.front()->size(), NoisePair { 0.0, 0.0 });
     for (std::size_t plane = 0; plane < mean.size(); ++plane)
         for (double NoisePair::*part : { &NoisePair::scale, &NoisePair::offset }) {
             std::vector<double> values;
@@ -46,7 +46,7 @@ NoiseAtIso row_at(int iso, const NoiseOfFiles& files, const CfaPattern& cfa,
         }
     NoiseAtIso row { double(iso), {}, {} };
     for (int site = 0; site < cfa.sites(); ++site) {
-        const NoisePair& pair = mean[cfa.colors[std::size_t(site)]];
+        const NoisePair& pair = mean[cfa.is_mono() ? 0 : cfa.colors[std::size_t(site)]];
         row.beta1.push_back(pair.scale);
         row.beta2.push_back(pair.offset);
     }
@@ -133,6 +133,8 @@ std::vector<NoiseAtIso> merged_noise(const std::vector<DngMetadata>& files,
 
 NeutralDistribution merged_neutrals(const std::vector<DngMetadata>& files, Notes& notes)
 {
+    if (files.front().cfa.is_mono())
+        return {};
     std::vector<std::array<double, 2>> neutrals;
     for (const DngMetadata& file : files)
         if (const auto& neutral = file.as_shot_neutral)

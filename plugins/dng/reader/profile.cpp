@@ -40,9 +40,12 @@ sources_of(const SensorProfile& profile, const std::string& files, const Notes& 
 {
     std::vector<std::pair<std::string, std::string>> sources {
         { "levels, CFA and size", files + ": raw IFD" },
-        { "color_matrix",
-          files + ": ColorMatrix with AnalogBalance and CameraCalibration folded in" },
     };
+    if (!profile.calibrations.empty())
+        sources.push_back({ "color_matrix",
+                            files
+                                + ": ColorMatrix with AnalogBalance and "
+                                  "CameraCalibration folded in" });
     if (!profile.illuminants.neutrals.empty())
         sources.push_back(
             { "illuminants",
@@ -154,7 +157,7 @@ ProfileOfDngs profile_from_dngs(const std::vector<DngMetadata>& files,
 
 SensorProfile profile_from_dng(const DngMetadata& metadata)
 {
-    if (!metadata.as_shot_neutral)
+    if (!metadata.as_shot_neutral && !metadata.cfa.is_mono())
         throw Error(metadata.file + ": " + text_of(tag::as_shot_neutral)
                     + " is missing; a reference must"
                       " say its neutral: use another DNG of this camera");

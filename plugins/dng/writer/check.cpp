@@ -49,7 +49,7 @@ void check_size(const Checker& checker, const DngDescription& description)
     checker.need(cfa.width >= 1 && cfa.height >= 1 && cfa.sites() <= 36, "cfa",
                  std::to_string(cfa.width) + " x " + std::to_string(cfa.height),
                  "1 to 36 sites");
-    for (int color = 0; color < 3; ++color)
+    for (int color = 0; color < 3 && !cfa.is_mono(); ++color)
         checker.need(
             std::count(cfa.colors.begin(), cfa.colors.begin() + cfa.sites(), color) > 0,
             "cfa", "without colour " + std::to_string(color), "of R, G and B");
@@ -78,6 +78,11 @@ void check_levels(const Checker& checker, const DngDescription& description)
 void check_color(const Checker& checker, const DngDescription& description)
 {
     const std::size_t count = description.calibrations.size();
+    if (description.cfa.is_mono()) {
+        checker.need(count == 0, "calibrations", std::to_string(count) + " matrices",
+                     "none of a monochrome sensor");
+        return;
+    }
     checker.need(count == 1 || count == 2, "calibrations",
                  std::to_string(count) + " matrices", "one or two");
     for (const Calibration& calibration : description.calibrations)
@@ -91,7 +96,8 @@ void check_color(const Checker& checker, const DngDescription& description)
 void check_noise(const Checker& checker, const DngDescription& description)
 {
     const std::size_t count = description.noise_profile.size();
-    checker.need(count == 0 || count == 3, "noise_profile",
+    const std::size_t planes = description.cfa.is_mono() ? 1 : 3;
+    checker.need(count == 0 || count == planes, "noise_profile",
                  std::to_string(count) + " pairs", "none or one per colour");
     for (const NoisePair& pair : description.noise_profile) {
         checker.need(pair.scale > 0.0 && std::isfinite(pair.scale),

@@ -25,6 +25,9 @@ constexpr double least_scale = 1e-12;
 Calibration exact_calibration(const Simulation& simulation)
 {
     const Illuminant& light = simulation.illuminant();
+    if (simulation.profile().cfa.is_mono())
+        throw Error("matrices exact: sensor " + simulation.profile().id
+                    + " is monochrome, and its file has no matrices: say camera");
     const Mat3 balanced_from_srgb
         = inverse(srgb_from_balanced(simulation.profile(), light));
     const Mat3 srgb_from_xyz = inverse(xyz_d65_from_srgb());
@@ -53,9 +56,12 @@ std::optional<NoiseAtIso> noise_of_effects(const Simulation& simulation)
     return NoiseAtIso { 0.0, *shot, *read };
 }
 
-/// The planes' noise: means over the sites of a colour.
+/// The planes' noise: means over the sites of a colour; one pair without colours.
 std::vector<NoisePair> noise_profile(const NoiseAtIso& noise, const CfaPattern& cfa)
 {
+    if (cfa.is_mono())
+        return { { std::max(noise.beta1.at(0), least_scale),
+                   std::max(noise.beta2.at(0), 0.0) } };
     std::vector<NoisePair> pairs(3, NoisePair { 0.0, 0.0 });
     std::array<int, 3> count {};
     for (std::size_t site = 0; site < std::size_t(cfa.sites()); ++site) {

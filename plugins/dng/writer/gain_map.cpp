@@ -74,7 +74,7 @@ void put_opcode(BigEndian& out, const GainMap& map, Size size, Size pitch, Site 
 /// A map for each pixel of 2 x 2, four in all, even if they are the same: one for all
 /// pixels is as legal, but darktable applies gain maps only if they are four of pitch
 /// 2, and does so whatever the CFA's repeat. Only where colours differ on a larger
-/// repeat is there a map for each of its sites.
+/// repeat is there a map for each of its sites. A monochrome plane has one for all.
 Bytes gain_map_opcodes(const std::array<GainMap, 3>& maps, const CfaPattern& cfa,
                        Size size)
 {
@@ -83,7 +83,8 @@ Bytes gain_map_opcodes(const std::array<GainMap, 3>& maps, const CfaPattern& cfa
             || map.gains.size() != std::size_t(map.rows) * std::size_t(map.cols))
             throw Error("DNG: shading needs maps of at least 2 x 2 gains, all given");
     const bool alike = maps[0].gains == maps[1].gains && maps[2].gains == maps[1].gains;
-    const Size pitch = alike ? Size { 2, 2 } : Size { cfa.width, cfa.height };
+    const bool in_fours = alike && !cfa.is_mono();
+    const Size pitch = in_fours ? Size { 2, 2 } : Size { cfa.width, cfa.height };
     const int rows = std::min(pitch.height, size.height);
     const int cols = std::min(pitch.width, size.width);
     BigEndian out;

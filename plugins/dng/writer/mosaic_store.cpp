@@ -19,14 +19,16 @@ constexpr int tile_step = 16;
 
 int rounded_up(int value, int step) { return (value + step - 1) / step * step; }
 
-/// What strips and tiles of a mosaic have in common.
-Storage storage_of(Size size, std::uint16_t compression)
+/// What strips and tiles of a mosaic have in common. That of a monochrome sensor is
+/// LinearRaw of one sample. Source: DNG specification 1.7.1, PhotometricInterpretation.
+Storage storage_of(const DngDescription& description, std::uint16_t compression)
 {
+    const Size size = description.size;
     return { std::uint32_t(size.width),
              std::uint32_t(size.height),
              1,
              stored_bits,
-             photometric::cfa,
+             description.cfa.is_mono() ? photometric::linear_raw : photometric::cfa,
              compression };
 }
 
@@ -35,19 +37,16 @@ Storage storage_of(Size size, std::uint16_t compression)
 /// users.
 class Strips : public MosaicStore {
 public:
-    explicit Strips(Size size)
-        : m_size(size)
-        , m_rows_per_strip(std::clamp(strip_pixels / size.width, 1, size.height))
-        , m_groups(size, m_rows_per_strip)
+    explicit Strips(const DngDescription& description)
+        : m_size(description.size)
+        , m_storage(storage_of(description, compression_none))
+        , m_rows_per_strip(std::clamp(strip_pixels / m_size.width, 1, m_size.height))
+        , m_groups(m_size, m_rows_per_strip)
     {
+        m_storage.rows_per_strip = std::uint32_t(m_rows_per_strip);
     }
 
-    Storage storage() const override
-    {
-        Storage storage = storage_of(m_size, compression_none);
-        storage.rows_per_strip = std::uint32_t(m_rows_per_strip);
-        return storage;
-    }
+    Storage storage() const override { return m_storage; }
 
     void write_rows(TiffFile& file, const Plane<const std::uint16_t>& rows) override
     {
@@ -72,6 +71,7 @@ private:
     }
 
     Size m_size;
+    Storage m_storage;
     int m_rows_per_strip;
     RowGroups m_groups;
     std::vector<std::uint16_t> m_packed;
@@ -84,6 +84,7 @@ class Tiles : public MosaicStore {
 public:
     Tiles(const DngDescription& description, ParallelFor parallel)
         : m_size(description.size)
+        , m_storage(storage_of(description, compression_jpeg))
         , m_repeat { description.cfa.width, description.cfa.height }
         , m_across(std::max(1, (m_size.width + widest / 2) / widest))
         , m_tile { 0, std::min(tile_height, rounded_up(m_size.height, tile_step)) }
@@ -100,6 +101,8 @@ public:
         if (2 * m_tile.width == m_size.width)
             m_tile.width = width_of(3);
         m_across = (m_size.width + m_tile.width - 1) / m_tile.width;
+        m_storage.tile_width = std::uint32_t(m_tile.width);
+        m_storage.tile_height = std::uint32_t(m_tile.height);
         m_jpegs.resize(std::size_t(m_across));
         while ((description.white_level >> m_bits) != 0)
             ++m_bits;
@@ -111,13 +114,7 @@ public:
         return rounded_up((m_size.width + across - 1) / across, tile_step);
     }
 
-    Storage storage() const override
-    {
-        Storage storage = storage_of(m_size, compression_jpeg);
-        storage.tile_width = std::uint32_t(m_tile.width);
-        storage.tile_height = std::uint32_t(m_tile.height);
-        return storage;
-    }
+    Storage storage() const override { return m_storage; }
 
     void write_rows(TiffFile& file, const Plane<const std::uint16_t>& rows) override
     {
@@ -160,7 +157,9 @@ private:
         return scratch;
     }
 
-    Size m_size, m_repeat;
+    Size m_size;
+    Storage m_storage;
+    Size m_repeat;
     int m_across; ///< tiles side by side
     Size m_tile;
     int m_bits = fewest_bits;
@@ -194,7 +193,7 @@ std::unique_ptr<MosaicStore> mosaic_store(const DngDescription& description,
                                           Compression compression, ParallelFor parallel)
 {
     if (compression == Compression::none || description.size.width < tile_step)
-        return std::make_unique<Strips>(description.size);
+        return std::make_unique<Strips>(description);
     return std::make_unique<Tiles>(description, std::move(parallel));
 }
 

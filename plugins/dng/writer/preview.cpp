@@ -139,6 +139,8 @@ Preview::CameraRow Preview::balanced(const Sums& sums) const
         for (std::size_t i = 0; i < of_site.size(); ++i)
             out[i] += (float(std::int32_t(of_site[i])) - scale.black) * scale.per_dn;
     }
+    if (m_cfa.is_mono())
+        camera[0] = camera[2] = camera[1];
     return camera;
 }
 

@@ -134,7 +134,8 @@ Tags camera_tags(const DngDescription& description, const DngOptions& options)
     Rationals neutral;
     for (const double channel : description.as_shot_neutral)
         neutral.push_back(rational(channel, neutral_denominator));
-    tags.push_back({ tag::as_shot_neutral, neutral });
+    if (!description.cfa.is_mono())
+        tags.push_back({ tag::as_shot_neutral, neutral });
     if (options.tone_curve == ToneCurve::linear) {
         tags.push_back({ tag::profile_tone_curve, std::vector<float> { 0, 0, 1, 1 } });
         tags.push_back({ tag::default_black_render, Longs { 1 } }); // 1 = none
@@ -145,7 +146,8 @@ Tags camera_tags(const DngDescription& description, const DngOptions& options)
 Tags mosaic_tags(const DngDescription& description)
 {
     Tags tags { { tag::new_subfile_type, Longs { 0 } } };
-    add_cfa(tags, description.cfa);
+    if (!description.cfa.is_mono())
+        add_cfa(tags, description.cfa);
     tags.push_back({ tag::black_level, black_value(description.black_level) });
     tags.push_back(
         { tag::white_level, Longs { std::uint32_t(description.white_level) } });

@@ -14,7 +14,8 @@ namespace cg2raw {
 /// The two colours that each site lacks, by normalised convolution with a tent: means
 /// of the colour's sites around, by nearness. The tent is the smallest that finds every
 /// colour everywhere: bilinear interpolation for Bayer patterns. It takes what lies
-/// inside the image, so that a constant stays one to its edges. Source: H. Knutsson,
+/// inside the image, so that a constant stays one to its edges. Without filters all
+/// three are the site's own. Source: H. Knutsson,
 /// C.-F. Westin, Normalized and Differential Convolution, CVPR 1993.
 class Demosaic {
 public:

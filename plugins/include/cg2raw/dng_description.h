@@ -46,17 +46,19 @@ Shot plausible(Shot shot);
 struct DngDescription {
     Size size; ///< of the active area, which is the whole mosaic
     /// Repeats of 2x2 and 6x6 are demosaicked by LibRaw, dcraw, RawTherapee and
-    /// darktable; of 4x4 by none of them, though LibRaw reads its DN.
+    /// darktable; of 4x4 by none of them, though LibRaw reads its DN. A monochrome
+    /// sensor's file is LinearRaw of one sample.
     CfaPattern cfa;
     /// DN per CFA site. Levels that differ on 6x6 are subtracted by LibRaw and dcraw;
     /// RawTherapee 5.9 and darktable 4.2 know no more than 2x2 of them.
     std::vector<double> black_level;
     int white_level; ///< DN
-    std::vector<Calibration> calibrations;
-    Vec3 as_shot_neutral; ///< G = 1
+    std::vector<Calibration> calibrations; ///< none of a monochrome sensor
+    Vec3 as_shot_neutral; ///< G = 1; 1, 1, 1 of a monochrome sensor
     std::string make, model, unique_camera_model;
-    std::vector<NoisePair> noise_profile; ///< empty, or one per colour plane R, G, B
-    /// Against lens_shading and color_shading, per colour R, G, B.
+    std::vector<NoisePair>
+        noise_profile; ///< empty, or one per colour plane: R, G, B, or one
+    /// Against lens_shading and color_shading, per colour R, G, B; alike if monochrome.
     std::optional<std::array<GainMap, 3>> shading_gains;
     Mat3 srgb_from_balanced; ///< for the preview
     Shot shot;

@@ -25,7 +25,7 @@ struct DngMetadata {
     /// Trimmed UTF-8; model or unique_camera_model may be empty, not both.
     std::string make, model, unique_camera_model;
     Size active_area;
-    /// 2x2 to 6x6; phase of the active area's corner.
+    /// 2x2 to 6x6, or that of a monochrome sensor; phase of the active area's corner.
     CfaPattern cfa;
     /// That white_level needs, 8 to 16; the file's samples are often wider.
     int bits;
@@ -34,10 +34,10 @@ struct DngMetadata {
     /// DN after linearisation, as black_level.
     int white_level;
     /// One or two in the file's order, AnalogBalance and CameraCalibration folded in;
-    /// every light source has a temperature.
+    /// every light source has a temperature. None of a monochrome sensor.
     std::vector<Calibration> calibrations;
     std::optional<Vec3> as_shot_neutral; ///< G = 1
-    /// Per colour plane R, G, B; empty: none.
+    /// Per colour plane R, G, B, or of the one; empty: none.
     std::vector<NoisePair> noise_profile;
     /// Those of OpcodeList2, which raw converters apply before they demosaic.
     std::vector<GainMapAt> gain_maps;
@@ -55,8 +55,8 @@ DngMetadata read_dng_metadata(const std::string& path);
 
 /// A profile as one reference DNG defines it: id from the model, one neutral, noise at
 /// the file's ISO where NoiseProfile says it, lens_shading and color_shading where
-/// GainMaps do; notes are among its sources. Throws Error if the file has no neutral,
-/// or if what it says is no profile that check() lets pass.
+/// GainMaps do; notes are among its sources. Throws Error if the file has no neutral
+/// and is not monochrome, or if what it says is no profile that check() lets pass.
 SensorProfile profile_from_dng(const DngMetadata& metadata);
 
 /// The profile of a reference DNG with what only a measured profile knows: illuminants,

@@ -35,7 +35,11 @@ const char* name_of(Pattern pattern);
 /// For which CFAs a parameter has a meaning.
 enum class CfaRepeat {
     any,
-    bayer, ///< it belongs to one of the four sites of a 2x2 repeat
+    colors, ///< of any that has filters: its effect tells colours apart
+    other_color, ///< likewise, of red or blue beside what all light has
+    bayer, ///< of a 2x2 repeat
+    first_site, ///< of the first site of a 2x2 repeat, or of the one without filters
+    other_site, ///< of another site of a 2x2 repeat
 };
 
 struct Parameter {
@@ -69,7 +73,7 @@ struct Signal {
     Exposure exposure;
 };
 
-/// Parameter values in the order of Effect::parameters.
+/// Parameter values in the order of parameters_of().
 using Values = std::vector<double>;
 /// An effect's name and its values.
 using NamedValues = std::pair<std::string, Values>;
@@ -108,8 +112,15 @@ const std::vector<Effect>& all_effects();
 std::string_view current_effect_name(std::string_view name);
 /// Throws Error that lists the names, or says the new name of one that was renamed.
 const Effect& effect(std::string_view name);
-/// Values of a setting: every parameter given and within its bounds. Throws Error.
+/// Whether a profile of a CFA may list an effect.
+bool has_effect(const CfaPattern& cfa, const Effect& effect);
+/// The parameters that an effect has on a CFA, in their order: a monochrome sensor has
+/// one site. Throws Error if the CFA has none of the effect; @p file leads the message.
+std::vector<Parameter> parameters_of(const Effect& effect, const CfaPattern& cfa,
+                                     const std::string& file);
+/// Values of a setting: every parameter that the CFA has given and within its bounds.
+/// Throws Error.
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,
-                 const std::string& file);
+                 const CfaPattern& cfa, const std::string& file);
 
 } // namespace cg2raw

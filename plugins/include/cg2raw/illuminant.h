@@ -23,7 +23,8 @@ struct Illuminant {
 
 /// The illuminant that @p spec names ("A", "D65", "3200K", "xy:0.3457:0.3585",
 /// "neutral:0.55:0.45", "sample:7", "as-shot"); @p as_shot is the reference DNG's
-/// neutral, if there is one. sample:n is a pure function of profile and n. Throws Error
+/// neutral, if there is one. sample:n is a pure function of profile and n. A monochrome
+/// sensor sees 1 of each light, needs no word, and has nothing to sample. Throws Error
 /// that lists the grammar.
 Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
                       const std::optional<Vec3>& as_shot = std::nullopt);

@@ -18,7 +18,9 @@
 namespace cg2raw {
 
 /// Colours of a CFA's repeat, row major, 0 = R, 1 = G, 2 = B; phase of the top-left
-/// active pixel. 2x2 for Bayer, 6x6 for X-Trans.
+/// active pixel. 2x2 for Bayer, 6x6 for X-Trans; 1x1 for a sensor without filters,
+/// whose signal is the luminance of the scene: it stands in all three planes of its
+/// camera RGB, and the mosaic takes green's.
 struct CfaPattern {
     int width = 2, height = 2;
     std::array<std::uint8_t, 36> colors {};
@@ -28,14 +30,18 @@ struct CfaPattern {
         return colors[std::size_t(at.row % height * width + at.col % width)];
     }
     int sites() const { return width * height; }
+    bool is_mono() const { return sites() == 1; }
 };
 
 /// "rggb", "grbg", "gbrg" or "bggr", or the letters of a 4x4 or 6x6 repeat, row major,
-/// each of R, G and B present; in either case. Throws Error on other words; X-Trans is
-/// none, since its phase differs between bodies.
+/// each of R, G and B present, or "mono" for a sensor without filters; in either case.
+/// Throws Error on other words; X-Trans is none, since its phase differs between
+/// bodies.
 CfaPattern cfa_from_name(std::string_view name);
-/// The same letters in upper case: "RGGB".
+/// The same word in upper case: "RGGB", "MONO".
 std::string name_of(const CfaPattern& cfa);
+/// That of a sensor without filters.
+CfaPattern mono_cfa();
 
 /// What the maker measured under one light.
 struct Calibration {
@@ -123,7 +129,9 @@ struct SensorProfile {
     int bits;
     std::vector<double> black_level; ///< DN, one per CFA site
     int white_level; ///< DN
-    std::vector<Calibration> calibrations; ///< one or two, in either order
+    /// One or two, in either order; none of a monochrome sensor, which has no neutrals
+    /// either.
+    std::vector<Calibration> calibrations;
     NeutralDistribution illuminants;
     std::optional<DigitalGain> digital_gain;
     std::vector<NoiseAtIso> noise; ///< by rising ISO; empty: not measured

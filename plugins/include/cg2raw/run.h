@@ -23,7 +23,7 @@ NoiseModel noise_model_from_name(std::string_view name);
 
 /// What one exposure is asked to be.
 struct Run {
-    std::string illuminant; ///< grammar of illuminant.h
+    std::string illuminant; ///< grammar of illuminant.h; a monochrome sensor needs none
     std::optional<double> iso; ///< none: no noise
     std::optional<NoiseModel> noise_model; ///< none: as the profile's noise_effects say
     std::uint64_t seed = 0; ///< of everything random

@@ -26,9 +26,12 @@ struct CameraTransform {
     bool keep_highlights; ///< false: camera = balanced * gains
     bool clip_result; ///< paper: clip to 0..1 after the gains
     bool is_light; ///< sensor: clip() is at 0 alone, and highlights are not kept
+    bool is_grey; ///< monochrome: the planes are one, and no inverse tells colours
 };
 
-/// The transform of @p profile under @p illuminant. Throws Error.
+/// The transform of @p profile under @p illuminant; of a monochrome sensor, luminance
+/// (CIE Y) in all planes, white 1, whatever the light. Throws Error, also for the
+/// paper's convention and a monochrome sensor.
 CameraTransform camera_from_scene(const SensorProfile& profile,
                                   const Illuminant& illuminant, Convention convention,
                                   double digital_gain = 1.0,
@@ -38,6 +41,7 @@ CameraTransform camera_from_scene(const SensorProfile& profile,
 /// balance, clip at white, colour matrix. scene = second clip(first clip(camera /
 /// gains)), not clipped. The inverse of the transform it is made of, but for what
 /// clipped and for highlights that were kept white: those come out no brighter than 1.
+/// Of a monochrome sensor the scene comes back grey.
 struct SceneTransform {
     std::array<double, 3> gains;
     Mat3 first; ///< dng: identity; paper: XYZ from balanced camera

@@ -260,7 +260,8 @@ def line_of(report: dict[str, Any]) -> str:
     """Return what is printed of one file."""
     light = report["illuminant"]
     words = [f"{report['width']}x{report['height']}", report["sensor"]]
-    words.append(f"{light['word']} ({light['cct']:.0f} K)")
+    if light["word"]:
+        words.append(f"{light['word']} ({light['cct']:.0f} K)")
     if report["iso"] is not None:
         words.append(f"ISO {report['iso']:g}, frame {report['frame']}")
     if report["layer"]:

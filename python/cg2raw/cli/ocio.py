@@ -33,6 +33,7 @@ import sys
 from typing import TYPE_CHECKING, Any, TextIO
 
 from cg2raw._core import SensorProfile
+from cg2raw.cfa import is_mono
 from cg2raw.cli._outputs import check_output, to_file
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, check_pairs
 
@@ -122,7 +123,7 @@ def make(arguments: argparse.Namespace) -> None:
     """Write the config, the files, or both."""
     from cg2raw_ocio.spaces import Exposure
 
-    profiles = asked_sensors(arguments.sensors)
+    profiles = with_colors(arguments, asked_sensors(arguments.sensors))
     illuminants = asked_illuminants(arguments.illuminants)
     check_pairs(profiles, illuminants)
     exposure = Exposure(
@@ -140,6 +141,22 @@ def make(arguments: argparse.Namespace) -> None:
         make_context(arguments, profiles, illuminants, exposure)
     elif arguments.output or not exports:
         make_config(arguments, profiles, illuminants, exposure)
+
+
+def with_colors(
+    arguments: argparse.Namespace, profiles: list[SensorProfile]
+) -> list[SensorProfile]:
+    """Return the sensors that have RAW colour spaces: of "all", those with filters."""
+    colored = [profile for profile in profiles if not is_mono(profile.cfa)]
+    without = [profile.id for profile in profiles if is_mono(profile.cfa)]
+    if without and (arguments.sensors != "all" or not colored):
+        raise ValueError(
+            f"--sensors {without[0]}: is monochrome and has no RAW colour space: leave "
+            "it out, and write its DNG from the scene (dng:sensor)"
+        )
+    for id in without:
+        note(arguments, f"{id} is monochrome and has no RAW colour space: left out")
+    return colored
 
 
 def report(

@@ -15,6 +15,7 @@ import numpy as np
 
 from cg2raw import Illuminant, RawFrame, Sensor, __version__, _core, write_dng
 from cg2raw.arrays import FloatImage
+from cg2raw.cfa import is_mono
 from cg2raw.dataset import journal, manifest, packed
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.methods import METHODS
@@ -301,11 +302,19 @@ def truth(
         "xy": list(illuminant.xy),
         "cct": illuminant.cct,
         "duv": illuminant.duv,
-        "camera_from_xyz": sensor.camera_from_xyz(illuminant.xy).ravel().tolist(),
+        "camera_from_xyz": matrix_of(sensor, illuminant),
         "transform_first": transform.first.ravel().tolist(),
         "transform_second": transform.second.ravel().tolist(),
         "transform_gains": list(transform.gains),
     }
+
+
+def matrix_of(sensor: Sensor, illuminant: Illuminant) -> list[float] | None:
+    """Return the colour matrix, 9 numbers row by row; None of a monochrome sensor."""
+    if is_mono(sensor.cfa):
+        return None
+    matrix: list[float] = sensor.camera_from_xyz(illuminant.xy).ravel().tolist()
+    return matrix
 
 
 def expected(header: Row, order: int, variant: Variant) -> Row:

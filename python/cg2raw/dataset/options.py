@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cg2raw import Sensor, __version__
+from cg2raw.cfa import is_mono, sites_of
 from cg2raw.dataset.methods import METHODS, Scene
 from cg2raw.dataset.plan import Plan, short
 
@@ -33,7 +34,12 @@ def make_plan(
         raise ValueError(f"--method {fields['method']}: one of {', '.join(METHODS)}")
     if fields["format"] == "exr" and fields["element_type"] == "uint16":
         raise ValueError("--type uint16: not in EXR; --type float32, or --format npy")
-    kept = [sensor for sensor in sensors if fits(sensor, fields["format"], leave_out)]
+    kept = [
+        sensor
+        for sensor in sensors
+        if fits(sensor, fields["format"], leave_out)
+        and has_lights(sensor, fields["illuminants"], leave_out)
+    ]
     plan = plan_of(kept, fields)
     for isos, reasons in unknown_noise(plan).items():
         why = "their noise there is not known"
@@ -68,11 +74,24 @@ def plan_of(sensors: Sequence[Sensor], fields: dict[str, Any]) -> Plan:
 
 def fits(sensor: Sensor, format: str, leave_out: Callable[[str], None]) -> bool:
     """Return whether a format can hold the sensor's mosaic."""
-    if format == "dng" or len(sensor.cfa) == 4:
+    if format == "dng" or len(sites_of(sensor.cfa)) == 4:
         return True
     leave_out(
         f"--format {format}: packs 2x2 Bayer sites, and {sensor.id} has another CFA; "
         "leave it out of --sensors, or --format dng"
+    )
+    return False
+
+
+def has_lights(
+    sensor: Sensor, illuminants: Any, leave_out: Callable[[str], None]
+) -> bool:
+    """Return whether the sensor has lights to draw; named ones all have."""
+    if not is_mono(sensor.cfa) or not isinstance(illuminants, int):
+        return True
+    leave_out(
+        f"--illuminants {illuminants}: draws neutrals, and {sensor.id} is monochrome "
+        "and has none; leave it out of --sensors, or name one light, as D65"
     )
     return False
 

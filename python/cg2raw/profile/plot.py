@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cg2raw._core import SensorProfile
+from cg2raw.cfa import is_mono
 from cg2raw.profile.from_raw_files import camera_name
 from cg2raw.profile.spectral_file import Array
 from cg2raw.profile.summary import kelvin_words
@@ -38,7 +39,13 @@ def plot_png(profile: SensorProfile, cct: Sequence[float] | None = None) -> byte
 
     Shows the neutrals, the ellipses of 1, 2 and 3 standard deviations of their
     Gaussian, their hull, samples, and the Planckian locus as the sensor sees it.
-    cct : [lowest, highest] K of the neutrals, for the title."""
+    cct : [lowest, highest] K of the neutrals, for the title.
+    Raises ValueError for a monochrome sensor, which sees all lights alike."""
+    if is_mono(profile.cfa):
+        raise ValueError(
+            f"sensor {profile.id} is monochrome: it sees all illuminants alike, and "
+            "there is nothing to draw; leave --plot out"
+        )
     from matplotlib import style
 
     with style.context("default"):  # whatever the user's matplotlibrc says

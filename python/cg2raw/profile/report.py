@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cg2raw import _core
+from cg2raw.cfa import is_mono
 from cg2raw.profile.from_files import Made
 from cg2raw.profile.summary import cfa_word, neutral_words, summary
 
@@ -25,8 +26,24 @@ def report(made: Made, profile: _core.SensorProfile) -> dict[str, Any]:
 
 def missing(facts: Mapping[str, Any]) -> list[str]:
     """Return one line on each thing that the profile lacks: what, and its cost."""
+    isos = facts["noise"]["iso"]
+    lines = [] if is_mono(facts["cfa"]) else missing_colors(facts)
+    if not isos:
+        lines.append("noise: frames are clean, an ISO is an error; give --iso-noise")
+    elif isos[0] == isos[1]:
+        lines.append(
+            f"noise at a second ISO: only ISO {isos[0]:g} can be simulated; give files "
+            "of other ISOs, or --iso-noise"
+        )
+    if not any(effect["name"] == "lens_shading" for effect in facts["effects"]):
+        lines.append("lens shading (GainMap): corners are as bright as the centre")
+    return lines
+
+
+def missing_colors(facts: Mapping[str, Any]) -> list[str]:
+    """Return one line on each thing that the profile lacks of colours."""
     calibrations, lights = facts["calibrations"], facts["illuminants"]
-    isos, one = facts["noise"]["iso"], len(calibrations) == 1
+    one = len(calibrations) == 1
     lines = []
     if one:
         light = calibrations[0]["light_source"]
@@ -48,21 +65,11 @@ def missing(facts: Mapping[str, Any]) -> list[str]:
             f"3 neutrals that span an area (there are {lights['count']}): {draws}; "
             "give more files, or --neutrals"
         )
-    if not isos:
-        lines.append("noise: frames are clean, an ISO is an error; give --iso-noise")
-    elif isos[0] == isos[1]:
-        lines.append(
-            f"noise at a second ISO: only ISO {isos[0]:g} can be simulated; give files "
-            "of other ISOs, or --iso-noise"
-        )
-    if not any(effect["name"] == "lens_shading" for effect in facts["effects"]):
-        lines.append("lens shading (GainMap): corners are as bright as the centre")
     return lines
 
 
 def as_text(found: Mapping[str, Any]) -> str:
     """Return the report for people."""
-    lights = found["illuminants"]
     levels = sorted(set(found["black_level"]))
     black = f"{levels[0]:g}" + (f" to {levels[-1]:g}" if len(levels) > 1 else "")
     lines = [
@@ -74,14 +81,23 @@ def as_text(found: Mapping[str, Any]) -> str:
             "levels",
             f"{found['bits']} bits, black {black} DN, white {found['white_level']} DN",
         ),
-        ("matrices", "; ".join(map(matrix_words, found["calibrations"]))),
-        ("neutrals", neutral_words(lights)),
+        *color_lines(found),
         ("noise", noise_words(found["noise"]["rows"])),
         ("effects", ", ".join(e["name"] for e in found["effects"]) or "none"),
         *(("note", note) for note in found["notes"]),
         *(("missing", line) for line in found["missing"]),
     ]
     return "\n".join(f"{label:9} {words}" for label, words in lines)
+
+
+def color_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what the report says of colours: nothing of a monochrome sensor."""
+    if is_mono(found["cfa"]):
+        return []
+    return [
+        ("matrices", "; ".join(map(matrix_words, found["calibrations"]))),
+        ("neutrals", neutral_words(found["illuminants"])),
+    ]
 
 
 def files_words(found: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from cg2raw.cfa import is_mono, sites_of
 from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words, neutral_words
 
 Summary = Mapping[str, Any]  # as summary() makes it
@@ -54,7 +55,9 @@ def row_of(sensor: Summary) -> tuple[str, ...]:
 
 def light_words(sensor: Summary) -> str:
     """Return the range of the illuminants that sample:n draws; "locus" where these are
-    black bodies between the calibration illuminants."""
+    black bodies between the calibration illuminants, "any" of a monochrome sensor."""
+    if is_mono(sensor["cfa"]):
+        return "any"
     cct = sensor["illuminants"]["cct"]
     if not cct and len(sensor["calibrations"]) == 2:
         return "locus"
@@ -124,11 +127,18 @@ def fields_of(sensor: Summary) -> list[tuple[str, str]]:
         ("black_level", f"{black} DN"),
         ("white_level", f"{sensor['white_level']} DN"),
         *calibration_fields(sensor["calibrations"]),
-        ("illuminants", neutral_words(sensor["illuminants"])),
+        ("illuminants", neutrals_of(sensor)),
         ("digital_gain", gain_words(sensor["digital_gain"])),
         *noise_fields(sensor["noise"], sensor["cfa"]),
         *(("effects", effect_words(effect)) for effect in sensor["effects"]),
     ]
+
+
+def neutrals_of(sensor: Summary) -> str:
+    """Return the neutrals in words; a monochrome sensor needs none."""
+    if is_mono(sensor["cfa"]):
+        return "none: monochrome, all are alike"
+    return neutral_words(sensor["illuminants"])
 
 
 def per_site(values: Sequence[float], cfa: str, digits: int = 3) -> str:
@@ -140,7 +150,11 @@ def per_site(values: Sequence[float], cfa: str, digits: int = 3) -> str:
     else:
         names = ["R ", "G ", "B "]
         groups = [
-            [v for v, letter in zip(values, cfa, strict=True) if letter == color]
+            [
+                v
+                for v, letter in zip(values, sites_of(cfa), strict=True)
+                if letter == color
+            ]
             for color in "RGB"
         ]
         values = [sum(group) / len(group) for group in groups]

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cg2raw import _core
+from cg2raw.cfa import sites_of
 from cg2raw.profile.from_raw_files import camera_name
 
 LEAST_CCT, MOST_CCT = 1e6 / 600, 1e6 / 10  # K, where Robertson's table ends
@@ -81,8 +82,9 @@ def noise_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def cfa_word(cfa: str) -> str:
-    """Return a CFA's name for people: the four letters of Bayer, or X-Trans."""
-    return {4: cfa, 36: "X-Trans"}.get(len(cfa), f"{len(cfa)} sites")
+    """Return a CFA's name for people: the four letters of Bayer, X-Trans, or mono."""
+    sites = len(sites_of(cfa))
+    return {1: "mono", 4: cfa, 36: "X-Trans"}.get(sites, f"{sites} sites")
 
 
 def kelvin_words(cct: Sequence[float] | None) -> str:

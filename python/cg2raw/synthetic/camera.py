@@ -61,7 +61,7 @@ def camera_of(sensor: Sensor, illuminant: str, iso: float) -> Camera:
 
     Raises ValueError for other mosaics than Bayer, and for a profile with effects: the
     generator has its own, and cannot draw those."""
-    if len(sensor.cfa) != 4:
+    if len(sensor.black_level) != 4:  # one per site
         raise ValueError(
             f"sensor {sensor.id}: cfa {sensor.cfa} must be a Bayer pattern"
         )

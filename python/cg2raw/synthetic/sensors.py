@@ -59,7 +59,7 @@ def with_noise(
             f"full well, {full_well:g} e-"
         )
     profile = json.loads(sensor.to_json())
-    sites = len(sensor.cfa)
+    sites = len(sensor.black_level)  # one per site
     profile["noise"] = [
         {
             "iso": iso,

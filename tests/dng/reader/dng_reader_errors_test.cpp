@@ -54,7 +54,7 @@ const Case structure_cases[] = {
           ifd.bytes(50707, { 1, 8, 0, 0 });
       } },
     { "LinearRaw", "is LinearRaw (34892), already demosaicked; it must be a mosaic",
-      [](Ifd& ifd) { ifd.shorts(262, { 34892 }); } },
+      [](Ifd& ifd) { ifd.shorts(262, { 34892 }).shorts(277, { 3 }); } },
     { "OnlyAPreview", "is CFA (32803) in no full-resolution image",
       [](Ifd& ifd) { ifd.longs(254, { 1 }); } },
     { "ManySubIfds", "SubIFDs (330) has 33 values; allowed: 1 to 32",

@@ -200,8 +200,8 @@ void expect_planted(const SensorProfile& profile, double tolerance)
 {
     ASSERT_EQ(profile.effects.size(), 1U);
     const Effect& lens_shading = effect("lens_shading");
-    const Values found
-        = values_of(lens_shading, profile.effects[0].parameters, "profile");
+    const Values found = values_of(lens_shading, profile.effects[0].parameters,
+                                   profile.cfa, "profile");
     for (std::size_t i = 0; i < planted.size(); ++i)
         EXPECT_NEAR(found[i], planted[i], tolerance) << i;
 }
