@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 
 from cg2raw import Sensor
+from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.frame import frame_of, source_of
@@ -95,7 +96,7 @@ def frames_of(sensor, captures, pixels=65536):
     """Return the frames of captures, as the engine makes them."""
     capture_set = CaptureSet(sensor, captures)
     noise = noise_models(capture_set)
-    side = round(len(sensor.cfa) ** 0.5)
+    side = repeat_of(sensor.cfa)
     return [
         frame_of(source_of(capture_set, c), tiling(c.shape, pixels, side), noise[c.iso])
         for c in captures

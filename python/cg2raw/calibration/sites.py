@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.cfa import is_mono
 from cg2raw.sensor import Sensor
 
 Number = TypeVar("Number", bound=np.generic)
@@ -46,15 +47,14 @@ class Sites:
 
 def sites_of(sensor: Sensor) -> Sites:
     """Return the sites of a sensor, named by their colours where it has any."""
-    count = len(sensor.black_level)
-    letters = sensor.cfa if len(sensor.cfa) == count and count > 1 else ""
-    if not letters:
-        return Sites(count, ("",) * count)
+    letters = sensor.cfa
+    if is_mono(letters):
+        return Sites(1, ("",))
     names = []
     for index, letter in enumerate(letters):
         number = letters[: index + 1].count(letter)
         names.append(f"{letter}{number}" if letters.count(letter) > 1 else letter)
-    return Sites(count, tuple(names))
+    return Sites(len(names), tuple(names))
 
 
 def blocks_of(

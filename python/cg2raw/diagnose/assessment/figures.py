@@ -5,9 +5,9 @@
 
 import numpy as np
 
-from cg2raw.cfa import demosaic
+from cg2raw.cfa import demosaic, repeat_of
 from cg2raw.diagnose.diagnosis import Picture
-from cg2raw.diagnose.frames.frame import Frame, repeat_of
+from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
 from cg2raw.diagnose.likelihood.model import Model

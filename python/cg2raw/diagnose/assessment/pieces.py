@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 
+from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.frame import (
     Frame,
     Source,
     frame_of,
-    repeat_of,
     source_of,
     with_level_of,
 )

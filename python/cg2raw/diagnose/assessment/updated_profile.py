@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cg2raw.cfa import sites_of
 from cg2raw.diagnose.diagnosis import Finding
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.frames.frame import Frame
@@ -67,7 +68,7 @@ def _add_estimated_noise(profile: dict[str, Any], frames: Sequence[Frame]) -> No
     for frame in frames:
         iso = frame.capture.iso
         if iso is not None and not frame.noise.measured:
-            sites = len(profile["cfa"])
+            sites = len(sites_of(profile["cfa"]))
             rows[iso] = {
                 "iso": iso,
                 "beta1": _for_profile(frame.noise.beta1, sites),

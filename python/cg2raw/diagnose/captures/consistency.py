@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cg2raw.cfa import is_mono
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.manifest import UNKNOWN, FrameEntry
@@ -194,14 +195,17 @@ def temperature_notes(frames: Sequence[Frame]) -> list[str]:
     ]
 
 
-def what_is_missing(frames: Sequence[Frame]) -> list[str]:
+def what_is_missing(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
     """Return sentences on what no diagnosis of these frames can tell apart."""
+    of_light, of_scenes = "gain, optics, colour", "colour matrix, blur, aberration"
+    if is_mono(sensor.cfa):
+        of_light, of_scenes = "gain, optics", "blur"
     captures = [capture for f in frames for capture in (f.capture, *f.borders)]
     darks = [capture for capture in captures if not capture.shows.light]
     if len(darks) == len(captures):
         return [
-            "only darks: gain, optics, colour and all else that needs light cannot be "
-            "told; add flats at two levels, and scenes with their renders"
+            f"only darks: {of_light} and all else that needs light cannot be told; add "
+            "flats at two levels, and scenes with their renders"
         ]
     notes = []
     if len(frames) == 1:
@@ -220,8 +224,8 @@ def what_is_missing(frames: Sequence[Frame]) -> list[str]:
         )
     if not any(capture.shows.image for capture in captures):
         notes.append(
-            "no scenes: colour matrix, blur, aberration, crosstalk and glare cannot be "
-            "told; add scenes with their renders, or a chart"
+            f"no scenes: {of_scenes}, crosstalk and glare cannot be told; add scenes "
+            "with their renders, or a chart"
         )
         flats = [f.entry for f in frames if f.capture.shows.light]
         if len({(e.scene, e.gain) for e in flats}) == 1 and flats[0].scene != UNKNOWN:

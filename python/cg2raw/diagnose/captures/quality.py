@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
+from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import KINDS, Capture, Kind
 from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
@@ -132,20 +133,20 @@ def registration(
     """Return the shift of a render against its capture, px of the sensor."""
     light = sensor.illuminant(capture.illuminant, capture.as_shot)
     camera = sensor.to_camera(scene, illuminant=light, highlights=False)
-    repeat = round(len(sensor.cfa) ** 0.5)
-    model = green_cells(sensor.mosaic(np.clip(camera, 0, 1)), sensor.cfa, repeat)
-    measured = green_cells(sensor.signal_from_raw(raw), sensor.cfa, repeat)
+    repeat = repeat_of(sensor.cfa)
+    model = green_cells(sensor.mosaic(np.clip(camera, 0, 1)), sensor.cfa)
+    measured = green_cells(sensor.signal_from_raw(raw), sensor.cfa)
     shift = shift_between(np.clip(measured, 0, 1), model)
     return Shift(shift.down * repeat, shift.right * repeat, shift.correlation)
 
 
-def green_cells(
-    mosaic: NDArray[np.float32], cfa: str, repeat: int
-) -> NDArray[np.float64]:
-    """Return the mean of the green sites of each repeat of the CFA."""
+def green_cells(mosaic: NDArray[np.float32], cfa: str) -> NDArray[np.float64]:
+    """Return the mean of the green sites of each repeat of the CFA; without filters,
+    the pixels."""
+    letters, repeat = sites_of(cfa), repeat_of(cfa)
     height, width = (side // repeat for side in mosaic.shape)
     total = np.zeros((height, width))
-    for index in (index for index, letter in enumerate(cfa) if letter == "G"):
+    for index in (index for index, letter in enumerate(letters) if letter == "G"):
         row, col = divmod(index, repeat)
         total += mosaic[row::repeat, col::repeat][:height, :width]
-    return total / cfa.count("G")
+    return total / letters.count("G")

@@ -11,6 +11,7 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.arrays import RawImage
+from cg2raw.cfa import repeat_of
 from cg2raw.io import fits_file, libraw, npy_file
 from cg2raw.profile.from_files import is_dng
 from cg2raw.sensor import Sensor
@@ -133,12 +134,6 @@ def other_header(path: str) -> RawHeader:
         exposure_time=exposure_time,
         temperature=libraw.camera_temperature(path),
     )
-
-
-def repeat_of(cfa: str) -> int:
-    """Return the side of a square CFA repeat, from its letters."""
-    side: float = len(cfa) ** 0.5
-    return round(side)
 
 
 def areas_of(sizes: Any, side: int) -> tuple[Area, tuple[Area, ...]]:

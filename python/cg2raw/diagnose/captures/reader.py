@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.arrays import FloatImage
+from cg2raw.cfa import is_mono
 from cg2raw.diagnose.captures import consistency
 from cg2raw.diagnose.captures.capture import KINDS, Capture, CaptureSet, Group
 from cg2raw.diagnose.captures.chart import ColorChecker, PatchChart
@@ -33,7 +34,7 @@ from cg2raw.diagnose.captures.scene_files import Mask, read_mask, read_scene, un
 from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
 from cg2raw.sensor import Sensor
 
-LIGHT_OF_DARKS = "D65"  # any: there is none
+LIGHT_OF_DARKS = "D65"  # any: there is none, or no filter that tells it from others
 PROFILE_ENDINGS = (".json", ".dng")
 
 
@@ -57,7 +58,7 @@ def read_captures(
         nuisances=manifest.nuisances,
         uncertainty=manifest.uncertainty,
         file=manifest.file,
-        notes=(*notes, *more, *consistency.what_is_missing(frames)),
+        notes=(*notes, *more, *consistency.what_is_missing(frames, sensor)),
     )
 
 
@@ -67,6 +68,7 @@ def read_frames(
     """Return (manifest, sensor, frames before they are divided, notes)."""
     manifest = read_manifest(path)
     sensor = sensor or sensor_of(manifest)
+    check_nuisances(manifest, sensor)
     consistency.check_distinct(manifest.frames)
     headers = [header_of(entry) for entry in manifest.frames]
     consistency.check_sizes(manifest.frames, headers)
@@ -86,6 +88,15 @@ def read_frames(
     ]
     notes = [f"{consistency.some(files)}: {note}" for note, files in said.items()]
     return manifest, sensor, frames, notes + consistency.notes_on(frames, sensor)
+
+
+def check_nuisances(manifest: Manifest, sensor: Sensor) -> None:
+    """Raise ValueError at its line for a nuisance that the sensor cannot have."""
+    if is_mono(sensor.cfa) and "white_balance" in manifest.nuisances:
+        manifest.at["nuisance"].fail(
+            f"has white_balance, and {sensor.id} is monochrome: remove it; exposure is "
+            "what differs"
+        )
 
 
 def sensor_of(manifest: Manifest) -> Sensor:
@@ -166,7 +177,7 @@ def dark() -> NDArray[np.float32]:
 def illuminant_of(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> str:
     """Return the word of a frame's light. Raises ValueError at its line."""
     word = entry.illuminant
-    if word is None and not KINDS[entry.kind].light:
+    if word is None and (is_mono(sensor.cfa) or not KINDS[entry.kind].light):
         return LIGHT_OF_DARKS
     if word is None and header.as_shot is None:
         entry.fail(

@@ -14,15 +14,16 @@ folder says the rest, and only where the default does not do. Three estimators:
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw import _core
+from cg2raw.cfa import is_mono
 from cg2raw.diagnose.diagnosis import Curve, Estimate
 from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -111,7 +112,8 @@ class Effect:
         single hidden effects and measured lenses left.
     shows_without_image : darks and flats show it; then nothing takes it up.
     bayer_only : other CFAs have none of it, or none that the registry simulates.
-    nameable : False for what a profile may have and no diagnosis looks for."""
+    nameable : False for what a profile may have and no diagnosis looks for.
+    cfa : that of the sensor, where it has other parameters there; see `of_cfa`."""
 
     name: ClassVar[str] = ""
     title: ClassVar[str] = ""
@@ -133,6 +135,7 @@ class Effect:
     shows_without_image: ClassVar[bool] = False
     bayer_only: ClassVar[bool] = False
     nameable: ClassVar[bool] = True
+    cfa: str | None = None
 
     # How it is predicted.
 
@@ -252,6 +255,22 @@ class Effect:
 
     # Parameters; nothing below is meant to be overridden.
 
+    def of_cfa(self, cfa: str) -> "Effect":
+        """Return the effect as a sensor of a CFA has it: without filters it has one
+        site, and no parameters that tell colours apart."""
+        if not is_mono(cfa):
+            return self
+        one = type(self)()
+        one.cfa = cfa
+        return one
+
+    @property
+    def _known(self) -> Sequence[Mapping[str, Any]]:
+        """The registry's parameters."""
+        parameters: Sequence[Mapping[str, Any]]
+        parameters = registered(self.cfa)[self.name]["parameters"]
+        return parameters
+
     @cached_property
     def parameters(self) -> tuple[str, ...]:
         return tuple(parameter.name for parameter in self._searched)
@@ -283,17 +302,15 @@ class Effect:
     def within_registry_bounds(self, values: Values) -> Values:
         """Return values within the bounds of the registry: a found value and the
         profile's are each within them, and their sum need not be."""
-        known = registered()[self.name]["parameters"]
-        low, high = ([p[end] for p in known] for end in ("min", "max"))
+        low, high = ([p[end] for p in self._known] for end in ("min", "max"))
         return np.clip(values, low, high)
 
     @cached_property
     def _searched(self) -> tuple[Parameter, ...]:
         if self.search:
             return self.search
-        known = registered()[self.name]["parameters"]
         return tuple(
-            Parameter(p["name"], *self._bounds_of(p), p["unit"]) for p in known
+            Parameter(p["name"], *self._bounds_of(p), p["unit"]) for p in self._known
         )
 
     def _bounds_of(self, parameter: Mapping[str, Any]) -> tuple[float, float]:
@@ -301,12 +318,6 @@ class Effect:
             if parameter["name"].startswith(start):
                 return bounds
         return parameter["min"], parameter["max"]
-
-
-@cache
-def registered() -> Mapping[str, Mapping[str, Any]]:
-    """Return the registry's effects by name, in the order in which they act."""
-    return {effect["name"]: effect for effect in _core.effects()}
 
 
 def draw_noise_by(profile: dict[str, Any], name: str, gaussian: str) -> None:

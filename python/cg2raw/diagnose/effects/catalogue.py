@@ -9,8 +9,10 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from cg2raw import _core
+from cg2raw.cfa import is_mono, sites_of
 from cg2raw.diagnose import effects as folder
-from cg2raw.diagnose.effects.base import Effect, registered
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.registry import registered
 
 
 @cache
@@ -49,7 +51,7 @@ def names() -> list[str]:
 
 
 def candidates(cfa: str, without: Iterable[str] = ()) -> list[Effect]:
-    """Return the effects that can be named for a CFA, but for some.
+    """Return the effects that can be named for a CFA, as it has them, but for some.
 
     Raises ValueError for a name that is none."""
     for name in without:
@@ -61,12 +63,17 @@ def candidates(cfa: str, without: Iterable[str] = ()) -> list[Effect]:
                 f"known are {', '.join(names())}"
             )
     return [
-        one
+        one.of_cfa(cfa)
         for one in every().values()
-        if one.nameable
-        and one.name not in set(without)
-        and (len(cfa) == 4 or not one.bayer_only)
+        if one.nameable and one.name not in set(without) and _exists(one, cfa)
     ]
+
+
+def _exists(effect: Effect, cfa: str) -> bool:
+    """Return whether sensors of a CFA can have an effect."""
+    if is_mono(cfa):
+        return effect.name in registered(cfa)
+    return len(sites_of(cfa)) == 4 or not effect.bayer_only
 
 
 def confusable(a: Effect, b: Effect) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw import _core
+from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
@@ -105,12 +106,6 @@ def camera_of(
     return np.asarray(transform.gains)[:, None] * np.asarray(transform.first), light
 
 
-def repeat_of(cfa: str) -> int:
-    """Return the side of a CFA's repeat."""
-    side: float = np.sqrt(len(cfa))
-    return round(side)
-
-
 def planes_of_sites(
     cfa: str, shape: tuple[int, int], values: Sequence[float]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
@@ -118,12 +113,13 @@ def planes_of_sites(
     n = repeat_of(cfa)
     rows, columns = np.mgrid[: shape[0], : shape[1]]
     site = (rows % n) * n + columns % n
-    color = np.array(["RGB".index(letter) for letter in cfa.upper()])[site]
+    colors = ["RGB".index(letter) for letter in sites_of(cfa)]
+    color = np.array(colors)[site]
     spread = np.asarray(values, float)
     if spread.size == 1:
         spread = np.full(n * n, spread.item())
     if spread.size == 3 and n != 1:
-        spread = spread[["RGB".index(letter) for letter in cfa.upper()]]
+        spread = spread[colors]
     return site, color, spread[site]
 
 
@@ -217,11 +213,15 @@ def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
 
 
 def with_level_of(frame: Frame, known: Frame) -> Frame:
-    """Return a flat whose light nobody measured with what another frame of it shows."""
-    middle = [
+    """Return a flat whose light nobody measured with what another frame of it shows.
+
+    Without filters there is one colour, which all three planes have."""
+    colors = np.unique(known.color)
+    middles = [
         np.median(known.signal[:, known.color == c][known.keep[:, known.color == c]])
-        for c in range(3)
+        for c in colors
     ]
+    middle = middles if len(colors) == 3 else middles * 3
     color = np.maximum(np.array(middle, np.float32), 0)
     camera = _camera_tiles(color, frame.tiles)
     whole = np.ascontiguousarray(np.broadcast_to(color, (64, 64, 3)))

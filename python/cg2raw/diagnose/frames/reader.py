@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.frames.frame import Frame, frame_of, repeat_of, source_of
+from cg2raw.diagnose.frames.frame import Frame, frame_of, source_of
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import Mask, tiling
 

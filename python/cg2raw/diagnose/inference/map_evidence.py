@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
@@ -23,10 +24,13 @@ LEAST_INFORMATION = 1e-200
 @dataclass(frozen=True)
 class Evidence:
     """Of K maps: information (K, K, T, h, w), whose inverse is the covariance of their
-    estimates, and score (K, T, h, w), information times estimates."""
+    estimates, and score (K, T, h, w), information times estimates.
+
+    repeat : side of the CFA's, px."""
 
     information: Array
     score: Array
+    repeat: int
 
     def known(self, one: int) -> Mask:
         """Return the pixels that any frame says anything about."""
@@ -61,7 +65,7 @@ def evidence_of(
         score += scored
     for k, i in _upper(count):
         information[i, k] = information[k, i]
-    return Evidence(information, score)
+    return Evidence(information, score, repeat_of(rest.sensor.cfa))
 
 
 def _upper(count: int) -> list[tuple[int, int]]:

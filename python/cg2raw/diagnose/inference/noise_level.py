@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 
+from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE, NoiseModel
@@ -118,7 +119,7 @@ def _levels_and_variances(
     Second differences cancel slopes; pixels between unlike neighbours are left out, and
     the median forgets what edges are left. DN are spread over their step first, for a
     median of few DN is coarse."""
-    step = 2 * round(np.sqrt(len(sensor.cfa)) / 2)
+    step = repeat_of(sensor.cfa)
     height, width = (min(n, MOST_PIXELS) for n in raw.shape)
     if width <= 2 * step:
         return

@@ -9,6 +9,7 @@ map_prior): what is known of a pixel is its posterior under these priors.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -78,7 +79,7 @@ def _prior(
     estimate = np.where(known, score / information, 0)
     kept = 1.0
     if effect.lacks_slow_part:
-        estimate, kept = _high_pass(estimate, known), KEPT
+        estimate, kept = _high_pass(estimate, known, evidence.repeat), KEPT
     square, error = estimate**2 / kept, 1 / information
     of_known = square[known], error[known]
     variance = bounded_tail(*of_known)
@@ -131,7 +132,7 @@ def _means(
             left = (evidence.score[k] - others) / own
             estimate = np.where(known, means[k] + left, 0)
             if effect.lacks_slow_part:
-                estimate = _high_pass(estimate, known)
+                estimate = _high_pass(estimate, known, evidence.repeat)
             means[k] = estimate * (priors[k].each / (priors[k].each + 1 / own))
         if np.abs(means - before).max() <= AGREED * np.abs(means).max():
             break
@@ -150,11 +151,15 @@ def _covariance(evidence: Evidence, priors: Sequence[_Prior]) -> Array:
     return np.moveaxis(inverse, (-2, -1), (0, 1))
 
 
-def _high_pass(image: Array, known: Mask) -> Array:
-    """What is left of each CFA site's plane without its smooth part, where known."""
+def _high_pass(image: Array, known: Mask, repeat: int) -> Array:
+    """What is left of each CFA site's plane without its smooth part, where known.
+
+    repeat : side of the CFA's, px; 1 without filters. Larger ones than Bayer's have
+    sites of one colour everywhere, and go by his."""
+    step = min(repeat, 2)
     rest = np.zeros_like(image)
-    for site in ((row, col) for row in (0, 1) for col in (0, 1)):
-        at = np.s_[:, site[0] :: 2, site[1] :: 2]
+    for row, col in product(range(step), repeat=2):
+        at = np.s_[:, row::step, col::step]
         width = (0, SMOOTH, SMOOTH)
         weight = gaussian_filter(known[at].astype(float), width)
         slow = gaussian_filter(np.where(known[at], image[at], 0), width)

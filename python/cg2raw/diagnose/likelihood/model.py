@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Effect, SensorMap, Values, registered
+from cg2raw.diagnose.effects.base import Effect, SensorMap, Values
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.sensor import Sensor
@@ -106,7 +107,7 @@ class Model:
         return {
             effect["name"]: {
                 p["name"]: effect["parameters"][p["name"]]
-                for p in registered()[effect["name"]]["parameters"]
+                for p in registered(self.sensor.cfa)[effect["name"]]["parameters"]
             }
             for effect in self.sensor.effects or ()
         }

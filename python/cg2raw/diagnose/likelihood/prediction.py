@@ -6,6 +6,7 @@
 import numpy as np
 
 from cg2raw import _core
+from cg2raw.cfa import sites_of
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
@@ -16,14 +17,15 @@ from cg2raw.diagnose.likelihood.model import Model
 LEAST_VARIANCE_LEFT = (
     0.15  # of a variance, that is left without what fit frames made of a map
 )
-BAYER = 4  # sites of its repeat
+BAYER, MONO = 4, 1  # sites of their repeats
 
 
 def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]:
     """Return all effects that the registry simulates for a model, with values.
 
-    The registry's noises have one parameter per site of a Bayer CFA; `predict` adds
-    those of others. It draws maps of its own, and no sensor has those."""
+    The registry's noises have one parameter per site of a Bayer CFA, one without
+    filters; `predict` adds those of others. It draws maps of its own, and no sensor has
+    those."""
     effects = every()
     listed = {
         name: list(parameters.values())
@@ -35,8 +37,8 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
             old = np.array(listed.get(term.name, term.effect.null))
             bounded = term.effect.within_registry_bounds(old + term.values)
             listed[term.name] = bounded.tolist()
-    sites = len(model.sensor.cfa)
-    if sites != BAYER:
+    sites = len(sites_of(model.sensor.cfa))
+    if sites not in (BAYER, MONO):
         return list(listed.items())
     betas_of = {"beta1": frame.noise.beta1, "beta2": frame.noise.beta2}
     for effect in effects.values():
@@ -65,7 +67,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
     )
     gain = photon_gain(model, frame)
     photon_variance = gain * np.maximum(exposed, 0)
-    if len(model.sensor.cfa) != BAYER:
+    if len(sites_of(model.sensor.cfa)) not in (BAYER, MONO):
         read_variance = model.noise_gain("beta2") * frame.beta2
         variance = variance + photon_variance + read_variance
     mean, variance = _with_maps(model, frame, mean, variance, exposed, gain)

@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Captures of a monochrome sensor, whose effects the registry's simulation planted."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cg2raw
+from cg2raw.diagnose import diagnose, read_captures
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.inference.pixel_maps import _high_pass
+from diagnose.planted import FULL_WELL, READ, capture_of
+from oracles import cameras
+
+ISO, SHAPE = 100.0, (96, 128)
+SHADING = {"r2": -0.25, "r4": 0.05, "r6": 0.0, "tilt_x": 0.01, "tilt_y": 0.0}
+SHADING |= {"tilt_x_r2": 0.0, "tilt_y_r2": 0.0}
+COLORED = {"white_balance", "color_matrix", "color_shading", "gr_gb_imbalance"}
+COLORED |= {"lateral_chromatic_aberration"}
+# Effect, its parameters, the one that is compared, how well six frames of a kind know
+# it (four standard errors of what is measured, relative).
+PLANTED = [
+    ("exposure", {"gain": 0.05}, "gain", 0.02),
+    ("black_level", {"offset_00": -4e-4}, "offset_00", 0.05),
+    ("dark_current", {"per_second": 2e-3}, "per_second", 0.02),
+    ("prnu", {"sigma": 0.01}, "sigma", 0.05),
+    ("dsnu", {"sigma": 6e-4}, "sigma", 0.1),
+    ("row_noise", {"sigma": 3e-4}, "sigma", 0.15),
+    ("column_fixed_pattern", {"sigma": 3e-4}, "sigma", 0.25),
+    ("veiling_glare", {"uniform": 0.02, "wide": 0.0}, "uniform", 0.3),
+]
+
+
+def sensor_of(effects=(), noise_effects=None, **noise):
+    """Return a sensor of 9 DN per read noise, as that of `planted`."""
+    row = {"iso": ISO, "beta1": 1 / FULL_WELL, "beta2": READ**2, **noise}
+    fields = {"id": "mono", "black_level": 256, "noise": [row], "effects": effects}
+    return cg2raw.Sensor.from_json(
+        cameras.mono_text(noise_effects=noise_effects, **fields)
+    )
+
+
+def captures_of(truth, assumed=None, kinds=("dark", "flat", "scene"), **more):
+    """Return captures of one sensor, to be compared with another.
+
+    Two darks, two flats and two frames of a scene in each group."""
+    captures = []
+    for number in range(2 * len(GROUPS)):
+        group, repeat = GROUPS[number // 2], number % 2
+        for kind in kinds:
+            seed = number // 2 if kind == "scene" else number
+            given = {"name": f"{kind}-{number}", "set": f"{kind}-{seed}"}
+            given |= {"level": 0.2 + 0.4 * repeat} if kind == "flat" else {}
+            capture = capture_of(
+                *(kind, seed),
+                **{**given, "group": group, "shape": SHAPE},
+                exposure_time=0.5 + repeat,
+            )
+            raw = taken(truth, capture, 10 * number + kinds.index(kind))
+            shown = more if kind == "flat" else {}
+            captures.append(replace(capture, raw=lambda raw=raw: raw, **shown))
+    return CaptureSet(assumed or sensor_of(), captures)
+
+
+def taken(sensor, capture, frame):
+    scene = np.broadcast_to(capture.scene(), (*SHAPE, 3)).astype(np.float32)
+    run = {"iso": ISO, "convention": "sensor", "seed": 5, "frame": frame}
+    seconds = capture.exposure_time
+    return np.asarray(sensor.simulate(scene, exposure_time=seconds, **run))
+
+
+def found_in(truth, **more):
+    return diagnose(captures_of(truth, **more), threads=1)
+
+
+def test_nothing_is_named_where_nothing_is_hidden():
+    found = found_in(sensor_of())
+    assert (found.verdict, found.effects) == ("no gap", [])
+    assert 0.98 < found.gap.chi2_before < 1.02
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "compared", "within"),
+    PLANTED,
+    ids=[planted[0] for planted in PLANTED],
+)
+def test_what_is_planted_is_named_first(name, parameters, compared, within):
+    found = found_in(sensor_of([{"name": name, "parameters": parameters}]))
+    names = [effect.name for effect in found.effects]
+    # The mean of the columns that were drawn is the black level's.
+    may_follow = ["black_level"] if name == "column_fixed_pattern" else []
+    assert names in ([name], [name, *may_follow])
+    value = found.effects[0].parameters[compared].value
+    assert value == pytest.approx(parameters[compared], rel=within)
+    repaired = cg2raw.Sensor.from_json(found.profile_json)
+    assert repaired.cfa == "MONO"
+    assert {effect["name"] for effect in repaired.effects} == set(names)
+
+
+def test_shading_is_named_within_its_intervals():
+    """Four standard errors; the 95 % interval has two on each side."""
+    found = found_in(sensor_of([{"name": "lens_shading", "parameters": SHADING}]))
+    assert [effect.name for effect in found.effects] == ["lens_shading"]
+    for name, estimate in found.effects[0].parameters.items():
+        low, high = estimate.ci95
+        assert abs(estimate.value - SHADING[name]) < high - low < 0.1, name
+
+
+@pytest.mark.parametrize(
+    ("name", "beta", "factor"),
+    [("read_noise", "beta2", 1.6), ("shot_noise", "beta1", 1.3)],
+)
+def test_noise_of_the_one_site_is_named_and_repaired(name, beta, factor):
+    true = {"beta1": 1 / FULL_WELL, "beta2": READ**2}[beta] * factor
+    found = found_in(sensor_of(**{beta: true}))
+    assert [effect.name for effect in found.effects] == [name]
+    (row,) = cg2raw.Sensor.from_json(found.profile_json).noise
+    assert row[beta] == pytest.approx([true], rel=0.05)
+
+
+def test_heavy_tails_are_named():
+    shape = {"tukey_lambda": 0.14, "row_sigma": 0.0}
+    shape |= {"outlier_fraction": 0.02, "outlier_variance_ratio": 16.0}
+    truth = sensor_of(noise_effects=["shot_noise", "heavy_tailed_noise"], **shape)
+    found = found_in(truth)
+    assert [effect.name for effect in found.effects] == ["heavy_tailed_noise"]
+
+
+def test_a_profile_with_its_effects_is_the_base():
+    shaded = sensor_of([{"name": "lens_shading", "parameters": SHADING}])
+    offset = {"name": "black_level", "parameters": {"offset_00": 5e-4}}
+    both = sensor_of([{"name": "lens_shading", "parameters": SHADING}, offset])
+    assert found_in(both, assumed=both).verdict == "no gap"
+    found = found_in(both, assumed=shaded)
+    assert [effect.name for effect in found.effects] == ["black_level"]
+
+
+def test_flats_of_unknown_light_show_what_does_not_need_it():
+    truth = sensor_of([{"name": "prnu", "parameters": {"sigma": 0.01}}])
+    found = found_in(truth, kinds=("dark", "flat"), scene=None)
+    assert [effect.name for effect in found.effects] == ["prnu"]
+
+
+def test_noise_that_no_profile_states_is_estimated():
+    fields = {"id": "mono", "black_level": 256, "noise": None}
+    unmeasured = cg2raw.Sensor.from_json(cameras.mono_text(**fields))
+    found = diagnose(captures_of(sensor_of(), unmeasured), threads=1)
+    assert found.effects == []
+    (row,) = cg2raw.Sensor.from_json(found.profile_json).noise
+    assert row["beta1"] == pytest.approx([1 / FULL_WELL], rel=0.1)
+
+
+def test_what_tells_colours_apart_is_no_candidate():
+    names = {effect.name for effect in candidates("MONO")}
+    everything = {effect.name for effect in candidates("RGGB")}
+    assert everything - names == COLORED | {"noise_reduction"}
+    (offset,) = (e for e in candidates("mono") if e.name == "black_level")
+    assert offset.parameters == ("offset_00",)
+    with pytest.raises(ValueError, match="cannot be left out"):
+        candidates("MONO", without=["fog"])
+
+
+def test_a_map_is_of_single_pixels():
+    """A checkerboard is two levels of a Bayer sensor's sites, and a map without."""
+    rows, columns = np.indices(SHAPE)
+    board = ((rows + columns) % 2 - 0.5)[None]
+    known = np.ones(board.shape, bool)
+    np.testing.assert_allclose(_high_pass(board, known, 2), 0, atol=1e-6)
+    inner = np.s_[:, 20:-20, 20:-20]
+    np.testing.assert_allclose(
+        _high_pass(board, known, 1)[inner], board[inner], atol=1e-3
+    )
+
+
+def test_a_real_ccd_goes_through(camera_data, tmp_path):
+    """STL-1001E: header 2.06 e-/DN, read noise 13 e-, black level 1000 DN. Plain
+    statistics of the frames: black level 993 DN, dark current 0.35 DN/s."""
+    folder = camera_data / "real" / "ccd"
+    if not folder.is_dir():
+        pytest.skip(f"no frames of the CCD in {folder}")
+    sensor = ccd_sensor()
+    (tmp_path / "mono.json").write_text(sensor.to_json())
+    lines = ccd_frames(folder, tmp_path)
+    path = tmp_path / "captures.yaml"
+    path.write_text(f"sensor: mono.json\niso: {ISO}\nframes:\n{lines}")
+    captures = read_captures(path)
+    assert {capture.shape for capture in captures.captures} == {(1024, 1024)}
+    only = ("black_level", "dark_current", "hot_pixels", "read_noise")
+    found = diagnose(captures, only=only, pixels=65536, threads=1)
+    values = {e.name: next(iter(e.parameters.values())) for e in found.effects}
+    assert {"black_level", "dark_current"} <= set(values)
+    span = sensor.white_level - 1000
+    assert values["black_level"].value * span == pytest.approx(-7.2, abs=1.0)
+    assert values["dark_current"].value * span == pytest.approx(0.35, rel=0.2)
+    repaired = cg2raw.Sensor.from_json(found.profile_json)
+    black = np.zeros((64, 64, 3), np.float32)
+    run = {"iso": ISO, "convention": "sensor", "exposure_time": 60.0}
+    raw = repaired.simulate(black, **run)
+    mean, variance = repaired.predict(black, **run)
+    error = float(np.sqrt(variance.mean() / raw.size)) * span
+    expected = 1000 + float(mean.mean()) * span
+    assert raw.mean() == pytest.approx(expected, abs=4 * error)
+
+
+def ccd_sensor():
+    gain = 1 / 2.06 / (65535 - 1000)  # signal of an electron
+    row = {"iso": ISO, "beta1": gain, "beta2": (13 * gain) ** 2}
+    size = {"width": 1024, "height": 1024, "bits": 16}
+    levels = {"black_level": 1000, "white_level": 65535}
+    return cg2raw.Sensor.from_json(
+        cameras.mono_text(id="ccd", **size, **levels, noise=[row])
+    )
+
+
+def ccd_frames(folder, target):
+    """Write three biases and three darks of 60 s as .npy; return their lines."""
+    lines = []
+    for name, seconds in (("bias_-5C", 0.0), ("dark_60s_-5C", 60.0)):
+        frames = np.load(folder / f"{name}.npz")
+        for number, key in enumerate(frames.files[:3]):
+            np.save(target / f"{name}_{number}.npy", frames[key])
+            words = f"file: {name}_{number}.npy, kind: dark, exposure_time: {seconds}"
+            lines.append(f"  - {{{words}}}\n")
+    return "".join(lines)
+
+
+def manifest_of(folder, lines, top=""):
+    (folder / "mono.json").write_text(sensor_of().to_json())
+    path = folder / "captures.yaml"
+    path.write_text(f"sensor: mono.json\niso: {ISO}\n{top}frames:\n{lines}")
+    return path
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Write three darks and six flats, DNG and .npy in turns; return their lines."""
+    lines = []
+    for number in range(9):
+        kind, sensor = "dark" if number < 3 else "flat", sensor_of()
+        level = 0.0 if number < 3 else 0.2 + 0.1 * number
+        grey = np.full((*SHAPE, 3), level, np.float32)
+        raw = sensor.simulate(grey, iso=ISO, frame=number, convention="sensor")
+        name = f"{kind}_{number}.{'npy' if number % 2 else 'dng'}"
+        if number % 2:
+            np.save(tmp_path / name, np.asarray(raw))
+        else:
+            cg2raw.write_dng(tmp_path / name, raw)
+        scene = "" if number < 3 else f", scene: {level:.1f}"
+        lines.append(f"  - {{file: {name}, kind: {kind}, exposure_time: 1{scene}}}\n")
+    return "".join(lines)
+
+
+def test_files_need_no_illuminant(files, tmp_path):
+    captures = read_captures(manifest_of(tmp_path, files))
+    assert captures.sensor.cfa == "MONO"
+    words = next(note for note in captures.notes if note.startswith("no scenes"))
+    assert "blur, crosstalk and glare" in words and "colour" not in words
+    found = diagnose(captures, only=("exposure", "read_noise", "prnu"), threads=1)
+    assert (found.verdict, found.effects) == ("no gap", [])
+
+
+def test_only_darks_say_nothing_of_colour(files, tmp_path):
+    darks = "".join(line for line in files.splitlines(True) if "dark" in line)
+    (note,) = (
+        note
+        for note in read_captures(manifest_of(tmp_path, darks)).notes
+        if note.startswith("only darks")
+    )
+    assert "gain, optics and all else" in note
+
+
+def test_a_white_balance_is_no_nuisance(files, tmp_path):
+    path = manifest_of(tmp_path, files, "nuisance: [exposure, white_balance]\n")
+    with pytest.raises(ValueError, match=r":3: nuisance has white_balance.*monochrome"):
+        read_captures(path)
+
+
+def test_frames_of_another_cfa_are_refused(files, tmp_path):
+    path = manifest_of(tmp_path, files)
+    bayer = cameras.profile(black_level=[256] * 4)
+    (tmp_path / "mono.json").write_text(json.dumps(bayer))
+    with pytest.raises(ValueError, match="its CFA is MONO, that of test-sensor RGGB"):
+        read_captures(path)
