@@ -6,6 +6,7 @@ import json
 import sys
 import types
 
+import numpy as np
 import pytest
 
 from cg2raw.diagnose.diagnosis import VERDICTS, ResidualTest
@@ -196,6 +197,20 @@ def test_a_trace_of_what_was_closed_is_no_gap(
     )
     words = ("diagnose", "--verify", captures, "--against", profile, "--exit-code")
     assert run(*words).code == code
+
+
+def test_a_check_says_once_what_holds_for_many_frames(tmp_path):
+    rng = np.random.default_rng(2)
+    for index in range(5):
+        away = 20 if index == 0 else 0
+        raw = np.rint(rng.normal(3 + away, 4, files.SHAPE)).clip(0)
+        np.save(tmp_path / f"{index}.npy", raw.astype(np.uint16))
+    lines = [f"{{file: {n}.npy, kind: dark, temperature: -5}}" for n in range(5)]
+    done = run("diagnose", "--check", files.manifest(tmp_path, lines))
+    assert done.code == 1 and "  -5 C  " in done.out
+    assert "note      1.npy, 2.npy, 3.npy and 1 more: more than 1% of" in done.out
+    assert "wrong     0.npy: the first of 5 repeats is +" in done.out
+    assert "nothing is wrong" not in done.out
 
 
 def test_a_check_looks_at_pixels_alone(tmp_path):

@@ -3,11 +3,14 @@
 """Diagnoses and checks of captures as text for a terminal."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from cg2raw.diagnose.captures.consistency import some
+from cg2raw.diagnose.captures.quality import HOLES
+
 if TYPE_CHECKING:  # only a diagnosis loads its modules
-    from cg2raw.diagnose.captures.capture import Capture
+    from cg2raw.diagnose.captures.check import Check
     from cg2raw.diagnose.captures.phase_correlation import Shift
     from cg2raw.diagnose.captures.quality import Integrity
     from cg2raw.diagnose.diagnosis import Diagnosis, Gap
@@ -16,10 +19,9 @@ if TYPE_CHECKING:  # only a diagnosis loads its modules
 
 WIDTH = 10  # columns of a line's first word
 MOST_LEFT = 6  # tests that are listed, those that explain most first
-HOLES = 0.05  # share of missing codes that is worth a word; small frames have some
 CHECK_HEAD = (
-    *("frame", "kind", "ISO", "time", "temperature", "low", "mean", "high", "clipped"),
-    *("codes", "registration"),
+    *("frame", "kind", "ISO", "time", "temperature", "low", "mean", "high", "at 0"),
+    *("clipped", "codes", "registration"),
 )
 
 
@@ -88,17 +90,12 @@ def verify_text(
     return "\n".join([*lines, *(line("note", text) for text in notes)])
 
 
-def integrity_text(
-    sensor: "Sensor",
-    captures: Sequence["Capture"],
-    found: Sequence["Integrity"],
-    notes: Sequence[str],
-) -> str:
+def integrity_text(sensor: "Sensor", found: "Check", notes: Sequence[str]) -> str:
     """Return the table of a check, and what is wrong."""
     black = ", ".join(dict.fromkeys(f"{level:g}" for level in sensor.black_level))
     lines = [f"{sensor.id}: black {black} DN, white {sensor.white_level} DN"]
     rows = [CHECK_HEAD]
-    for capture, item in zip(captures, found, strict=True):
+    for capture, item in zip(found.captures, found.integrities, strict=True):
         time, degrees = capture.exposure_time, capture.temperature
         rows.append(
             (
@@ -110,18 +107,31 @@ def integrity_text(
                 str(item.low),
                 f"{item.mean:.1f}",
                 str(item.high),
+                f"{item.below:.2%}",
                 f"{item.clipped:.2%}",
                 code_words(item),
                 shift_words(item.shift),
             )
         )
     lines += columns(rows)
-    lines += [line("note", text) for text in notes]
-    for item in found:
-        lines += [line("wrong", f"{item.name}: {text}") for text in item.complaints]
-    if not any(item.complaints for item in found):
+    remarks = {item.name: item.remarks for item in found.integrities}
+    complaints = {item.name: item.complaints for item in found.integrities}
+    lines += [line("note", text) for text in [*notes, *together(remarks)]]
+    lines += [line("note", text) for text in found.remarks]
+    lines += [line("wrong", text) for text in together(complaints)]
+    lines += [line("wrong", text) for text in found.complaints]
+    if found.is_right:
         lines.append("nothing is wrong")
     return "\n".join(lines)
+
+
+def together(sentences: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return sentences after the names of the frames that they are said of."""
+    names: dict[str, list[str]] = {}
+    for name, texts in sentences.items():
+        for text in texts:
+            names.setdefault(text, []).append(name)
+    return [f"{some(frames)}: {text}" for text, frames in names.items()]
 
 
 def code_words(item: "Integrity") -> str:

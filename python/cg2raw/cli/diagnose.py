@@ -249,18 +249,19 @@ def run_check(arguments: argparse.Namespace) -> int:
     """Print what the frames' pixels say; return 1 if something is wrong."""
     from cg2raw.cli._progress import tracked
     from cg2raw.cli._verdict import integrity_text
-    from cg2raw.diagnose.captures.quality import integrity
+    from cg2raw.diagnose.captures.check import check
     from cg2raw.diagnose.captures.reader import read_frames
 
-    _, sensor, frames, notes = read_frames(arguments.captures)
-    captures = [c for frame in frames for c in (frame.capture, *frame.borders)]
-    found = [
-        integrity(capture, sensor)
-        for capture in tracked(captures, "reading", arguments.quiet)
-    ]
+    manifest, sensor, frames, notes = read_frames(arguments.captures)
+    found = check(
+        frames,
+        sensor,
+        manifest.nuisances,
+        lambda captures: tracked(captures, "reading", arguments.quiet),
+    )
     if not arguments.quiet:
-        print(integrity_text(sensor, captures, found, notes))
-    return 1 if any(item.complaints for item in found) else 0
+        print(integrity_text(sensor, found, notes))
+    return 0 if found.is_right else 1
 
 
 def run_verify(arguments: argparse.Namespace) -> int:

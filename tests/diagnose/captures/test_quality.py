@@ -7,7 +7,7 @@ import pytest
 
 import cg2raw
 from cg2raw.diagnose.captures.phase_correlation import shift_between
-from cg2raw.diagnose.captures.quality import comb, integrity
+from cg2raw.diagnose.captures.quality import integrity
 from cg2raw.diagnose.captures.reader import read_frames
 from diagnose import capture_files as files
 
@@ -43,20 +43,6 @@ def test_a_planted_shift_is_found(shift, noise):
 def test_another_picture_does_not_correlate():
     found = shift_between(smooth((128, 160)), smooth((128, 160), seed=3))
     assert abs(found.correlation) < 0.3
-
-
-@pytest.mark.parametrize(
-    ("codes", "step", "missing"),
-    [
-        (np.arange(1000), 1, 0.0),
-        (np.arange(0, 4000, 4), 4, 0.0),
-        (np.arange(1000)[np.arange(1000) % 4 != 3], 1, 0.25),
-        (np.full(1000, 7), 1, 0.0),
-    ],
-)
-def test_a_comb_is_seen(codes, step, missing):
-    found = comb(np.bincount(np.repeat(codes, 3)))
-    assert found[0] == step and found[1] == pytest.approx(missing, abs=0.01)
 
 
 def test_frames_that_are_right(tmp_path):
@@ -117,3 +103,55 @@ def test_shares_of_clipped_and_empty_pixels(tmp_path):
     [found] = checked(tmp_path, [line])
     assert found.clipped == pytest.approx(0.25, abs=0.01)
     assert found.below == pytest.approx(0.25)
+
+
+def dark(folder, values):
+    """Return the Integrity of a dark of values, DN."""
+    np.save(folder / "a.npy", np.rint(values).clip(0).astype(np.uint16))
+    return checked(folder, ["{file: a.npy, kind: dark}"])[0]
+
+
+@pytest.mark.parametrize(
+    ("sigma", "scale", "complaint", "remark"),
+    [
+        (3.0, 1, "", ""),
+        (0.3, 1, "", "its read noise is below 0.5 DN: its size and tails"),
+        (3.0, 4, "only every 4th code occurs: scaled from fewer bits", ""),
+        (0.7, 16, "only every 16th code occurs: scaled from fewer bits", ""),
+        (0.2, 16, "codes occur, most of them without a neighbour: a copy of few", ""),
+        (3.0, 1.5, "of the codes between frequent ones are missing", ""),
+    ],
+)
+def test_codes_that_are_scaled_or_coarse(tmp_path, sigma, scale, complaint, remark):
+    rng = np.random.default_rng(7)
+    plain = np.rint(rng.normal(64.4 / scale, sigma, files.SHAPE))
+    found = dark(tmp_path, np.floor(scale * plain))
+    assert len(found.complaints) == bool(complaint)
+    assert complaint in "".join(found.complaints)
+    assert len(found.remarks) == bool(remark) and remark in "".join(found.remarks)
+
+
+@pytest.mark.parametrize(
+    ("black", "words"),
+    [
+        (64, []),
+        (9, []),  # 0.13 % at 0
+        (1, ["more than 1% of the pixels are 0"]),
+        (-2, ["more than 1% of the pixels are 0", "most pixels are 0: its read noi"]),
+    ],
+)
+def test_blacks_that_are_cut_off(tmp_path, black, words):
+    values = np.random.default_rng(8).normal(black, 3, files.SHAPE)
+    found = dark(tmp_path, values)
+    assert len(found.remarks) == len(words)
+    for text, word in zip(found.remarks, words, strict=True):
+        assert word in text
+
+
+def test_an_eight_bit_copy(tmp_path):
+    raw = files.frame(tmp_path, "a.npy", files.picture())
+    line = "{file: a.npy, kind: flat, scene: unknown, illuminant: A}"
+    assert checked(tmp_path, [line])[0].complaints == ()
+    np.save(tmp_path / "a.npy", np.minimum(raw, 255))
+    [words] = checked(tmp_path, [line])[0].complaints
+    assert words.startswith("nothing is above 255 DN, where pixels pile up, and white")

@@ -165,9 +165,7 @@ def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
         told, iso = frame.header.electrons_per_dn, frame.capture.iso
         if told is None or iso is None or not sensor.noise:
             continue
-        beta1 = float(np.mean(sensor.noise_at(iso)["beta1"]))
-        span = sensor.white_level - float(np.mean(sensor.black_level))
-        known = 1 / (beta1 * span)
+        known = 1 / dn_per_electron(sensor, iso)
         if abs(told / known - 1) > SAME_GAIN:
             words = (
                 f"headers say {told:.3g} electrons per DN, the noise of {sensor.id} at "
@@ -175,6 +173,12 @@ def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
             )
             said.setdefault(words, []).append(frame.capture.name)
     return [f"{some(names)}: {words}" for words, names in said.items()]
+
+
+def dn_per_electron(sensor: Sensor, iso: float) -> float:
+    """Return the system gain that a profile's noise states."""
+    span = sensor.white_level - float(np.mean(sensor.black_level))
+    return float(np.mean(sensor.noise_at(iso)["beta1"])) * span
 
 
 def temperature_notes(frames: Sequence[Frame]) -> list[str]:

@@ -3,13 +3,14 @@
 
 """Checks that captures are what their manifest says, before they are diagnosed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
 from cg2raw.cfa import repeat_of, sites_of
+from cg2raw.diagnose.captures import codes
 from cg2raw.diagnose.captures.capture import KINDS, Capture, Kind
 from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
@@ -18,7 +19,11 @@ from cg2raw.sensor import Sensor
 MUCH_CLIPPING = 0.05  # of a frame's pixels; then its highlights say nothing
 LEAST_CORRELATION = 0.3  # of a scene and its render; unrelated ones have below 0.1
 DARK_SIGMAS = 10.0  # that a dark's mean may be off black: a light leak is more
-FEW = 100  # pixels whose values are worth a look at their comb
+# Of the pixels, at 0: more than a normal dark leaves whose black is 2.3 sigma above 0.
+MANY_ZEROS = 0.01
+MOST_ZEROS = 0.5  # of the pixels, at 0: the median is cut off, too
+HOLES = 0.05  # share of missing codes that is worth a word; small frames have some
+ALONE = 0.5  # share of pixels at codes without neighbours; noise leaves none
 
 
 @dataclass(frozen=True)
@@ -28,7 +33,8 @@ class Integrity:
     low, high, mean : DN. below, clipped : share of pixels at 0 and at the white level
     or above. step : all codes are multiples of it, from the lowest. missing : share of
     codes that no pixel has where they are dense, of those at that step.
-    shift : px, of a scene against its render. complaints : sentences."""
+    shift : px, of a scene against its render. complaints : sentences on what is wrong.
+    remarks : sentences on what the frame cannot show, though nothing is wrong."""
 
     name: str
     kind: Kind
@@ -40,7 +46,8 @@ class Integrity:
     step: int
     missing: float
     shift: Shift | None
-    complaints: tuple[str, ...]
+    complaints: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def integrity(capture: Capture, sensor: Sensor) -> Integrity:
@@ -49,8 +56,8 @@ def integrity(capture: Capture, sensor: Sensor) -> Integrity:
     mask = capture.mask() if capture.mask else None
     values = raw if mask is None else raw[mask]
     counts = np.bincount(values.ravel())
-    codes = np.flatnonzero(counts)
-    step, missing = comb(counts)
+    present = np.flatnonzero(counts)
+    step, missing = codes.comb(counts)
     scene = capture.scene() if capture.scene else None
     shift = None
     if scene is not None and scene.ndim == 3 and capture.shows.render:
@@ -58,32 +65,25 @@ def integrity(capture: Capture, sensor: Sensor) -> Integrity:
     found = Integrity(
         name=capture.name,
         kind=capture.kind,
-        low=int(codes[0]),
-        high=int(codes[-1]),
+        low=int(present[0]),
+        high=int(present[-1]),
         mean=float(values.mean()),
         below=float(counts[0] / values.size),
         clipped=float(counts[sensor.white_level :].sum() / values.size),
         step=step,
         missing=missing,
         shift=shift,
-        complaints=(),
     )
-    words = [*level_complaints(found, values, sensor), *scene_complaints(shift)]
-    return Integrity(**{**vars(found), "complaints": tuple(words)})
-
-
-def comb(counts: NDArray[np.int64]) -> tuple[int, float]:
-    """Return (step of the codes that occur, share of missing ones at that step).
-
-    counts : how many pixels have each DN. Codes are looked for between the quartiles,
-    where none is missing by chance."""
-    total = np.cumsum(counts)
-    first, last = np.searchsorted(total, [total[-1] / 4, total[-1] * 3 / 4])
-    codes = np.flatnonzero(counts[first : last + 1])
-    if len(codes) < 2 or total[-1] < FEW:
-        return 1, 0.0
-    step = int(np.gcd.reduce(np.diff(codes)))
-    return step, 1 - len(codes) / ((codes[-1] - codes[0]) // step + 1)
+    scaled = code_complaints(found, counts, sensor)
+    words = [
+        *level_complaints(found, values, sensor),
+        *scaled,
+        *scene_complaints(shift),
+    ]
+    remarks = zero_remarks(found)
+    if not scaled and not capture.shows.light:
+        remarks += noise_remarks(found, raw, sensor)
+    return replace(found, complaints=tuple(words), remarks=tuple(remarks))
 
 
 def level_complaints(found: Integrity, values: RawImage, sensor: Sensor) -> list[str]:
@@ -105,9 +105,55 @@ def level_complaints(found: Integrity, values: RawImage, sensor: Sensor) -> list
         )
     if is_lit and found.mean - black < 1.0:
         words.append("holds no light: is it a dark?")
-    if found.step > 1:
-        words.append(f"only every {found.step}th code occurs: scaled from fewer bits")
     return words
+
+
+def code_complaints(
+    found: Integrity, counts: codes.Counts, sensor: Sensor
+) -> list[str]:
+    """Return what codes say of a frame that was scaled or copied."""
+    if found.step > 1:
+        return [f"only every {found.step}th code occurs: scaled from fewer bits"]
+    if codes.isolated(counts) > ALONE and found.low < found.high:
+        return [
+            f"only {np.count_nonzero(counts)} codes occur, most of them without a "
+            "neighbour: a copy of fewer bits; give the camera's own file"
+        ]
+    if sensor.white_level > codes.BYTE and codes.piles_up_at_byte(counts):
+        return [
+            f"nothing is above {codes.BYTE} DN, where pixels pile up, and white is "
+            f"{sensor.white_level} DN: an 8-bit copy; give the camera's own file"
+        ]
+    share = codes.gaps(counts)
+    if share > HOLES:
+        return [
+            f"{share:.0%} of the codes between frequent ones are missing: the camera "
+            "or a program has scaled its values; noise of a few DN cannot be judged"
+        ]
+    return []
+
+
+def zero_remarks(found: Integrity) -> list[str]:
+    """Return what is said of blacks that the ADC cuts off."""
+    if found.below <= MANY_ZEROS:
+        return []
+    return [
+        f"more than {MANY_ZEROS:.0%} of the pixels are 0, where the ADC cuts off what "
+        "is darker: they count as censored; mean and deviation of blacks are wrong"
+    ]
+
+
+def noise_remarks(found: Integrity, raw: RawImage, sensor: Sensor) -> list[str]:
+    """Return what a dark's noise cannot show, since codes are too coarse for it."""
+    if found.below > MOST_ZEROS:
+        return ["most pixels are 0: its read noise cannot be judged at all"]
+    side = round(len(sensor.cfa) ** 0.5)
+    if found.below <= MANY_ZEROS and codes.is_coarse(raw, side):
+        return [
+            "its read noise is below 0.5 DN: its size and tails (a Tukey lambda, heavy "
+            "tails) are those of the rounding, and cannot be judged"
+        ]
+    return []
 
 
 def scene_complaints(shift: Shift | None) -> list[str]:

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Codes: which DN occur in a frame, and what that says of how it was quantised.
+
+counts is always (most + 1,) int64: how many pixels have each DN."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Counts = NDArray[np.int64]
+
+FEW = 100  # pixels whose values are worth a look at their comb
+LEAST_CODES = 3  # that a step is told from
+# Pixels of a code whose neighbours are not empty by chance: of a Poisson number with
+# this mean none is there with a probability of 2e-9.
+DENSE = 20
+LONGEST_GAP = 8  # codes between dense ones that are missing, and not between two greys
+BYTE = 255  # the most of 8 bits
+PILE = 5.0  # standard deviations that pixels at a code exceed those of codes below
+PILE_CODES = 16  # below it, that it is compared with
+# Of pairs of pixels with normal noise of half a DN, the smallest share, of those that
+# differ by 3 DN or less, that differ by 2 or 3: it is 0.0445 where their mean lies
+# between two codes, and up to 0.0540 in the middle of one.
+APART_AT_HALF_A_DN = 0.0445
+MOST_APART = 3  # DN; what differs more is hot, or an edge
+CERTAIN = 5.0  # standard deviations of that share; one-sided chance 3e-7
+
+
+def comb(counts: Counts) -> tuple[int, float]:
+    """Return (step of the codes that occur, share of missing ones at that step).
+
+    Codes are looked for between the quartiles, where none is missing by chance, or, if
+    those are the same few codes, in the middle 98 % of the pixels."""
+    total = np.cumsum(counts)
+    for share in (0.25, 0.01):
+        ends = np.searchsorted(total, [total[-1] * share, total[-1] * (1 - share)])
+        codes = np.flatnonzero(counts[ends[0] : ends[1] + 1])
+        if len(codes) >= LEAST_CODES:
+            break
+    if len(codes) < LEAST_CODES or total[-1] < FEW:
+        return 1, 0.0
+    step = int(np.gcd.reduce(np.diff(codes)))
+    return step, 1 - len(codes) / ((codes[-1] - codes[0]) // step + 1)
+
+
+def gaps(counts: Counts) -> float:
+    """Return the share of codes that no pixel has among those between dense ones.
+
+    Chance leaves none: a gap counts where codes of DENSE pixels are on both sides, up
+    to LONGEST_GAP codes away."""
+    dense = np.flatnonzero(counts >= DENSE)
+    missing = 0
+    for low, high in zip(dense[:-1], dense[1:], strict=True):
+        if high - low - 1 <= LONGEST_GAP:
+            missing += int(np.count_nonzero(counts[low + 1 : high] == 0))
+    return missing / (missing + len(dense)) if missing else 0.0
+
+
+def isolated(counts: Counts) -> float:
+    """Return the share of pixels, of those at dense codes, between two empty codes.
+
+    Noise of a third of a DN already fills neighbours of dense codes; so most pixels are
+    isolated only where values were coarser before they were scaled."""
+    dense = counts >= DENSE
+    padded = np.pad(counts, 1)
+    alone = dense & (padded[:-2] == 0) & (padded[2:] == 0)
+    alone[0] = False  # of pixels at 0, the codes below are cut off, not empty
+    pixels = int(counts[dense].sum())
+    return float(counts[alone].sum() / pixels) if pixels else 0.0
+
+
+def piles_up_at_byte(counts: Counts) -> bool:
+    """Return whether values end at 255, with more pixels there than chance brings.
+
+    The codes just below have as many in a picture; PILE standard deviations more come
+    by chance once in 3 million frames."""
+    if len(counts) <= BYTE or counts[BYTE + 1 :].any():
+        return False
+    below = float(counts[BYTE - PILE_CODES : BYTE].mean())
+    return bool(counts[BYTE] > 2 * below + PILE * np.sqrt(2 * below) + DENSE)
+
+
+def is_coarse(plane: NDArray[np.uint16], side: int) -> bool:
+    """Return whether noise of a dark (H, W) is certainly below half a DN.
+
+    side : of the CFA's repeat; pixels one repeat apart are compared, whose fixed
+    pattern adds to the noise, so that what is below is below."""
+    away = abs(plane[:, side:].astype(np.int32) - plane[:, :-side])
+    by = np.bincount(np.minimum(away, MOST_APART + 1).ravel(), minlength=MOST_APART + 2)
+    count = int(by[: MOST_APART + 1].sum())
+    if count < FEW:
+        return False
+    expected = APART_AT_HALF_A_DN
+    # Neighbouring pairs share a pixel, which at most doubles the variance.
+    error = np.sqrt(2 * expected * (1 - expected) / count)
+    return bool(by[2 : MOST_APART + 1].sum() / count < expected - CERTAIN * error)

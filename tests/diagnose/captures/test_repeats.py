@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What repeats of a frame show: planted faults are said, and chance rarely is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.captures.check import check
+from cg2raw.diagnose.captures.reader import read_frames
+from cg2raw.diagnose.captures.repeats import FALSE_ALARM, Series, trimmed_mean
+from diagnose import capture_files as files
+from diagnose.planted import capture_of
+
+BLACK, READ = 64.0, 3.0  # DN
+DN_PER_ELECTRON = 0.5
+
+
+def darks(count, seed=1, shape=(60, 80), drift=0.3, hot=20):
+    """Return frames with read noise, drifting levels and some hot pixels, DN."""
+    rng = np.random.default_rng(seed)
+    charge = np.zeros(shape)
+    charge.ravel()[rng.choice(charge.size, hot, replace=False)] = 1500
+    frames = BLACK + rng.normal(0, READ, (count, *shape))
+    frames += DN_PER_ELECTRON * rng.poisson(charge, frames.shape)
+    return frames + drift * rng.standard_normal((count, 1, 1))
+
+
+def flats(count, seed=1, lamp=0.0, shape=(60, 80)):
+    """Return frames of a lamp of 800 DN that shines lamp (relative) unevenly."""
+    rng = np.random.default_rng(seed)
+    level = 800 * (1 + lamp * rng.standard_normal((count, 1, 1)))
+    light = DN_PER_ELECTRON * rng.poisson(level / DN_PER_ELECTRON, (count, *shape))
+    return BLACK + light + rng.normal(0, READ, (count, *shape))
+
+
+def series(frames, kind="dark"):
+    """Return the Series of frames, named 0, 1, ..."""
+    capture = capture_of(kind, shape=frames[0].shape)
+    found = Series(capture, DN_PER_ELECTRON)
+    for number, frame in enumerate(frames):
+        raw = np.rint(frame).clip(0, 65535).astype(np.uint16)
+        found.add(replace(capture, name=str(number)), raw)
+    return found
+
+
+def test_the_noise_is_that_of_a_frame_without_outliers():
+    frames = darks(5, shape=(200, 300))
+    frames[2, :5] += 300
+    expected = np.hypot(READ, 12**-0.5)
+    assert series(frames).noise() == pytest.approx(expected, rel=0.01)
+
+
+def test_a_trimmed_mean_knows_its_error():
+    rng = np.random.default_rng(2)
+    frames = np.rint(rng.normal(100, 5, (2000, 30, 40))).astype(np.uint16)
+    means, errors = np.array([trimmed_mean(frame) for frame in frames]).T
+    assert means.std() == pytest.approx(errors.mean(), rel=0.05)  # 2000 frames: 1.6 %
+    frames[:, 0, :5] = 60000
+    assert abs(np.mean([trimmed_mean(f)[0] for f in frames]) - 100) < 0.1
+
+
+@pytest.mark.parametrize("away", [4.0, -4.0])
+def test_a_first_frame_that_is_off(away):
+    frames = darks(8)
+    frames[0] += away
+    words = series(frames).first_is_off()
+    assert words.startswith(f"0: the first of 8 repeats is {away:+.0f}"[:-1])
+    assert words.endswith("leave it out, as many cameras need a first frame to settle")
+    frames[0] -= away
+    frames[3] += away  # another one that is off is no first
+    assert series(frames).first_is_off() is None
+
+
+def test_three_frames_do_not_say_that_the_first_is_off():
+    frames = darks(3)
+    frames[0] += 50
+    assert series(frames).first_is_off() is None
+
+
+def test_a_first_frame_is_off_by_chance_as_rarely_as_stated():
+    found = [series(darks(4, n, (12, 16), hot=0)).first_is_off() for n in range(2000)]
+    # Poisson: 2 are expected, and 9 or more come once in 4000 times.
+    assert sum(words is not None for words in found) < 9 and FALSE_ALARM == 1e-3
+
+
+@pytest.mark.parametrize("lamp", [0.002, 0.02])
+def test_a_lamp_that_drifts(lamp):
+    frames = flats(10, lamp=lamp)
+    light = frames.mean((1, 2)) - BLACK
+    words = series(frames, "flat").lamp_drift(BLACK)
+    deviation, most = light.std(ddof=1) / light.mean(), np.ptp(light) / light.mean()
+    assert f"differs by {deviation:.2%}"[:-2] in words and f"{most:.1%}"[:-2] in words
+
+
+def test_a_steady_lamp_drifts_by_chance_as_rarely_as_stated():
+    found = [series(flats(3, n, shape=(12, 16)), "flat") for n in range(2000)]
+    assert sum(one.lamp_drift(BLACK) is not None for one in found) < 9
+    assert series(darks(5, drift=5)).lamp_drift(BLACK) is None  # there is no lamp
+
+
+@pytest.mark.parametrize("count", [3, 10])
+def test_cosmic_rays_are_counted_in_the_frame_that_has_them(count):
+    frames = darks(count, hot=60)
+    frames[1, 10, 5:25] += 200
+    frames[2, 40, 5:13] += 90
+    words = series(frames).cosmic_rays()
+    assert f"0 and its {count - 1} repeats: 28 pixels lie above" in words
+    assert words.endswith("0 below: cosmic rays; most, 20, in 1")
+
+
+def test_what_flickers_both_ways_is_no_cosmic_ray():
+    frames = darks(9)
+    rng = np.random.default_rng(6)
+    frames[:, :4] += 100 * (rng.random((9, 4, 80)) < 0.5)
+    assert series(frames).cosmic_rays() is None
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_hot_pixels_and_noise_are_no_cosmic_rays(seed):
+    assert series(darks(5, seed, (120, 160), hot=500)).cosmic_rays() is None
+    assert series(darks(2, seed)).cosmic_rays() is None
+
+
+def manifest(folder, frames, lines):
+    """Write frames and a manifest of lines, one for each; return what is said."""
+    for number, frame in enumerate(frames):
+        np.save(folder / f"{number}.npy", np.rint(frame).clip(0).astype(np.uint16))
+    lines = [f"{{file: {n}.npy, {line}}}" for n, line in enumerate(lines)]
+    _, sensor, read, _ = read_frames(files.manifest(folder, lines))
+    return check(read, sensor)
+
+
+def test_frames_of_two_times_or_temperatures_are_no_repeats(tmp_path):
+    frames = darks(8)
+    frames[:4] += 30  # of another exposure time or temperature
+    for field, one, two in (("exposure_time", 5, 1), ("temperature", 20, -5)):
+        lines = [f"kind: dark, {field}: {one if n < 4 else two}" for n in range(8)]
+        assert manifest(tmp_path, frames, lines).is_right
+    frames[4:] -= 6
+    frames[4] += 20
+    [words] = manifest(tmp_path, frames, lines).complaints
+    assert words.startswith("4.npy: the first of 4 repeats is +")
+
+
+def test_unknown_lights_are_repeats_within_a_set(tmp_path):
+    frames = np.concatenate([flats(3), flats(3, 2) * 0.5 + 32])
+    common = "kind: flat, scene: unknown, illuminant: D65"
+    lines = [f"{common}, set: s{n // 3}" for n in range(6)]
+    assert manifest(tmp_path, frames, lines).remarks == []
+    [words] = manifest(tmp_path, frames, [f"{common}, set: s"] * 6).remarks
+    assert "a lamp that drifts; nuisance: [light] would cover it: add it" in words
+    assert manifest(tmp_path, frames, [common] * 6).remarks == []
+
+
+def test_frames_stay_in_order(tmp_path):
+    lines = ["kind: dark, iso: 100", "kind: dark, iso: 200", "kind: dark, iso: 100"]
+    found = manifest(tmp_path, darks(3), lines)
+    assert [one.name for one in found.integrities] == ["0.npy", "1.npy", "2.npy"]
+    assert [capture.name for capture in found.captures] == ["0.npy", "1.npy", "2.npy"]
