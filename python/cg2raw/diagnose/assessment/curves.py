@@ -23,6 +23,8 @@ def curves_of(
 ) -> list[Curve]:
     """Return the curves that belong to a model's terms."""
 
+    frames = [frame for frame in frames if frame.samples is None]
+
     def measured_without(name: str) -> MeasuredRatio:
         return lambda labels, count: _measured_ratio(
             model.without(name), frames, labels, count

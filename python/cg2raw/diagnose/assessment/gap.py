@@ -29,6 +29,8 @@ class Sums:
 
     pixels : between the ends of the ADC, for densities. residuals : those and pixels at
     0, whose residuals are drawn: without them, noise that is cut is too narrow.
+    independent : as many of them have noise of their own; of patch means, only the
+    part that no error of their chart's colours is.
     blocks : of the loss; beyond : of what it is beyond the truth's, or, where that is
     not known, beyond that of standard normal residuals; both by squares of pixels."""
 
@@ -38,6 +40,7 @@ class Sums:
     true_loss: float | None = 0.0
     pixels: int = 0
     residuals: int = 0
+    independent: float = 0.0
     blocks: list[Array] = field(default_factory=list)
     beyond: list[Array] = field(default_factory=list)
 
@@ -49,10 +52,13 @@ class Sums:
         self.log_likelihood += float(density[frame.counted].sum())
         self.pixels += int(used.sum())
         counted = frame.keep & ~frame.at_white & (p.mean < DRAWN_ABOVE)
+        size = np.abs(z) * _widened(frame, p)
         self.squares += float(
-            (np.minimum(np.abs(z[counted]), LARGEST_IN_CHI_SQUARE) ** 2).sum()
+            (np.minimum(size[counted], LARGEST_IN_CHI_SQUARE) ** 2).sum()
         )
         self.residuals += int(counted.sum())
+        own = 1 - p.light_variance / p.variance if frame.samples is not None else 1.0
+        self.independent += float((own * counted).sum())
         self.blocks.append(block_sums(np.where(used, -density, 0)))
         truth = frame.capture.log_density
         if truth is None or self.true_loss is None:
@@ -74,6 +80,7 @@ class Sums:
             None if ours is None or theirs is None else ours + theirs,
             self.pixels + other.pixels,
             self.residuals + other.residuals,
+            self.independent + other.independent,
             self.blocks + other.blocks,
             self.beyond + other.beyond,
         )
@@ -83,12 +90,21 @@ class Sums:
         return self.squares / max(self.residuals, 1)
 
 
+def _widened(frame: Frame, p: Prediction) -> Array | float:
+    """Return how much wider than one table's the standard deviation is that each table
+    of a chart has, so that together they know its colours no better than one does."""
+    if frame.samples is None:
+        return 1.0
+    more = p.light_variance * (1 - 1 / frame.repeats)
+    return np.asarray(np.sqrt(p.variance / (p.variance - more)))
+
+
 def systematic(model: Model, base: Model, frames: Sequence[Frame]) -> float | None:
     """Return E[z1 z2] over pairs of repeats, in noise variances of the base model: the
     squared error of the mean, without a bias by noise. None without repeats."""
     sets: dict[str, list[Frame]] = {}
     for frame in frames:
-        if frame.capture.shows.image:
+        if frame.capture.shows.image and frame.samples is None:
             sets.setdefault(frame.capture.set, []).append(frame)
     products, pixels = 0.0, 0
     for members in sets.values():

@@ -48,8 +48,8 @@ class Pieces:
         return whole_tilings(tiles, repeat_of(self.capture_set.sensor.cfa))
 
     def of(self, frame: Frame, tiles: Tiling) -> Frame:
-        """Return a frame's tiles; a small one, which has one, as it is."""
-        if tiles.margin == 0:
+        """Return a frame's tiles; a small one, or a table, as it is."""
+        if tiles.is_whole:
             return frame
         piece = frame_of(self._source(frame), tiles, frame.noise)
         if piece.level_free:
@@ -69,7 +69,7 @@ class Pieces:
 
     def with_maps(self, model: Model, tiles: Tiling) -> Model:
         """Return a model with its maps of these tiles."""
-        if tiles.margin == 0 or not list(model.maps):
+        if tiles.is_whole or not list(model.maps):
             return model
         frames = [f for f in self.learnt_from.frames if f.tiles.shape == tiles.shape]
         uniform = [f for f in frames if not f.capture.shows.image] or frames

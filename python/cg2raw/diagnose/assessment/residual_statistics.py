@@ -151,6 +151,9 @@ def _collect(
         return
     n = values.size
     c.pixels += n
+    if frame.samples is not None:
+        _means(c, frame, p, z, used)
+        return
     doubt = _doubt(model, frame, p, used)
     site = np.broadcast_to(frame.site[None], z.shape)[used]
     sites = int(frame.site.max()) + 1
@@ -178,6 +181,20 @@ def _collect(
             share = sensitivity * np.sqrt(sensor_map.variance / p.variance) * used
             linear, square = fixed.posterior.get(term.name, (0.0, 0.0))
             fixed.posterior[term.name] = (linear + share, square + share**2)
+
+
+def _means(c: Statistics, frame: Frame, p: Prediction, z: Array, used: Mask) -> None:
+    """Add what a table of patch means shows: they lie nowhere, and most of what is left
+    of them are the errors of their chart's colours, the same in all its frames."""
+    of_light = np.broadcast_to(p.light_variance / p.variance, z.shape)[used]
+    for name, labels, size in _groups(frame, p):
+        if name in ("channel", "level"):
+            chosen = np.broadcast_to(labels, z.shape)[used]
+            mean, of_frame, of_chart = (
+                np.bincount(chosen, weights, size)
+                for weights in (z[used], 1 - of_light, of_light / frame.repeats)
+            )
+            c.add(f"{name} mean", mean, of_frame, repeated=np.sqrt(of_chart))
 
 
 def _count_outliers(c: Statistics, z: Array, used: Mask) -> None:

@@ -185,7 +185,7 @@ def _traces(
 
 def _chi_square(after: Sums) -> list[ResidualTest]:
     """Return the test of whole frames' chi-square, if it is not near 1."""
-    error = np.sqrt(2 / max(after.residuals, 1))
+    error = np.sqrt(2 / max(after.independent, 1))
     away = after.chi2 - 1
     if abs(away) <= max(CHI_SQUARE, CHI_SQUARE_ERRORS * error):
         return []

@@ -66,7 +66,8 @@ class WholeFrames:
 
     def _canvas(self, frame: Frame) -> Canvas | None:
         cfa = self.base.sensor.cfa
-        return Canvas(frame, cfa) if self.details else None
+        drawn = self.details and frame.samples is None
+        return Canvas(frame, cfa) if drawn else None
 
 
 @dataclass

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import FloatImage, RawImage
+from cg2raw.diagnose.captures.patch_means import PatchMeans
 from cg2raw.sensor import Sensor
 
 Kind = Literal["dark", "flat", "scene", "chart"]
@@ -50,7 +51,8 @@ KINDS: Mapping[Kind, CaptureKind] = {
         light=True,
         image=True,
         render=False,
-        fields=frozenset({"gain", "patches", "chart", "corners"}),
+        fields=frozenset({"gain", "patches", "chart", "corners"})
+        | {"unit", "count", "cut_below", "cut_above"},  # of a table of patch means
     ),
 }
 NUISANCES = ("exposure", "white_balance", "registration", "light", "radiance")
@@ -76,6 +78,7 @@ class Capture:
     mask : () -> (H, W) bool, True where a pixel counts; None where all do.
     log_density : () -> (H, W) float32, nats per pixel that the true model gives; known
         of simulated captures only.
+    means : of a chart without pixels, in the place of raw and scene; shape is (P, 4).
     """
 
     name: str
@@ -92,6 +95,7 @@ class Capture:
     as_shot: Sequence[float] | None = None
     log_density: Callable[[], NDArray[np.float32]] | None = None
     temperature: float | None = None
+    means: PatchMeans | None = None
 
     @property
     def shows(self) -> CaptureKind:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.arrays import FloatImage
-from cg2raw.diagnose.captures.manifest import Patch
+from cg2raw.diagnose.captures.manifest_charts import Patch
 
 MIDDLE = 0.6  # of a patch's sides that counts: edges are blurred, and have glare
 # A patch of the ColorChecker Classic is 40 mm wide, from centre to centre it is 46 mm.
@@ -19,6 +19,12 @@ PATCH_OVER_PITCH = 0.85
 GRID = (4, 6)  # rows and columns of the ColorChecker Classic
 ROWS = 256  # that are drawn at a time
 D50 = (0.3457 / 0.3585, 1.0, 0.2958 / 0.3585)  # XYZ. Source: DNG 1.7.1, chapter 6
+COLORCHECKER_NAMES = (
+    *("dark skin", "light skin", "blue sky", "foliage", "blue flower", "bluish green"),
+    *("orange", "purplish blue", "moderate red", "purple", "yellow green"),
+    *("orange yellow", "blue", "green", "red", "yellow", "magenta", "cyan"),
+    *("white", "neutral 8", "neutral 6.5", "neutral 5", "neutral 3.5", "black"),
+)
 # ColorChecker Classic, CIE L*a*b* under D50, 2 degrees, row by row from dark skin.
 # Source: X-Rite, "ColorChecker24 - Before November 2014", their measured averages.
 COLORCHECKER = np.array(

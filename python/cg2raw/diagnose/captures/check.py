@@ -13,7 +13,7 @@ from cg2raw.arrays import RawImage
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.consistency import dn_per_electron
 from cg2raw.diagnose.captures.frame import Frame
-from cg2raw.diagnose.captures.quality import Integrity, integrity
+from cg2raw.diagnose.captures.quality import Integrity, integrity, of_means
 from cg2raw.diagnose.captures.repeats import Series, series_of
 from cg2raw.sensor import Sensor
 
@@ -66,6 +66,9 @@ def check(
         remarks += more
     for border in order:
         look(border)
+    for frame in frames:
+        if frame.capture.means is not None:
+            found[frame.capture.name] = of_means(frame.capture, sensor)
     captures = [c for frame in frames for c in (frame.capture, *frame.borders)]
     integrities = [found[capture.name] for capture in captures]
     return Check(captures, integrities, complaints, remarks)

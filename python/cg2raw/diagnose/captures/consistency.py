@@ -54,16 +54,24 @@ def digest(path: str) -> str:
     return whole.hexdigest()
 
 
-def check_sizes(entries: Sequence[FrameEntry], headers: Sequence[RawHeader]) -> None:
-    """Raise ValueError if a frame has another size than the first."""
+def check_sizes(
+    entries: Sequence[FrameEntry], headers: Sequence[RawHeader]
+) -> tuple[int, int] | None:
+    """Return (H, W) of all frames that have pixels; None if none has. Raises
+    ValueError if one has another size than the first."""
+    with_pixels = [header for header in headers if header.means is None]
+    if not with_pixels:
+        return None
+    first = with_pixels[0]
     for entry, header in zip(entries, headers, strict=True):
-        if header.shape != headers[0].shape:
+        if header.means is None and header.shape != first.shape:
             entry.fail(
                 "file",
                 f"{os.path.basename(header.path)} is {size_words(header.shape)}, "
-                f"{os.path.basename(headers[0].path)} "
-                f"{size_words(headers[0].shape)}; all frames must have one size",
+                f"{os.path.basename(first.path)} {size_words(first.shape)}; all frames "
+                "must have one size",
             )
+    return first.shape
 
 
 def names_of(entries: Sequence[FrameEntry]) -> list[str]:
@@ -126,9 +134,10 @@ def check_groups(frames: Sequence[Frame], captures: Sequence[Capture]) -> None:
 
 def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
     """Return sentences on what is assumed of the frames."""
-    shape = frames[0].capture.shape
+    with_pixels = [frame.capture for frame in frames if frame.capture.means is None]
     notes = []
-    if shape != (sensor.height, sensor.width):
+    sizes = {capture.shape for capture in with_pixels}
+    for shape in sizes - {(sensor.height, sensor.width)}:
         notes.append(
             f"frames are {size_words(shape)}, the active area of {sensor.id} is "
             f"{sensor.width}x{sensor.height}: the optical centre is taken to be theirs"
@@ -140,7 +149,7 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
             "the noise; add iso"
         )
     notes += [*gain_notes(frames, sensor), *temperature_notes(frames)]
-    shown = [frame.capture for frame in frames if frame.capture.shows.image]
+    shown = [capture for capture in with_pixels if capture.shows.image]
     charts = [capture.name for capture in shown if not capture.shows.render]
     if charts:
         notes.append(
@@ -226,7 +235,13 @@ def what_is_missing(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
             "darks of one exposure time: dark current cannot be told from black level; "
             "add darks of another"
         )
-    if not any(capture.shows.image for capture in captures):
+    images = [capture for capture in captures if capture.shows.image]
+    if images and all(capture.means is not None for capture in images):
+        notes.append(
+            "patch means alone: noise, fixed patterns, shading, blur, crosstalk and "
+            "glare cannot be told from them; add flats, and scenes or charts as frames"
+        )
+    if not images:
         notes.append(
             f"no scenes: {of_scenes}, crosstalk and glare cannot be told; add scenes "
             "with their renders, or a chart"

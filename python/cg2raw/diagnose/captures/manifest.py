@@ -8,7 +8,18 @@ from dataclasses import dataclass, field
 from typing import get_args
 
 from cg2raw.diagnose.captures.capture import KINDS, NUISANCES, Group, Kind
-from cg2raw.diagnose.captures.yaml_lines import Value, read_yaml
+from cg2raw.diagnose.captures.manifest_charts import (
+    MOST_RADIANCE,
+    OF_CHARTS,
+    MeansEntry,
+    Patch,
+    check_chart,
+    corners_of,
+    is_table,
+    means_entry,
+    patches_of,
+)
+from cg2raw.diagnose.captures.yaml_lines import Value, existing, read_yaml
 
 GROUPS = get_args(Group)
 TOP = (
@@ -17,38 +28,21 @@ TOP = (
 )
 FRAME = (
     *("file", "kind", "scene", "gain", "illuminant", "set", "group", "iso"),
-    *("exposure_time", "temperature", "mask", "patches", "chart", "corners"),
+    *("exposure_time", "temperature", "mask", *OF_CHARTS),
 )
 # What the top level may say for all frames.
 DEFAULTS: tuple[str, ...] = ("iso", "illuminant", "temperature")
-OF_CHARTS = ("patches", "chart", "corners")
 UNCERTAINTY = {"light": 1.0, "radiance": 1.0, "registration": 100.0}  # largest
-COLORS = ("rgb", "xyz", "lab")
-CHARTS = ("colorchecker",)
 UNKNOWN = "unknown"
 LARGEST_OF_UNIT = {
     "gain": 1e6,
-    "radiance": 1e6,
+    "radiance": MOST_RADIANCE,
     "iso": 1e7,
     "seconds": 1e6,
-    "pixel": 65535.0,
     "celsius": 200.0,
 }
 SHOWN = {"celsius": "degrees Celsius"}  # units that a message has
 ABSOLUTE_ZERO = -273.15  # degrees Celsius
-
-
-@dataclass(frozen=True)
-class Patch:
-    """A rectangle of one colour.
-
-    area : row, column, height, width, px of the active area.
-    color : three numbers in space: "rgb" scene-linear Rec.709; "xyz" (Y of a perfect
-        diffuser is 1) and "lab" under D50, as charts are published."""
-
-    area: tuple[int, int, int, int]
-    color: tuple[float, ...]
-    space: str
 
 
 @dataclass(frozen=True)
@@ -57,7 +51,8 @@ class FrameEntry:
 
     at : the fields that were given, with their lines; "" is the frame itself.
     scene : three numbers, a path, or "unknown"; None for darks and charts.
-    chart : the chart's name and the (row, col) of its corner patches' centres."""
+    patches, corners : of a chart with pixels: its rectangles, or the (row, col) of its
+        corner patches' centres. means : of a chart that is a table of patch means."""
 
     at: dict[str, Value]
     file: str
@@ -73,6 +68,7 @@ class FrameEntry:
     mask: str | None
     patches: tuple[Patch, ...] = ()
     corners: tuple[tuple[float, ...], ...] = ()
+    means: MeansEntry | None = None
 
     def fail(self, name: str, message: str) -> None:
         """Raise ValueError at a field of the frame, or at the frame."""
@@ -127,7 +123,8 @@ def frame_entry(
     """Return a checked frame; the top level has its DEFAULTS."""
     own = value.fields(FRAME, required=("file", "kind"))
     kind = own["kind"].word(tuple(KINDS))
-    check_fields_of_kind(value, own, kind)
+    file = existing(own["file"], path)
+    check_fields_of_kind(value, own, kind, is_table(file))
     at = {"": value, **{name: top[name] for name in DEFAULTS if name in top}, **own}
 
     def number(name: str, low: float, unit: str) -> float | None:
@@ -135,9 +132,11 @@ def frame_entry(
         return at[name].number(low, most, SHOWN.get(unit, "")) if name in at else None
 
     gain = number("gain", 1e-6, "gain")
+    has_areas = "patches" in own and not is_table(file)
+    patches = patches_of(own["patches"]) if has_areas else ()
     return FrameEntry(
         at=at,
-        file=existing(own["file"], path),
+        file=file,
         kind=kind,
         scene=scene_of(own["scene"], kind, path) if "scene" in own else None,
         gain=1.0 if gain is None else gain,
@@ -148,45 +147,30 @@ def frame_entry(
         exposure_time=number("exposure_time", 0.0, "seconds"),
         temperature=number("temperature", ABSOLUTE_ZERO, "celsius"),
         mask=existing(own["mask"], path) if "mask" in own else None,
-        patches=patches_of(own["patches"]) if "patches" in own else (),
+        patches=patches,
         corners=corners_of(own["corners"]) if "corners" in own else (),
+        means=means_entry(own, path) if is_table(file) else None,
     )
 
 
-def check_fields_of_kind(value: Value, own: dict[str, Value], kind: Kind) -> None:
-    """Raise ValueError for a field that a kind has not, or lacks."""
+def check_fields_of_kind(
+    value: Value, own: dict[str, Value], kind: Kind, table: bool
+) -> None:
+    """Raise ValueError for a field that a kind has not, or lacks.
+
+    table : whether the file is one of patch means."""
     known = KINDS[kind]
     if known.scene and "scene" not in own:
         value.fail(f"has no scene, which a {kind} needs: add {known.scene}")
+    if table and "patches" not in known.fields:
+        own["file"].fail(f"is a table of patch means, which is no {kind}: kind: chart")
     if "patches" in known.fields:
-        check_chart(value, own)
+        check_chart(value, own, table)
     for name in (*OF_CHARTS, "scene", "gain"):
         if name in own and name not in known.fields:
             own[name].fail(f"is not for a {kind}; remove it, or set another kind")
     if "scene" in own and own["scene"].node.value == UNKNOWN and "gain" in own:
         own["gain"].fail("multiplies nothing: scene is unknown; remove it")
-
-
-def check_chart(value: Value, own: dict[str, Value]) -> None:
-    """Raise ValueError unless a chart is given by patches, or by name and corners."""
-    given = [name for name in OF_CHARTS if name in own]
-    if given not in (["patches"], ["chart", "corners"]):
-        value.fail(
-            f"has {' and '.join(given) or 'neither patches nor chart'}; a chart needs "
-            "patches, or chart: colorchecker with its corners"
-        )
-    if "chart" in own:
-        own["chart"].word(CHARTS)
-
-
-def existing(value: Value, manifest: str | os.PathLike[str]) -> str:
-    """Return the path of a file that is named relative to the manifest."""
-    path = os.path.join(os.path.dirname(os.fspath(manifest)), value.text())
-    if not os.path.exists(path):
-        value.fail(f'is "{value.text()}"; there is no file {path}')
-    if os.path.isdir(path):
-        value.fail(f'is "{value.text()}", a folder; name one file')
-    return path
 
 
 def scene_of(
@@ -211,46 +195,3 @@ def scene_of(
             "is one colour; a scene needs its render: if it was uniform, kind: flat"
         )
     return color
-
-
-def patches_of(value: Value) -> tuple[Patch, ...]:
-    """Return the patches of a chart. Raises ValueError, also if two overlap."""
-    patches: list[Patch] = []
-    for item in value.items():
-        own = item.fields(("area", *COLORS), required=("area",))
-        spaces = [name for name in COLORS if name in own]
-        if len(spaces) != 1:
-            item.fail(f"has {' and '.join(spaces) or 'no colour'}; needs one of rgb, "
-                      "xyz and lab")  # fmt: skip
-        low, high = (
-            (-200.0, 200.0)
-            if spaces == ["lab"]
-            else (-1.0, LARGEST_OF_UNIT["radiance"])
-        )
-        numbers = own["area"].numbers(4, 0.0, LARGEST_OF_UNIT["pixel"])
-        if any(number != int(number) for number in numbers) or min(numbers[2:]) < 4:
-            own["area"].fail(
-                "must be [row, column, height, width] in whole pixels, at least 4 high "
-                "and wide"
-            )
-        row, col, height, width = (int(number) for number in numbers)
-        for index, other in enumerate(patches):
-            r, c, h, w = other.area
-            if row < r + h and r < row + height and col < c + w and c < col + width:
-                own["area"].fail(f"overlaps that of patches[{index}]; move one")
-        color = own[spaces[0]].numbers(3, low, high)
-        patches.append(Patch((row, col, height, width), color, spaces[0]))
-    if not patches:
-        value.fail("has no patch; add at least one")
-    return tuple(patches)
-
-
-def corners_of(value: Value) -> tuple[tuple[float, ...], ...]:
-    """Return four (row, col)."""
-    corners = value.items()
-    if len(corners) != 4:
-        value.fail(
-            f"has {len(corners)} positions; must have 4: the centres of the patches "
-            "dark skin, bluish green, black and white, each [row, column]"
-        )
-    return tuple(corner.numbers(2, 0.0, LARGEST_OF_UNIT["pixel"]) for corner in corners)

@@ -86,6 +86,35 @@ def integrity(capture: Capture, sensor: Sensor) -> Integrity:
     return replace(found, complaints=tuple(words), remarks=tuple(remarks))
 
 
+def of_means(capture: Capture, sensor: Sensor) -> Integrity:
+    """Return what a table of patch means says of itself."""
+    means = capture.means
+    assert means is not None
+    values = means.mean[means.measured]
+    words = []
+    if not values.size:
+        values = np.zeros(1)
+        words.append("no patch has a mean: nothing was measured")
+    if values.max() >= sensor.white_level:
+        words.append(
+            f"a mean of {values.max():.0f} DN is at white ({sensor.white_level} DN): "
+            "clipped patches belong into no mean; leave them empty, with cut high"
+        )
+    return Integrity(
+        name=capture.name,
+        kind=capture.kind,
+        low=int(values.min()),
+        high=int(values.max()),
+        mean=float(values.mean()),
+        below=float((means.side < 0).mean()),
+        clipped=float((means.side > 0).mean()),
+        step=1,
+        missing=0.0,
+        shift=None,
+        complaints=tuple(words),
+    )
+
+
 def level_complaints(found: Integrity, values: RawImage, sensor: Sensor) -> list[str]:
     """Return what is wrong with a frame's levels."""
     words = []

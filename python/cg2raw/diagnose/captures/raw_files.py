@@ -12,6 +12,7 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.arrays import RawImage
 from cg2raw.cfa import repeat_of
+from cg2raw.diagnose.captures.patch_means import PatchMeans
 from cg2raw.io import fits_file, libraw, npy_file
 from cg2raw.profile.from_files import is_dng
 from cg2raw.sensor import Sensor
@@ -41,7 +42,7 @@ class RawHeader:
     active, borders : a border begins at a whole repeat of the CFA from the active area.
     black_level : DN, one per CFA site, or one. exposure_time : s. temperature : of the
     sensor, degrees Celsius. electrons_per_dn : inverse of the system gain.
-    notes : sentences on what was assumed of the file."""
+    notes : sentences on what was assumed of the file. means : of a table of patches."""
 
     path: str
     active: Area
@@ -56,6 +57,7 @@ class RawHeader:
     temperature: float | None = None
     electrons_per_dn: float | None = None
     notes: tuple[str, ...] = ()
+    means: PatchMeans | None = None
 
     @property
     def shape(self) -> tuple[int, int]:

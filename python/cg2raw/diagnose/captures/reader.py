@@ -16,6 +16,7 @@ from cg2raw.cfa import is_mono
 from cg2raw.diagnose.captures import consistency
 from cg2raw.diagnose.captures.capture import KINDS, Capture, CaptureSet, Group
 from cg2raw.diagnose.captures.chart import ColorChecker, PatchChart
+from cg2raw.diagnose.captures.chart_table import table_header
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.manifest import (
     UNKNOWN,
@@ -35,6 +36,10 @@ from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
 from cg2raw.sensor import Sensor
 
 LIGHT_OF_DARKS = "D65"  # any: there is none, or no filter that tells it from others
+DIVIDED_TABLES = (
+    "patch means are divided by patches, a third each to fit, select and report, if "
+    "they have no group: the errors of a chart's colours are the same in all its frames"
+)
 PROFILE_ENDINGS = (".json", ".dng")
 
 
@@ -70,10 +75,10 @@ def read_frames(
     sensor = sensor or sensor_of(manifest)
     check_nuisances(manifest, sensor)
     consistency.check_distinct(manifest.frames)
-    headers = [header_of(entry) for entry in manifest.frames]
-    consistency.check_sizes(manifest.frames, headers)
-    if manifest.mask:
-        consistency.check_image(manifest.at["mask"], manifest.mask, headers[0].shape)
+    headers = [header_of(entry, sensor) for entry in manifest.frames]
+    shape = consistency.check_sizes(manifest.frames, headers)
+    if manifest.mask and shape:
+        consistency.check_image(manifest.at["mask"], manifest.mask, shape)
     names = consistency.names_of(manifest.frames)
     said: dict[str, list[str]] = {}
     for entry, header, name in zip(manifest.frames, headers, names, strict=True):
@@ -112,8 +117,11 @@ def sensor_of(manifest: Manifest) -> Sensor:
         manifest.at["sensor"].fail(f'is "{word}": {error}')
 
 
-def header_of(entry: FrameEntry) -> RawHeader:
-    """Return a frame's header. Raises ValueError at its line."""
+def header_of(entry: FrameEntry, sensor: Sensor) -> RawHeader:
+    """Return a frame's header, or a table of patch means. Raises ValueError at its
+    line."""
+    if entry.means is not None:
+        return table_header(entry, sensor)
     try:
         return read_header(entry.file)
     except (ValueError, OSError) as error:
@@ -138,12 +146,15 @@ def frame_of(
         ),
         raw=lambda: read_raw(header.path, header.active),
         scene=None,
+        means=header.means,
         mask=None,
         as_shot=header.as_shot,
         temperature=(
             header.temperature if entry.temperature is None else entry.temperature
         ),
     )
+    if header.means is not None:
+        return Frame(entry, header, capture, ())
     scene, middles = scene_of(entry, header.shape)
     mask = mask_of(manifest, entry, header.shape, middles)
     capture = replace(capture, scene=scene, mask=mask)
@@ -257,8 +268,13 @@ def divided(frames: Sequence[Frame]) -> tuple[list[Capture], list[str]]:
     consistency.check_sets(frames)
     groups: dict[str, Group | None] = {}
     notes = []
-    for kind in dict.fromkeys(frame.capture.kind for frame in frames):
-        ours = [frame for frame in frames if frame.capture.kind == kind]
+    tables = [frame for frame in frames if frame.capture.means is not None]
+    if tables:
+        groups |= {table.capture.set: table.entry.group for table in tables}
+        notes.append(DIVIDED_TABLES)
+    with_pixels = [frame for frame in frames if frame.capture.means is None]
+    for kind in dict.fromkeys(frame.capture.kind for frame in with_pixels):
+        ours = [frame for frame in with_pixels if frame.capture.kind == kind]
         strata = {frame.capture.set: stratum(frame) for frame in reversed(ours)}
         strata = {frame.capture.set: strata[frame.capture.set] for frame in ours}
         declared = {f.capture.set: f.entry.group for f in ours if f.entry.group}
@@ -297,6 +313,10 @@ def in_groups(capture: Capture, group: Group | None) -> list[Capture]:
             ours = third(capture.shape, group)
             return ours & capture.mask() if capture.mask else ours
 
+        if capture.means is not None:
+            means = capture.means.part(GROUPS.index(group), len(GROUPS))
+            name, shape = f"{capture.name} ({group} patches)", means.mean.shape
+            return replace(capture, name=name, group=group, means=means, shape=shape)
         name = f"{capture.name} ({group} pixels)".replace(") (", ", ")
         return replace(capture, name=name, group=group, mask=mask)
 

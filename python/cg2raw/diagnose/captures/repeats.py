@@ -27,7 +27,7 @@ FEWEST_FOR_RAYS = 3  # frames of which two outvote one
 RAY_SIGMAS = 8.0
 CUT = 4.0  # sigma; deviations are of what is within
 SHRUNK = 0.99946  # standard deviation of a normal variable within CUT
-ROUNDS = 20  # of cutting, at most
+MOST_CUTS = 20  # of cutting, at most
 ROUNDED = 12**-0.5  # DN, standard deviation of what rounding adds
 LARGEST_DIFFERENCE = 4096  # DN, of two frames; beyond it, it counts as this
 
@@ -156,7 +156,7 @@ class Series:
         middle = int(np.searchsorted(np.cumsum(counts), counts.sum() / 2))
         square = (np.arange(len(counts)) - middle) ** 2.0
         deviation = float(np.sqrt((counts * square).sum() / counts.sum()))
-        for _ in range(ROUNDS):
+        for _ in range(MOST_CUTS):
             weight = counts * (square <= (CUT * deviation) ** 2)
             before = deviation
             deviation = float(np.sqrt((weight * square).sum() / weight.sum())) / SHRUNK
@@ -186,6 +186,8 @@ def series_of(frames: Sequence[Frame]) -> list[list[Capture]]:
     alike: dict[object, list[Capture]] = {}
     for frame in frames:
         capture, entry = frame.capture, frame.entry
+        if capture.means is not None:
+            continue
         light = (entry.scene, entry.gain, entry.patches, entry.corners)
         is_known = isinstance(entry.scene, tuple) or not capture.shows.light
         place = None if is_known else capture.set

@@ -118,6 +118,16 @@ class Value:
         return tuple(value.number(low, high) for value in values)
 
 
+def existing(value: Value, manifest: str | os.PathLike[str]) -> str:
+    """Return the path of a file that is named relative to the manifest."""
+    path = os.path.join(os.path.dirname(os.fspath(manifest)), value.text())
+    if not os.path.exists(path):
+        value.fail(f'is "{value.text()}"; there is no file {path}')
+    if os.path.isdir(path):
+        value.fail(f'is "{value.text()}", a folder; name one file')
+    return path
+
+
 def read_yaml(path: str | os.PathLike[str]) -> Value:
     """Return the root of a YAML file.
 

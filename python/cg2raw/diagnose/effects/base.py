@@ -107,6 +107,8 @@ class Effect:
     absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
     moves_mean : it explains a misfit of the mean.
     needs : what some frames must have to show it: "light", an "image", a "time".
+    from_means : tables of patch means show it: neither pixels nor places are needed,
+        nor does it look like errors of the chart's own colours, the same in all frames.
     taken_up_by : effects that take up what this one's model does not describe, and the
         share of its gain up to which they are no finding: about twice the largest that
         single hidden effects and measured lenses left.
@@ -131,6 +133,7 @@ class Effect:
     absorbs: ClassVar[bool] = False
     moves_mean: ClassVar[bool] = True
     needs: ClassVar[frozenset[str]] = frozenset()
+    from_means: ClassVar[bool] = False
     taken_up_by: ClassVar[Mapping[str, float]] = {}
     shows_without_image: ClassVar[bool] = False
     bayer_only: ClassVar[bool] = False

@@ -17,6 +17,7 @@ class BlackLevel(Effect):
     step = 1e-4
     families = frozenset({PEDESTAL})
     signature = frozenset({"offset"})
+    from_means = True
     bayer_only = True
 
     def from_moments(self, moments: Moments) -> Values:

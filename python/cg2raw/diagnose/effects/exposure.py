@@ -25,6 +25,7 @@ class Exposure(Effect):
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
     needs = LIGHT
+    from_means = True
     told_apart = {
         "white_balance": KNOWN_LIGHT,
         "gr_gb_imbalance": KNOWN_LIGHT,

@@ -68,7 +68,8 @@ class FixedPattern(Effect):
         """The map is learnt from the fit frames as far as their noise lets it."""
         if not fitted:
             return None
-        shape, tiles = selected[0][0].signal.shape, selected[0][0].tiles
+        first = next(frame for frame, _ in selected if frame.samples is None)
+        shape, tiles = first.signal.shape, first.tiles
         of_columns = self.layout == "columns"
 
         def told(group: Predicted) -> list[Array]:

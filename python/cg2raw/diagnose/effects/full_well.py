@@ -37,6 +37,7 @@ class FullWell(Effect):
     families = frozenset({RESPONSE})
     signature = frozenset({"gain"})
     needs = LIGHT
+    from_means = True
     whitening = WhiteningStage.CLIPPING
     starts_from_data = True
 

@@ -13,6 +13,7 @@ class GrGbImbalance(Effect):
     measured_by_uniform_frames = True
     families = frozenset({GAIN})
     needs = LIGHT
+    from_means = True
     bayer_only = True
     told_apart = {
         "crosstalk": "Scenes with coloured edges: crosstalk follows the neighbours' "

@@ -38,6 +38,9 @@ class Frame:
     range : (h, w) DN from black to white.
     uniform : (T, h, w) for the randomised residuals of censored pixels.
     level_free : its brightness is not known at all.
+    samples : (T, h, w) pixels that each value is the mean of, of a table of patches;
+        None where values are those of pixels.
+    repeats : tables of its chart in its group, which share the errors of its colours.
     """
 
     capture: Capture
@@ -59,6 +62,8 @@ class Frame:
     rendered: tuple[NDArray[np.float32], _core.GlareContext]
     level_free: bool = False
     highlights: Mask | None = None
+    samples: Array | None = None
+    repeats: int = 1
 
     @property
     def seconds(self) -> float:
@@ -69,6 +74,8 @@ class Frame:
     @cached_property
     def is_cut(self) -> bool:
         """Whether the ADC cuts the noise at 0, as that of darks at black level 0."""
+        if self.samples is not None:
+            return False
         return bool((self.at_zero & self.keep).sum() > MOST_AT_ZERO * self.keep.sum())
 
     @cached_property

@@ -11,6 +11,7 @@ from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.frame import Frame, frame_of, source_of
 from cg2raw.diagnose.frames.noise_model import NoiseModel
+from cg2raw.diagnose.frames.patch_frame import patch_frame_of
 from cg2raw.diagnose.frames.tiling import Mask, tiling
 
 READING_SHARE = 0.25  # of a diagnosis, that reading takes
@@ -28,12 +29,15 @@ def read_frames(
     repeat = repeat_of(capture_set.sensor.cfa)
     tiles = {
         shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))
-        for shape in {capture.shape for capture in capture_set.captures}
+        for shape in {c.shape for c in capture_set.captures if c.means is None}
     }
     frames = []
     for number, capture in enumerate(capture_set.captures):
         share = READING_SHARE * number / len(capture_set.captures)
         report(f"reading {capture.name}", share)
+        if capture.means is not None:
+            frames.append(patch_frame_of(capture_set, capture, noise[capture.iso]))
+            continue
         source = source_of(capture_set, capture)
         frames.append(frame_of(source, tiles[capture.shape], noise[capture.iso]))
     return frames
@@ -41,7 +45,7 @@ def read_frames(
 
 def _wanted(capture_set: CaptureSet, shape: tuple[int, int]) -> Mask | None:
     """Return where any capture of a shape counts; None if one counts everywhere."""
-    captures = [c for c in capture_set.captures if c.shape == shape]
+    captures = [c for c in capture_set.captures if c.shape == shape and c.means is None]
     wanted = np.zeros(shape, bool)
     for capture in captures:
         if capture.mask is None:

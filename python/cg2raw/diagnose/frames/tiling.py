@@ -33,6 +33,7 @@ class Tiling:
     margin : pixels around a tile that are read with it. Where the frame ends within
         them, the block of both is moved into the frame.
     fresh : (T, h, w), False in pixels that an earlier tile has; None if none has.
+    scattered : tiles lie nowhere in particular, as patches of a table do.
     """
 
     shape: tuple[int, int]
@@ -40,6 +41,12 @@ class Tiling:
     margin: int
     origins: NDArray[np.int32]
     fresh: Mask | None = None
+    scattered: bool = False
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the tiles are all that there is of a frame."""
+        return self.margin == 0 or self.scattered
 
     @property
     def block_size(self) -> tuple[int, int]:
@@ -170,7 +177,7 @@ def _where_wanted(
 
 def whole_tilings(tiles: Tiling, repeat: int = 2) -> Iterator[Tiling]:
     """Yield tilings that together are a frame, from edge to edge."""
-    if tiles.margin == 0:
+    if tiles.is_whole:
         yield tiles
         return
     rows, new_rows = _pieces(tiles.shape[0], repeat)

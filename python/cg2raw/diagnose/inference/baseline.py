@@ -75,11 +75,12 @@ def _fitted(capture_set: CaptureSet, splits: Splits, model: Model) -> Model:
     """Return the model with its nuisance, and with terms that calibrate it: a profile
     says how strong a fixed pattern is, and its map is each camera's own; noise that no
     profile states has to come from the captures."""
-    model = replace(model, nuisance=nuisance_of(capture_set, splits.fit))
+    model = replace(model, nuisance=nuisance_of(capture_set, splits.of_nuisances))
     listed = {effect["name"] for effect in capture_set.sensor.effects}
     measured = all(frame.noise.measured for frame in splits.frames)
     for effect in candidates(capture_set.sensor.cfa):
         is_own = effect.estimator == "fixed pattern" and effect.name in listed
+        is_own &= any(frame.samples is None for frame in splits.fit.frames)
         if is_own or (effect.scales and not measured):
             model = model.with_term(Term(effect, effect.null, calibration=True))
     return fit(model, splits.fit) if model.terms else model

@@ -67,6 +67,8 @@ def _of_common_shape(frames: Sequence[Frame]) -> list[Frame]:
     """Return the frames of the shape of most pixels: masked borders have their own."""
     pixels: dict[tuple[int, ...], int] = {}
     for frame in frames:
+        if frame.samples is not None:
+            continue
         shape = frame.signal.shape
         pixels[shape] = pixels.get(shape, 0) + int(frame.keep.sum())
     most = max(pixels, key=lambda shape: pixels[shape])

@@ -189,7 +189,7 @@ class Search:
             registration.again(model, self.splits.frames)
             self.splits = self.splits.placed(registration)
         if model.nuisance is not None:
-            better = refitted(model, self.splits.fit)
+            better = refitted(model, self.splits.of_nuisances)
             model = fit(replace(model, nuisance=better), self.splits.fit)
         return self._pruned(model, newest)
 

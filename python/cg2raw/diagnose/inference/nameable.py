@@ -25,21 +25,30 @@ def nameable(
         candidates(capture_set.sensor.cfa, only)  # refuses unknown names
         known = [effect for effect in known if effect.name in only]
     known = [effect for effect in known if effect.name not in capture_set.nuisances]
-    shown = _shown_by(splits.fit.frames) & _shown_by(splits.select.frames)
+    groups = [_shown_by(split.frames) for split in (splits.fit, splits.select)]
+
+    def is_shown(effect: Effect) -> bool:
+        return all(
+            any(effect.needs <= shown and (pixels or effect.from_means)
+                for shown, pixels in group)
+            for group in groups
+        )  # fmt: skip
+
     return (
-        [effect for effect in known if effect.needs <= shown],
-        [effect for effect in known if not effect.needs <= shown],
+        [effect for effect in known if is_shown(effect)],
+        [effect for effect in known if not is_shown(effect)],
     )
 
 
-def _shown_by(frames: Sequence[Frame]) -> set[str]:
-    """Return what frames have of what effects need to be seen."""
-    shown = set()
-    if any(frame.capture.shows.light for frame in frames):
-        shown.add("light")
-    if any(frame.capture.shows.image for frame in frames):
-        shown.add("image")
+def _shown_by(frames: Sequence[Frame]) -> list[tuple[set[str], bool]]:
+    """Return of each frame what it has of what effects need to be seen, and whether it
+    has pixels."""
     times = [frame.capture.exposure_time for frame in frames]
-    if all(time is not None for time in times) and any(times):
-        shown.add("time")
-    return shown
+    timed = all(time is not None for time in times) and any(times)
+    found = []
+    for frame in frames:
+        shown = {"time"} if timed else set()
+        shown |= {"light"} if frame.capture.shows.light else set()
+        shown |= {"image"} if frame.capture.shows.image else set()
+        found.append((shown, frame.samples is None))
+    return found

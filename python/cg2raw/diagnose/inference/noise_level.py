@@ -36,7 +36,9 @@ def noise_models(capture_set: CaptureSet) -> dict[float | None, NoiseModel]:
         if sensor.noise and iso is not None:
             models[iso] = _of_row(sensor, sensor.noise_at(iso))
         else:
-            chosen = [c for c in capture_set.captures if c.iso == iso]
+            chosen = [
+                c for c in capture_set.captures if c.iso == iso and c.means is None
+            ]
             models[iso] = _estimated(sensor, chosen)
     return models
 

@@ -27,6 +27,8 @@ LEAST_DEVIATION = {
 }
 MOST_DEVIATION = {"light": 0.2, "radiance": 0.2, "registration": 0.5, "texture": 0.1}
 STARTS = ((0.005, 0.01, 0.005, 0.001), (0.01, 0.03, 0.02, 0.003))
+# Among what is free, where there are tables: no chart has quite its published colours.
+PATCHES = "patches"
 FIRST_SCALE = 5e-4
 SEARCHES = 4
 
@@ -36,6 +38,8 @@ def nuisance_of(capture_set: CaptureSet, likelihood: Likelihood) -> Nuisance | N
 
     None if it declares none and every level is known."""
     free = capture_set.nuisances
+    if any(frame.samples is not None for frame in likelihood.frames):
+        free = free | {PATCHES}
     if not free and not any(frame.level_free for frame in likelihood.frames):
         return None
     least = {**LEAST_DEVIATION, **capture_set.uncertainty}
@@ -68,7 +72,7 @@ def refitted(
 
     def with_values(values: Values) -> Nuisance:
         deviations: dict[str, Any] = dict(zip(names, map(float, values), strict=True))
-        return replace(old, **deviations)
+        return replace(old, apart=True, **deviations)
 
     def score(values: Values) -> float:
         return likelihood.total(replace(model, nuisance=with_values(values)))
@@ -87,13 +91,13 @@ def refitted(
         height = higher
     found = with_values(values)
     # Repeats of a scene share one field, and count here as two.
-    return replace(found, radiance=found.radiance * np.sqrt(2))
+    return replace(found, radiance=found.radiance * np.sqrt(2), apart=False)
 
 
 def _moving(nuisance: Nuisance) -> list[str]:
     """Return the standard deviations that are fitted."""
     moving = [name for name in LEAST_DEVIATION if name in nuisance.free]
-    if nuisance.free & {"registration", "radiance"}:
+    if nuisance.free & {"registration", "radiance", PATCHES}:
         moving.append("texture")
     return moving
 

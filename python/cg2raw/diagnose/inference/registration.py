@@ -52,7 +52,9 @@ class Registration:
         for frame in frames:
             shows = frame.capture.shows
             shifted = shift and shows.render
-            if not shows.light or frame.level_free or not (shifted or exposure):
+            if frame.level_free or frame.samples is not None:
+                continue
+            if not shows.light or not (shifted or exposure):
                 continue
             self._places.setdefault(frame.capture.set, _Place(shifted))
 
@@ -110,7 +112,11 @@ class Registration:
 
 
 def _members(name: str, frames: Sequence[Frame]) -> list[Frame]:
-    return [f for f in frames if f.capture.set == name and not f.level_free]
+    return [
+        f
+        for f in frames
+        if f.capture.set == name and not f.level_free and f.samples is None
+    ]
 
 
 def _warped(camera: Array, frame: Frame, affine: Array) -> Array:

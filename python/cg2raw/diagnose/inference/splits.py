@@ -52,6 +52,14 @@ class Splits:
         return self.by_name["report"]
 
     @property
+    def of_nuisances(self) -> Likelihood:
+        """What tells the size of nuisances: the fit frames, and all tables of patches.
+        How wrong a chart's colours are is one number, and a split has few patches."""
+        others = [f for f in self.frames if f.samples is not None]
+        others = [frame for frame in others if frame.capture.group != "fit"]
+        return self.fit.of([*self.fit.frames, *others])
+
+    @property
     def names(self) -> dict[str, list[str]]:
         """Names of the frames of each split."""
         return {

@@ -28,19 +28,27 @@ AFTER_ALIGNMENT = 0.05  # relative, of an exposure that was estimated
 @dataclass(frozen=True)
 class Nuisance:
     """Standard deviations: of a frame's brightness and of a smooth error, relative; of
-    a shift, px; of fine texture, relative. free: which of them are free at all."""
+    a shift, px; of fine texture, and of a patch's colour, relative. free: which of them
+    are free at all.
+    apart : the tables of a chart are taken one by one, as they are to say how large the
+    errors of its colours are. Else each has that error as often as there are tables, so
+    that all of them together know no more of it than one."""
 
     light: float
     radiance: float
     registration: float
     texture: float
     free: frozenset[str]
+    apart: bool = False
 
     def pixel_variance(self, frame: Frame, variance: Array) -> Array | float:
         """Return what is independent from pixel to pixel."""
         if not frame.capture.shows.image:
             return 0.0
         slope, light = frame.squared_slope_and_light
+        if frame.samples is not None:
+            of_chart = self.texture**2 * (1 if self.apart else frame.repeats)
+            return (of_chart + frame.censored * AFTER_ALIGNMENT**2) * light
         extra = self.registration**2 * slope + self.texture**2 * light
         whole = self.light**2 + BUMPS_THAT_ADD * self.radiance**2
         if frame.highlights is not None:
@@ -56,15 +64,18 @@ class Nuisance:
         clipped = frame.censored | (p.exposed > p.mean + CLIPPED * spread)
         sensitivity = np.where(frame.keep & ~clipped, sensitivity, 0).astype("f4")
         columns = []
-        apart = frame.level_free or "white_balance" in self.free
+        is_chart = frame.samples is not None  # whose colour is known, if not its light
+        apart = frame.level_free and not is_chart or "white_balance" in self.free
         unknown = UNKNOWN_LEVEL if frame.level_free else AFTER_ALIGNMENT
         if apart:
             columns += [unknown * sensitivity * (frame.color == c) for c in range(3)]
         brightness = self.light
         if "exposure" in self.free:
             brightness = np.hypot(brightness, AFTER_ALIGNMENT)
+        if frame.level_free and is_chart:
+            brightness = np.hypot(brightness, UNKNOWN_LEVEL)
         columns.append(brightness * sensitivity)
-        if frame.capture.shows.image and "radiance" in self.free:
+        if frame.capture.shows.image and not is_chart and "radiance" in self.free:
             down, across = _bumps(frame)
             rows = [self.radiance * sensitivity * down[..., i] for i in range(FIELD[0])]
             columns += [row * across[..., j] for row in rows for j in range(FIELD[1])]

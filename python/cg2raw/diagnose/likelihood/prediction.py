@@ -72,6 +72,9 @@ def predict(model: Model, frame: Frame) -> Prediction:
         variance = variance + photon_variance + read_variance
     mean, variance = _with_maps(model, frame, mean, variance, exposed, gain)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
+    if frame.samples is not None:
+        variance = _of_means(model, frame, variance, frame.samples)
+        photon_variance = photon_variance / frame.samples
     nuisance = model.nuisance
     if nuisance is None:
         return Prediction(mean, variance, exposed, photon_variance)
@@ -121,6 +124,17 @@ def _with_maps(
             variance = variance + unsure
     sign = -1.0 if fitted else 1.0
     return mean, np.maximum(variance + sign * doubt, LEAST_VARIANCE_LEFT * variance)
+
+
+def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Array:
+    """Return the variance of means of pixels of this variance, which lie in a square
+    whose rows have offsets of their own."""
+    of_rows = 0.0
+    for effect in every().values():
+        values = model.values_of(effect, frame) if effect.shares_rows else None
+        if values is not None:
+            of_rows += float(values[0]) ** 2 * float(frame.beta2.mean())
+    return np.asarray(variance / samples + of_rows / np.sqrt(samples))
 
 
 def photon_gain(model: Model, frame: Frame) -> Array:

@@ -64,6 +64,8 @@ def _steps(model: Model, frame: Frame) -> Iterator[tuple[Effect | None, Values]]
     for stage in WhiteningStage:
         if stage is WhiteningStage.NUISANCE and model.nuisance is not None:
             yield None, NO_VALUES
+        if frame.samples is not None:
+            continue  # means of many pixels are normal, and independent
         for effect in every().values():
             if effect.whitening is stage:
                 values = model.values_of(effect, frame)

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""A manifest's table of patch means becomes PatchMeans: in DN, with their colours."""
+
+import os
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.diagnose.captures.chart import (
+    COLORCHECKER,
+    COLORCHECKER_NAMES,
+    rec709_from_xyz,
+    rec709_of,
+    xyz_from_lab,
+)
+from cg2raw.diagnose.captures.consistency import some
+from cg2raw.diagnose.captures.manifest import FrameEntry
+from cg2raw.diagnose.captures.manifest_charts import MOST_LAB, MOST_RADIANCE, Patch
+from cg2raw.diagnose.captures.patch_means import (
+    SITES,
+    PatchMeans,
+    fail,
+    number,
+    read_rows,
+    read_table,
+    with_bounds,
+)
+from cg2raw.diagnose.captures.raw_files import Area, RawHeader
+from cg2raw.sensor import Sensor
+
+LONE_COUNT = 1.0  # pixels of a mean that nobody counted: it has the noise of one
+SPACES = {"rgb": ("r", "g", "b"), "xyz": ("X", "Y", "Z"), "lab": ("L", "a", "b")}
+
+Levels = NDArray[np.float64]  # (4,), DN at the sites R, G1, G2 and B
+
+
+def table_header(entry: FrameEntry, sensor: Sensor) -> RawHeader:
+    """Return a table of patch means. Raises ValueError at its line or the entry's."""
+    try:
+        means, notes = patch_means_of(entry, sensor)
+    except OSError as error:
+        entry.fail("file", f"cannot be used: {error}")
+        raise
+    area = Area("patches", 0, 0, *means.mean.shape)
+    return RawHeader(entry.file, area, notes=tuple(notes), means=means)
+
+
+def patch_means_of(entry: FrameEntry, sensor: Sensor) -> tuple[PatchMeans, list[str]]:
+    """Return (means in DN, notes). Raises ValueError at the entry's line, or at that
+    of the table; OSError."""
+    told = entry.means
+    assert told is not None
+    if sorted(sensor.cfa.upper()) != sorted("RGGB"):
+        entry.fail(
+            "file",
+            f"is a table of R, G1, G2 and B, and the CFA of {sensor.id} is "
+            f"{sensor.cfa}: give the frames themselves",
+        )
+    table = read_table(entry.file, told.unit)
+    known = colors_of(entry)
+    for name in table.names:
+        if plain(name) not in known:
+            field = "patches" if "patches" in entry.at else "chart"
+            entry.fail(
+                field,
+                f'has no colour for "{name}" of {os.path.basename(entry.file)}; it has '
+                f"{', '.join(known)}",
+            )
+    colors = np.array([known[plain(name)] for name in table.names]) * entry.gain
+    mean, side, inferred = with_bounds(table, colors, told.cut)
+    black, scale = levels_of(sensor, told.unit)
+    missing = np.isnan(table.count)
+    count = np.where(missing, told.count or LONE_COUNT, table.count)
+    means = PatchMeans(
+        names=table.names,
+        colors=colors,
+        mean=mean * scale + black,
+        side=side,
+        count=count,
+        sd=table.sd * scale,
+        level_known=told.level_known,
+    )
+    notes = []
+    if missing.any() and told.count is None:
+        notes.append(
+            "nobody says how many pixels a mean is of, so its noise is taken as that "
+            "of one: add count, to the table or the frame"
+        )
+    absent = [name for name in known if name not in map(plain, table.names)]
+    return means, notes + missing_notes(means, inferred, absent)
+
+
+def levels_of(sensor: Sensor, unit: str) -> tuple[Levels, Levels]:
+    """Return (offset, scale) at the sites R, G1, G2, B that make DN of a unit."""
+    if unit == "DN":
+        return np.zeros(len(SITES)), np.ones(len(SITES))
+    levels = sensor.black_level
+    black = np.array([levels[i % len(levels)] for i in places_of(sensor.cfa)], float)
+    return black, sensor.white_level - black
+
+
+def places_of(cfa: str) -> tuple[int, ...]:
+    """Return where in a Bayer CFA's letters R, G1 (beside R), G2 and B are."""
+    letters = cfa.upper()
+    red, blue = letters.index("R"), letters.index("B")
+    return red, red ^ 1, blue ^ 1, blue
+
+
+def colors_of(entry: FrameEntry) -> dict[str, NDArray[np.float64]]:
+    """Return scene-linear Rec.709 by the plain names of patches. Raises ValueError."""
+    told = entry.means
+    assert told is not None
+    if not isinstance(told.colors, str):
+        return {plain(patch.name): rec709_of(patch) for patch in told.colors}
+    if told.colors.lower().endswith(".csv"):
+        return read_colors(told.colors)
+    rgb = rec709_from_xyz(xyz_from_lab(COLORCHECKER))
+    return dict(zip(COLORCHECKER_NAMES, rgb, strict=True))
+
+
+def read_colors(path: str) -> dict[str, NDArray[np.float64]]:
+    """Return scene-linear Rec.709 of a .csv of colours: patch, and r g b (scene-linear
+    Rec.709), X Y Z or L a b (D50). Raises ValueError, OSError."""
+    columns = ("patch", *dict.fromkeys(n for names in SPACES.values() for n in names))
+    rows = read_rows(path, columns, required=("patch",))
+    given = [space for space, names in SPACES.items() if set(names) <= set(rows[0][1])]
+    if len(given) != 1:
+        fail(path, 1, "columns", "must be patch and r, g, b or X, Y, Z or L, a, b")
+    space = given[0]
+    low, high = (-MOST_LAB, MOST_LAB) if space == "lab" else (-1.0, MOST_RADIANCE)
+    found: dict[str, NDArray[np.float64]] = {}
+    for line, row in rows:
+        name, color = (
+            plain(row["patch"]),
+            tuple(
+                number(path, line, row, column, low, high) for column in SPACES[space]
+            ),
+        )
+        if name in found or not np.isfinite(color).all():
+            fail(path, line, "patch", f'"{name}" is there twice, or lacks a number')
+        found[name] = rec709_of(Patch((0, 0, 0, 0), color, space, name))
+    return found
+
+
+def plain(name: str) -> str:
+    """Return a patch's name as it is compared: "White 9.5 (.05 D)" is white, and a
+    number of the ColorChecker is its patch."""
+    words = re.sub(r"\(.*\)", "", name).lower().replace("_", " ").split()
+    text = " ".join(words)
+    text = {"white 9.5": "white", "black 2": "black"}.get(text, text)
+    is_number = text.isdecimal() and 1 <= int(text) <= len(COLORCHECKER_NAMES)
+    return COLORCHECKER_NAMES[int(text) - 1] if is_number else text
+
+
+def missing_notes(
+    means: PatchMeans, inferred: NDArray[np.bool_], absent: Sequence[str]
+) -> list[str]:
+    """Return sentences on what is missing, and how it counts."""
+    unknown = np.isnan(means.mean)
+    notes = []
+    for where, words in (
+        (inferred & (means.side < 0), "darker than all that were measured: they count "
+         "as cut below those"),
+        (inferred & (means.side > 0), "brighter than all that were measured: they "
+         "count as cut above those"),
+        (unknown, "and nothing says on which side they were cut: they do not count; "
+         'add a column "cut" with low or high'),
+    ):  # fmt: skip
+        if where.any():
+            notes.append(f"{patches(means, where)} are missing, {words}")
+    if absent:
+        notes.append(
+            f"{some(absent)} are not in the table and do not count; patches that were "
+            "cut need a row without numbers"
+        )
+    return notes
+
+
+def patches(means: PatchMeans, where: NDArray[np.bool_]) -> str:
+    """Return patches with their sites, such as "black (R, B)"."""
+    words = [
+        f"{means.names[patch]} ({', '.join(np.array(SITES)[where[patch]])})"
+        for patch in np.flatnonzero(where.any(axis=1))
+    ]
+    return some(words)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Patch frames: tables of patch means in the shape of frames.
+
+Each patch is a tile of one CFA repeat, whose pixels have the means and the variance of
+one pixel, divided by the number of those in the mean: all that a mean says. Around it
+lies light of its own colour, and it is in the middle of the sensor: what depends on
+neighbours or on the place says nothing, and no effect of these is named from it."""
+
+import zlib
+
+import numpy as np
+
+from cg2raw import _core
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.chart_table import places_of
+from cg2raw.diagnose.captures.patch_means import COLOR_OF_SITE, PatchMeans
+from cg2raw.diagnose.frames.frame import Frame, camera_of, planes_of_sites
+from cg2raw.diagnose.frames.noise_model import NoiseModel
+from cg2raw.diagnose.frames.tiling import MARGIN, Array, Tiling
+
+SIDE = 2  # of a Bayer repeat
+WHOLE = 64  # px a side of the light that glare comes from
+
+
+def patch_frame_of(
+    capture_set: CaptureSet, capture: Capture, noise: NoiseModel
+) -> Frame:
+    """Return the frame of a capture that has means; arrays are (P, 2, 2)."""
+    means, sensor = capture.means, capture_set.sensor
+    assert means is not None
+    matrix, light = camera_of(capture_set, capture)
+    site, color, black = planes_of_sites(sensor.cfa, (SIDE, SIDE), sensor.black_level)
+    range_ = sensor.white_level - black
+    beta1, beta2 = (
+        planes_of_sites(sensor.cfa, (SIDE, SIDE), beta)[2]
+        for beta in (noise.beta1, noise.beta2)
+    )
+    side = on_sites(means.side, sensor.cfa)
+    # A censored pixel lies beyond half a DN from its end; a mean beyond its bound.
+    bound = on_sites(means.mean, sensor.cfa) + 0.5 * side
+    signal = np.where(np.isfinite(bound), (bound - black) / range_, 0.0)
+    is_free = not is_level_known(capture_set, means)
+    camera = np.maximum(means.colors @ matrix.T, 0)
+    if is_free:
+        camera *= brightness(camera, signal, means, sensor.cfa)
+    planes, context = camera_tiles(camera), glare_context(camera)
+    return Frame(
+        capture=capture,
+        tiles=tiles_of(len(means.names), (sensor.height, sensor.width)),
+        signal=signal,
+        at_white=side > 0,
+        at_zero=side < 0,
+        keep=np.isfinite(bound),
+        camera=planes,
+        glare_context=context,
+        neutral=tuple(np.asarray(light.neutral) / max(light.neutral)),
+        noise=noise,
+        beta1=beta1,
+        beta2=beta2,
+        range=range_,
+        uniform=uniform_of(capture, side.shape),
+        site=site,
+        color=color,
+        rendered=(planes, context),
+        level_free=is_free,
+        samples=np.broadcast_to(means.count[:, None, None], side.shape),
+        repeats=repeats_of(capture_set, capture),
+    )
+
+
+def uniform_of(capture: Capture, shape: tuple[int, ...]) -> Array:
+    """Return uniform numbers, the same whenever a capture is read."""
+    key = f"{capture.name}/{capture.set}/{capture.group}"
+    return np.random.default_rng(zlib.crc32(key.encode())).random(shape)
+
+
+def is_level_known(capture_set: CaptureSet, means: PatchMeans) -> bool:
+    """Return whether the brightness of a chart is not free."""
+    return means.level_known and "exposure" not in capture_set.nuisances
+
+
+def repeats_of(capture_set: CaptureSet, capture: Capture) -> int:
+    """Return how many tables of a capture's group are of the same patches."""
+    return sum(
+        other.group == capture.group
+        and other.means is not None
+        and capture.means is not None
+        and other.means.names == capture.means.names
+        for other in capture_set.captures
+    )
+
+
+def on_sites(values: Array, cfa: str) -> Array:
+    """Return (P, 2, 2) at the sites of a Bayer CFA of (P, 4), of R, G1, G2 and B."""
+    order = np.argsort(places_of(cfa))
+    return values[:, order].reshape(-1, SIDE, SIDE)
+
+
+def brightness(camera: Array, signal: Array, means: PatchMeans, cfa: str) -> float:
+    """Return how bright a chart was: least squares, so that bright patches say it, in
+    which an offset is small.
+
+    camera : (P, 3). signal : (P, 2, 2). 1 where no patch was measured."""
+    predicted = on_sites(camera[:, COLOR_OF_SITE], cfa)
+    used = on_sites(means.measured, cfa) & (predicted > 0)
+    square = float((predicted[used] ** 2).sum())
+    found = float((predicted * signal)[used].sum()) / square if square > 0 else 1.0
+    return found if found > 0 else 1.0
+
+
+def camera_tiles(camera: Array) -> Array:
+    """Return (P, 3, block, block) float32 of one colour each, (P, 3)."""
+    block = SIDE + 2 * MARGIN
+    planes = camera.astype(np.float32)[:, :, None, None]
+    return np.broadcast_to(planes, (*camera.shape, block, block)).copy()
+
+
+def glare_context(camera: Array) -> _core.GlareContext:
+    """Return that of light with the patches' mean, (P, 3): nobody said what was around
+    them."""
+    whole = np.broadcast_to(camera.mean(axis=0).astype("f4"), (WHOLE, WHOLE, 3))
+    return _core.glare_context(np.ascontiguousarray(whole))
+
+
+def tiles_of(count: int, shape: tuple[int, int]) -> Tiling:
+    """Return as many tiles of one repeat, all in the middle of a frame (H, W)."""
+    middle = [length // 2 // SIDE * SIDE for length in shape]
+    origins = np.tile(np.array([middle], np.int32), (count, 1))
+    return Tiling(shape, (SIDE, SIDE), MARGIN, origins, scattered=True)

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Charts as tables of patch means: what is there, missing, and wrong."""
+
+import numpy as np
+import pytest
+
+import cg2raw
+from cg2raw.diagnose.captures.chart import COLORCHECKER_NAMES
+from cg2raw.diagnose.captures.chart_table import places_of, plain
+from cg2raw.diagnose.captures.check import check
+from cg2raw.diagnose.captures.patch_means import Table, with_bounds
+from cg2raw.diagnose.captures.reader import read_captures, read_frames
+from cg2raw.diagnose.captures.splits import GROUPS
+from diagnose import capture_files as files
+
+SENSOR = cg2raw.Sensor(files.SENSOR)
+HEAD = "patch,R,G1,G2,B"
+GREYS = "white,300,500,501,400\nneutral 5,150,200,201,160\nblack,80,90,91,85\n"
+LINE = "{file: p.csv, kind: chart, chart: colorchecker, illuminant: D65"
+INLINE = "[{patch: a, rgb: [1, 1, 1]}, {patch: b, xyz: [0.2, 0.2, 0.2]}]"
+
+
+def table(folder, text, name="p.csv"):
+    """Write a table."""
+    (folder / name).write_text(text)
+
+
+def means_of(folder, text, line=LINE):
+    """Return (means, notes) of a set with one table."""
+    table(folder, text)
+    _, _, [frame], notes = read_frames(files.manifest(folder, [line + "}"]))
+    assert frame.capture.shape == frame.capture.means.mean.shape
+    return frame.capture.means, notes
+
+
+def test_means_are_read_as_they_stand(tmp_path):
+    text = f"{HEAD},count,R_sd\n" + GREYS.replace("\n", ",400,3\n")
+    means, notes = means_of(tmp_path, text)
+    assert means.names == ("white", "neutral 5", "black")
+    np.testing.assert_array_equal(means.mean[1], [150, 200, 201, 160])
+    np.testing.assert_array_equal(means.count, 400)
+    np.testing.assert_array_equal(means.sd[:, 0], 3)
+    assert np.isnan(means.sd[:, 1:]).all() and means.measured.all()
+    # Y of white is 0.9, of neutral 5 0.19, of black 0.03: L* 96.5, 50.9 and 20.5.
+    luminance = means.colors @ [0.2126, 0.7152, 0.0722]
+    np.testing.assert_allclose(luminance, [0.913, 0.192, 0.031], atol=0.002)
+    assert not means.level_known
+    [absent] = [note for note in notes if "are not in the table" in note]
+    assert absent.startswith("p.csv: dark skin, light skin, blue sky and 18 more are")
+
+
+def test_signal_becomes_dn(tmp_path):
+    text = f"{HEAD},R_sd\nwhite,0,0.5,1,0.25,0.1\n"
+    means, notes = means_of(tmp_path, text, LINE + ", unit: signal, gain: 2")
+    black, white = SENSOR.black_level[0], SENSOR.white_level
+    expected = black + (white - black) * np.array([0, 0.5, 1, 0.25])
+    np.testing.assert_allclose(means.mean[0], expected)
+    assert means.sd[0, 0] == pytest.approx(0.1 * (white - black))
+    assert means.level_known and means.colors[0, 1] == pytest.approx(1.83, abs=0.03)
+    assert any("nobody says how many pixels" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("cfa", "places"),
+    [("RGGB", (0, 1, 2, 3)), ("GRBG", (1, 0, 3, 2)), ("GBRG", (2, 3, 0, 1)),
+     ("BGGR", (3, 2, 1, 0))],
+)  # fmt: skip
+def test_greens_are_told_by_their_rows(cfa, places):
+    assert places_of(cfa) == places
+
+
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [("White 9.5 (.05 D)", "white"), ("neutral_6.5", "neutral 6.5"), ("24", "black"),
+     ("Dark  Skin", "dark skin"), ("25", "25"), ("A1", "a1"),
+     ("black 2 (1.5 D)", "black")],
+)  # fmt: skip
+def test_names_of_patches(name, known):
+    assert plain(name) == known and len(set(COLORCHECKER_NAMES)) == 24
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "expected"),
+    [
+        ("r,g,b", "0.5,0.25,0.125", (0.5, 0.25, 0.125)),
+        ("X,Y,Z", "0.9642957,1,0.8251046", (1, 1, 1)),  # D50 is white
+        ("L,a,b", "100,0,0", (1, 1, 1)),
+    ],
+)
+def test_colours_of_a_table(tmp_path, head, row, expected):
+    table(tmp_path, f"patch,{head}\nA1,{row}\n", "colours.csv")
+    line = LINE.replace("colorchecker", "colours.csv")
+    means, _ = means_of(tmp_path, f"{HEAD}\na1,1,2,3,4\n", line)
+    np.testing.assert_allclose(means.colors[0], expected, atol=1e-3)
+
+
+def test_colours_of_the_manifest(tmp_path):
+    line = LINE.replace("chart: colorchecker", f"patches: {INLINE}")
+    means, _ = means_of(tmp_path, f"{HEAD}\nb,1,2,3,4\na,5,6,7,8\n", line)
+    assert means.names == ("b", "a") and means.colors[1] == pytest.approx([1, 1, 1])
+
+
+def bounds(rows, cut=("", "", ""), known=(None, None)):
+    """Return (mean, side, inferred) of red of three greys, dark to bright."""
+    mean = np.array([[value] * 4 for value in rows], float)
+    nothing = np.full(mean.shape, np.nan)
+    colors = np.array([[grey] * 3 for grey in (0.1, 0.5, 0.9)])
+    found = with_bounds(
+        Table(("a", "b", "c"), mean, nothing, nothing[:, 0], cut), colors, known
+    )
+    assert all((one == one[:, :1]).all() for one in found[1:])
+    return tuple(one[:, 0].tolist() for one in found)
+
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "mean", "side", "inferred"),
+    [
+        (((10, 20, 30),), [10, 20, 30], [0, 0, 0], [False] * 3),
+        (((NAN, 20, 30),), [20, 20, 30], [-1, 0, 0], [True, False, False]),
+        (((10, 20, NAN),), [10, 20, 20], [0, 0, 1], [False, False, True]),
+        (((10, NAN, 30),), [10, NAN, 30], [0, 0, 0], [False] * 3),
+        (((NAN, 20, 30), ("low", "", "")), [20, 20, 30], [-1, 0, 0], [False] * 3),
+        (((10, NAN, 30), ("", "high", "")), [10, 30, 30], [0, 1, 0], [False] * 3),
+        (((NAN, 20, NAN), ("", "", ""), (15, 25)), [15, 20, 25], [-1, 0, 1],
+         [True, False, True]),
+        (((NAN, NAN, NAN),), [NAN] * 3, [0, 0, 0], [False] * 3),
+        (((NAN, NAN, NAN), ("low", "", ""), (15, None)), [15, NAN, NAN], [-1, 0, 0],
+         [False] * 3),
+        (((10, 20, 30), ("low", "", "high")), [10, 20, 30], [0, 0, 0], [False] * 3),
+    ],
+)  # fmt: skip
+def test_what_is_known_of_missing_patches(arguments, mean, side, inferred):
+    found = bounds(*arguments)
+    np.testing.assert_array_equal(found[0], mean)
+    assert found[1:] == (side, inferred)
+
+
+def test_how_missing_patches_count_is_said(tmp_path):
+    text = f"{HEAD}\n{GREYS}neutral 8,,nan,NaN,\nred,1,2,3,\n"
+    text = text.replace("black,80", "black,")
+    _, notes = means_of(tmp_path, text)
+    unknown = "neutral 8 (R, G1, G2, B), red (B) are missing, and nothing says on which"
+    assert any(unknown in note for note in notes)
+    assert any("the surround" in note for note in notes) is False
+
+
+BAD = {
+    "no G2": ("patch,R,G1,B\n", ":1: G2 is missing; columns are patch, R"),
+    "unknown": (f"{HEAD},x\na,1,1,1,1,1\n", ":1: x is unknown; columns are"),
+    "twice": (f"{HEAD},R\n", ":1: R is twice"),
+    "empty": (f"{HEAD}\n", "p.csv: has no patch; add at least one row"),
+    "nothing": ("", ":1: patch is missing"),
+    "short": (f"{HEAD}\nwhite,1,1\n", ":2: row has 3 values; must have 5"),
+    "a word": (f"{HEAD}\nwhite,1,one,1,1\n", ':2: G1 is "one"; must be 0 to 65535, or'),
+    "negative": (f"{HEAD}\nwhite,1,1,1,-1\n", ':2: B is "-1"; must be 0 to 65535'),
+    "infinite": (f"{HEAD}\nwhite,1,1,1,inf\n", ':2: B is "inf"; must be 0 to 65535'),
+    "count": (f"{HEAD},count\nwhite,1,1,1,1,0\n", ':2: count is "0"; must be 1 to 1e'),
+    "cut": (f"{HEAD},cut\nwhite,1,1,1,1,dark\n", ':2: cut is "dark"; must be low, h'),
+    "same": (f"{HEAD}\nwhite,1,1,1,1\n\nwhite,1,1,1,1\n", ':4: patch "white" is there '
+             "twice, first in line 2"),
+    "no name": (f"{HEAD}\n ,1,1,1,1\n", ':2: patch "" is empty'),
+    "no colour": (f"{HEAD}\npink,1,1,1,1\n", '[0].chart has no colour for "pink"'),
+    "bytes": (b"\xff\xfe\x00", "is no .csv"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_table_is_told_by_its_line(tmp_path, name):
+    text, words = BAD[name]
+    raw = text if isinstance(text, bytes) else text.encode()
+    (tmp_path / "p.csv").write_bytes(raw)
+    with pytest.raises(ValueError) as caught:
+        read_captures(files.manifest(tmp_path, [LINE + "}"]))
+    assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+BAD_LINES = [
+    ("{file: p.csv, kind: flat, scene: 1}", "file is a table of patch means, wh"),
+    ("{file: p.csv, kind: chart}", "has neither patches nor chart; patch means need o"),
+    (LINE + ", corners: [[1, 2]]}", "corners is not for patch means; remove it"),
+    (LINE + ", mask: p.csv}", "mask is not for patch means; remove it"),
+    (LINE + ", unit: volt}", 'unit is "volt"; must be one of DN, signal'),
+    (LINE + ", count: 0}", "count is '0'; must be a number, 1 to 1e+09 pixels"),
+    (LINE.replace("checker", "card") + "}", 'is "colorcard"; must be one of color'),
+    (LINE.replace("colorchecker", "none.csv") + "}", "there is no file"),
+    (LINE.replace("chart: colorchecker", "patches: [{patch: a, rgb: [1, 1, 1]}, "
+                  "{patch: a, rgb: [1, 1, 1]}]") + "}", '"a" is there twice; give'),
+    (LINE.replace("chart: colorchecker", "patches: [{patch: a}]") + "}", "has no col"),
+    ("{file: a.npy, kind: chart, patches: [{area: [0, 0, 9, 9], rgb: [1, 1, 1]}], "
+     "count: 3}", "count is not for a chart in a frame; remove it"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("line", "words"), BAD_LINES)
+def test_a_bad_entry_is_told_by_its_line(tmp_path, line, words):
+    files.frame(tmp_path, "a.npy")
+    table(tmp_path, f"{HEAD}\n{GREYS}")
+    with pytest.raises(ValueError) as caught:
+        read_captures(files.manifest(tmp_path, [line]))
+    assert words in str(caught.value) and ":3: frames[0]" in str(caught.value)
+
+
+def test_a_sensor_without_a_bayer_cfa_has_no_such_means(tmp_path):
+    table(tmp_path, f"{HEAD}\n{GREYS}")
+    path = files.manifest(tmp_path, [LINE + "}"], "sensor: fujifilm-x-m1")
+    with pytest.raises(ValueError, match="is a table of R, G1, G2 and B, and the CFA"):
+        read_captures(path)
+
+
+def test_one_table_is_divided_by_patches(tmp_path):
+    table(tmp_path, f"{HEAD}\n{GREYS}red,1,2,3,4\n")
+    files.frame(tmp_path, "dark.npy")
+    lines = [LINE + "}", "{file: dark.npy, kind: dark}"]
+    captures = read_captures(files.manifest(tmp_path, lines)).captures
+    tables = [capture for capture in captures if capture.means is not None]
+    assert [capture.group for capture in tables] == list(GROUPS)
+    names = [capture.means.names for capture in tables]
+    assert names == [("white", "red"), ("neutral 5",), ("black",)]
+    assert [capture.shape for capture in tables] == [(2, 4), (1, 4), (1, 4)]
+
+
+def test_a_check_of_a_table(tmp_path):
+    table(tmp_path, f"{HEAD}\n{GREYS}neutral 8,1023,500,500,400\n")
+    files.frame(tmp_path, "dark.npy")
+    lines = [LINE + "}", "{file: dark.npy, kind: dark}"]
+    _, sensor, frames, notes = read_frames(files.manifest(tmp_path, lines))
+    found = check(frames, sensor)
+    [words] = found.integrities[0].complaints
+    assert "a mean of 1023 DN is at white (1023 DN): clipped patches belong" in words
+    assert (found.integrities[0].low, found.integrities[0].high) == (80, 1023)
+    assert not found.is_right and not found.integrities[1].complaints
