@@ -45,7 +45,7 @@ def findings_of(
                 alternatives=others,
                 ambiguous_with=list(step.ambiguous),
                 where=effect(name).where,
-                sentence=sentence(name, values[name], gap),
+                sentence=sentence(name, values[name], gap, model.sensor),
                 provisional=provisional,
                 rule=step.rule,
             )

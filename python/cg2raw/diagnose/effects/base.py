@@ -250,6 +250,10 @@ class Effect:
         )
         return ", ".join(parts)
 
+    def size_on(self, values: Estimates, sensor: Sensor) -> str:
+        """Return the same of one sensor, whose levels and shape are known."""
+        return self.size(values)
+
     def curve(
         self, values: Values, estimates: Estimates, measured: MeasuredRatio
     ) -> Curve | None:

@@ -5,8 +5,9 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import PEDESTAL, Effect, Values
+from cg2raw.diagnose.effects.base import PEDESTAL, Effect, Estimates, Values
 from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.sensor import Sensor
 
 
 class BlackLevel(Effect):
@@ -19,6 +20,16 @@ class BlackLevel(Effect):
     signature = frozenset({"offset"})
     from_means = True
     bayer_only = True
+
+    def size_on(self, values: Estimates, sensor: Sensor) -> str:
+        """In DN, since nobody measures black in shares of white."""
+        ranges = sensor.white_level - np.asarray(sensor.black_level, float)
+        parts = [
+            f"{letter} {span * e.value:+.4g} DN "
+            f"({span * e.ci95[0]:.4g} to {span * e.ci95[1]:.4g})"
+            for letter, span, e in zip(sensor.cfa, ranges, values.values(), strict=True)
+        ]
+        return f"the black level is off by {', '.join(parts)}"
 
     def from_moments(self, moments: Moments) -> Values:
         return np.full(len(self.parameters), moments.offset)

@@ -21,9 +21,11 @@ from cg2raw.diagnose.effects.base import (
 )
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.sensor import Sensor
 
 CURVE_RINGS = 20
-CORNER = (0.832, 0.555)  # of a 3:2 frame, in half diagonals
+SHAPE = (2, 3)  # of a frame whose sensor is not known
+CORNERS = ("top left", "top right", "bottom left", "bottom right")
 
 
 class LensShading(Effect):
@@ -43,9 +45,17 @@ class LensShading(Effect):
     }
 
     def size(self, values: Estimates) -> str:
-        loss = corner_loss(values)
+        loss = max(corner_losses(values, SHAPE))
         verb = "loses" if loss >= 0 else "gains"
         return f"the lens {verb} {percent(abs(loss))} at the darkest corner"
+
+    def size_on(self, values: Estimates, sensor: Sensor) -> str:
+        losses = corner_losses(values, (sensor.height, sensor.width))
+        listed = ", ".join(
+            f"{corner} {percent(loss)}"
+            for corner, loss in zip(CORNERS, losses, strict=True)
+        )
+        return f"the lens loses light in the corners: {listed}"
 
     def curve(
         self, values: Values, estimates: Estimates, measured: MeasuredRatio
@@ -72,19 +82,20 @@ def _ring(frame: Frame, p: Prediction) -> NDArray[np.int64]:
     return np.minimum(rings, CURVE_RINGS - 1)
 
 
-def corner_loss(values: Estimates) -> float:
-    """Return the largest loss of light in a corner of a 3:2 frame, relative."""
+def corner_losses(values: Estimates, shape: tuple[int, int]) -> list[float]:
+    """Return the loss of light in the CORNERS of a frame (H, W), relative to that in
+    its middle; below 0 where there is more."""
     r2, r4, r6, *tilts = (
         value_of(values, n)
         for n in ("r2", "r4", "r6", "tilt_x", "tilt_y", "tilt_x_r2", "tilt_y_r2")
     )
     x, y, x2, y2 = tilts
-    corners = [
-        1 + r2 + r4 + r6 + u * (x + x2) + v * (y + y2)
-        for u in (-CORNER[0], CORNER[0])
-        for v in (-CORNER[1], CORNER[1])
+    v, u = np.array(shape) / np.hypot(*shape)  # of a corner, in half diagonals
+    return [
+        float(-(r2 + r4 + r6 + right * u * (x + x2) + down * v * (y + y2)))
+        for down in (-1, 1)
+        for right in (-1, 1)
     ]
-    return 1 - min(corners)
 
 
 EFFECT = LensShading()

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Sizes of effects on a sensor are those that the registry's physics gives."""
+
+import re
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.effects.catalogue import effect
+from cg2raw.diagnose.effects.lens_shading import CORNERS, corner_losses
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import capture_of, frames_of, model_of, sensor_of
+
+SHADING = (-0.2, 0.05, -0.03, 0.04, -0.02, 0.03, 0.01)
+
+
+def estimates(name, values, half=0.0):
+    """Return estimates of an effect's parameters."""
+    return {
+        parameter: Estimate(value, "1", (value - half, value + half))
+        for parameter, value in zip(effect(name).parameters, values, strict=True)
+    }
+
+
+@pytest.mark.parametrize("shape", [(400, 600), (480, 640), (600, 400)])
+def test_the_corners_are_as_dark_as_predicted(shape):
+    sensor = sensor_of()
+    [frame] = frames_of(sensor, [capture_of("flat", shape=shape)], pixels=10**6)
+    ratio = predict(model_of(sensor, lens_shading=SHADING), frame).mean[0]
+    ratio = ratio / predict(model_of(sensor), frame).mean[0]
+    ends = [ratio[row, col] for row in (0, -1) for col in (0, -1)]
+    losses = corner_losses(estimates("lens_shading", SHADING), shape)
+    # A corner's pixel lies half a pixel inside it, which is 0.2 % of the way.
+    np.testing.assert_allclose(1 - np.array(ends), losses, atol=3e-3)
+
+
+def test_all_four_corners_are_said():
+    sensor = Sensor("nikon-d40")
+    values = estimates("lens_shading", SHADING)
+    words = effect("lens_shading").size_on(values, sensor)
+    assert [corner in words for corner in CORNERS] == [True] * 4
+    losses = corner_losses(values, (sensor.height, sensor.width))
+    found = [float(text) / 100 for text in re.findall(r"(-?[\d.]+) %", words)]
+    assert found == pytest.approx(losses, rel=0.005)
+
+
+def test_offsets_are_said_in_dn():
+    sensor = sensor_of()
+    span = sensor.white_level - sensor.black_level[0]
+    values = estimates("black_level", (0.01, -0.02, 0.0, 0.005), half=0.001)
+    words = effect("black_level").size_on(values, sensor)
+    numbers = [float(text) for text in re.findall(r"[RGB] ([+-][\d.]+) DN", words)]
+    assert numbers == pytest.approx(np.array([0.01, -0.02, 0, 0.005]) * span, rel=1e-3)
+    assert f"({0.009 * span:.4g} to {0.011 * span:.4g})" in words
