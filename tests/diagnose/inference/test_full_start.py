@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""A sensor with many departures at once: all are measured, and none that is not there."""
+"""A sensor with many departures at once: all are measured, and none is made up."""
 
 from dataclasses import replace
 
@@ -64,7 +64,7 @@ def captures(group, count=3):
 
 
 def frames_with(seed, planted=True):
-    """Return frames of two groups, of a sensor that departs in seven ways, or in none."""
+    """Return frames of two groups, of a sensor that departs in seven ways or none."""
     rng = np.random.default_rng([9, seed])
     columns = COLUMNS * rng.standard_normal((1, 1, SHAPE[1]))
     offsets = columns + PIXELS * rng.standard_normal(TILE)

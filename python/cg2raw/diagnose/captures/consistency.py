@@ -236,23 +236,28 @@ def what_is_missing(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
             "add darks of another"
         )
     images = [capture for capture in captures if capture.shows.image]
-    if images and all(capture.means is not None for capture in images):
+    if images:
+        return notes + _missing_of_images(images)
+    notes.append(
+        f"no scenes: {of_scenes}, crosstalk and glare cannot be told; add scenes with "
+        "their renders, or a chart"
+    )
+    flats = [f.entry for f in frames if f.capture.shows.light]
+    if len({(e.scene, e.gain) for e in flats}) == 1 and flats[0].scene != UNKNOWN:
         notes.append(
-            "patch means alone: noise, fixed patterns, shading, blur, crosstalk and "
-            "glare cannot be told from them; add flats, and scenes or charts as frames"
+            "flats of one level: non-linearity cannot be told from exposure, nor PRNU "
+            "from shot noise; add flats of another"
         )
-    if not images:
-        notes.append(
-            f"no scenes: {of_scenes}, crosstalk and glare cannot be told; add scenes "
-            "with their renders, or a chart"
-        )
-        flats = [f.entry for f in frames if f.capture.shows.light]
-        if len({(e.scene, e.gain) for e in flats}) == 1 and flats[0].scene != UNKNOWN:
-            notes.append(
-                "flats of one level: non-linearity cannot be told from exposure, nor "
-                "PRNU from shot noise; add flats of another"
-            )
     return notes
+
+
+def _missing_of_images(images: Sequence[Capture]) -> list[str]:
+    if any(capture.means is None for capture in images):
+        return []
+    return [
+        "patch means alone: noise, fixed patterns, shading, blur, crosstalk and glare "
+        "cannot be told from them; add flats, and scenes or charts as frames"
+    ]
 
 
 def some(names: Sequence[str]) -> str:

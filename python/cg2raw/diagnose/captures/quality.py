@@ -176,7 +176,7 @@ def noise_remarks(found: Integrity, raw: RawImage, sensor: Sensor) -> list[str]:
     """Return what a dark's noise cannot show, since codes are too coarse for it."""
     if found.below > MOST_ZEROS:
         return ["most pixels are 0: its read noise cannot be judged at all"]
-    side = round(len(sensor.cfa) ** 0.5)
+    side = repeat_of(sensor.cfa)
     if found.below <= MANY_ZEROS and codes.is_coarse(raw, side):
         return [
             "its read noise is below 0.5 DN: its size and tails (a Tukey lambda, heavy "

@@ -47,7 +47,6 @@ SPREAD = "spread"
 TEMPORAL = "temporal"
 PEDESTAL = "pedestal"
 
-CURVE_POINTS = 60  # of a curve that is drawn
 LIGHT = frozenset({"light"})
 IMAGE = frozenset({"light", "image"})
 TIME = frozenset({"time"})
@@ -345,13 +344,3 @@ def percent(x: float) -> str:
 def total(values: Estimates, *names: str) -> float:
     """Return the sum of some values."""
     return sum(value_of(values, name) for name in names)
-
-
-def curve_with_interval(
-    values: Values, estimates: Estimates, design: Array
-) -> tuple[Array, Array, Array]:
-    """Return (y, low, high) of 1 + design @ values; intervals add as independent."""
-    errors = np.array([(e.ci95[1] - e.ci95[0]) / 2 for e in estimates.values()])
-    y = 1 + design @ values
-    half = np.sqrt((design**2) @ errors**2)
-    return y, y - half, y + half

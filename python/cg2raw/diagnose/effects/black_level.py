@@ -5,6 +5,7 @@
 
 import numpy as np
 
+from cg2raw.cfa import is_mono
 from cg2raw.diagnose.effects.base import PEDESTAL, Effect, Estimates, Values
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.sensor import Sensor
@@ -24,10 +25,11 @@ class BlackLevel(Effect):
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """In DN, since nobody measures black in shares of white."""
         ranges = sensor.white_level - np.asarray(sensor.black_level, float)
+        sites = [""] if is_mono(sensor.cfa) else [f"{one} " for one in sensor.cfa]
         parts = [
-            f"{letter} {span * e.value:+.4g} DN "
+            f"{site}{span * e.value:+.4g} DN "
             f"({span * e.ci95[0]:.4g} to {span * e.ci95[1]:.4g})"
-            for letter, span, e in zip(sensor.cfa, ranges, values.values(), strict=True)
+            for site, span, e in zip(sites, ranges, values.values(), strict=True)
         ]
         return f"the black level is off by {', '.join(parts)}"
 

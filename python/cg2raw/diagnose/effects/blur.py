@@ -7,17 +7,16 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
-    CURVE_POINTS,
     IMAGE,
     SPREAD,
     Effect,
     Estimates,
     MeasuredRatio,
     Values,
-    curve_with_interval,
     percent,
     value_of,
 )
+from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
 
 COSINES = 10  # cosines of the transfer function
 

@@ -8,17 +8,16 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
-    CURVE_POINTS,
     GAIN,
     LIGHT,
     Effect,
     Estimates,
     MeasuredRatio,
     Values,
-    curve_with_interval,
     percent,
     value_of,
 )
+from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.sensor import Sensor

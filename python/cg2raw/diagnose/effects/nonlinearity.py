@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
-    CURVE_POINTS,
     GAIN,
     LIGHT,
     RESPONSE,
@@ -16,10 +15,10 @@ from cg2raw.diagnose.effects.base import (
     Estimates,
     MeasuredRatio,
     Values,
-    curve_with_interval,
     percent,
     total,
 )
+from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 
