@@ -51,12 +51,12 @@ class Pieces:
         """Return a frame's tiles; a small one, or a table, as it is."""
         if tiles.is_whole:
             return frame
-        piece = frame_of(self._source(frame), tiles, frame.noise)
+        piece = frame_of(self._source(frame), tiles, frame.noise, frame.warmth)
         if piece.level_free:
             piece = with_level_of(piece, frame)
         elif self.registration is not None:
             piece = self.registration.placed(piece)
-        if self.capture_set.nuisances:
+        if self.capture_set.doubts_light:
             piece = without_highlights(piece, self.base)
         return piece
 

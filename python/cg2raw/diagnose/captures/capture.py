@@ -55,7 +55,10 @@ KINDS: Mapping[Kind, CaptureKind] = {
         | {"unit", "count", "cut_below", "cut_above"},  # of a table of patch means
     ),
 }
-NUISANCES = ("exposure", "white_balance", "registration", "light", "radiance")
+NUISANCES = (
+    *("exposure", "white_balance", "registration", "light", "radiance"),
+    "temperature",
+)
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,8 @@ class CaptureSet:
     sensor : the baseline, a Sensor.
     nuisances : what may float without being called an effect: "exposure" (each set's
         brightness), "white_balance" (each set's), "registration" (affine, each set),
-        "light" (brightness from frame to frame), "radiance" (smooth error of a render).
+        "light" (brightness from frame to frame), "radiance" (smooth error of a render),
+        "temperature" (of the sensor, and with it dark charge, from frame to frame).
     uncertainty : declared lower bounds of nuisances: "light" and "radiance" relative,
         "registration" px after alignment.
     notes : sentences on what was assumed of the files, for the report.
@@ -121,3 +125,17 @@ class CaptureSet:
     uncertainty: Mapping[str, float] = field(default_factory=dict)
     file: str = ""
     notes: Sequence[str] = ()
+
+    @property
+    def doubts_light(self) -> bool:
+        """Whether a nuisance is free that moves what a frame shows of its light."""
+        return bool(self.nuisances - {"temperature"})
+
+    @property
+    def temperature(self) -> float | None:
+        """Temperature that half of the captures are warmer than; None if it is not
+        known of all."""
+        known = [capture.temperature for capture in self.captures]
+        if not known or None in known:
+            return None
+        return float(np.median(np.array(known, float)))

@@ -21,6 +21,9 @@ from cg2raw.sensor import Sensor
 # Pixels along the edges of a frame that are left out: what lies beyond an image
 # is not known; beyond a uniform frame it is, but for filters of the file.
 BORDER, UNIFORM_BORDER = 8, 4
+# Degrees that double dark charge: 5 to 7 for silicon near room temperature. Source: R.
+# Widenhorn et al., Proc. SPIE 4669, 2002.
+DOUBLING = 6.0
 MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
 
 
@@ -41,6 +44,8 @@ class Frame:
     samples : (T, h, w) pixels that each value is the mean of, of a table of patches;
         None where values are those of pixels.
     repeats : tables of its chart in its group, which share the errors of its colours.
+    warmth : how much faster charge gathers in it without light than in other frames,
+        since it is warmer.
     """
 
     capture: Capture
@@ -64,12 +69,15 @@ class Frame:
     highlights: Mask | None = None
     samples: Array | None = None
     repeats: int = 1
+    warmth: float = 1.0
 
     @property
     def seconds(self) -> float:
-        """Exposure time; 1 where none is known, so that rates are per frame."""
+        """Time that charge gathers without light: exposure time at the temperature of
+        the captures, longer in a warmer frame. 1 where no exposure time is known, so
+        that rates are per frame."""
         time = self.capture.exposure_time
-        return 1.0 if time is None else time
+        return self.warmth * (1.0 if time is None else time)
 
     @cached_property
     def is_cut(self) -> bool:
@@ -183,7 +191,17 @@ def _keep(source: Source, tiles: Tiling) -> Mask:
     return keep
 
 
-def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
+def warmth_of(capture: Capture, temperature: float | None) -> float:
+    """Return how much faster charge gathers in a capture without light than at a
+    temperature, degrees Celsius; 1 if either is not known."""
+    if temperature is None or capture.temperature is None:
+        return 1.0
+    return float(2 ** ((capture.temperature - temperature) / DOUBLING))
+
+
+def frame_of(
+    source: Source, tiles: Tiling, noise: NoiseModel, warmth: float = 1.0
+) -> Frame:
     """Return the tiles of a capture."""
     sensor, capture = source.sensor, source.capture
     cut = tiles.cut(source.raw)
@@ -215,6 +233,7 @@ def frame_of(source: Source, tiles: Tiling, noise: NoiseModel) -> Frame:
         site=site,
         color=color,
         level_free=capture.scene is None and capture.shows.light,
+        warmth=warmth,
     )
     return with_level_of(frame, frame) if frame.level_free else frame
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.frames.frame import Frame, frame_of, source_of
+from cg2raw.diagnose.frames.frame import Frame, frame_of, source_of, warmth_of
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.patch_frame import patch_frame_of
 from cg2raw.diagnose.frames.tiling import Mask, tiling
@@ -32,6 +32,7 @@ def read_frames(
         for shape in {c.shape for c in capture_set.captures if c.means is None}
     }
     frames = []
+    temperature = capture_set.temperature
     for number, capture in enumerate(capture_set.captures):
         share = READING_SHARE * number / len(capture_set.captures)
         report(f"reading {capture.name}", share)
@@ -39,7 +40,9 @@ def read_frames(
             frames.append(patch_frame_of(capture_set, capture, noise[capture.iso]))
             continue
         source = source_of(capture_set, capture)
-        frames.append(frame_of(source, tiles[capture.shape], noise[capture.iso]))
+        warmth = warmth_of(capture, temperature)
+        noise_of = noise[capture.iso]
+        frames.append(frame_of(source, tiles[capture.shape], noise_of, warmth))
     return frames
 
 

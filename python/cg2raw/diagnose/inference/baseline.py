@@ -28,12 +28,14 @@ class Baseline:
     """The sensor as its profile says, with what has to be fitted to use it at all.
 
     registration : where renders lie, if they may be displaced or differently bright.
+    free : nuisances of the captures.
     ended : what came in between, Ctrl-C or the time, and left the profile alone."""
 
     model: Model
     splits: Splits
     registration: Registration | None = None
     ended: type[BaseException] | None = None
+    free: frozenset[str] = frozenset()
 
 
 def baseline_of(
@@ -45,14 +47,14 @@ def baseline_of(
     try:
         registration = _registration(capture_set, splits, bare, report)
         placed = splits if registration is None else splits.placed(registration)
-        if capture_set.nuisances:
+        if capture_set.doubts_light:
             shown = [without_highlights(frame, bare) for frame in placed.frames]
             placed = Splits(shown, placed.workers)
         check_correspondence(bare, placed)
         model = _fitted(capture_set, placed, bare)
     except (KeyboardInterrupt, TimeIsUp) as ended:
         return Baseline(bare, splits, ended=type(ended))
-    return Baseline(model, placed, registration)
+    return Baseline(model, placed, registration, free=capture_set.nuisances)
 
 
 def _registration(

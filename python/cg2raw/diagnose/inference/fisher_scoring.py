@@ -68,6 +68,9 @@ class Linearisation:
         if rows is not None:  # they lack the offsets; in part these are ours to explain
             z = rows[0].colour(z, p, rows[1], frame)
         white = whiten_linearly(z, p, self.model, frame, rows is None)
+        # What pixels share is no variance of their own.
+        own = (white * white - 1) * np.sqrt(0.5)
+        square = np.where(frame.counted & ~frame.censored, own, square)
         return _State(p, white, square, weight, {})
 
     def _column(
@@ -87,6 +90,10 @@ class Linearisation:
         mean = state.weight * np.where(frame.counted, mean, 0)
         mean = whiten_linearly(mean, p, self.model, frame, True)
         spread = (moved.variance - p.variance) / step * np.sqrt(0.5) / p.variance
+        if term.effect.moves_mean:
+            # A variance that is a percent off would else decide a mean of which a
+            # nuisance leaves little.
+            spread = np.zeros_like(spread)
         return mean[frame.counted].astype("f4"), spread[frame.counted].astype("f4")
 
     def system(

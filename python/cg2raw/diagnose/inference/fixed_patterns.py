@@ -15,6 +15,7 @@ import numpy as np
 from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.map_evidence import (
     LEAST_INFORMATION,
     Evidence,
@@ -26,6 +27,7 @@ from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
+MOST_BY_CHANCE = 4.0  # standard errors of a mean of columns
 TURNS_OF_MAPS = 3  # of maps of several layouts, by turns
 
 
@@ -38,7 +40,8 @@ def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
     if not effects:
         return model
     chosen = likelihood.of(_of_common_shape(likelihood.frames))
-    parts = [[effect.name] for effect in effects if effect.layout != "pixels"]
+    apart = [effect for effect in effects if effect.layout != "pixels"]
+    parts = [[effect.name] for effect in apart]
     if of_pixels := [e.name for e in effects if e.layout == "pixels"]:
         parts.append(of_pixels)
     for _ in range(TURNS_OF_MAPS if len(parts) > 1 else 1):
@@ -86,8 +89,7 @@ def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
     repeat = round(np.sqrt(int(frame.site.max()) + 1))
     for first in range(repeat):
         same = np.s_[:, :, first::repeat]
-        mean = np.average(estimate[same], weights=a[same] + LEAST_INFORMATION)
-        estimate[same] -= np.where(used[same], mean, 0)
+        _take_common_part(estimate[same], a[same])
     error = 1 / np.maximum(a, LEAST_INFORMATION)
     prior = prior_of((estimate**2)[used], error[used])
     share = prior / (prior + error)
@@ -97,3 +99,16 @@ def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
         np.broadcast_to(np.where(used, error * share, prior), shape),
     )
     return replace(term, values=np.array([np.sqrt(prior)]), sensor_map=sensor_map)
+
+
+def _take_common_part(estimate: Array, information: Array) -> None:
+    """Take from columns, in place, the mean of them, if it is more than columns that
+    differ as these do have by chance."""
+    used = information > 0
+    if used.sum() < 2:
+        return
+    mean = float(np.average(estimate[used], weights=information[used]))
+    own = (estimate[used] - mean) ** 2
+    chance = np.sqrt(own.mean() / used.sum())
+    if abs(mean) > MOST_BY_CHANCE * chance:
+        estimate[used] -= mean

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.coordinate_search import fit_transform
 from cg2raw.diagnose.inference.fitting import fit, scored
@@ -21,6 +22,8 @@ from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.moments import moments_of
 from cg2raw.diagnose.inference.outliers import without_outliers
 from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.inference.warmth import reading_error, warmed
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 ROUNDS = 3  # of maps and what is smooth, by turns, before noise is fitted
@@ -42,8 +45,7 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
 
     effects : that may be named."""
     splits = baseline.splits
-    uniform = [f for f in splits.fit.frames if not f.capture.shows.image]
-    moments = moments_of(baseline.model, splits.fit.of(uniform))
+    moments = moments_of(baseline.model, splits.fit.of(uniform_of(splits.fit)))
     chosen = [effect for effect in effects if effect.measured_by_uniform_frames]
     if moments.read is None or not chosen:
         return None
@@ -53,9 +55,18 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
     later = [model.term(name) for name in transforms]
     for name in transforms:
         model = model.without(name)
+    near = without_outliers(model, splits, MOST_OUT)
+    for effect in chosen:
+        if effect.starts_from_data and model.term(effect.name) is None:
+            likelihood = near.fit.of(uniform_of(near.fit))
+            values = effect.first_values(likelihood.predicted(model))
+            if values is not None:
+                model = model.with_effect(effect, effect.clipped(values))
     shown = splits
+    error = reading_error(splits.frames, "temperature" in baseline.free)
     for _ in range(ROUNDS):
         model = fit_patterns(model, shown.fit)
+        splits = warmed(model, splits, error)
         shown = without_outliers(model, splits, MOST_OUT)
         model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
     for term in later:
@@ -66,12 +77,16 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
     return FullStart(fit(model, shown.fit), shown)
 
 
+def uniform_of(likelihood: Likelihood) -> list[Frame]:
+    return [f for f in likelihood.frames if not f.capture.shows.image]
+
+
 def _with_all(model: Model, effects: Sequence[Effect], moments: Moments) -> Model:
     """Return the model with effects where moments say; what calibrates it stays so."""
     for effect in effects:
         values = effect.clipped(effect.from_moments(moments))
-        if model.term(effect.name) is None:
+        if model.term(effect.name) is None and not effect.starts_from_data:
             model = model.with_effect(effect, values)
-        elif effect.scales:
+        elif effect.scales and not effect.starts_from_data:
             model = model.with_values(effect.name, values)
     return model

@@ -37,7 +37,7 @@ def nuisance_of(capture_set: CaptureSet, likelihood: Likelihood) -> Nuisance | N
     """Return the nuisance that a capture set declares, fitted on frames.
 
     None if it declares none and every level is known."""
-    free = capture_set.nuisances
+    free = capture_set.nuisances - {"temperature"}
     if any(frame.samples is not None for frame in likelihood.frames):
         free = free | {PATCHES}
     if not free and not any(frame.level_free for frame in likelihood.frames):
