@@ -20,9 +20,11 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
 SURE = 10.0  # standard deviations of a pixel's rate, from where on it is a thermometer
-FARTHEST = 6.0  # standard deviations of a residual that counts
+FARTHEST_HOT = 6.0  # standard deviations of a residual that counts
 STEPS = 3  # until what counts stays
-UNKNOWN = 0.05  # relative, of dark charge, where a temperature is declared as free
+UNKNOWN_WARMTH = (
+    0.05  # relative, of dark charge, where a temperature is declared as free
+)
 
 
 def reading_error(frames: Sequence[Frame], is_free: bool) -> float:
@@ -32,7 +34,7 @@ def reading_error(frames: Sequence[Frame], is_free: bool) -> float:
     readings = np.unique([frame.warmth for frame in frames])
     if len(readings) > 1:
         return float(np.diff(np.log(readings)).min() / np.sqrt(12))
-    return UNKNOWN if is_free else 0.0
+    return UNKNOWN_WARMTH if is_free else 0.0
 
 
 def warmed(model: Model, splits: Splits, error: float) -> Splits:
@@ -71,7 +73,7 @@ def _factor(model: Model, frame: Frame, error: float) -> float:
     found = 0.0
     for _ in range(STEPS):
         z = residual / spread - found * slope
-        inside = np.abs(z) < FARTHEST
+        inside = np.abs(z) < FARTHEST_HOT
         weight = (slope[inside] ** 2).sum() + 1 / error**2
         found += float(((slope * z)[inside].sum() - found / error**2) / weight)
     return 1 + found
