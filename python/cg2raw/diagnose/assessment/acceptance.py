@@ -11,6 +11,7 @@ whole held-out frames more likely than the baseline does is none at all.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.stats import chi2
 
 from cg2raw.diagnose.assessment.gap import Sums
 from cg2raw.diagnose.diagnosis import Estimate
@@ -36,19 +37,38 @@ def founded(
     likelihood : of the frames that it was fitted to, and is fitted to again without
     them."""
     refused: dict[str, str] = {}
+    clear: set[str] = set()
     while True:
         values = estimates(model, likelihood)
         reasons = {
             term.name: reason
             for term in model.terms
-            if not term.calibration and (reason := _unfounded(model, term, values))
+            if not term.calibration
+            and term.name not in clear
+            and (reason := _unfounded(model, term, values))
         }
         if not reasons:
             return model, values, refused
         # One at a time: without it the others may lie elsewhere.
         name = next(iter(reasons))
+        rest = fit(model.without(name), likelihood)
+        gained = likelihood.total(model) - likelihood.total(rest)
+        if _is_clear_together(model, name, gained):
+            clear.add(name)
+            continue
         refused[name] = reasons[name]
-        model = fit(model.without(name), likelihood)
+        model = rest
+
+
+def _is_clear_together(model: Model, name: str, gained: float) -> bool:
+    """Return whether smooth values are not all null, though each may be: two of which
+    frames tell the difference. gained : by them, nats. Source: S. S. Wilks, Ann. Math.
+    Stat. 9(1), 1938."""
+    term = next(term for term in model.terms if term.name == name)
+    count = len(term.values)
+    if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term):
+        return False
+    return gained > float(chi2.ppf(0.95, count)) / 2
 
 
 def _unfounded(model: Model, term: Term, values: EstimatesByEffect) -> str:
