@@ -283,3 +283,12 @@ def test_a_dropped_effect_says_what_it_was_worth(monkeypatch):
     assert left.names == ["exposure"]
     assert search.steps[0].name == "gr_gb_imbalance"
     assert search.steps[0].gain != 0
+
+
+def test_a_profile_is_judged_as_it_is_where_nothing_may_be_added():
+    """As --verify does, on frames that repeat each other."""
+    doubted = set_of(SENSOR, model=model_of(SENSOR, read_noise=[0.3]))
+    repeated = [replace(c, exposure_time=1.0) for c in doubted.captures]
+    found = run(CaptureSet(SENSOR, repeated), most=0)
+    assert (found.effects, found.ladder) == ([], [])
+    assert found.gap.chi2_before == found.gap.chi2_after > 1.1

@@ -80,7 +80,13 @@ def add_search(group: argparse._ArgumentGroup) -> None:
     """Declare the options on what is looked for."""
     add = group.add_argument
     add("--alpha", type=share, metavar="P", help="risk of a false name (default 0.01)")
-    add("--max", type=count, metavar="N", help="most effects to add (default 6)")
+    add(
+        "--max",
+        type=count,
+        metavar="N",
+        help="most effects to add one by one, beside those "
+        "that repeated darks and flats measure at once (default 6)",
+    )
     add("--without", metavar="NAMES", help="effects that are not looked for")
     add("--only", metavar="NAMES", help="effects that alone are looked for")
     add(

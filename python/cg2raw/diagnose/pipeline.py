@@ -42,7 +42,8 @@ def diagnose(
     """Find what a sensor's model lacks to explain its captures.
 
     alpha : chance of a false first name, 0 < alpha < 1.
-    most : effects that are added at most.
+    most : effects that are added one by one at most, beside those that repeated darks
+        and flats measure at once; 0 for none at all.
     without, only : names to leave out of, or to restrict the effects to.
     progress : called with what is being done and the share that is done.
     threads : number of frames worked on at a time; the result does not depend on it.

@@ -93,6 +93,8 @@ class Search:
         """Prune what starts full, and go on from there; where few effects are left, go
         up from the baseline too, and keep what the select frames like better."""
         bare = self._reached
+        if self.most == 0:
+            return  # a profile is judged as it is
         if not self._start_full():
             self._climb(bare)
             return
