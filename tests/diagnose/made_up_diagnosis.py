@@ -8,15 +8,18 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import (
     Alternative,
+    Characteristics,
     Curve,
     DetectionLimit,
     Diagnosis,
     Estimate,
     Finding,
+    FixedPattern,
     Gap,
     Picture,
     ResidualTest,
     Rung,
+    Trend,
 )
 
 R2, R4 = -0.34, 0.05
@@ -106,6 +109,39 @@ def curves():
     ]  # fmt: skip
 
 
+def trend(x, truth, lacking, seed):
+    """Return points of a truth that the model before lacks some of, x against y."""
+    rng = np.random.default_rng(seed)
+    x = np.asarray(x, float)
+    measured = truth(x) * (1 + 0.01 * rng.standard_normal(x.size))
+    held_out = np.arange(x.size) % 3 == 0
+    return Trend(x, measured, truth(x) - lacking(x), truth(x), held_out)
+
+
+def fixed_pattern(kind, height=24, width=36):
+    """Return a mean of frames with a ramp that the model before lacks."""
+    rng = np.random.default_rng(len(kind) + ord(kind[0]))
+    after = 0.3 * rng.standard_normal((height, width))
+    before = after + np.linspace(0, 3, width)
+    whole = (10 * height, 10 * width)
+    rows, columns = (0.1 * rng.standard_normal(n) for n in whole)
+    ramp = np.linspace(0, 3, whole[1])
+    return FixedPattern(
+        kind, 3, before, after, rows + 1.5, rows, columns + ramp, columns
+    )
+
+
+def characteristics():
+    """Return what darks and flats show of a camera of 0.48 DN per electron."""
+    return Characteristics(
+        trend(np.geomspace(2, 3000, 12), lambda x: 9 + 0.48 * x, lambda x: 0.1 * x, 1),
+        trend([0, 0, 1, 10, 30, 30], lambda t: 2 + 0.4 * t, lambda t: 0.4 * t, 2),
+        [fixed_pattern("dark"), fixed_pattern("flat")],
+        2.083,
+        ["No flats near white: the full well is not shown."],
+    )
+
+
 def residual_tests(scale):
     """Return 29 tests whose sizes are @scale of those of the made-up camera."""
     rng = np.random.default_rng(11)
@@ -148,6 +184,7 @@ def findings():
         [], "falls off with radius, all channels, in proportion to signal",
         "The lens loses 29 % at the corner; adding it brings held-out chi-square from "
         "3.21 to 1.04.",
+        loss_nats=17211.4,
     )  # fmt: skip
     rows = Finding(
         "row_noise",
@@ -158,6 +195,7 @@ def findings():
         "Rows jump together by 0.41 DN from frame to frame; adding it brings held-out "
         "chi-square from 1.04 to 1.00.",
         rule="It gains most on the held-out frames.",
+        loss_nats=30.9,
     )  # fmt: skip
     return [shading, rows]
 
@@ -211,6 +249,7 @@ def made_up_diagnosis(**changes):
                    "report": ["scene_0.dng", "flat_1.dng", "scene_2.dng"]},
         "pictures": pictures(),
         "curves": curves(),
+        "characteristics": characteristics(),
         "histogram_before": histogram(1.8),
         "histogram_after": histogram(1.0),
         "profile_json": json.dumps({"id": "nikon-d40", "effects": ["lens_shading"]},

@@ -69,6 +69,8 @@ class Finding:
     sentence: str  # plain words with numbers
     provisional: bool = False  # something unexplained is left
     rule: str = ""  # sentence: why this name and not one of the alternatives
+    # What the select frames lose if all other effects are fitted without it, nats.
+    loss_nats: float | None = None
 
 
 @dataclass(frozen=True)
@@ -152,6 +154,61 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class Trend:
+    """What frames measure against a quantity, and what both models say; each (n,).
+
+    held_out : whether a point is of report frames."""
+
+    x: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+    held_out: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class FixedPattern:
+    """Mean of what report frames of a kind are above both simulations, DN; noise of
+    single frames averages out.
+
+    frames : how many. before, after : (h, w) of cells.
+    rows_before, rows_after : (H,) means over columns. columns_before, columns_after :
+    (W,) means over rows. NaN where no pixel counts."""
+
+    kind: str
+    frames: int
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+    rows_before: NDArray[np.float64]
+    rows_after: NDArray[np.float64]
+    columns_before: NDArray[np.float64]
+    columns_after: NDArray[np.float64]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W) px."""
+        return len(self.rows_before), len(self.columns_before)
+
+
+@dataclass(frozen=True)
+class Characteristics:
+    """What darks, flats and repeats measure of a sensor, as EMVA 1288 draws it.
+
+    transfer : variance of a pixel from frame to frame, DN^2, against its level above
+        black, DN; of pairs of repeats among the report frames.
+    dark_levels : median of darks above black, DN, against exposure time, s.
+    patterns : of darks and of flats.
+    electrons_per_dn : by the gain of the profile that was found; None if not known.
+    missing : sentences on what these frames do not show."""
+
+    transfer: Trend | None
+    dark_levels: Trend | None
+    patterns: Sequence[FixedPattern]
+    electrons_per_dn: float | None
+    missing: Sequence[str]
+
+
+@dataclass(frozen=True)
 class DetectionLimit:
     """The smallest strength of an effect that these captures would have shown."""
 
@@ -179,6 +236,7 @@ class Diagnosis:
     groups: Mapping[str, Sequence[str]]  # fit, select, report -> names of frames
     pictures: list[Picture] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
+    characteristics: Characteristics | None = None
     histogram_before: Histogram | None = None
     histogram_after: Histogram | None = None
     profile_json: str = ""  # the sensor with the effects added

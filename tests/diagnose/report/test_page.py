@@ -20,10 +20,11 @@ from cg2raw.diagnose.diagnosis import (
     Picture,
 )
 from cg2raw.diagnose.report import write_report
-from cg2raw.diagnose.report.figures import draw
+from cg2raw.diagnose.report.figures import draw, figure
 from cg2raw.diagnose.report.frame_images import frame
 from cg2raw.diagnose.report.page import render
 from cg2raw.diagnose.report.plots import curve_figure, histogram_figure
+from cg2raw.diagnose.report.sensor_figures import panels
 from diagnose.leaves import (
     is_number,
     leaves,
@@ -39,8 +40,12 @@ EMPTY = {
     "ladder": [], "detection_limits": [], "next_captures": [], "notes": [],
     "groups": {},
     "pictures": [], "curves": [], "histogram_before": None, "histogram_after": None,
-    "profile_json": "",
+    "profile_json": "", "characteristics": None,
 }  # fmt: skip
+DRAWN_FIELDS = (
+    *("pictures", "histogram_before", "histogram_after", "curves"),
+    "characteristics",
+)
 HOSTILE = (
     "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&amp; {{ 7 * 7 }} $x$"
 )
@@ -139,7 +144,7 @@ def test_every_number_and_flag_is_shown(diagnosis, figures):
     page = render(diagnosis, figures)
     silent = []
     for path, value in leaves(diagnosis):
-        if path[0] in ("pictures", "histogram_before", "histogram_after", "curves"):
+        if path[0] in DRAWN_FIELDS:
             continue
         if isinstance(value, bool) or is_number(value):
             other = not value if isinstance(value, bool) else 1.7 * value + 1e-3
@@ -150,6 +155,11 @@ def test_every_number_and_flag_is_shown(diagnosis, figures):
 
 
 DRAWN = {
+    ("characteristics",): lambda d: [
+        image.png
+        for panel in panels(d.characteristics, figure)
+        for image in panel.images
+    ],
     ("pictures", 0): lambda d: [i.png for i in all_images(frame(d.pictures[0], 1, 1))],
     ("curves", 0): lambda d: curve_figure(d.curves[0]),
     ("histogram_before",): lambda d: histogram_figure(d.histogram_before, None),
@@ -164,7 +174,9 @@ def test_every_array_is_drawn(diagnosis, start):
         for path, value in leaves(diagnosis)
         if path[: len(start)] == start and isinstance(value, np.ndarray)
     ]
-    assert len(arrays) == {"pictures": 5, "curves": 6}.get(start[0], 2)
+    assert len(arrays) == {"pictures": 5, "curves": 6, "characteristics": 22}.get(
+        start[0], 2
+    )
     drawn = DRAWN[start](diagnosis)
     for path, value in arrays:
         other = value.astype(float)
@@ -254,7 +266,7 @@ def test_the_pictures_lie_beside_the_page(folder):
     page = Page((folder / "report.html").read_text())
     shown = {base64.b64decode(i["src"].partition(",")[2]) for i in page.images}
     files = {path.read_bytes() for path in folder.glob("*.png")}
-    assert shown == files and len(files) == 5 + 1 + 2 * 3 + 2 * 4 + 1
+    assert shown == files and len(files) == 5 + 1 + 2 * 3 + 2 * 4 + 1 + 2 + 2 * 3
 
 
 def test_every_picture_has_words_with_numbers(folder):
@@ -272,7 +284,8 @@ def test_same_diagnosis_same_bytes(diagnosis, folder, tmp_path):
 
 
 def test_pictures_of_an_earlier_report_go_and_other_files_stay(diagnosis, tmp_path):
-    for name in ("frame_09_before.png", "curve_07.png", "mine.png", "verdict.json"):
+    ours = ("frame_09_before.png", "curve_07.png", "pattern_flat_after.png")
+    for name in (*ours, "dark_levels.png", "mine.png", "verdict.json"):
         (tmp_path / name).write_text("x")
     write_report(made_up_diagnosis(**EMPTY), tmp_path)
     names = {path.name for path in tmp_path.iterdir()}

@@ -3,27 +3,30 @@
 
 """Curves of a calibration: photon transfer, dark current, linearity, noise, bias."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.pair_noise import HISTOGRAM
-from cg2raw.calibration.robust import Array
 from cg2raw.calibration.table import told
-from cg2raw.io.figure import drawn
+from cg2raw.io.plot import (
+    HEIGHT,
+    draw_profile,
+    electron_axis,
+    figure_of,
+    plain_ticks,
+    transfer_axes,
+)
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.axis import XAxis, YAxis
     from matplotlib.figure import Figure
 
 # Distinct for all common colour vision. Source: Okabe and Ito, Color Universal
 # Design, 2008.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 LINE, POINT = "#333333", "#0072b2"
-HEIGHT = 3.2  # inches
 Drawn = tuple[str, str, bytes]  # title, description, PNG
 
 
@@ -61,11 +64,8 @@ def photon_transfer(found: Measurements) -> Drawn:
         axes.axhline(dark, color=LINE, linewidth=1, linestyle=":")
         if transfer.saturation is not None:
             axes.axvline(transfer.saturation.value, color="#d55e00", linestyle="--")
-        axes.set(xscale="log", yscale="log", xlabel="mean above black, DN",
-                 ylabel="variance of a frame, DN^2")  # fmt: skip
-        plain_ticks(axes.xaxis)
-        plain_ticks(axes.yaxis)
-        electron_axis(axes, found, "x")
+        labels = "mean above black, DN", "variance of a frame, DN^2"
+        transfer_axes(axes, labels, gain.value)
         axes.legend(frameon=False, markerscale=3)
 
     words = (
@@ -75,32 +75,9 @@ def photon_transfer(found: Measurements) -> Drawn:
     return "Photon transfer", words, figure_of(draw)
 
 
-def figure_of(draw: Callable[["Figure"], None], height: float = HEIGHT) -> bytes:
-    """Return the PNG of a figure with all its colours."""
-    return drawn(height, draw, colors=256)
-
-
-def plain_ticks(axis: "XAxis | YAxis") -> None:
-    """Write powers of ten on a logarithmic axis as they are: 0.01, 100, 1e+06."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
-
-    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
-    axis.set_minor_formatter(NullFormatter())
-
-
-def electron_axis(axes: "Axes", found: Measurements, side: str) -> None:
-    """Add the same axis in electrons, where there is a gain."""
-    if found.transfer is None:
-        return
-    gain = found.transfer.mean_gain.value
-    both = (lambda dn: dn * gain, lambda electrons: electrons / gain)
-    if side == "x":
-        top = axes.secondary_xaxis("top", functions=both)
-        top.set_xlabel("electrons")
-        if axes.get_xscale() == "log":
-            plain_ticks(top.xaxis)
-    else:
-        axes.secondary_yaxis("right", functions=both).set_ylabel("electrons")
+def gain_of(found: Measurements) -> float | None:
+    """Return electrons per DN, where they were measured."""
+    return None if found.transfer is None else found.transfer.mean_gain.value
 
 
 def dark_current(found: Measurements) -> Drawn:
@@ -122,7 +99,7 @@ def dark_current(found: Measurements) -> Drawn:
             axes.plot(times, dark.intercept + rate.value * times, linewidth=1,
                       color=LINE, label=f"{told(rate)}{at}")  # fmt: skip
         axes.set(xlabel="exposure time, s", ylabel="median above bias, DN")
-        electron_axis(axes, found, "y")
+        electron_axis(axes, gain_of(found), "y")
         axes.legend(frameon=False, handlelength=0)
 
     words = "Middle of the pixels of darks above the shortest ones, and the lines"
@@ -139,7 +116,7 @@ def linearity(found: Measurements) -> Drawn:
         axes.axhline(0, color=LINE, linewidth=1)
         axes.plot(found_line.levels, found_line.deviations, "o", color=POINT)
         axes.set(xlabel="level above black, DN", ylabel="deviation, %")
-        electron_axis(axes, found, "x")
+        electron_axis(axes, gain_of(found), "x")
 
     words = f"Level against exposure time: linearity error {told(found_line.error)}"
     return "Linearity", words, figure_of(draw)
@@ -181,18 +158,9 @@ def profiles(found: Measurements) -> Drawn:
             (upper, structure.columns, structure.fitted_columns, "column"),
             (lower, structure.rows, structure.fitted_rows, "row"),
         ):
-            draw_profile(axes, profile, fitted)
+            draw_profile(axes, [(profile, POINT, 0.6), (fitted, "#d55e00", 1.2)])
             axes.set(xlabel=name, ylabel="DN")
-            electron_axis(axes, found, "y")
+            electron_axis(axes, gain_of(found), "y")
 
     words = "Means of columns and rows of the bias, less the black level; the line is "
     return "Bias profiles", words + "ramp and edge", figure_of(draw, 1.6 * HEIGHT)
-
-
-def draw_profile(axes: "Axes", profile: Array, fitted: Array) -> None:
-    """Draw one profile; columns far off the others do not set the scale."""
-    axes.plot(profile, color=POINT, linewidth=0.6)
-    axes.plot(fitted, color="#d55e00", linewidth=1.2)
-    low, high = np.percentile(profile, [0.5, 99.5])
-    room = 0.3 * max(high - low, 0.1)
-    axes.set_ylim(low - room, high + room)

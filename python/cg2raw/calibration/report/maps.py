@@ -4,20 +4,15 @@
 """Maps of a calibration: bias, dark current, response, shading."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.report.curves import Drawn, figure_of
+from cg2raw.calibration.report.curves import Drawn
 from cg2raw.calibration.robust import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from cg2raw.io.plot import map_figure
 
 ACROSS = 256  # cells of a map along its longer side
-SHOWN = (0.5, 99.5)  # per cent of the cells that the scale spans
-WIDTH_OF_MAP = 3.6  # inches of a figure beside its scale
 
 
 def maps(found: Measurements) -> Iterator[Drawn]:
@@ -25,42 +20,26 @@ def maps(found: Measurements) -> Iterator[Drawn]:
     if found.maps is not None and found.black_level is not None:
         level = found.sites.spread(found.black, found.shape)
         words = "Offsets of pixels above the black level, DN; means of cells"
-        yield "Bias", words, map_figure(found.maps.offset - level, found, "DN")
+        yield "Bias", words, drawn_map(found.maps.offset - level, found, "DN")
         if found.maps.rate is not None:
             words = "Dark current of pixels, DN/s; means of cells, hot pixels cut"
             most = np.percentile(found.maps.rate, 99)
             cut = np.minimum(found.maps.rate, most)
-            yield "Dark current map", words, map_figure(cut, found, "DN/s")
+            yield "Dark current map", words, drawn_map(cut, found, "DN/s")
     if found.light is not None:
         fine = 100 * (found.light.fine - 1)
         words = "Response of pixels after a high-pass, %; means of cells"
-        yield "PRNU", words, map_figure(fine, found, "%")
+        yield "PRNU", words, drawn_map(fine, found, "%")
         words = (
             "Response in blocks of the field, 1 in the middle of all: light and lens"
         )
-        field = map_figure(found.light.field, found, "relative")
+        field = drawn_map(found.light.field, found, "relative")
         yield "Shading", words, field
 
 
-def map_figure(values: Array, found: Measurements, unit: str) -> bytes:
-    """Return the PNG of a map, cells of pixels, with its scale."""
-    cells = binned(values)
-    low, high = np.percentile(cells, SHOWN)
-    height = WIDTH_OF_MAP * found.shape[0] / found.shape[1]
-
-    def draw(figure: "Figure") -> None:
-        axes = figure.subplots()
-        image = axes.imshow(
-            cells,
-            cmap="viridis",
-            vmin=float(low),
-            vmax=float(high),
-            extent=(0, found.shape[1], found.shape[0], 0),
-            interpolation="nearest",
-        )
-        figure.colorbar(image, ax=axes, label=unit, extend="both", shrink=0.9)
-
-    return figure_of(draw, min(max(height, 1.5), 6.0))
+def drawn_map(values: Array, found: Measurements, unit: str) -> bytes:
+    """Return the PNG of a map, (h, w), as means of cells."""
+    return map_figure(binned(values), found.shape, unit)
 
 
 def binned(values: Array) -> Array:

@@ -4,6 +4,7 @@
 """Findings: the accepted effects in words, without those that complete another."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.effects.sentences import sentence
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.model_selection import Search
+from cg2raw.diagnose.inference.pruning import TURNS_WITHOUT
 from cg2raw.diagnose.inference.steps import Step
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
@@ -103,6 +105,20 @@ def _losses_without(name: str, model: Model, search: Search) -> tuple[float, flo
         return likelihood.total(model) - likelihood.total(rest)
 
     return loss(selected), loss(selected.of(uniform))
+
+
+def with_losses(
+    findings: Sequence[Finding], model: Model, search: Search
+) -> list[Finding]:
+    """Return findings with what is lost without each of them, all others fitted once
+    more: drop-one. Two that stand in for each other lose little each."""
+    height = search.splits.select.total(model)
+    found = []
+    for finding in findings:
+        rest = fit(model.without(finding.name), search.splits.fit, TURNS_WITHOUT)
+        loss = height - search.splits.select.total(rest)
+        found.append(replace(finding, loss_nats=loss))
+    return found
 
 
 def rung_of(step: Step) -> Rung:

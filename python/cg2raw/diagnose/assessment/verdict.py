@@ -4,7 +4,7 @@
 """Verdict: a model, its search and whole held-out frames become a Diagnosis."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import norm
@@ -15,12 +15,14 @@ from cg2raw.diagnose.assessment.acceptance import (
     not_better,
     refusals,
 )
+from cg2raw.diagnose.assessment.characteristics import characteristics_of
 from cg2raw.diagnose.assessment.curves import curves_of
 from cg2raw.diagnose.assessment.figures import histogram
 from cg2raw.diagnose.assessment.findings import (
     findings_of,
     refused_rung,
     rung_of,
+    with_losses,
     without_shapes,
 )
 from cg2raw.diagnose.assessment.gap import Sums, gap_of, systematic
@@ -107,7 +109,7 @@ def assessed(
 ) -> Diagnosis:
     """Return the diagnosis of a model that a search found.
 
-    details : with pictures and curves."""
+    details : with what is drawn, and what is lost without each effect."""
     splits, report = search.splits, search.splits.report
     held = _held(capture_set, baseline, splits, model, details, search.most_outliers)
     gap = _gap(baseline, held, report.frames)
@@ -117,7 +119,7 @@ def assessed(
     every = findings_of(held.model, search.steps, held.values, gap, bool(left))
     findings, shapes = without_shapes(every, held.model, search)
     notes = _notes(capture_set, report.frames, _traces(after, left))
-    return Diagnosis(
+    found = Diagnosis(
         verdict=_verdict(findings, left),
         sensor_id=capture_set.sensor.id,
         effects=findings,
@@ -133,7 +135,6 @@ def assessed(
         notes=[*notes, *shapes, *held.notes],
         groups=splits.names,
         pictures=list(held.look.pictures),
-        curves=curves_of(held.model, held.values, report.frames) if details else [],
         histogram_before=histogram(baseline.model, report),
         histogram_after=histogram(held.model, report),
         profile_json=updated_profile(
@@ -143,6 +144,20 @@ def assessed(
         else "",
         interrupted=search.interrupted,
         time_limit_reached=search.timed_out,
+    )
+    return _detailed(found, baseline.model, held, search) if details else found
+
+
+def _detailed(found: Diagnosis, base: Model, held: _Held, search: Search) -> Diagnosis:
+    """Return a diagnosis with what is drawn, and what is lost without each effect."""
+    splits = search.splits
+    return replace(
+        found,
+        effects=with_losses(found.effects, held.model, search),
+        curves=curves_of(held.model, held.values, splits.report.frames),
+        characteristics=characteristics_of(
+            base, held.model, splits, held.look.patterns
+        ),
     )
 
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Whole report frames, from edge to edge: their sums and pictures, piece by piece."""
+"""Whole report frames, from edge to edge: their sums, pictures and fixed
+patterns, piece by piece."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -9,8 +10,9 @@ from functools import partial
 
 from cg2raw.diagnose.assessment.figures import Canvas
 from cg2raw.diagnose.assessment.gap import Sums
+from cg2raw.diagnose.assessment.patterns import PatternSums, is_uniform, patterns_of
 from cg2raw.diagnose.assessment.pieces import Pieces
-from cg2raw.diagnose.diagnosis import Picture
+from cg2raw.diagnose.diagnosis import FixedPattern, Picture
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Tiling
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
@@ -19,11 +21,13 @@ from cg2raw.diagnose.likelihood.model import Model
 
 @dataclass(frozen=True)
 class Look:
-    """What whole report frames say of two models; pictures, if they were asked for."""
+    """What whole report frames say of two models; pictures and fixed patterns, if they
+    were asked for."""
 
     before: Sums
     after: Sums
     pictures: Sequence[Picture]
+    patterns: Sequence[FixedPattern] = ()
 
     @property
     def unchanged(self) -> "Look":
@@ -32,14 +36,23 @@ class Look:
             replace(picture, after=picture.before, z_after=picture.z_before)
             for picture in self.pictures
         ]
-        return Look(self.before, self.before, same)
+        patterns = [
+            replace(
+                pattern,
+                after=pattern.before,
+                rows_after=pattern.rows_before,
+                columns_after=pattern.columns_before,
+            )
+            for pattern in self.patterns
+        ]
+        return Look(self.before, self.before, same, patterns)
 
 
 @dataclass(frozen=True)
 class WholeFrames:
     """The report frames, to be gone through from edge to edge.
 
-    base : the baseline's model. details : with pictures."""
+    base : the baseline's model. details : with pictures and patterns."""
 
     report: Likelihood
     base: Model
@@ -48,7 +61,10 @@ class WholeFrames:
 
     def look_at(self, model: Model) -> Look:
         """Go through all of the frames under the baseline and a model."""
-        views = [_View(frame, self._canvas(frame)) for frame in self.report.frames]
+        views = [
+            _View(frame, self._canvas(frame), self._pattern(frame))
+            for frame in self.report.frames
+        ]
         for tiles in {id(f.tiles): f.tiles for f in self.report.frames}.values():
             shown = [view for view in views if view.frame.tiles is tiles]
             for batch in self.pieces.batches(tiles):
@@ -62,12 +78,17 @@ class WholeFrames:
             sum((view.before for view in views), Sums()),
             sum((view.after for view in views), Sums()),
             [view.canvas.picture() for view in views if view.canvas is not None],
+            patterns_of([v.pattern for v in views if v.pattern is not None]),
         )
 
     def _canvas(self, frame: Frame) -> Canvas | None:
         cfa = self.base.sensor.cfa
         drawn = self.details and frame.samples is None
         return Canvas(frame, cfa) if drawn else None
+
+    def _pattern(self, frame: Frame) -> PatternSums | None:
+        drawn = self.details and is_uniform(frame)
+        return PatternSums(frame, self.base.sensor.cfa) if drawn else None
 
 
 @dataclass
@@ -76,6 +97,7 @@ class _View:
 
     frame: Frame
     canvas: Canvas | None
+    pattern: PatternSums | None
     before: Sums = field(default_factory=Sums)
     after: Sums = field(default_factory=Sums)
 
@@ -89,3 +111,5 @@ def _add(
     z_after, p_after = view.after.add(models[1], piece)
     if view.canvas is not None:
         view.canvas.mount(piece, p_before.mean, p_after.mean, z_before, z_after)
+    if view.pattern is not None:
+        view.pattern.add(piece, p_before, p_after)

@@ -11,6 +11,7 @@ from cg2raw.diagnose.diagnosis import Curve, Diagnosis, Histogram
 from cg2raw.diagnose.report import plots, sections
 from cg2raw.diagnose.report import text as words
 from cg2raw.diagnose.report.frame_images import Frame, Image, frames
+from cg2raw.diagnose.report.sensor_figures import Panel, panels
 
 MISSING = "report.html needs Jinja2 and Pillow: pip install 'cg2raw[diagnose]'"
 SCALE_WORDS = (
@@ -23,6 +24,7 @@ SCALE_WORDS = (
 class Figures:
     """The drawn figures; None where there is nothing to draw."""
 
+    sensor: list[Panel]
     gap: Image
     residual_tests: Image | None
     histogram: Image | None
@@ -33,7 +35,8 @@ class Figures:
     def images(self) -> list[Image]:
         """Return all of them, each to be written beside the page."""
         single = [self.gap, self.residual_tests, self.histogram, self.scale]
-        shown = [i for frame in self.frames for i in (*frame.images, *frame.maps)]
+        shown = [image for panel in self.sensor for image in panel.images]
+        shown += [i for frame in self.frames for i in (*frame.images, *frame.maps)]
         return [image for image in (*single, *self.curves, *shown) if image is not None]
 
 
@@ -50,6 +53,7 @@ def draw(diagnosis: Diagnosis) -> Figures:
         for n, curve in enumerate(diagnosis.curves, 1)
     ]
     return Figures(
+        sensor=list(panels(diagnosis.characteristics, figure)),
         gap=gap,
         residual_tests=tests_figure(diagnosis),
         histogram=histogram_figure(diagnosis),

@@ -15,7 +15,8 @@ from cg2raw.diagnose.report.frame_images import Image
 from cg2raw.io.atomic_file import write_atomically
 
 OURS = re.compile(
-    r"(gap|residual_tests|histogram|scale|curve_\d{2,}"
+    r"(gap|residual_tests|histogram|scale|curve_\d{2,}|photon_transfer|dark_levels"
+    r"|pattern_(dark|flat)_(before|after)|profiles_(dark|flat)"
     r"|frame_\d{2,}_(measured|before|after|z_before|z_after))\.png"
 )
 
@@ -66,6 +67,11 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "summary": sections.summary(diagnosis),
         "findings": sections.findings(diagnosis),
+        "has_sensor": diagnosis.characteristics is not None,
+        "not_shown": list(diagnosis.characteristics.missing)
+        if diagnosis.characteristics is not None
+        else [],
+        "losses": sections.losses(diagnosis.effects),
         "ladder": sections.ladder(diagnosis),
         "residual_tests": sections.residual_tests(diagnosis),
         "unexplained": [sections.answer(t, count) for t in diagnosis.unexplained],

@@ -127,6 +127,25 @@ def finding(effect: Finding, accepted: Sequence[Finding]) -> Row:
     }
 
 
+def losses(findings: Sequence[Finding]) -> list[Row]:
+    """Return what is lost without each effect, and its share of the sum of all: those
+    whose loss is known, largest first."""
+    known = [f for f in findings if words.is_known(f.loss_nats)]
+    lost = {f.name: max(f.loss_nats or 0.0, 0.0) for f in known}
+    total = sum(lost.values())
+    rows = sorted(known, key=lambda f: -lost[f.name])
+    return [
+        {
+            "name": f.name,
+            "title": words.plain(f.name),
+            "loss": words.nats(f.loss_nats),
+            "share": words.rough_percent(lost[f.name] / total if total else None),
+            "bar": share_of(lost[f.name], total),
+        }
+        for f in rows
+    ]
+
+
 def told_apart(effect: Finding, name: str) -> str:
     """Return what would discriminate an effect from @name: its own words, or ours."""
     given = [a.discriminating_captures for a in effect.alternatives if a.name == name]

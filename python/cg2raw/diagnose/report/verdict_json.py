@@ -4,8 +4,8 @@
 """verdict.json: a Diagnosis as text, and back.
 
 First what a program asks for: verdict, effects, gap, unexplained, seconds; then all
-else that a Diagnosis holds but pictures, curves, histograms and the profile, which has
-its own file. A number that is not finite is null.
+else that a Diagnosis holds but what is drawn and the profile, which has its own file. A
+number that is not finite is null.
 """
 
 import dataclasses
@@ -19,7 +19,10 @@ from cg2raw.diagnose.diagnosis import VERDICTS, Diagnosis, Gap, ResidualTest
 from cg2raw.io.json_text import formatted
 
 FIRST = ("verdict", "effects", "gap", "unexplained", "seconds")
-DRAWN = ("pictures", "curves", "histogram_before", "histogram_after", "profile_json")
+DRAWN = (
+    *("pictures", "curves", "characteristics"),
+    *("histogram_before", "histogram_after", "profile_json"),
+)
 GAP_UNIT = "nats/pixel"
 SMALLEST_NORMAL = 1e-300  # what a reader of JSON in another language may not hold
 
