@@ -9,6 +9,7 @@ import pytest
 
 import cg2raw.diagnose
 from cg2raw.benchmark import run as command
+from cg2raw.benchmark.dense import dense_names
 from cg2raw.benchmark.run import bench
 from cg2raw.benchmark.scores import bounds, half_points, score, table
 from cg2raw.benchmark.suites import SUITES, Case, cases
@@ -22,7 +23,12 @@ def verdict_of(names, verdict="identified", before=0.1, after=0.001):
     ]
     gap = SimpleNamespace(before=before, after=after, chi2_after=1.0)
     return SimpleNamespace(
-        verdict=verdict, effects=effects[::-1], gap=gap, unexplained=[], seconds=1.0
+        verdict=verdict,
+        effects=effects[::-1],
+        gap=gap,
+        unexplained=[],
+        seconds=1.0,
+        time_limit_reached=False,
     )
 
 
@@ -47,13 +53,14 @@ def test_outcomes(hidden, names, verdict, outcome, exact, extra):
     assert one["closed"] == pytest.approx(0.99)
 
 
-@pytest.mark.parametrize("suite", SUITES)
+@pytest.mark.parametrize("suite", [s for s in SUITES if not s.startswith("real")])
 def test_cases_depend_on_seed_and_number_alone(suite):
     some = cases(suite, 3, 2)
     assert some == cases(suite, 3, 4)[: len(some)] or suite in ("single", "unknown")
     assert [case.seed for case in some] != [case.seed for case in cases(suite, 4, 2)]
     names = {name for case in some for name in case.strengths}
-    assert names <= set(UNKNOWN_KINDS if suite == "unknown" else KINDS)
+    known = dense_names() if suite.startswith("dense") else KINDS
+    assert names <= set(UNKNOWN_KINDS if suite == "unknown" else known)
     assert len({case.seed for case in some}) == len(some)
 
 
@@ -99,6 +106,22 @@ def test_command_prints_the_table(tmp_path, monkeypatch, capsys):
     assert command.main(argv) == 0
     assert "false names: 0.00 % (asked: <= 0.5 %)" in capsys.readouterr().out
     assert [json.loads(line)["number"] for line in path.open()] == [0, 1]
+
+
+def test_limits_reach_the_diagnosis_and_are_counted(monkeypatch):
+    given = []
+
+    def diagnose(captures, **options):
+        given.append(options)
+        found = verdict_of(["prnu"])
+        found.time_limit_reached = True
+        return found
+
+    monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
+    limits = {"time_limit": 5.0, "pixels": None}
+    records = bench("single", count=1, effects=["prnu"], limits=limits)
+    assert given[0]["time_limit"] == 5.0 and "pixels" not in given[0]
+    assert "ended by the time limit: 1" in table("single", records)
 
 
 def test_half_points_lie_between_what_is_seen_and_what_is_not():

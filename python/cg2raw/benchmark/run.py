@@ -9,6 +9,7 @@ A suite that was interrupted goes on where it stopped if --json names the same f
 
 import argparse
 import json
+import math
 import multiprocessing
 import os
 import sys
@@ -17,17 +18,20 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from cg2raw.benchmark.scores import half_points, score, table
-from cg2raw.benchmark.suites import SUITES, Case, cases
+from cg2raw.benchmark.scores import covered, half_points, score, table
+from cg2raw.benchmark.suites import SUITES, AnyCase, cases
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import Diagnosis
 
 # Threads of BLAS and OpenMP would only be in the way of the worker processes.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+Limits = dict[str, Any]  # time_limit and pixels, as of diagnose
 
 
-def run_case(case: Case, alpha: float) -> dict[str, Any]:
-    """Diagnose one case; return its record. What fails is recorded as "error"."""
+def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
+    """Diagnose one case; return its record. What fails is recorded as "error".
+
+    limits : time_limit and pixels, as of diagnose."""
     from cg2raw.diagnose import diagnose
 
     record: dict[str, Any] = {
@@ -38,17 +42,25 @@ def run_case(case: Case, alpha: float) -> dict[str, Any]:
         "hidden": list(case.strengths),
         "strength": next(iter(case.strengths.values()), None),
     }
-    captures, hidden = case.captures()
-    record["parameters"] = hidden
     start = time.perf_counter()
     try:
+        captures, hidden = case.captures()
+        record["parameters"] = hidden
+        start = time.perf_counter()
         found = diagnose(
-            captures, alpha=alpha, without=case.without, threads=1, details=False
+            captures,
+            alpha=alpha,
+            without=case.without,
+            threads=1,
+            details=False,
+            **{key: value for key, value in limits.items() if value is not None},
         )
     except Exception as error:  # one bad case must not end a night's bench
         record["error"] = f"{type(error).__name__}: {error}"
         return record
     record.update(score(list(case.strengths), found))
+    record["intervals"] = covered(case.expected(), found)
+    record["nats_needed"] = nats_needed(alpha)
     missed = [name for name in case.strengths if name not in record["named"]]
     if missed and not case.without and case.suite != "unknown":
         record["evidence"] = case.evidence(missed)
@@ -56,6 +68,13 @@ def run_case(case: Case, alpha: float) -> dict[str, Any]:
         record.update(_again(captures, found, alpha))
     record["seconds"] = time.perf_counter() - start
     return record
+
+
+def nats_needed(alpha: float) -> float:
+    """Return what a name needs on the select frames: ln(names / alpha)."""
+    from cg2raw.diagnose.effects.catalogue import names
+
+    return math.log(len(names()) / alpha)
 
 
 def _again(captures: CaptureSet, found: Diagnosis, alpha: float) -> dict[str, Any]:
@@ -75,17 +94,18 @@ def _again(captures: CaptureSet, found: Diagnosis, alpha: float) -> dict[str, An
     }
 
 
-def _job(work: tuple[Case, float]) -> dict[str, Any]:
-    return run_case(*work)
+def _job(work: tuple[AnyCase, float, Limits]) -> dict[str, Any]:
+    case, alpha, limits = work
+    return run_case(case, alpha, **limits)
 
 
 def records_of(
-    wanted: Sequence[Case], alpha: float, jobs: int
+    wanted: Sequence[AnyCase], alpha: float, jobs: int, limits: Limits | None = None
 ) -> Iterator[dict[str, Any]]:
     """Yield the records of cases as they are done.
 
     jobs : worker processes; 1 for this process."""
-    work = [(case, alpha) for case in wanted]
+    work = [(case, alpha, limits or {}) for case in wanted]
     if jobs == 1 or len(work) < 2:
         yield from map(_job, work)
         return
@@ -96,7 +116,7 @@ def records_of(
 
 
 def done_before(
-    path: Path | None, wanted: Sequence[Case], alpha: float
+    path: Path | None, wanted: Sequence[AnyCase], alpha: float
 ) -> list[dict[str, Any]]:
     """Return the records in a file that are of these cases and did not fail."""
     if path is None or not path.exists():
@@ -125,15 +145,18 @@ def bench(
     alpha: float = 0.01,
     path: Path | None = None,
     progress: bool = False,
+    captures: str | os.PathLike[str] | None = None,
+    limits: Limits | None = None,
 ) -> list[dict[str, Any]]:
     """Run a suite; return the records of its cases, in their order.
 
-    count, effects : as of suites.cases. path : JSON lines, appended as cases end."""
-    wanted = cases(suite, seed, count, effects)
+    count, effects, captures : as of suites.cases. path : JSON lines, appended as cases
+    end. limits : as of run_case; a time limit makes results depend on the machine."""
+    wanted = cases(suite, seed, count, effects, captures)
     records = done_before(path, wanted, alpha)
     numbers = {one["number"] for one in records}
     left = [case for case in wanted if case.number not in numbers]
-    for one in records_of(left, alpha, jobs):
+    for one in records_of(left, alpha, jobs, limits):
         records.append(one)
         if path is not None:
             with path.open("a") as file:
@@ -154,6 +177,11 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2, help="worker processes")
     parser.add_argument("--effects", default="", help="NAME,... to hide")
+    parser.add_argument(
+        "--captures", metavar="PATH", help="captures.yaml or its folder, of real suites"
+    )
+    parser.add_argument("--pixels", type=int, help="of each frame that are fitted")
+    parser.add_argument("--time-limit", type=float, metavar="S", help="of each case")
     parser.add_argument("--alpha", type=float, default=0.01)
     parser.add_argument("--json", type=Path, help="file of records, one per line")
     parser.add_argument("--quiet", action="store_true", help="no progress; table alone")
@@ -173,6 +201,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             alpha=given.alpha,
             path=given.json,
             progress=not given.quiet,
+            captures=given.captures,
+            limits={"pixels": given.pixels, "time_limit": given.time_limit},
         )
     except (ValueError, OSError) as error:
         print(f"cg2raw: {error}", file=sys.stderr)

@@ -48,6 +48,24 @@ def score(hidden: Sequence[str], diagnosis: Diagnosis) -> dict[str, Any]:
         "chi2_after": float(gap.chi2_after),
         "unexplained": [one.name for one in diagnosis.unexplained],
         "engine_seconds": float(diagnosis.seconds),
+        "time_limit_reached": bool(diagnosis.time_limit_reached),
+    }
+
+
+def covered(
+    expected: Mapping[str, Mapping[str, float]], diagnosis: Diagnosis
+) -> dict[str, bool]:
+    """Return whether 95 % intervals of right names hold the truth, by
+    "effect.parameter".
+
+    expected : effect -> true value of each parameter of which it is known."""
+    return {
+        f"{one.name}.{key}": bool(
+            one.parameters[key].ci95[0] <= value <= one.parameters[key].ci95[1]
+        )
+        for one in diagnosis.effects
+        for key, value in expected.get(one.name, {}).items()
+        if key in one.parameters
     }
 
 
@@ -62,6 +80,8 @@ def table(suite: str, records: Sequence[Record]) -> str:
         lines += [_line(name, group) for name, group in by_name.items()]
     lines += [_line("all", good)] if good else []
     lines += [f"failed: {len(records) - len(good)}"] if len(good) < len(records) else []
+    late = sum(one.get("time_limit_reached", False) for one in good)
+    lines += [f"ended by the time limit: {late}"] if late else []
     lines += [
         f"{what}: {_number(value)} (asked: {asked})"
         for what, value, asked in bounds(suite, good)
@@ -110,6 +130,10 @@ def bounds(suite: str, good: Sequence[Record]) -> list[Bound]:
         "power": _of_power,
         "closed-loop": _of_closed_loop,
         "nuisance": _of_nuisance,
+        "dense-1": _of_dense,
+        "dense-3": _of_dense,
+        "dense-5": _of_dense,
+        "real": _of_real,
     }
     return measured.get(suite, _of_single)(suite, good)
 
@@ -132,6 +156,41 @@ def _of_sets(suite: str, good: Sequence[Record]) -> list[Bound]:
         ("exact set", _share([one["exact"] for one in good]), f">= {seen}"),
         ("right first name", _is(good, "right"), "none"),
         *_closed_bounds(_closed(good)),
+    ]
+
+
+ASKED_OF_DENSE = {"dense-1": 98, "dense-3": 92, "dense-5": 85}  # % of exact sets
+
+
+def _of_dense(suite: str, good: Sequence[Record]) -> list[Bound]:
+    """A hidden effect is visible if it is worth the nats that a name needs."""
+    exact = [one["extra"] == 0 and not _visibly_missed(one) for one in good]
+    named = sum(len(one["named"]) for one in good)
+    wrong = sum(one["extra"] for one in good)
+    holds = [hit for one in good for hit in one["intervals"].values()]
+    return [
+        ("exact set of the visible", _share(exact), f">= {ASKED_OF_DENSE[suite]} %"),
+        ("exact set", _share([one["exact"] for one in good]), "none"),
+        (f"wrong of {named} names", wrong / named if named else np.nan, "<= 0.5 %"),
+        (
+            f"truth in its 95 % interval, of {len(holds)}",
+            _share(holds),
+            "93 to 97 %",
+        ),
+        *_closed_bounds([one["closed"] for one in good if one["closed"] is not None]),
+    ]
+
+
+def _visibly_missed(one: Record) -> list[str]:
+    """Return the hidden effects that were worth a name, and have none."""
+    needed = one["nats_needed"]
+    return [name for name, nats in one.get("evidence", {}).items() if nats > needed]
+
+
+def _of_real(suite: str, good: Sequence[Record]) -> list[Bound]:
+    return [
+        ("named first", _is(good, "right"), ">= 95 % of those above their limits"),
+        ("cases with other names", _share([one["extra"] > 0 for one in good]), "none"),
     ]
 
 

@@ -3,12 +3,15 @@
 
 """Benchmark suites: which case hides which effects, set by seed and number alone."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
 
+from cg2raw.benchmark.dense import WRONG, DenseCase, dense_names, draw_faults
+from cg2raw.benchmark.real import RealCase, manifest_of, plantable
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import (
@@ -37,8 +40,14 @@ SUITES = {
     "nuisance-none": 200,
     "power": 12,
     "closed-loop": 2,
+    "dense-1": 60,
+    "dense-3": 40,
+    "dense-5": 40,
+    "real": 5,
+    "real-none": 100,
 }
 PER_EFFECT = (
+    "real",
     "single",
     "unknown",
     "leave-one-out",
@@ -79,6 +88,11 @@ class Case:
         )
         return evidence(source, names)
 
+    def expected(self) -> dict[str, dict[str, float]]:
+        """Return the values that estimates should hold: the generator's parameters are
+        not those of the diagnosis."""
+        return {}
+
     def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
         """Return the frames and the parameters that were hidden in them."""
         sensor, hidden = self.sensor_and_hidden()
@@ -88,17 +102,30 @@ class Case:
         return found, hidden
 
 
+AnyCase = Case | DenseCase | RealCase
+
+
 def cases(
-    suite: str, seed: int, count: int | None = None, effects: Sequence[str] = ()
-) -> list[Case]:
+    suite: str,
+    seed: int,
+    count: int | None = None,
+    effects: Sequence[str] = (),
+    captures: str | os.PathLike[str] | None = None,
+) -> list[AnyCase]:
     """Return the cases of a suite.
 
     count : of cases, as of SUITES; None for the number there. effects : only these, of
-    a suite that hides some. Raises ValueError for unknown names."""
+    a suite that hides some. captures : manifest of a real suite, or its folder.
+
+    Raises ValueError for unknown names and captures that a suite cannot use."""
     if suite not in SUITES:
         raise ValueError(f"suite {suite!r} must be one of {', '.join(SUITES)}")
+    is_real = suite.startswith("real")
+    if captures is not None and not is_real:
+        raise ValueError(f"captures {captures}: suite {suite} makes its own; only real")
+    path = manifest_of(captures) if is_real else None
     count = SUITES[suite] if count is None else count
-    known = UNKNOWN_KINDS if suite == "unknown" else KINDS
+    known = _known(suite) if path is None else plantable(path)
     for name in effects:
         if name not in known:
             raise ValueError(
@@ -106,12 +133,35 @@ def cases(
             )
     names = list(effects or known)
     total = count * len(names) if suite in PER_EFFECT else count
-    return [_case(suite, n, seed, names) for n in range(total)]
+    if path is None:
+        return [_case(suite, n, seed, names) for n in range(total)]
+    return [
+        RealCase(suite, n, own_seed(suite, n, seed), _planted(suite, n, names), path)
+        for n in range(total)
+    ]
 
 
-def _case(suite: str, number: int, seed: int, names: Sequence[str]) -> Case:
+def _known(suite: str) -> Sequence[str]:
+    """Return the effects that a suite may hide."""
+    if suite in WRONG:
+        return dense_names()
+    return list(UNKNOWN_KINDS if suite == "unknown" else KINDS)
+
+
+def _planted(suite: str, number: int, names: Sequence[str]) -> dict[str, float | None]:
+    return {} if suite.endswith("none") else {names[number % len(names)]: None}
+
+
+def own_seed(suite: str, number: int, seed: int) -> int:
+    """Return the seed of one case."""
+    return int(stream(seed, f"{suite}/{number}").integers(2**31))
+
+
+def _case(suite: str, number: int, seed: int, names: Sequence[str]) -> Case | DenseCase:
     rng = stream(seed, f"{suite}/{number}")
     own = int(rng.integers(2**31))
+    if suite in WRONG:
+        return DenseCase(suite, number, own, draw_faults(own, names, WRONG[suite]))
     if suite.endswith("none"):
         return Case(suite, number, own, {})
     if suite in ("pairs", "triples"):

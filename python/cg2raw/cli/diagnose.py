@@ -44,14 +44,16 @@ OPTIONS = {
     "max": ("",),
     "without": ("",),
     "only": ("",),
-    "pixels": ("", "verify"),
-    "time_limit": ("",),
+    "pixels": ("", "verify", "bench"),
+    "time_limit": ("", "bench"),
     "exit_code": ("", "verify"),
     "against": ("verify",),
     "sensor": ("hide",),
     "seed": ("hide", "bench"),
     "cases": ("bench",),
+    "bench_captures": ("bench",),
 }
+SPELT = {"output": "-o", "bench_captures": "--captures"}  # where not as the option
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,6 +76,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("-s", "--sensor", metavar="SENSOR", help="of --hide: id or profile")
     add("--seed", type=int, metavar="N", help="of --hide and --bench")
     add("--cases", type=int, metavar="N", help="how many --bench makes")
+    add(
+        "--captures",
+        dest="bench_captures",
+        metavar="PATH",
+        help="of --bench real: captures.yaml of darks and flats, or its folder",
+    )
 
 
 def add_search(group: argparse._ArgumentGroup) -> None:
@@ -165,7 +173,7 @@ def check_options(arguments: argparse.Namespace, mode: str) -> None:
     for name, modes in OPTIONS.items():
         if getattr(arguments, name) not in (None, False) and mode not in modes:
             goes = " or ".join(f"--{m}" if m else "a diagnosis" for m in modes)
-            option = "-o" if name == "output" else f"--{name.replace('_', '-')}"
+            option = SPELT.get(name, f"--{name.replace('_', '-')}")
             raise ValueError(f"{option}: is for {goes}")
     if mode in ("", "check", "verify") and arguments.captures is None:
         raise ValueError(
@@ -321,7 +329,8 @@ def run_generator(arguments: argparse.Namespace, mode: str) -> int:
     module = importlib.import_module(f"cg2raw.{name}")
     words = ["--hide", arguments.hide, "-s", arguments.sensor, "-o", arguments.output]
     words = words if mode == "hide" else [arguments.bench]
-    for option in ("seed", "cases"):
-        if getattr(arguments, option) is not None:
-            words += [f"--{option}", str(getattr(arguments, option))]
+    for option in ("seed", "cases", "pixels", "time_limit", "bench_captures"):
+        if (value := getattr(arguments, option)) is not None:
+            spelt = SPELT.get(option, f"--{option.replace('_', '-')}")
+            words += [spelt, str(value)]
     return module.main(words + ["--quiet"] * arguments.quiet) or 0
