@@ -291,6 +291,9 @@ def test_the_bench_runs(quiet):
     ("words", "message"),
     [
         (("--bench", "no-such-suite"), "no-such-suite"),
+        (("--bench", "real"), "--captures captures.yaml"),
+        (("--bench", "none", "--captures", "a.yaml"), "only real"),
+        (("--check", "a.yaml", "--captures", "b.yaml"), "--captures: is for --bench"),
         (("--hide", "fog=1", "-s", "nikon-d40", "-o", "r"), "fog"),
     ],
 )

@@ -40,6 +40,7 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
         "seed": case.seed,
         "alpha": alpha,
         "hidden": list(case.strengths),
+        "strengths": case.strengths,
         "strength": next(iter(case.strengths.values()), None),
     }
     start = time.perf_counter()
