@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Print the table of docs/diagnose.md: which captures show which effect.
 
-    python scripts/studies/capture_kinds.py [--cases N] [--threads N]
+    python scripts/studies/capture_kinds.py [--cases N] [--threads N] [--effects NAME,..]
 
 Every effect is hidden in simulated captures, at the middle of the strengths that the
 generator draws from, and looked for in the darks alone, the flats alone, and so on. A
@@ -72,10 +72,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--cases", type=int, default=3, help="per effect (default 3)")
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--effects", default="", help="rows of these alone")
     arguments = parser.parse_args()
     print(f"| hidden | {' | '.join(COLUMNS)} |")
     print(f"|---|{'---|' * len(COLUMNS)}")
-    for name in KINDS:
+    for name in arguments.effects.split(",") if arguments.effects else KINDS:
         found = first_names(name, arguments.cases, arguments.threads)
         cells = (cell(name, found[column]) for column in COLUMNS)
         print(f"| `{name}` | {' | '.join(cells)} |", flush=True)

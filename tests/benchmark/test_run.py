@@ -56,7 +56,7 @@ def test_outcomes(hidden, names, verdict, outcome, exact, extra):
 @pytest.mark.parametrize("suite", [s for s in SUITES if not s.startswith("real")])
 def test_cases_depend_on_seed_and_number_alone(suite):
     some = cases(suite, 3, 2)
-    assert some == cases(suite, 3, 4)[: len(some)] or suite in ("single", "unknown")
+    assert all(case in cases(suite, 3, 4) for case in some)
     assert [case.seed for case in some] != [case.seed for case in cases(suite, 4, 2)]
     names = {name for case in some for name in case.strengths}
     known = dense_names() if suite.startswith("dense") else KINDS

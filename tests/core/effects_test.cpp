@@ -118,8 +118,10 @@ TEST_P(EffectLaws, ABlockInTheCornerIsThatOfTheFrame)
 Values others_of(const Effect& effect, const std::string& parameter)
 {
     Values values = null_values(effect);
-    if (effect.name == "hot_pixels" || effect.name == "heavy_tailed_noise")
-        values = strong_values(effect);
+    for (const char* name : { "hot_pixels", "heavy_tailed_noise", "bias_structure",
+                              "amplifier_glow", "dark_current_nonuniformity" })
+        if (effect.name == name)
+            values = strong_values(effect);
     if (parameter == "tukey_lambda")
         values[values.size() - 2] = 0.0; // outlier_fraction
     if (effect.name == "blur")
@@ -167,11 +169,12 @@ double departure_from_a_line(const Effect& effect, bool drawn, std::size_t param
 /// Their response is none of the first order: a rounding's variance grows with the
 /// square of its step; a level acts on what is above it; more pixels are hot, each more
 /// so; more draws are outliers; what lies above white counts as white as soon as any of
-/// it is blended.
+/// it is blended; what fades over no distance is none.
 const std::set<std::string> not_linear {
-    "quantisation.step",     "full_well.below_white",
-    "hot_pixels.fraction",   "heavy_tailed_noise.outlier_fraction",
-    "noise_reduction.blend", "noise_reduction.diagonal"
+    "quantisation.step",          "full_well.below_white",
+    "hot_pixels.fraction",        "heavy_tailed_noise.outlier_fraction",
+    "noise_reduction.blend",      "noise_reduction.diagonal",
+    "bias_structure.edge_length", "amplifier_glow.extent"
 };
 
 TEST_P(EffectLaws, TheResponseIsOfTheFirstOrderAtNull)

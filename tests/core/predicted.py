@@ -10,6 +10,7 @@ from oracles import cameras
 
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
 NEUTRAL = (0.5, 1.0, 0.7)
+SHOT = {f"beta1_{site}": 2e-3 for site in ("00", "01", "10", "11")}
 
 
 def values_of(name, **given):
@@ -87,3 +88,17 @@ def field(height, width):
     u = (np.arange(width)[None, :] + 0.5 - width / 2.0) / half
     v = (np.arange(height)[:, None] + 0.5 - height / 2.0) / half
     return u, v
+
+
+def drawn(level, settings, rows=1000, cols=400, **run):
+    """A drawn frame of one level, camera RGB given."""
+    image = np.full((rows, cols, 3), level, np.float32)
+    planted = sensor(settings=settings)
+    how = {"illuminant": "D65", "camera_input": True, "seed": 3, **run}
+    mean, variance = (np.asarray(x, float) for x in planted.predict(image, **how))
+    return np.asarray(planted.signal(image, **how), float), mean, variance
+
+
+def deviates(count, sigmas=5):
+    """Bounds of a mean and of a variance of normals, relative to sigma."""
+    return sigmas / np.sqrt(count), sigmas * np.sqrt(2 / count)

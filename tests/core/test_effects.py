@@ -22,10 +22,11 @@ STAGES = (
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
 NAMED = """color_matrix exposure white_balance
     blur color_shading lateral_chromatic_aberration lens_shading veiling_glare
-    crosstalk gr_gb_imbalance prnu dark_current nonlinearity
+    crosstalk gr_gb_imbalance prnu amplifier_glow dark_current
+    dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
-    black_level column_fixed_pattern dsnu heavy_tailed_noise hot_pixels read_noise
-    row_noise quantisation noise_reduction"""
+    bias_structure black_level black_level_drift column_fixed_pattern dsnu
+    heavy_tailed_noise read_noise row_noise quantisation noise_reduction"""
 # Parameters that act only where the effect's others do.
 PARTNERS = {
     "heavy_tailed_noise": (
@@ -35,21 +36,34 @@ PARTNERS = {
     ),
     "blur": ("red_scale", "blue_scale"),
     "hot_pixels": ("fraction", "rate"),
+    "bias_structure": ("edge", "edge_length"),
+    "amplifier_glow": ("per_second", "row", "column", "extent"),
+    "dark_current_nonuniformity": ("rate", "log_sigma"),
 }
 # Where a tenth of the way to a bound does not show in the scene, or fills it.
 STRONG = {
     "full_well": {"below_white": 0.85},
     "dark_current": {"per_second": 0.05},
     "hot_pixels": {"rate": 0.01},
+    "amplifier_glow": {"per_second": 0.05},
+    "dark_current_nonuniformity": {"rate": 0.01},
 }
-TIMED = ("dark_current", "hot_pixels")
+TIMED = (
+    "amplifier_glow",
+    "dark_current",
+    "dark_current_nonuniformity",
+    "hot_pixels",
+)
 # Their centre, or their mean, is that of the image.
 OF_THE_IMAGE = (
     "lens_shading",
     "color_shading",
     "lateral_chromatic_aberration",
     "veiling_glare",
+    "amplifier_glow",
+    "bias_structure",
 )
+OF_A_FRAME = ("black_level_drift",)  # all its pixels share one draw
 REACH = 12  # pixels: at least that of any effect
 
 
@@ -185,15 +199,25 @@ def test_a_pixel_does_not_depend_on_the_image_around_it(name):
 def departures(settings, rows, **run):
     """Return signals that are drawn less those predicted, means, variances (rows, 16).
 
-    Of many rows, whose draws are independent even where those of a row are not."""
+    Of many rows, whose draws are independent even where those of a row are not; each
+    is a frame of its own where the draws of a frame are not."""
     sensor = cg2raw.Sensor.from_json(cameras.profile_text(effects=settings))
     rgb = 0.4 * scene(rows, 16)  # nothing reaches white
     mean, variance = (np.asarray(x, float) for x in sensor.predict(rgb, **run))
+    if any(setting["name"] in OF_A_FRAME for setting in settings):
+        # Pairs, which begin on the same site of the CFA.
+        pairs = [rgb[row : row + 2] for row in range(0, rows, 2)]
+        drawn = [sensor.signal(p, seed=6, frame=n, **run) for n, p in enumerate(pairs)]
+        left = np.concatenate(drawn).astype(float) - mean
+        return tuple(x[::2] for x in (left, mean, variance))
     return np.asarray(sensor.signal(rgb, seed=6, **run), float) - mean, mean, variance
 
 
 def rows_for(name):
-    """Rows of 16 pixels; fewer where the cost grows with the square of the height."""
+    """Rows of 16 pixels; fewer where they cost more: with the square of the height, or
+    a frame each."""
+    if name in OF_A_FRAME:
+        return 8000
     return 2000 if name == "veiling_glare" else 40000
 
 

@@ -7,15 +7,10 @@ import pytest
 from scipy import integrate, stats
 
 from core import predicted as of
+from core.predicted import SHOT, deviates, drawn
 
 BAYER = ("RGGB", "GRBG", "GBRG", "BGGR")
-SHOT = {f"beta1_{site}": 2e-3 for site in ("00", "01", "10", "11")}
 READ = {f"beta2_{site}": 1e-4 for site in ("00", "01", "10", "11")}
-
-
-def deviates(count, sigmas=5):
-    """Bounds of a mean and of a variance of normals, relative to sigma."""
-    return sigmas / np.sqrt(count), sigmas * np.sqrt(2 / count)
 
 
 def ideal(camera, cfa="RGGB"):
@@ -139,15 +134,6 @@ def test_full_well_of_what_has_no_noise():
     mean, variance = of.predicted(image, ("full_well", {"below_white": 0.25}))
     np.testing.assert_array_equal(mean, np.minimum(np.stack([levels] * 2), 0.75))
     assert not variance.any()
-
-
-def drawn(level, settings, rows=1000, cols=400, **run):
-    """A drawn frame of one level, camera RGB given."""
-    image = np.full((rows, cols, 3), level, np.float32)
-    sensor = of.sensor(settings=settings)
-    how = {"illuminant": "D65", "camera_input": True, "seed": 3, **run}
-    mean, variance = (np.asarray(x, float) for x in sensor.predict(image, **how))
-    return np.asarray(sensor.signal(image, **how), float), mean, variance
 
 
 @pytest.mark.parametrize("level", [0.74, 0.8, 0.83])

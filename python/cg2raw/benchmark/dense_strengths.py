@@ -26,11 +26,7 @@ Parameters = dict[str, float]
 # the generator's flicker. pdaf_pixels: loss, as the generator's.
 # random_telegraph_noise: share of the pixels, as of hot pixels.
 RANGES: Mapping[str, tuple[float, float]] = {
-    "bias_structure": (0.2, 2.0),
-    "black_level_drift": (0.03, 0.3),
     "read_noise_correlation": (0.02, 0.2),
-    "dark_current_nonuniformity": (0.1, 6.0),
-    "amplifier_glow": (1.0, 30.0),
     "mains_flicker": (0.005, 0.05),
     "pdaf_pixels": (0.03, 0.3),
     "random_telegraph_noise": (3e-4, 5e-3),

@@ -25,7 +25,7 @@ from cg2raw.synthetic.captures import (
 from cg2raw.synthetic.conditions import STUDIO
 from cg2raw.synthetic.evidence import evidence
 from cg2raw.synthetic.sensors import drawn_sensor
-from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from cg2raw.synthetic.strengths import FIRST_NAMES, KINDS, UNKNOWN_KINDS
 from cg2raw.synthetic.synthetic_camera import stream
 
 # Cases that are drawn: per effect where a suite goes through them, else in all.
@@ -57,6 +57,9 @@ PER_EFFECT = (
 )
 # The suite power goes down to this share of an effect's range of strengths.
 WEAKEST = 0.02
+# Number of the first case of names that came later: the others keep theirs.
+FIRST_LATER = 100000
+LATER_NAMES = [name for name in KINDS if name not in FIRST_NAMES]
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,9 @@ def cases(
     """Return the cases of a suite.
 
     count : of cases, as of SUITES; None for the number there. effects : only these, of
-    a suite that hides some. captures : manifest of a real suite, or its folder.
+    a suite that hides some; pairs and triples are else of the first names that there
+    were, so that they stay as published. captures : manifest of a real suite, or its
+    folder.
 
     Raises ValueError for unknown names and captures that a suite cannot use."""
     if suite not in SUITES:
@@ -131,13 +136,24 @@ def cases(
             raise ValueError(
                 f"effect {name!r} of suite {suite} must be one of {', '.join(known)}"
             )
-    names = list(effects or known)
-    total = count * len(names) if suite in PER_EFFECT else count
-    if path is None:
-        return [_case(suite, n, seed, names) for n in range(total)]
+    if path is not None:
+        names = list(effects or known)
+        total = count * len(names) if suite in PER_EFFECT else count
+        return [
+            RealCase(
+                suite, n, own_seed(suite, n, seed), _planted(suite, n, names), path
+            )
+            for n in range(total)
+        ]
+    if suite not in PER_EFFECT:
+        names = list(effects or (known if suite in WRONG else FIRST_NAMES))
+        return [_case(suite, n, seed, names) for n in range(count)]
+    first = [n for n in effects or known if effects or n not in LATER_NAMES]
+    later = [n for n in known if n in LATER_NAMES and not effects]
     return [
-        RealCase(suite, n, own_seed(suite, n, seed), _planted(suite, n, names), path)
-        for n in range(total)
+        _case(suite, start + n, seed, [name])
+        for start, names in ((0, first), (FIRST_LATER, later))
+        for n, name in enumerate(names * count)
     ]
 
 
@@ -168,7 +184,7 @@ def _case(suite: str, number: int, seed: int, names: Sequence[str]) -> Case | De
         size = 2 if suite == "pairs" else 3
         chosen = rng.choice(names, size=size, replace=False)
         return Case(suite, number, own, {str(name): None for name in chosen})
-    name = names[number % len(names)]
+    (name,) = names
     strength = _weak(rng, name) if suite == "power" else None
     without = (name,) if suite == "leave-one-out" else ()
     return Case(suite, number, own, {name: strength}, without)

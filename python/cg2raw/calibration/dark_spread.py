@@ -28,6 +28,9 @@ FAR = 20.0  # times the noise, where hot pixels are looked for first
 SHARES = (0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
 MOST_LOG_SIGMA, MOST_HOT = 3.0, 0.2  # as the registry bounds them
 
+# A law that ends here is a normal: noise that is wider than it was taken for.
+LEAST_LOG_SIGMA = 0.02
+
 
 @dataclass(frozen=True)
 class DarkSpread:
@@ -94,7 +97,7 @@ def _fitted(
 
     Values in units of the noise; an unused part has rate or fraction 0. starts : where
     the search begins, in turn; the likeliest end counts."""
-    low = np.log([1e-3, 0.02, 1e-7, 1.0])
+    low = np.log([1e-3, LEAST_LOG_SIGMA, 1e-7, 1.0])
     high = np.log([1e3, MOST_LOG_SIGMA, MOST_HOT, 1e5])
 
     def unpacked(x: Array) -> Array:

@@ -11,6 +11,7 @@ profile is not to have it.
 from collections.abc import Callable, Mapping
 from typing import Literal
 
+from cg2raw.calibration.dark_spread import LEAST_LOG_SIGMA
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
 
@@ -141,7 +142,8 @@ def dark_current_nonuniformity(c: Measurements) -> Answer:
     if s is None:
         return False
     is_wide = (s.rate.value * s.log_sigma.value) ** 2 > FLOOR * s.noise**2
-    if s.spread_nats < LEAST_NATS or not is_wide or not s.rate.stands_out:
+    is_normal = s.log_sigma.value < 1.01 * LEAST_LOG_SIGMA
+    if s.spread_nats < LEAST_NATS or not is_wide or not s.rate.stands_out or is_normal:
         return None
     return {"rate": s.rate.scaled(1 / c.range, "1/s"), "log_sigma": s.log_sigma}
 

@@ -25,6 +25,7 @@ class Camera:
     read_noise : (2, 2) electrons rms.
     balanced_from_scene : (3, 3), rows add up to 1.
     neutral : (3,) camera RGB of white, largest 1.
+    dark : electrons/s without light of a pixel, that the profile knows of.
     """
 
     colors: NDArray[np.int64]
@@ -34,6 +35,7 @@ class Camera:
     read_noise: Plane
     balanced_from_scene: Plane
     neutral: Plane
+    dark: float = 0.0
 
     @property
     def dn_per_electron(self) -> Plane:

@@ -8,8 +8,10 @@
 """
 
 import argparse
+import json
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 from numpy.random import Generator
@@ -17,7 +19,7 @@ from numpy.random import Generator
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
 from cg2raw.synthetic import conditions, disk
-from cg2raw.synthetic.camera import camera_of
+from cg2raw.synthetic.camera import Camera, camera_of
 from cg2raw.synthetic.measured import Measured
 from cg2raw.synthetic.sensors import ASSUMED, ISO, with_noise
 from cg2raw.synthetic.strengths import (
@@ -32,6 +34,8 @@ ILLUMINANT = "D65"
 SHAPE = (112, 144)
 # Stand-ins for a sensor whose noise nobody has measured, electrons.
 FULL_WELL, READ_NOISE = 10000.0, 5.0
+# Its median is in the profile: what differs from pixel to pixel is hidden.
+UNEVEN = "dark_current_nonuniformity"
 
 
 def simulate_captures(
@@ -80,11 +84,23 @@ def simulate_captures(
         for shot in plan(seed, groups)
     ]
     return CaptureSet(
-        sensor=sensor,
+        sensor=doubted(sensor, source.camera),
         captures=captures,
         nuisances=conditions.declared(source.nuisances),
         uncertainty=conditions.uncertainty(source.nuisances),
     )
+
+
+def doubted(sensor: Sensor, camera: Camera) -> Sensor:
+    """Return the sensor that captures come with: it has the dark current that the
+    camera's profile knows of."""
+    if not camera.dark:
+        return sensor
+    profile = json.loads(sensor.to_json())
+    per_second = float((camera.dark / camera.full_well).mean())
+    effect = {"name": "dark_current", "parameters": {"per_second": per_second}}
+    profile["effects"] = [*profile.get("effects", []), effect]
+    return Sensor.from_json(json.dumps(profile), sensor.id)
 
 
 def synthetic_camera_of(
@@ -101,6 +117,8 @@ def synthetic_camera_of(
     if min(shape) < 48 or shape[0] % 2 or shape[1] % 2:
         raise ValueError(f"shape {tuple(shape)} must be even and at least 48 x 48")
     camera = camera_of(sensor, illuminant, iso)
+    if UNEVEN in hidden:
+        camera = replace(camera, dark=hidden[UNEVEN]["electrons_per_second"])
     for name, values in hidden.items():
         wanted = draw_effect(name, stream(seed, name), camera)
         if set(values) != set(wanted):
@@ -240,7 +258,9 @@ def _folder(given: argparse.Namespace) -> disk.Folder:
     source = synthetic_camera_of(
         sensor, hidden, given.seed, shape, given.illuminant, iso, nuisances
     )
-    return disk.Folder(source, plan(given.seed), sensor, name, given.illuminant, iso)
+    known = doubted(sensor, source.camera)
+    name = name if known is sensor else disk.SENSOR
+    return disk.Folder(source, plan(given.seed), known, name, given.illuminant, iso)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

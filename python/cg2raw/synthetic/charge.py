@@ -4,9 +4,12 @@
 """From light on the sensor to electrons in its pixels; the patterns of one sensor."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
+from scipy.stats import invgauss
 
 from cg2raw.synthetic.camera import Camera, Plane
 from cg2raw.synthetic.light import Hidden, Values
@@ -16,19 +19,22 @@ from cg2raw.synthetic.light import Hidden, Values
 class Patterns:
     """What differs from pixel to pixel and is the same in all frames.
 
-    gain : (H, W) relative, 0 on average. leak : (H, W) electrons per second.
+    gain : (H, W) relative, 0 on average. leak : (H, W) electrons per second, of which
+    those of an uneven dark current are 0 on average.
     offset : (H, W) electrons at read-out. column : (W,) electrons at read-out.
+    hot : (H, W) whether a pixel is.
     """
 
     gain: Plane
     leak: Plane
     offset: Plane
     column: Plane
+    hot: NDArray[np.bool_]
 
     @staticmethod
     def none(shape: tuple[int, int]) -> "Patterns":
         zeros = np.zeros(shape)
-        return Patterns(zeros, zeros, zeros, np.zeros(shape[1]))
+        return Patterns(zeros, zeros, zeros, np.zeros(shape[1]), zeros > 0)
 
 
 def patterns(
@@ -54,8 +60,32 @@ def patterns(
         v = hidden["hot_pixels"]
         hot = rng.random(shape) < v["share"]
         rate = v["electrons_per_second"] * rng.exponential(size=shape)
-        drawn = replace(drawn, leak=np.where(hot, rate, 0.0))
+        drawn = replace(drawn, leak=np.where(hot, rate, 0.0), hot=hot)
+    if "dark_current_nonuniformity" in hidden:
+        law = uneven_dark(hidden["dark_current_nonuniformity"])
+        uneven = law.rvs(size=shape, random_state=rng) - law.mean()
+        drawn = replace(drawn, leak=drawn.leak + uneven)
     return drawn
+
+
+def uneven_dark(values: Values) -> Any:
+    """Return the law of pixels' dark current, electrons/s, with a median: inverse
+    Gaussian, the time that a random walk takes to a place.
+
+    Source: R. L. Baer, Proc. SPIE 6068, 2006."""
+    skew = values["skew"]
+    scale = values["electrons_per_second"] / float(invgauss.median(skew))
+    return invgauss(skew, scale=scale)
+
+
+def glow(values: Values, shape: tuple[int, int]) -> Plane:
+    """Return electrons/s that an amplifier's light leaves in (H, W) pixels."""
+    height, width = shape
+    down = np.arange(height)[:, None] + 0.5 - values["down"] * height
+    across = np.arange(width)[None] + 0.5 - values["across"] * width
+    reach = values["fades_over"] * np.hypot(height, width)
+    fading: Plane = np.exp(-np.hypot(down, across) / reach)
+    return values["electrons_per_second"] * fading
 
 
 def mosaic_light(
@@ -101,9 +131,14 @@ def electrons(
 ) -> Plane:
     """Return the expected charge, (H, W) electrons, of a mosaic of light."""
     full: Plane = camera.over(camera.full_well, x.shape)
-    dark = fixed.leak
+    dark = fixed.leak + camera.dark
     if "dark_current" in hidden:
         dark = dark + hidden["dark_current"]["electrons_per_second"]
+    if "dark_current_nonuniformity" in hidden:  # the profile knows the median
+        law = uneven_dark(hidden["dark_current_nonuniformity"])
+        dark = dark + float(law.mean() - law.median())
+    if "amplifier_glow" in hidden:
+        dark = dark + glow(hidden["amplifier_glow"], x.shape)
     charge: Plane = np.maximum(full * x * (1 + fixed.gain) + dark * seconds, 0.0)
     if "nonlinearity" not in hidden:
         return charge
@@ -133,5 +168,15 @@ def pedestal(
         v = hidden["black_level"]
         shift = [v[f"dn_{row}{col}"] for row in range(2) for col in range(2)]
         black = black + camera.over(np.reshape(shift, (2, 2)), shape)
+    if "bias_structure" in hidden:
+        black = black + _structure(hidden["bias_structure"], shape)
     gain = camera.over(camera.dn_per_electron, shape)
     return black + gain * (fixed.offset + fixed.column)
+
+
+def _structure(values: Values, shape: tuple[int, int]) -> Plane:
+    """Return (H, W) DN: a plane, and first columns that settle by halves."""
+    down, across = (np.linspace(-0.5, 0.5, n) for n in shape)
+    settling = values["first_dn"] * 0.5 ** (np.arange(shape[1]) / values["half_px"])
+    structure: Plane = values["right_dn"] * across + settling
+    return structure + values["down_dn"] * down[:, None]

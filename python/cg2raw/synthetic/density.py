@@ -38,7 +38,8 @@ def log_density(
 
     The probability of the rounded value, of all beyond where it clipped. A row's offset
     is integrated out and its density shared by the row's pixels; noise reduction is
-    undone first and its determinant counted, with the rounding that came after it."""
+    undone first and its determinant counted, with the rounding that came after it. A
+    frame's offset likewise."""
     level = dn.astype(np.float64)
     low, high = dn == 0, dn >= camera.white
     if noise.blend:
@@ -51,7 +52,12 @@ def log_density(
         moved = pedestal + offset
         return _independent(level, low, high, charge, moved, noise, camera, unsure)
 
-    density = _row_mean(at_offset, noise.row * row_unit(camera))
+    unit = row_unit(camera)
+
+    def of_rows(offset: Plane | float) -> Plane:
+        return _mean(lambda more: at_offset(offset + more), noise.row * unit, 1)
+
+    density = _mean(of_rows, noise.frame * unit, None)
     if noise.blend:
         density = density - _log_determinant(level.shape, noise.blend)
     return np.maximum(density, LOWEST).astype(np.float32)
@@ -73,24 +79,27 @@ def _log_determinant(shape: tuple[int, int], blend: float) -> Plane:
     return share
 
 
-def _row_mean(at_offset: Callable[[Plane | float], Plane], half: float) -> Plane:
-    """Integrate over a row's uniform offset: its likelihood is smooth, so a few nodes
-    carry a spline that is summed finely. Pixels have their density at the row's mean
-    offset; what a row is less sure than that is shared by its pixels."""
+def _mean(
+    at_offset: Callable[[Plane | float], Plane], half: float, axis: int | None
+) -> Plane:
+    """Integrate over a uniform offset of each row (axis 1) or of the frame (None): its
+    likelihood is smooth, so a few nodes carry a spline that is summed finely. Pixels
+    have their density at the mean offset; what is less sure is shared by the pixels."""
     if not half:
         return at_offset(0.0)
     nodes = half * np.cos(np.pi * (np.arange(ROW_NODES) + 0.5) / ROW_NODES)[::-1]
     planes = [at_offset(node) for node in nodes]
-    rows = np.stack([plane.sum(1) for plane in planes])  # (nodes, H)
+    groups = np.stack([np.atleast_1d(plane.sum(axis)) for plane in planes])
     fine = np.linspace(-half, half, 2001)
-    sums: Plane = CubicSpline(nodes, rows, axis=0)(fine)
+    sums: Plane = CubicSpline(nodes, groups, axis=0)(fine)
     weights = np.full(len(fine), 1.0 / (len(fine) - 1))
     weights[[0, -1]] /= 2
     total: Plane = logsumexp(sums, axis=0, b=weights[:, None])
     odds = np.exp(sums - sums.max(0)) * weights[:, None]
     mean = (fine @ odds / odds.sum(0))[:, None]
     there = at_offset(mean)
-    shared: Plane = (total - there.sum(1))[:, None] / there.shape[1]
+    alike = there.size // len(total)
+    shared: Plane = (total - np.atleast_1d(there.sum(axis)))[:, None] / alike
     return there + shared
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cg2raw.synthetic.camera import Camera, Plane
-from cg2raw.synthetic.charge import Patterns
+from cg2raw.synthetic.charge import Patterns, uneven_dark
 from cg2raw.synthetic.light import Hidden
 
 PIXEL_PATTERNS = ("gain", "leak", "offset")
@@ -60,7 +60,10 @@ def prior_variances(hidden: Hidden, camera: Camera, truth: Patterns) -> Plane:
         prior[..., 0] = hidden["prnu"]["sigma"] ** 2
     if "hot_pixels" in hidden:  # second moment of an exponential law
         rate = hidden["hot_pixels"]["electrons_per_second"]
-        prior[..., 1] = np.where(truth.leak > 0, 2 * rate**2, 0.0)
+        prior[..., 1] = np.where(truth.hot, 2 * rate**2, 0.0)
+    if "dark_current_nonuniformity" in hidden:
+        law = uneven_dark(hidden["dark_current_nonuniformity"])
+        prior[..., 1] += law.var()
     if "dsnu" in hidden:
         prior[..., 2] = (hidden["dsnu"]["read_noises"] * read) ** 2
     return prior

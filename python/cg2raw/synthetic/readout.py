@@ -25,7 +25,7 @@ class Noise:
     excess : variance of the photon noise over that of Poisson. poisson : whether
     photons are counted, else Gaussian. well : full well in shares of white, or inf.
     weights, variances : of a mixture of Gaussians, over the profile's read variance.
-    row : half the range of a row's offset, in read noises.
+    row, frame : half the range of a row's and of a frame's offset, in read noises.
     blend : share of its 8 neighbours of the same colour in a pixel of the file.
     """
 
@@ -35,6 +35,7 @@ class Noise:
     weights: tuple[float, ...] = (1.0,)
     variances: tuple[float, ...] = (1.0,)
     row: float = 0.0
+    frame: float = 0.0
     blend: float = 0.0
 
 
@@ -49,14 +50,18 @@ def noise_of(hidden: Hidden) -> Noise:
         variances = np.array([1.0, v["ratio"], STRONG_TRAP**2 * v["ratio"]])
         variances = variances / (weights @ variances)  # the variance stays
     well = 1 - hidden["full_well"]["below_white"] if "full_well" in hidden else 0
-    row = np.sqrt(3) * hidden.get("row_noise", {}).get("read_noises", 0.0)
+    row, frame = (
+        float(np.sqrt(3) * hidden.get(name, {}).get("read_noises", 0.0))
+        for name in ("row_noise", "black_level_drift")
+    )
     return Noise(
         excess=float(excess),
         poisson="poisson_shot_noise" in hidden,
         well=well or np.inf,
         weights=tuple(weights.tolist()),
         variances=tuple((scale * variances).tolist()),
-        row=float(row),
+        row=row,
+        frame=frame,
         blend=hidden.get("noise_reduction", {}).get("blend", 0.0),
     )
 
@@ -92,6 +97,8 @@ def read_out(
     level = pedestal + camera.over(camera.dn_per_electron, shape) * drawn
     half = noise.row * row_unit(camera)
     level = level + rng.uniform(-1, 1, (shape[0], 1)) * half
+    if noise.frame:
+        level = level + rng.uniform(-1, 1) * noise.frame * row_unit(camera)
     level = np.clip(level, 0, camera.white)
     if noise.blend:
         level = blended(level, noise.blend)

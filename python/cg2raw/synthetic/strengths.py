@@ -127,6 +127,31 @@ def _black_level(rng: Generator, s: float, camera: Camera) -> dict[str, float]:
     return dict(zip(names, shifts, strict=True))
 
 
+def _bias_structure(rng: Generator, s: float, camera: Camera) -> dict[str, float]:
+    """A plane that differs by s read noises from edge to edge, and columns that settle
+    by halves; parameters in DN."""
+    unit = s * float((camera.dn_per_electron * camera.read_noise).mean())
+    turn = rng.uniform(0, 2 * np.pi)
+    return {
+        "right_dn": unit * np.cos(turn),
+        "down_dn": unit * np.sin(turn),
+        "first_dn": unit * _sign(rng) * rng.uniform(0.5, 2.0),
+        "half_px": np.exp(rng.uniform(np.log(4), np.log(30))),
+    }
+
+
+def _glow(rng: Generator, s: float, _: Camera) -> dict[str, float]:
+    """Beside an edge, anywhere along it, or a corner; places in shares of the frame."""
+    along = rng.choice([0.0, 1.0, rng.uniform(0.1, 0.9)])
+    place = rng.permutation([along, float(rng.choice([0.0, 1.0]))])
+    return {
+        "electrons_per_second": s,
+        "down": place[0],
+        "across": place[1],
+        "fades_over": rng.uniform(0.06, 0.3),  # of the frame's diagonal
+    }
+
+
 def _one(name: str, signed: bool = False) -> Draw:
     """Return the draw of an effect that has no other parameter."""
 
@@ -183,7 +208,20 @@ KINDS: Mapping[str, Kind] = {
     ),
     "black_level": Kind("read noises", 0.1, 2.0, _black_level),
     "noise_reduction": Kind("share of the neighbours", 0.01, 0.4, _one("blend")),
+    "bias_structure": Kind("read noises from edge to edge", 0.1, 2.0, _bias_structure),
+    "black_level_drift": Kind("read noises rms", 0.03, 0.5, _one("read_noises")),
+    "dark_current_nonuniformity": Kind(
+        "electrons/s that half of the pixels have at least",
+        0.7,
+        6.0,
+        lambda rng, s, _: {"electrons_per_second": s, "skew": rng.uniform(0.3, 1.5)},
+    ),
+    "amplifier_glow": Kind("electrons/s beside the amplifier", 0.7, 30.0, _glow),
 }
+
+# The first names that there were: numbers of a benchmark's cases go through these
+# before any other, so that what was published stays as it was.
+FIRST_NAMES = tuple(KINDS)[:24]
 
 # A seed draws of these what it drew under their former names: benchmarks stay as they
 # were published.

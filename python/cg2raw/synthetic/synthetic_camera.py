@@ -31,6 +31,10 @@ from cg2raw.synthetic.readout import (
 
 # px around a frame that scenes have more: lenses look beyond its edges.
 MARGIN = 12
+PATTERNS = {
+    *("prnu", "dsnu", "column_fixed_pattern", "hot_pixels"),
+    "dark_current_nonuniformity",
+}
 GROUPS: tuple[Group, ...] = get_args(Group)
 
 
@@ -179,9 +183,7 @@ class SyntheticCamera:
     @property
     def has_patterns(self) -> bool:
         """Whether pixels differ."""
-        return bool(
-            self.hidden.keys() & {"prnu", "dsnu", "column_fixed_pattern", "hot_pixels"}
-        )
+        return bool(self.hidden.keys() & PATTERNS)
 
     @cached_property
     def found(self) -> Posterior:
@@ -204,15 +206,24 @@ class SyntheticCamera:
             level = blended(level, noise.blend, inverse=True)
         usable = (level > 1) & (level < self.camera.white - 1) & clear
         residual = level - foot - gain * without
-        if noise.row:
-            residual = residual - self._row_offsets(residual, variance, usable)
+        for half, axis in ((noise.frame, (0, 1)), (noise.row, (1,))):
+            if half:
+                likely = self._offsets(half, axis, residual, variance, usable)
+                residual = residual - likely
         slopes = self._slopes(shot, Patterns.none(self.shape))
         return Observation(residual, variance, usable, slopes)
 
-    def _row_offsets(self, residual: Plane, variance: Plane, usable: Plane) -> Plane:
-        weight = (usable / variance).sum(1, keepdims=True)
-        pull = (usable * residual / variance).sum(1, keepdims=True)
-        prior = (self.noise.row * row_unit(self.camera)) ** 2 / 3
+    def _offsets(
+        self,
+        half: float,
+        axis: tuple[int, ...],
+        residual: Plane,
+        variance: Plane,
+        usable: Plane,
+    ) -> Plane:
+        weight = (usable / variance).sum(axis, keepdims=True)
+        pull = (usable * residual / variance).sum(axis, keepdims=True)
+        prior = (half * row_unit(self.camera)) ** 2 / 3
         offsets: Plane = pull / (weight + 1 / prior)
         return offsets
 

@@ -199,6 +199,7 @@ uncertainty: {light: 0.005, registration: 0.2}
 mask: dark.npy
 frames:
   - {file: dark.npy, kind: dark, exposure_time: 1e-3, iso: 800, group: fit, set: 7}
+  - {file: dark.npy, kind: dark, exposure_time: 0}
   - {file: dark.npy, kind: flat, scene: [0.1, 0.2, 3e-1], gain: 2, illuminant: A}
   - {file: dark.npy, kind: flat, scene: unknown}
   - {file: dark.npy, kind: scene, scene: render.npy, mask: dark.npy}
@@ -208,14 +209,14 @@ frames:
     assert found.nuisances == {"exposure", "light"}
     assert found.uncertainty == {"light": 0.005, "registration": 0.2}
     assert found.mask == str(folder / "dark.npy")
-    dark, flat, unknown, scene = found.frames
+    dark, bias, flat, unknown, scene = found.frames
     assert (dark.exposure_time, dark.iso, dark.group, dark.set) == (
         1e-3,
         800,
         "fit",
         "7",
     )
-    assert dark.scene is None
+    assert dark.scene is None and bias.exposure_time == 0.0
     assert (flat.scene, flat.gain, flat.illuminant) == ((0.1, 0.2, 0.3), 2.0, "A")
     assert (flat.iso, flat.exposure_time) == (200, None)
     assert (unknown.scene, unknown.illuminant) == ("unknown", "D65")

@@ -39,6 +39,8 @@ PLANTED = {
     "black_level": (0.002, -0.001, 0.003, 0.001),
     "shot_noise": (0.4,),
     "read_noise": (0.5,),
+    "bias_structure": (0.002, -0.001, 0.003, 20.0),
+    "amplifier_glow": (0.004, -0.9, 1.0, 0.4),
 }
 
 
@@ -85,6 +87,7 @@ STRONG = {
     "full_well": (0.68,),
     "noise_reduction": (0.3, 0.05),
     "row_noise": (0.7,),
+    "black_level_drift": (0.4,),
     "poisson_shot_noise": (1.0,),
     "heavy_tailed_noise": (0.05, 12.0),
 }

@@ -19,7 +19,16 @@ from cg2raw.diagnose.frames.frame import (
 )
 from cg2raw.diagnose.frames.tiling import MARGIN, tiling, whole_tilings
 from cg2raw.diagnose.inference.noise_level import noise_models
-from diagnose.planted import SHAPE, capture_of, frames_of, scene_of, sensor_of
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import (
+    SHAPE,
+    capture_of,
+    frames_of,
+    model_of,
+    scene_of,
+    sensor_of,
+)
 
 SENSOR = sensor_of()
 LARGE = (3000, 4000)
@@ -181,6 +190,13 @@ def test_exposure_time_that_is_not_known_makes_rates_per_frame():
     assert frame.seconds == 1.0
     (frame,) = frames_of(SENSOR, [capture_of(exposure_time=0.25)])
     assert frame.seconds == 0.25
+
+
+def test_a_bias_has_no_time_to_gather_charge():
+    (frame,) = frames_of(SENSOR, [capture_of("dark", exposure_time=0.0)])
+    assert frame.seconds == 0.0
+    leaking = predict(model_of(SENSOR, dark_current=[0.01]), frame)
+    assert (leaking.mean == predict(Model(SENSOR), frame).mean).all()
 
 
 def test_a_large_frame_is_kept_as_its_tiles():

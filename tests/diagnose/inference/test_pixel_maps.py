@@ -75,3 +75,41 @@ def test_the_order_of_terms_does_not_matter():
     other = fit_patterns(model_of(SENSOR, dsnu=[0.0], prnu=[0.0]), on(frames))
     for name in ("prnu", "dsnu"):
         assert one.term(name).values == pytest.approx(other.term(name).values, rel=5e-3)
+
+
+UNEVEN = "dark_current_nonuniformity"
+
+
+@pytest.mark.parametrize("order", [("dsnu", UNEVEN), (UNEVEN, "dsnu")])
+def test_offsets_and_rates_of_the_same_pixels_are_told_apart(order):
+    """By biases and darks: normal offsets, log-normal rates with their shot noise, and
+    errors of both that cancel in what they add up to."""
+    rng = np.random.default_rng([2, 11])
+    offsets = 0.5 * READ * rng.standard_normal(TILE)
+    rates = 0.5 * READ * np.exp(0.8 * rng.standard_normal(TILE))
+
+    def extra(frame, rng):
+        charge = frame.seconds * rates
+        return (
+            offsets + charge + np.sqrt(frame.beta1 * charge) * rng.standard_normal(TILE)
+        )
+
+    captures = [
+        capture_of("dark", n, exposure_time=seconds)
+        for n, seconds in enumerate((0.0, 0.0, 0.0, 1.0, 4.0, 4.0))
+    ]
+    frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), 8, extra)
+    start = model_of(SENSOR, dark_current=[0.5 * READ], **dict.fromkeys(order, [0.0]))
+    model = fit_patterns(start, on(frames))
+    offset, rate = (model.term(name) for name in ("dsnu", UNEVEN))
+    assert offset.values[0] == pytest.approx(0.5 * READ, rel=0.1)
+    assert rate.values[0] == pytest.approx(0.5 * READ * np.sinh(0.8), rel=0.1)
+    keep = frames[0].keep
+    of_offset = (offset.sensor_map.mean - offsets)[keep]
+    of_rate = (rate.sensor_map.mean - (rates - 0.5 * READ))[keep]
+    for error, term in ((of_offset, offset), (of_rate, rate)):
+        stated = term.sensor_map.variance[keep].mean()
+        assert np.mean(error**2) == pytest.approx(stated, rel=0.15)
+    stated = rate.sensor_map.covariance["dsnu"][keep].mean()
+    assert stated < 0
+    assert np.mean(of_offset * of_rate) == pytest.approx(stated, rel=0.2)

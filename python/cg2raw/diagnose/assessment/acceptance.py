@@ -8,7 +8,7 @@ lies where the search could not go on, is no finding; and a model that does not 
 whole held-out frames more likely than the baseline does is none at all.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from scipy.stats import chi2
@@ -66,7 +66,7 @@ def _is_clear_together(model: Model, name: str, gained: float) -> bool:
     Stat. 9(1), 1938."""
     term = next(term for term in model.terms if term.name == name)
     count = len(term.values)
-    if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term):
+    if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term, ()):
         return False
     return gained > float(chi2.ppf(0.95, count)) / 2
 
@@ -78,7 +78,12 @@ def _unfounded(model: Model, term: Term, values: EstimatesByEffect) -> str:
     if all(_holds_null(parameters[name]) for name in switches):
         held = " and ".join(f"{name} 0" for name in switches)
         return f"its 95 % interval holds {held}"
-    bound = _bound_of(model, term)
+    empty = {
+        shape
+        for shape, of in term.effect.shape_of.items()
+        if _holds_null(parameters[of])
+    }
+    bound = _bound_of(model, term, empty)
     return f"{bound}, where the search ends" if bound else ""
 
 
@@ -87,30 +92,46 @@ def _holds_null(estimate: Estimate) -> bool:
     return not (low > 0 or high < 0)
 
 
-def _bound_of(model: Model, term: Term) -> str:
-    """Return which parameter sits on a bound that is not its null, in words."""
+def _bound_of(model: Model, term: Term, empty: Collection[str]) -> str:
+    """Return which parameter sits on a bound that is not its null, in words.
+
+    empty : parameters that say nothing."""
     effect = term.effect
     if effect.estimator == "fixed pattern":
         return ""
-    rows = zip(effect.parameters, term.values, effect.low, effect.high, strict=True)
-    for name, value, low, high in rows:
-        near = ON_BOUND * (high - low)
-        for bound in (low, high):
-            if bound != 0 and abs(value - bound) < near:
-                return f"{name} is {bound:g}"
-    return _registry_bound(model, term)
+    for name, value, bounds in zip(
+        effect.parameters,
+        term.values,
+        zip(effect.low, effect.high, strict=True),
+        strict=True,
+    ):
+        bound = _reached(value, bounds)
+        if bound and name not in empty:
+            return f"{name} is {bound:g}"
+    return _registry_bound(model, term, empty)
 
 
-def _registry_bound(model: Model, term: Term) -> str:
+def _reached(value: float, bounds: tuple[float, float]) -> float:
+    """Return the bound that a value sits on or beyond; 0 if it sits on none, or on
+    that."""
+    low, high = bounds
+    near = ON_BOUND * (high - low)
+    return low if value < low + near else high if value > high - near else 0.0
+
+
+def _registry_bound(model: Model, term: Term, empty: Collection[str]) -> str:
     """The same of what is found and what the profile has together."""
-    listed = model.profile_parameters.get(term.name, {})
-    if len(listed) != len(term.values):
+    effect = term.effect
+    if effect.search or not effect.predicted:
         return ""
-    sums = np.array(list(listed.values()), float) + term.values
-    bounded = term.effect.within_registry_bounds(sums)
-    for name, total, kept in zip(term.effect.parameters, sums, bounded, strict=True):
-        if total != kept:
-            return f"{name} is {kept:g} together with the profile's"
+    listed = model.profile_parameters.get(term.name, {})
+    sums = term.values + (np.array(list(listed.values()), float) if listed else 0.0)
+    beside = " together with the profile's" if listed else ""
+    bounds = zip(*effect.registry_bounds, strict=True)
+    for name, total, ends in zip(effect.parameters, sums, bounds, strict=True):
+        bound = _reached(total, ends)
+        if bound and name not in {*empty, *effect.ends}:
+            return f"{name} is {bound:g}{beside}"
     return ""
 
 

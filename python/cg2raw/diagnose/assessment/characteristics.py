@@ -100,7 +100,9 @@ def _variance(model: Model, frame: Frame) -> tuple[Array, Array]:
     p = predict(model, frame)
     variance = p.variance - p.light_variance
     for effect in every().values():
-        values = model.values_of(effect, frame) if effect.shares_rows else None
+        values = (
+            model.values_of(effect, frame) if effect.shares_offset == "row" else None
+        )
         if values is not None:
             variance = variance + float(values[0]) ** 2 * float(frame.beta2.mean())
     return p.mean * frame.range, variance * frame.range**2

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Gap
+from cg2raw.diagnose.effects.base import NORMAL_95
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.inference.intervals import NORMAL_95
 from cg2raw.diagnose.likelihood.censoring import DRAWN_ABOVE, UNCLIPPED, residuals
 from cg2raw.diagnose.likelihood.likelihood import block_sums, log_density
 from cg2raw.diagnose.likelihood.model import Model

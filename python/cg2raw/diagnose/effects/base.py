@@ -13,7 +13,6 @@ folder says the rest, and only where the default does not do. Three estimators:
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -24,6 +23,7 @@ from cg2raw.cfa import is_mono
 from cg2raw.diagnose.diagnosis import Curve, Estimate
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -47,20 +47,10 @@ SPREAD = "spread"
 TEMPORAL = "temporal"
 PEDESTAL = "pedestal"
 
+NORMAL_95 = 1.96  # standard deviations to either side of a mean that hold 95 %
 LIGHT = frozenset({"light"})
 IMAGE = frozenset({"light", "image"})
 TIME = frozenset({"time"})
-
-
-class WhiteningStage(IntEnum):
-    """The order in which a model's effects whiten residuals: back through a camera."""
-
-    CLIPPING = 1
-    FILTER = 2
-    ROWS = 3
-    NUISANCE = 4
-    PHOTONS = 5
-    READOUT = 6
 
 
 @dataclass(frozen=True)
@@ -79,11 +69,13 @@ class SensorMap:
     and variance. An effect's sensitivity says what it is multiplied by.
 
     covariance : with maps of other effects, by name, whose errors came from the same
-        frames: what is wrong with an offset cancels in a rate that it was taken off."""
+        frames: what is wrong with an offset cancels in a rate that it was taken off.
+    law : numbers of the distribution of its values, where these are not normal."""
 
     mean: Array
     variance: Array
     covariance: Mapping[str, Array] = field(default_factory=dict)
+    law: Estimates = field(default_factory=dict)
 
     @property
     def spread(self) -> float:
@@ -97,9 +89,12 @@ class Effect:
     name : of the registry. title : in plain words. where : what residuals look like.
     search : parameters that are searched; none for the registry's own.
     bounds : narrower than the registry's, by the beginning of a parameter's name.
-    step : of numerical derivatives.
+    step, steps_of : of numerical derivatives, and of those of some parameters.
     starts, first_scale : of a search of values.
     switches : parameters that are 0 without the effect; all of them if empty.
+    ends : parameters whose bounds are ends of what there is, not of what is looked for.
+    shape_of : parameters that say nothing where another one, of which they are the
+        shape, is 0.
     families : effects that share one look alike.
     signature : what it changes, for the captures that discriminate it from others (see
         discriminating_captures); told_apart : the same for one other effect.
@@ -123,9 +118,12 @@ class Effect:
     search: ClassVar[tuple[Parameter, ...]] = ()
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {}
     step: ClassVar[float] = 1e-3
+    steps_of: ClassVar[Mapping[str, float]] = {}
     starts: ClassVar[tuple[tuple[float, ...], ...]] = ()
     first_scale: ClassVar[float] = 0.02
     switches: ClassVar[tuple[str, ...]] = ()
+    ends: ClassVar[frozenset[str]] = frozenset()
+    shape_of: ClassVar[Mapping[str, str]] = {}
     families: ClassVar[frozenset[str]] = frozenset()
     signature: ClassVar[frozenset[str]] = frozenset()
     told_apart: ClassVar[Mapping[str, str]] = {}
@@ -143,8 +141,8 @@ class Effect:
 
     # Of the noise model: its values are the log of a factor of these betas.
     scales: ClassVar[Literal["", "beta1", "beta2"]] = ""
-    # Its offset is shared by the pixels of a row.
-    shares_rows: ClassVar[bool] = False
+    # Its offset, drawn in every frame, is shared by the pixels of a row, or by all.
+    shares_offset: ClassVar[Literal["", "row", "frame"]] = ""
 
     @property
     def predicted(self) -> bool:
@@ -171,10 +169,6 @@ class Effect:
 
         read : variance of the read noise."""
         return z, 0.0
-
-    def colour(self, z: Array, p: Prediction, values: Values, frame: Frame) -> Array:
-        """Return residuals with the structure that whitening takes out of them."""
-        return z
 
     def tails(self, values: Values) -> tuple[float, float] | None:
         """Return (share, variance ratio) of noise that it makes wider than the rest."""
@@ -295,7 +289,7 @@ class Effect:
 
     @cached_property
     def steps(self) -> Values:
-        return np.full(len(self._searched), self.step)
+        return np.array([self.steps_of.get(n, self.step) for n in self.parameters])
 
     @property
     def null(self) -> Values:
@@ -308,8 +302,13 @@ class Effect:
     def within_registry_bounds(self, values: Values) -> Values:
         """Return values within the bounds of the registry: a found value and the
         profile's are each within them, and their sum need not be."""
+        return np.clip(values, *self.registry_bounds)
+
+    @property
+    def registry_bounds(self) -> tuple[Values, Values]:
+        """The registry's least and largest values."""
         low, high = ([p[end] for p in self._known] for end in ("min", "max"))
-        return np.clip(values, low, high)
+        return np.array(low, float), np.array(high, float)
 
     @cached_property
     def _searched(self) -> tuple[Parameter, ...]:

@@ -12,6 +12,8 @@ class Dsnu(FixedPattern):
     where = "the same pixels in all frames, whatever the light"
     lacks_slow_part = True
     has_long_tails = True
+    # The slow part of the map, which the map leaves out.
+    taken_up_by = {"bias_structure": 0.01}
     told_apart = {
         "prnu": "Darks and flats: DSNU is there without light, PRNU is in proportion "
         "to it.",

@@ -27,6 +27,7 @@ class FixedPattern(Effect):
 
     layout : "pixels" each of their own, "columns" that share a value, or "sparse":
         few pixels have any.
+    is_log_normal : its pixels' values are, and their median is 0; else normal.
     is_charge : the map adds charge, which has shot noise.
     lacks_slow_part : a slow map is shading, and not of the pixels.
     has_long_tails : a few pixels are far out, and no other effect has them."""
@@ -38,6 +39,7 @@ class FixedPattern(Effect):
     families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
     signature: ClassVar[frozenset[str]] = frozenset({"map"})
     layout: ClassVar[Literal["pixels", "columns", "sparse"]] = "pixels"
+    is_log_normal: ClassVar[bool] = False
     is_charge: ClassVar[bool] = False
     lacks_slow_part: ClassVar[bool] = False
     has_long_tails: ClassVar[bool] = False

@@ -19,9 +19,9 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
-    WhiteningStage,
     draw_noise_by,
 )
+from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array

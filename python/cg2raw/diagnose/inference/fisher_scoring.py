@@ -16,12 +16,16 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.likelihood.censored_rows import censored_rows
+from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
-from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import predict
-from cg2raw.diagnose.likelihood.whitening import row_offsets, whiten_linearly
+from cg2raw.diagnose.likelihood.whitening import (
+    colour_offsets,
+    cut_offsets,
+    whiten_linearly,
+)
 
 FULL_STEP, SHORTER_STEPS = 1.0, (0.3, 0.1, 0.02)
 KEPT_PROMISE = 0.3  # of the gain that a step promises, from which on it is taken
@@ -62,12 +66,12 @@ class Linearisation:
 
     def _state(self, frame: Frame) -> _State:
         p = predict(self.model, frame)
-        rows = row_offsets(self.model, frame) if frame.is_cut else None
-        at = p if rows is None else censored_rows(p, rows[1], frame).likeliest
+        cut = cut_offsets(self.model, frame)
+        at = p if cut is None else censored_offsets(p, cut, frame).likeliest
         z, square, weight = scores(at, frame)
-        if rows is not None:  # they lack the offsets; in part these are ours to explain
-            z = rows[0].colour(z, p, rows[1], frame)
-        white = whiten_linearly(z, p, self.model, frame, rows is None)
+        if cut is not None:  # they lack the offsets; in part these are ours to explain
+            z = colour_offsets(z, p, self.model, frame)
+        white = whiten_linearly(z, p, self.model, frame, cut is None)
         # What pixels share is no variance of their own.
         own = (white * white - 1) * np.sqrt(0.5)
         square = np.where(frame.counted & ~frame.censored, own, square)
@@ -162,9 +166,21 @@ def moved(model: Model, parameters: Sequence[Parameter], step: Array) -> Model:
         values[name][index] += delta
     for term in model.terms:
         if term.effect.estimator != "fixed pattern":
-            clipped = term.effect.clipped(values[term.name])
-            model = model.with_values(term.name, clipped)
+            bounded = _bounded(model, term, values[term.name])
+            model = model.with_values(term.name, bounded)
     return model
+
+
+def _bounded(model: Model, term: Term, values: Array) -> Array:
+    """Return values within the bounds of the search and, together with what the profile
+    has, within those of the registry."""
+    effect = term.effect
+    clipped = effect.clipped(values)
+    if effect.search or not effect.predicted:
+        return clipped
+    listed = model.profile_parameters.get(term.name)
+    old = effect.null if listed is None else np.array(list(listed.values()), float)
+    return effect.within_registry_bounds(old + clipped) - old
 
 
 def one_step(

@@ -35,7 +35,8 @@ def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
     """Return the model with the maps of all its fixed patterns estimated.
 
     Maps of pixels are estimated together, since the same pixels' offsets, rates and
-    gains look alike in few frames; other maps by turns with them."""
+    gains look alike in few frames; other maps by turns with them. A log-normal law of
+    rates says itself which pixels are hot beyond it: few hot pixels come after it."""
     effects = [t.effect for t in model.terms if isinstance(t.effect, FixedPattern)]
     if not effects:
         return model
@@ -43,7 +44,8 @@ def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
     apart = [effect for effect in effects if effect.layout != "pixels"]
     parts = [[effect.name] for effect in apart]
     if of_pixels := [e.name for e in effects if e.layout == "pixels"]:
-        parts.append(of_pixels)
+        first = any(effect.is_log_normal for effect in effects)
+        parts.insert(0 if first else len(parts), of_pixels)
     for _ in range(TURNS_OF_MAPS if len(parts) > 1 else 1):
         for names in parts:
             for term in _fitted(model, names, chosen):
@@ -58,6 +60,9 @@ def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[
     for name in names:
         rest = rest.without(name)
     effects = [term.effect for term in terms if isinstance(term.effect, FixedPattern)]
+    if any(effect.is_log_normal for effect in effects):
+        for term, effect, _ in model.maps:
+            rest = rest.without(term.name) if effect.layout == "sparse" else rest
     if effects[0].layout == "sparse":
         return [fit_sparse_map(terms[0], effects[0], rest, likelihood)]
     evidence = evidence_of(effects, rest, likelihood)

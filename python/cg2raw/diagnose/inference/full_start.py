@@ -59,7 +59,10 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
     for effect in chosen:
         if effect.starts_from_data and model.term(effect.name) is None:
             likelihood = near.fit.of(uniform_of(near.fit))
-            values = effect.first_values(likelihood.predicted(model))
+            # What a profile has is there already, and moves from where it is.
+            in_profile = effect.name in model.profile_parameters
+            first = None if in_profile else likelihood.predicted(model)
+            values = effect.null if first is None else effect.first_values(first)
             if values is not None:
                 model = model.with_effect(effect, effect.clipped(values))
     shown = splits

@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.effects.base import Estimates, EstimatesByEffect
+from cg2raw.diagnose.effects.base import NORMAL_95, Estimates, EstimatesByEffect
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.inference.fisher_scoring import information_of
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
-NORMAL_95 = 1.96
+LARGEST_LOG = 20.0  # of the factor that a strength is known to
 
 
 def standard_errors(
@@ -21,13 +21,13 @@ def standard_errors(
 ) -> dict[tuple[str, int], float]:
     """Return the standard error of every value of a model's terms."""
     parameters, information = information_of(model, likelihood)
-    errors = {}
-    if parameters:
-        scale = np.sqrt(np.maximum(np.diag(information), 1e-30))
-        correlation = information / np.outer(scale, scale)
-        inverse = np.linalg.pinv(correlation, rcond=1e-9, hermitian=True)
-        spread = np.sqrt(np.maximum(np.diag(inverse), 0)) / scale
-        errors = dict(zip(parameters, map(float, spread), strict=True))
+    errors = dict(zip(parameters, _errors(information), strict=True))
+    for (name, index), told in zip(parameters, np.diag(information), strict=True):
+        term = model.term(name)
+        if term is not None and told <= 0:  # the frames say nothing: anything goes
+            errors[name, index] = float(
+                np.ptp([term.effect.low, term.effect.high], 0)[index]
+            )
     for term, effect, sensor_map in model.maps:
         value = float(term.values[0])
         errors[term.name, 0] = effect.standard_error(value, sensor_map)
@@ -36,6 +36,34 @@ def standard_errors(
             of_term = _errors_by_likelihood(model, term, likelihood)
             errors.update({(term.name, i): e for i, e in enumerate(of_term)})
     return errors
+
+
+def _errors_of_shape(
+    model: Model, term: Term, likelihood: Likelihood
+) -> dict[str, float]:
+    """Return the standard errors of a term's values while its shape is what it is.
+
+    Where something of it fades, and how far, may be hardly known: how strong it is at
+    that place is then as unsure, and that it is there is not."""
+    parameters, information = information_of(model, likelihood)
+    names = [
+        term.effect.parameters[index] if name == term.name else ""
+        for name, index in parameters
+    ]
+    free = [i for i, name in enumerate(names) if name not in term.effect.shape_of]
+    errors = _errors(information[np.ix_(free, free)])
+    return {names[i]: e for i, e in zip(free, errors, strict=True) if names[i]}
+
+
+def _errors(information: NDArray[np.float64]) -> list[float]:
+    """Return standard errors from Fisher's information."""
+    if not information.size:
+        return []
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-30))
+    correlation = information / np.outer(scale, scale)
+    inverse = np.linalg.pinv(correlation, rcond=1e-9, hermitian=True)
+    spread = np.sqrt(np.maximum(np.diag(inverse), 0)) / scale
+    return [float(error) for error in spread]
 
 
 def _errors_by_likelihood(
@@ -80,9 +108,20 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
             value = float(term.values[index]) * scale
             half = NORMAL_95 * errors[term.name, index] * scale
             interval = _own_interval(term) or (value - half, value + half)
+            if abs(value) < half and name in term.effect.shape_of.values():
+                shown = _errors_of_shape(model, term, likelihood)[name] * scale
+                if NORMAL_95 * shown < abs(value):
+                    interval = _to_a_factor(value, half)
             of_term[name] = Estimate(value, unit, interval)
         result[term.name] = of_term
     return result
+
+
+def _to_a_factor(value: float, half: float) -> tuple[float, float]:
+    """Return the interval of what is not 0, and known to a factor."""
+    factor = float(np.exp(min(half / abs(value), LARGEST_LOG)))
+    low, high = sorted((value / factor, value * factor))
+    return low, high
 
 
 def _own_interval(term: Term) -> tuple[float, float] | None:

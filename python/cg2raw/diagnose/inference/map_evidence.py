@@ -15,7 +15,7 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.likelihood.prediction import photon_gain, predict
 
 LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
 LEAST_INFORMATION = 1e-200
@@ -26,11 +26,14 @@ class Evidence:
     """Of K maps: information (K, K, T, h, w), whose inverse is the covariance of their
     estimates, and score (K, T, h, w), information times estimates.
 
-    repeat : side of the CFA's, px."""
+    repeat : side of the CFA's, px.
+    noisier : (K, T, h, w), what a value of each map adds, by the shot noise of its
+        charge, to the variance of its estimate, times the square of the information."""
 
     information: Array
     score: Array
     repeat: int
+    noisier: Array
 
     def known(self, one: int) -> Mask:
         """Return the pixels that any frame says anything about."""
@@ -47,25 +50,34 @@ def evidence_of(
     rest : the model without them."""
     count = len(effects)
 
-    def of_frame(frame: Frame) -> tuple[Array, Array]:
+    def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
         p = predict(rest, frame)
         photons = np.maximum(p.exposed, 0)
         z, _, weight = scores(p, frame)
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)
         spread = np.sqrt(p.variance)
-        slopes = [e.sensitivity(frame, photons) * weight / spread for e in effects]
+        given = [e.sensitivity(frame, photons) for e in effects]
+        slopes = [sensitivity * weight / spread for sensitivity in given]
         products = [slopes[k] * slopes[i] for k, i in _upper(count)]
-        return np.array(products), np.array([slope * z for slope in slopes])
+        of_charge = photon_gain(rest, frame) / p.variance
+        noisier = [
+            slope**2 * sensitivity * of_charge * effect.is_charge
+            for slope, sensitivity, effect in zip(slopes, given, effects, strict=True)
+        ]
+        scored = [slope * z for slope in slopes]
+        return np.array(products), np.array(scored), np.array(noisier)
 
     shape = likelihood.frames[0].signal.shape
     information, score = np.zeros((count, count, *shape)), np.zeros((count, *shape))
-    for products, scored in likelihood.each(of_frame):
+    noisier = np.zeros_like(score)
+    for products, scored, more in likelihood.each(of_frame):
         for (k, i), product in zip(_upper(count), products, strict=True):
             information[k, i] += product
         score += scored
+        noisier += more
     for k, i in _upper(count):
         information[i, k] = information[k, i]
-    return Evidence(information, score, repeat_of(rest.sensor.cfa))
+    return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier)
 
 
 def _upper(count: int) -> list[tuple[int, int]]:

@@ -25,12 +25,12 @@ from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
 from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
-from cg2raw.diagnose.inference.pruning import pruned
+from cg2raw.diagnose.inference.pruning import pruned, restarted
 from cg2raw.diagnose.inference.steps import (
     CALIBRATED,
-    MEAN_FIRST,
     Step,
     Trial,
+    mean_first,
     rule_of,
 )
 from cg2raw.diagnose.likelihood.model import Model
@@ -160,7 +160,7 @@ class Search:
         sure = [trial for trial in trials if trial.evidence >= self.threshold]
         if not sure:
             return None
-        first = self._mean_first(sure)
+        first = mean_first(sure, self.effects)
         best, ambiguous = self._decide(first, trials)
         self.steps.append(
             Step(
@@ -242,21 +242,9 @@ class Search:
             found.append((score, candidate, start))
         return sorted(found, key=lambda item: item[0], reverse=True)
 
-    def _mean_first(self, trials: Sequence[Trial]) -> Trial:
-        """Noise absorbs any misfit of the mean: an effect of the mean goes first."""
-        kinds = {candidate.name: candidate for candidate in self.effects}
-        best = trials[0]
-        if kinds[best.name].absorbs:
-            for trial in trials:
-                known = kinds[trial.name]
-                enough = trial.gain > MEAN_FIRST * best.gain
-                if known.moves_mean and not known.absorbs and enough:
-                    return trial
-        return best
-
     def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
         """Return (the trial to accept, names that are as good); a tie goes to the one
-        with fewer parameters."""
+        with fewer parameters, but not to noise."""
         tied = []
         for trial in trials:
             if trial is best or trial.gain > best.gain:
@@ -268,7 +256,16 @@ class Search:
                 tied.append(trial)
         if not tied:
             return best, []
-        able = [best, *(t for t in tied if t.evidence >= self.threshold)]
+        absorbs = {known.name for known in self.effects if known.absorbs}
+        able = [
+            best,
+            *(
+                t
+                for t in tied
+                if t.evidence >= self.threshold
+                and (best.name in absorbs or t.name not in absorbs)
+            ),
+        ]
         simplest = min(able, key=lambda t: (self._cost(t.name), -t.gain))
         if best.gain - simplest.gain >= CLEAR:
             simplest = best
@@ -294,6 +291,9 @@ class Search:
                 self.steps.append(Step("dropped", name, float(without - height)))
                 model, height = rest, without
                 self._reached = model
+                continue
+            model = restarted(model, name, rest, self.splits, LEAST_GAIN)
+            height = self._select(model).sum()
         return model
 
     def _swap(self, model: Model) -> Model | None:

@@ -4,12 +4,16 @@
 """Maps of pixels: offsets, rates and gains of the same pixels, estimated together.
 
 Each map is Gaussian with a variance of its own, which all pixels together show (see
-map_prior): what is known of a pixel is its posterior under these priors.
+map_prior): what is known of a pixel is its posterior under these priors. Of a map that
+is log-normal, each pixel's prior is the normal that, with its estimate, has the mean
+and variance of its posterior. Source of that: T. P. Minka, UAI 17, 2001 (expectation
+propagation).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -17,6 +21,11 @@ from scipy.ndimage import gaussian_filter
 from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.inference.log_normal_map import (
+    LogNormalMap,
+    Rates,
+    fit_log_normal_map,
+)
 from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, Evidence
 from cg2raw.diagnose.inference.map_prior import bounded_tail, mixed_prior_of
 from cg2raw.diagnose.likelihood.model import Term
@@ -24,6 +33,12 @@ from cg2raw.diagnose.likelihood.model import Term
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
 MOST_TURNS = 30  # of all maps, until they agree
+SLOW_RATES = (
+    12  # the same of rates, whose maps may be far above noise: of their variance
+)
+SLOW_TURNS = 6  # a smoothing over so many pixels takes but a 2000th
+FAR_OUT = 3.0  # standard deviations from its surroundings, of a pixel that stands out
+LEAST_TOLD = 1e-6  # of what frames tell of a pixel, that is left of it
 AGREED = 1e-3  # relative change of their deviations, from where on they do
 
 
@@ -49,20 +64,36 @@ def pixel_maps(
         others = {terms[i].name: covariance[k, i] for i in range(count) if i != k}
         sensor_map = SensorMap(means[k], covariance[k, k], others)
         values = np.array([np.sqrt(priors[k].variance)])
+        if (rates := priors[k].rates) is not None:
+            sensor_map = _without_hot(sensor_map, rates)
         found.append(replace(term, values=values, sensor_map=sensor_map))
     return found
 
 
 @dataclass(frozen=True)
 class _Prior:
-    """Of a map: variance of all, and of each pixel, where a few are wide."""
+    """Of a map: variance of all, and of each pixel, where a few are wide.
+
+    pull : of each pixel's prior, its mean over its variance. rates : the law that it
+    comes from."""
 
     variance: float
     pixels: Array | None = None
+    pull: Array | float = 0.0
+    rates: LogNormalMap | None = None
 
     @property
     def each(self) -> Array | float:
         return max(self.variance, 0.0) if self.pixels is None else self.pixels
+
+    @property
+    def of_all(self) -> "_Prior":
+        """The prior before anything is known of a pixel, as another map's law needs
+        it."""
+        if self.rates is None:
+            return self
+        mean, variance = self.rates.of_all
+        return _Prior(variance, pull=mean / variance)
 
 
 def _prior(
@@ -75,8 +106,15 @@ def _prior(
     for others that are 0."""
     known = evidence.known(one)
     information, score = _marginal(one, evidence, priors)
-    information = np.where(known, np.maximum(information, LEAST_INFORMATION), 1.0)
+    least = LEAST_TOLD * evidence.information[one, one] + LEAST_INFORMATION
+    information = np.where(known, np.maximum(information, least), 1.0)
     estimate = np.where(known, score / information, 0)
+    if effect.is_log_normal:
+        noisier = evidence.noisier[one] / information**2
+        estimate = _own_part(effect, estimate, known, evidence.repeat)
+        before = None if priors is None else priors[one].rates
+        rates = Rates(estimate, 1 / information, noisier)
+        return _of_rates(rates, known, before)
     kept = 1.0
     if effect.lacks_slow_part:
         estimate, kept = _high_pass(estimate, known, evidence.repeat), KEPT
@@ -89,6 +127,41 @@ def _prior(
     return _Prior(variance, np.where(known, mixed.at(square, error), variance))
 
 
+def _of_rates(rates: Rates, known: Mask, before: LogNormalMap | None) -> _Prior:
+    """Return the prior that a log-normal law gives to the rate of each pixel."""
+    found = fit_log_normal_map(rates, known, None if before is None else before.mixture)
+    if found is None:
+        return _Prior(0.0)
+    told = np.where(known, 1 / rates.error, 0)
+    own = np.maximum(1 / found.variance - told, LEAST_TOLD * told + LEAST_INFORMATION)
+    pull = found.mean * (own + told) - told * (rates.estimate - found.shift)
+    return _Prior(found.law["sigma"].value ** 2, 1 / own, pull, found)
+
+
+def _without_hot(sensor_map: SensorMap, rates: LogNormalMap) -> SensorMap:
+    """Return the map without pixels that are hot: these are of an effect of their own.
+
+    The shot noise of its charge, that only its law knows of, makes it less sure."""
+    cold = 1 - rates.hot
+    unsure = np.maximum(sensor_map.variance, rates.variance)
+    doubt = rates.hot * cold * sensor_map.mean**2
+    return SensorMap(
+        cold * sensor_map.mean,
+        cold**2 * unsure + doubt,
+        {name: cold * one for name, one in sensor_map.covariance.items()},
+        rates.law,
+    )
+
+
+def _own_part(effect: FixedPattern, estimate: Array, known: Mask, repeat: int) -> Array:
+    """Return estimates of a log-normal map without its slow part, but with their
+    mean."""
+    if not (effect.lacks_slow_part and known.any()):
+        return estimate
+    slow = slow_part(estimate, known, repeat)
+    return np.where(known, estimate - slow + slow[known].mean(), 0)
+
+
 def _marginal(
     one: int, evidence: Evidence, priors: Sequence[_Prior] | None
 ) -> tuple[Array, Array]:
@@ -98,13 +171,12 @@ def _marginal(
     if priors is None or not others:
         return information, score
     cross = evidence.information[one, others]
-    inner = _with_priors(evidence, priors, others)
+    wide = [prior.of_all for prior in priors]
+    inner = _with_priors(evidence, wide, others)
     pull = np.linalg.solve(inner, np.moveaxis(cross, 0, -1)[..., None])[..., 0]
     pull = np.moveaxis(pull, -1, 0)
-    return (
-        information - (pull * cross).sum(0),
-        score - (pull * evidence.score[others]).sum(0),
-    )
+    scores = np.stack([evidence.score[k] + wide[k].pull for k in others])
+    return information - (pull * cross).sum(0), score - (pull * scores).sum(0)
 
 
 def _with_priors(
@@ -131,9 +203,14 @@ def _means(
             own = np.where(known, own, LEAST_INFORMATION)
             left = (evidence.score[k] - others) / own
             estimate = np.where(known, means[k] + left, 0)
-            if effect.lacks_slow_part:
+            prior = priors[k].each
+            if effect.is_log_normal:
+                estimate = _own_part(effect, estimate, known, evidence.repeat)
+                rates = priors[k].rates
+                estimate = np.where(known, estimate - (rates.shift if rates else 0), 0)
+            elif effect.lacks_slow_part:
                 estimate = _high_pass(estimate, known, evidence.repeat)
-            means[k] = estimate * (priors[k].each / (priors[k].each + 1 / own))
+            means[k] = (estimate * own + priors[k].pull) * (prior / (own * prior + 1))
         if np.abs(means - before).max() <= AGREED * np.abs(means).max():
             break
     return means
@@ -156,12 +233,38 @@ def _high_pass(image: Array, known: Mask, repeat: int) -> Array:
 
     repeat : side of the CFA's, px; 1 without filters. Larger ones than Bayer's have
     sites of one colour everywhere, and go by his."""
-    step = min(repeat, 2)
     rest = np.zeros_like(image)
-    for row, col in product(range(step), repeat=2):
-        at = np.s_[:, row::step, col::step]
-        width = (0, SMOOTH, SMOOTH)
-        weight = gaussian_filter(known[at].astype(float), width)
-        slow = gaussian_filter(np.where(known[at], image[at], 0), width)
-        rest[at] = image[at] - slow / np.maximum(weight, 1e-9)
+    for at in _planes(repeat):
+        rest[at] = image[at] - _smoothed(image[at], known[at])
     return np.where(known, rest, 0)
+
+
+def slow_part(image: Array, known: Mask, repeat: int) -> Array:
+    """The smooth part of each CFA site's plane, in which pixels that stand out leave no
+    trace: smoothed are deviations from it, none by more than those of the many."""
+    slow = np.zeros_like(image)
+    for at in _planes(repeat):
+        where = known[at]
+        if not where.any():
+            continue
+        found = np.full(where.shape, np.median(image[at][where]))
+        for _ in range(SLOW_TURNS):
+            rest = image[at] - found
+            bound = FAR_OUT * 1.4826 * np.median(np.abs(rest[where]))
+            found = found + _smoothed(np.clip(rest, -bound, bound), where, SLOW_RATES)
+        slow[at] = found
+    return slow
+
+
+def _planes(repeat: int) -> Iterator[Any]:
+    """Yield the indices of the pixels of each site of the CFA."""
+    step = min(repeat, 2)
+    for row, col in product(range(step), repeat=2):
+        yield np.s_[:, row::step, col::step]
+
+
+def _smoothed(plane: Array, known: Mask, size: int = SMOOTH) -> Array:
+    width = (0, size, size)
+    weight = gaussian_filter(known.astype(float), width)
+    slow = gaussian_filter(np.where(known, plane, 0), width)
+    return np.asarray(slow / np.maximum(weight, 1e-9))

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
-from cg2raw.diagnose.inference.fitting import fit
+from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
@@ -70,3 +70,21 @@ def _gain_there(model: Model, select: Likelihood) -> float:
     """Return what a model gains on the select frames by fitting itself to them."""
     base = Linearisation(model, select)
     return one_step(model, base, base.height)[1]
+
+
+def restarted(
+    model: Model, name: str, rest: Model, splits: Splits, least: float
+) -> Model:
+    """Return the model with an effect that starts from data started anew beside the
+    others, if that is better: before they were found it may have stood in for them.
+
+    rest : the model without it. least : nats that the select frames must gain."""
+    term = model.term(name)
+    if term is None or not term.effect.starts_from_data:
+        return model
+    guess = first_guess(term.effect, Linearisation(rest, splits.fit))
+    if guess is None:
+        return model
+    again = fit(guess[0], splits.fit)
+    gain = splits.select.total(again) - splits.select.total(model)
+    return again if gain > least else model

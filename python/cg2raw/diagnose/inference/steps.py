@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.model import Model
 
@@ -60,6 +61,25 @@ def rule_of(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
     if top.evidence < best.evidence:
         return f"{top.name} gains more, but is not sure."
     return (
-        f"{top.name} gains more, but is noise, which takes up any error of the mean: "
+        f"{top.name} gains more, but takes up any error of the mean: "
         f"an effect of the mean that gains {MEAN_FIRST:.0%} as much goes first."
     )
+
+
+def mean_first(trials: Sequence[Trial], effects: Sequence[Effect]) -> Trial:
+    """Return which of the trials, best first, goes first: noise absorbs any misfit of
+    the mean, and an effect of the mean goes before it; a map that does comes after
+    those that are none."""
+    kinds = {effect.name: effect for effect in effects}
+    best = trials[0]
+    if not kinds[best.name].absorbs:
+        return best
+    is_map = kinds[best.name].estimator == "fixed pattern"
+    for trial in trials:
+        known = kinds[trial.name]
+        if is_map and known.estimator == "fixed pattern":
+            continue
+        enough = trial.gain > MEAN_FIRST * best.gain
+        if known.moves_mean and not known.absorbs and enough:
+            return trial
+    return best

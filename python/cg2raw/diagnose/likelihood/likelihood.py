@@ -12,11 +12,14 @@ from scipy.special import log_ndtr
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.likelihood.censored_rows import CensoredRows, censored_rows
+from cg2raw.diagnose.likelihood.censored_offsets import (
+    CensoredOffsets,
+    censored_offsets,
+)
 from cg2raw.diagnose.likelihood.censoring import LOG_2PI, first_censored, residuals
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
-from cg2raw.diagnose.likelihood.whitening import row_offsets, whiten
+from cg2raw.diagnose.likelihood.whitening import cut_offsets, whiten
 from cg2raw.diagnose.likelihood.workers import Workers
 
 LEAST_LOG = -200.0  # of a censored pixel, so that one cannot outweigh all
@@ -70,23 +73,23 @@ class Likelihood:
 def log_density(
     model: Model, frame: Frame, prediction: Prediction | None = None
 ) -> tuple[Array, Array, Prediction]:
-    """Return (log density per pixel, final residuals, prediction with the offsets of
-    rows that the ADC cuts)."""
-    density, z, p, rows = _density(model, frame, prediction)
-    if rows is not None:
-        z = whiten(residuals(rows.drawn, frame), rows.drawn, model, frame)[0]
+    """Return (log density per pixel, final residuals, prediction with the offsets that
+    the ADC cuts)."""
+    density, z, p, cut = _density(model, frame, prediction)
+    if cut is not None:
+        z = whiten(residuals(cut.drawn, frame), cut.drawn, model, frame)[0]
     return density, z, p
 
 
 def _density(
     model: Model, frame: Frame, prediction: Prediction | None = None
-) -> tuple[Array, Array, Prediction, CensoredRows | None]:
-    """Return (log density per pixel, what it is made of: residuals and prediction, rows
-    that the ADC cuts)."""
+) -> tuple[Array, Array, Prediction, CensoredOffsets | None]:
+    """Return (log density per pixel, what it is made of: residuals and prediction,
+    offsets that the ADC cuts)."""
     p = predict(model, frame) if prediction is None else prediction
-    offsets = row_offsets(model, frame) if frame.is_cut else None
-    rows = None if offsets is None else censored_rows(p, offsets[1], frame)
-    p = p if rows is None else rows.likeliest
+    shared = cut_offsets(model, frame)
+    cut = None if shared is None else censored_offsets(p, shared, frame)
+    p = p if cut is None else cut.likeliest
     z, cost = whiten(residuals(p, frame), p, model, frame)
     density = -0.5 * z * z - 0.5 * LOG_2PI + cost - 0.5 * np.log(p.variance)
     density = density - np.log(frame.range)
@@ -95,7 +98,7 @@ def _density(
             end = first_censored(frame, hit, sign, p) / np.sqrt(p.variance[hit])
             beyond = log_ndtr(-end)
             density[hit] = np.maximum(beyond, LEAST_LOG)
-    return density if rows is None else density + rows.log_density, z, p, rows
+    return density if cut is None else density + cut.log_density, z, p, cut
 
 
 def block_sums(image: Array) -> Array:

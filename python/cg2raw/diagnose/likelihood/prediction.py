@@ -25,12 +25,13 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
 
     The registry's noises have one parameter per site of a Bayer CFA, one without
     filters; `predict` adds those of others. It draws maps of its own, and no sensor has
-    those."""
+    those; offsets that pixels share are no variance, but whitened."""
     effects = every()
     listed = {
         name: list(parameters.values())
         for name, parameters in model.profile_parameters.items()
-        if effects[name].estimator != "fixed pattern" and not effects[name].shares_rows
+        if effects[name].estimator != "fixed pattern"
+        and not effects[name].shares_offset
     }
     for term in model.terms:
         if term.effect.predicted:
@@ -106,6 +107,7 @@ def _with_maps(
     fitted = frame.capture.group == "fit"
     slopes = {t.name: e.sensitivity(frame, photons) for t, e, _ in model.maps}
     doubt: Array | float = 0.0
+    charge = exposed
     for term, effect, sensor_map in model.maps:
         sensitivity = slopes[term.name]
         if sensor_map.mean.shape != mean.shape:  # elsewhere the map is not known
@@ -116,11 +118,18 @@ def _with_maps(
         unsure = sensitivity**2 * sensor_map.variance
         for name, covariance in sensor_map.covariance.items():
             unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
-        if not effect.is_charge:
+        if effect.is_charge:
+            more = np.maximum(charge + shift, 0) - np.maximum(charge, 0)
+            charge = charge + shift
+            if effect.is_log_normal and fitted:
+                # Alike in all pixels: weights that a skewed map has a part in would
+                # pull the mean to the side of its smaller values.
+                doubt = doubt + (unsure - gain * more)[frame.keep].mean()
+                continue
+            variance = variance + gain * more
+        if effect.layout != "sparse":
             doubt = doubt + unsure
-            continue
-        variance = variance + gain * np.maximum(shift, 0)
-        if not fitted:
+        elif not fitted:
             variance = variance + unsure
     sign = -1.0 if fitted else 1.0
     return mean, np.maximum(variance + sign * doubt, LEAST_VARIANCE_LEFT * variance)
@@ -131,7 +140,7 @@ def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Ar
     whose rows have offsets of their own."""
     of_rows = 0.0
     for effect in every().values():
-        values = model.values_of(effect, frame) if effect.shares_rows else None
+        values = model.values_of(effect, frame) if effect.shares_offset else None
         if values is not None:
             of_rows += float(values[0]) ** 2 * float(frame.beta2.mean())
     return np.asarray(variance / samples + of_rows / np.sqrt(samples))

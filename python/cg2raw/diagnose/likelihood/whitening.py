@@ -8,11 +8,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Effect, Values, Whitened, WhiteningStage
+from cg2raw.diagnose.effects.base import Effect, Values, Whitened
 from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.shared_offset import SharedOffset
+from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
 
 NO_VALUES: Values = np.zeros(0)
@@ -22,41 +25,82 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     """Return residuals (T, h, w) without the structure that a model has, and the log
     of the determinant of that, per pixel.
 
-    Offsets of rows that the ADC cuts are part of the prediction (censored_rows)."""
+    Offsets in frames that the ADC cuts are in the prediction (censored_offsets)."""
     read = frame.beta2 * model.noise_gain("beta2")
     cost: Array | float = 0.0
     for effect, values in _steps(model, frame):
         if effect is None:
             z, more = p.shrinkage.apply(z, frame)
-        elif effect.shares_rows and frame.is_cut:
-            continue
-        else:
+        elif not isinstance(effect, SharedOffset):
             z, more = effect.whiten(z, p, values, frame, read)
+        elif cut_offsets(model, frame) is None:
+            along = _along(effect, p, values, model, frame)
+            z, more = effect.to_power(z, along, frame, -0.5)
+        else:
+            continue
         cost = cost + more
     return z, cost
 
 
 def whiten_linearly(
-    z: Array, p: Prediction, model: Model, frame: Frame, rows: bool
+    z: Array, p: Prediction, model: Model, frame: Frame, offsets: bool
 ) -> Array:
     """Return z whitened by what is linear and Gaussian; derivatives of a mean are
-    whitened alike. rows : with the offsets that the pixels of a row share."""
+    whitened alike. offsets : with those that pixels share."""
     for effect, values in _steps(model, frame):
         if effect is None:
             z = p.shrinkage.apply(z, frame)[0]
-        elif effect.linear and (rows or not effect.shares_rows):
+        elif isinstance(effect, SharedOffset):
+            if offsets:
+                along = _along(effect, p, values, model, frame)
+                z = effect.to_power(z, along, frame, -0.5)[0]
+        elif effect.linear:
             z = effect.whiten(z, p, values, frame, frame.beta2)[0]
     return z
 
 
-def row_offsets(model: Model, frame: Frame) -> tuple[Effect, Values] | None:
-    """Return the effect of what the pixels of a row share, and its values; None if they
-    share nothing."""
-    for effect in every().values():
-        if effect.shares_rows:
-            values = model.values_of(effect, frame)
-            return None if values is None else (effect, values)
-    return None
+def colour_offsets(z: Array, p: Prediction, model: Model, frame: Frame) -> Array:
+    """Return z such that its product with what `whiten_linearly` makes of an image is
+    that of z with the image: the offsets that pixels share drop out."""
+    for effect, values in _steps(model, frame):
+        if isinstance(effect, SharedOffset):
+            along = _along(effect, p, values, model, frame)
+            z = effect.to_power(z, along, frame, 0.5)[0]
+    return z
+
+
+def cut_offsets(model: Model, frame: Frame) -> OffsetVariances | None:
+    """Return the variances of what pixels share where the ADC cuts it, so that no
+    filter whitens it; None if it does not, or if they share nothing.
+
+    Of a row's offset, few pixels at 0 hide little; of the frame's, which all pixels
+    tell together, any hide some."""
+    if not (frame.is_cut or (frame.at_zero & frame.keep).any()):
+        return None
+    shared = {
+        effect.shares_offset: effect.offset_variance(values, frame)
+        for effect, values in _steps(model, frame)
+        if isinstance(effect, SharedOffset)
+    }
+    if not shared or not (frame.is_cut or "frame" in shared):
+        return None
+    return OffsetVariances(shared.get("row", 0.0), shared.get("frame", 0.0))
+
+
+def _along(
+    effect: SharedOffset, p: Prediction, values: Values, model: Model, frame: Frame
+) -> Array:
+    """Return the direction of an offset in residuals that what comes before it has
+    whitened: of the frame's, the rows have taken some already."""
+    along = effect.along(p, values, frame)
+    if effect.shares_offset != "frame":
+        return along
+    for other, of_other in _steps(model, frame):
+        if other is effect:
+            break
+        if other is not None and other.linear:
+            along = other.whiten(along, p, of_other, frame, frame.beta2)[0]
+    return along
 
 
 def _steps(model: Model, frame: Frame) -> Iterator[tuple[Effect | None, Values]]:

@@ -11,7 +11,10 @@ from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.frame import frame_of, source_of
 from cg2raw.diagnose.frames.tiling import Tiling
 from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.likelihood.censored_rows import censored_rows
+from cg2raw.diagnose.likelihood.censored_offsets import (
+    OffsetVariances,
+    censored_offsets,
+)
 from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
@@ -38,6 +41,10 @@ def darks(sigma, seed=1, count=1, shape=SHAPE):
 
     captures = [capture_of("dark", n, shape=shape) for n in range(count)]
     return drawn(frames_of(SENSOR, captures), Model(SENSOR), seed, rows)
+
+
+def rows_of(p, sigma, frame):
+    return censored_offsets(p, OffsetVariances(row=(sigma * READ) ** 2), frame)
 
 
 def integrated(frame, sigma):
@@ -75,7 +82,7 @@ def test_pixels_at_white_do_not_move_their_row():
     bright = replace(frame, signal=np.where(white, 1.0, frame.signal), at_white=white)
     unseen = replace(frame, keep=frame.keep & ~white)
     found, wanted = (
-        censored_rows(p, [0.3], one).likeliest.mean - p.mean for one in (bright, unseen)
+        rows_of(p, 0.3, one).likeliest.mean - p.mean for one in (bright, unseen)
     )
     assert (found == wanted).all() and np.abs(found).max() > 0.1 * READ
 
@@ -98,9 +105,9 @@ def test_without_a_cut_pixel_it_is_the_flow_of_row_noise(sigma):
 def test_no_row_noise_changes_nothing():
     (frame,) = cut_at_zero(darks(0.0))
     p = predict(Model(SENSOR), frame)
-    same = censored_rows(p, [0.0], frame)
+    same = rows_of(p, 0.0, frame)
     assert same.likeliest is p and same.drawn is p and not same.log_density.any()
-    nearly = censored_rows(p, [1e-4], frame)
+    nearly = rows_of(p, 1e-4, frame)
     assert nearly.likeliest.mean == pytest.approx(p.mean, abs=1e-5 * READ)
     assert nearly.drawn.mean == pytest.approx(p.mean, abs=1e-3 * READ)
     assert np.abs(nearly.log_density).max() < 1e-6
@@ -120,7 +127,7 @@ def test_likely_offsets_are_those_of_the_rows():
     (frame,) = frames_of(SENSOR, [capture_of("dark")])
     (frame,) = cut_at_zero(drawn([frame], Model(SENSOR), 6, offsets))
     p = predict(Model(SENSOR), frame)
-    found = censored_rows(p, [0.5], frame).likeliest.mean - p.mean
+    found = rows_of(p, 0.5, frame).likeliest.mean - p.mean
     seen = frame.keep.any(-1)
     error = (found[..., :1] - offsets)[seen] / READ
     assert error.std() == pytest.approx(1 / np.sqrt(0.82 * 88), rel=0.25)
@@ -141,17 +148,17 @@ def tiles_of(frame, *origins):
 def test_tiles_beside_each_other_share_their_rows():
     (frame,) = cut_at_zero(darks(0.5))
     p = predict(Model(SENSOR), frame)
-    whole = censored_rows(p, [0.5], frame)
+    whole = rows_of(p, 0.5, frame)
     halves = tiles_of(frame, (0, 0), (0, 16))
     q = predict(Model(SENSOR), halves)
-    beside = censored_rows(q, [0.5], halves)
+    beside = rows_of(q, 0.5, halves)
     as_cut = halves.tiles.cut(whole.likeliest.mean[0])
     assert beside.likeliest.mean == pytest.approx(as_cut, rel=1e-9)
     assert beside.log_density.sum() == pytest.approx(whole.log_density.sum())
     away = beside.drawn.mean - beside.likeliest.mean
     assert away[0] == pytest.approx(away[1]) and away[0].std() > 0.05 * READ
     below = tiles_of(frame, (0, 0), (12, 0))
-    stacked = censored_rows(predict(Model(SENSOR), below), [0.5], below)
+    stacked = rows_of(predict(Model(SENSOR), below), 0.5, below)
     as_cut = below.tiles.cut(whole.likeliest.mean[0])
     assert stacked.likeliest.mean == pytest.approx(as_cut, rel=1e-9)
     assert stacked.log_density.sum() == pytest.approx(whole.log_density.sum())

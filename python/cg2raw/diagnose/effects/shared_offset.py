@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""SharedOffset: the family of offsets that pixels of a frame share, new in each."""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import (
+    TEMPORAL,
+    Effect,
+    Estimates,
+    Estimator,
+    Gain,
+    Parameter,
+    Predicted,
+    Values,
+    Whitened,
+    value_of,
+)
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.tiling import Array, Tiling
+from cg2raw.sensor import Sensor
+
+
+class SharedOffset(Effect):
+    """One normal number for a group of pixels: a covariance of rank one a group.
+
+    Its value is in read noises; the registry's is of white."""
+
+    estimator: ClassVar[Estimator] = "transform"
+    search: ClassVar[tuple[Parameter, ...]] = (Parameter("sigma", 0, 4),)
+    step: ClassVar[float] = 0.01
+    families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
+    signature: ClassVar[frozenset[str]] = frozenset({"noise"})
+    absorbs: ClassVar[bool] = True
+    moves_mean: ClassVar[bool] = False
+    linear: ClassVar[bool] = True
+    measured_by_uniform_frames: ClassVar[bool] = True
+
+    @abstractmethod
+    def summed(self, tiles: Tiling, image: Array) -> Array:
+        """Return sums over the pixels that share an offset, of an image (T, h, w), at
+        each of them, or in a shape that is broadcast to them."""
+
+    @abstractmethod
+    def once(self, tiles: Tiling) -> Array | float:
+        """Return what such sums are weighted by, so that each group counts once."""
+
+    def offset_variance(self, values: Values, frame: Frame) -> float:
+        return float(values[0] ** 2 * frame.beta2.mean())
+
+    def along(self, p: Prediction, values: Values, frame: Frame) -> Array:
+        """Return the offset's standard deviation in those of each pixel, (T, h, w)."""
+        return frame.keep * np.sqrt(self.offset_variance(values, frame) / p.variance)
+
+    def to_power(self, z: Array, along: Array, frame: Frame, power: float) -> Whitened:
+        """Multiply z by a power of the covariance 1 + along along^T of a group: -0.5
+        whitens, 0.5 colours. Returns (z, log of the determinant per pixel)."""
+        square = self.summed(frame.tiles, along**2) + 1e-300
+        unit = along / np.sqrt(square)
+        part = unit * self.summed(frame.tiles, unit * z)
+        count = np.maximum(self.summed(frame.tiles, frame.keep.astype(float)), 1)
+        cost = power * np.log1p(square) / count * frame.keep
+        return z - (1 - (1 + square) ** power) * part, cost
+
+    def whiten(
+        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitened:
+        """Shrink the common offset of each group."""
+        return self.to_power(z, self.along(p, values, frame), frame, -0.5)
+
+    def unit_scale(self, frames: Sequence[Frame]) -> float:
+        if not frames:
+            return 1.0
+        return float(np.sqrt(np.mean([frame.beta2.mean() for frame in frames])))
+
+    def expected_gain(
+        self, selected: Predicted, fitted: Predicted, information: float
+    ) -> Gain:
+        told = [
+            (self.summed(f.tiles, f.keep / p.variance), self.once(f.tiles))
+            for f, p in selected
+        ]
+
+        def gain(sigma: float) -> float:
+            return sum(
+                float((w * (sigma**2 * t - np.log1p(sigma**2 * t))).sum()) / 2
+                for t, w in told
+            )
+
+        return gain
+
+    def sigma_in_effects(self, sensor: Sensor) -> float:
+        """Return the standard deviation in a profile's effects, of white."""
+        listed = [one for one in sensor.effects if one["name"] == self.name]
+        return float(listed[0]["parameters"]["sigma"]) if listed else 0.0
+
+    def size(self, values: Estimates) -> str:
+        return f"standard deviation {value_of(values, 'sigma'):.4g} of white"

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""WhiteningStage: when an effect whitens residuals."""
+
+from enum import IntEnum
+
+
+class WhiteningStage(IntEnum):
+    """The order in which a model's effects whiten residuals: back through a camera.
+
+    What all pixels of a frame share comes after what those of a row do: what is left
+    of it by then is still one direction, which `likelihood.whitening` follows."""
+
+    CLIPPING = 1
+    FILTER = 2
+    ROWS = 3
+    FRAME = 4
+    NUISANCE = 5
+    PHOTONS = 6
+    READOUT = 7

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What is there without light, simulated by the registry and diagnosed: named first,
+with what was planted within its interval."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.benchmark.closed_loop import simulated
+from cg2raw.diagnose import diagnose
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.splits import GROUPS
+from diagnose.planted import READ, capture_of, sensor_of
+
+SHAPE = (96, 128)
+TIMES = (0.0, 0.0, 0.5, 2.0, 4.0, 4.0)  # seconds: two biases, and darks
+SENSOR = sensor_of()
+# Of white, of the order of the read noise of a pixel.
+BIAS = {"horizontal": -READ, "vertical": 0.5 * READ}
+BIAS |= {"edge": 1.5 * READ, "edge_length": 12.0}
+GLOW = {"per_second": READ, "row": -1.0, "column": 0.6, "extent": 0.25}
+DRIFT = {"sigma": 0.2 * READ}
+UNEVEN = {"rate": 0.4 * READ, "log_sigma": 0.8}
+DARK = {"per_second": 0.4 * READ}
+
+
+def with_effects(**settings):
+    listed = [{"name": name, "parameters": v} for name, v in settings.items()]
+    profile = json.loads(SENSOR.to_json())
+    return Sensor.from_json(json.dumps({**profile, "effects": listed}), "true")
+
+
+def shots():
+    """Return captures without pixels: six darks and two flats a group."""
+    for number, group in enumerate(GROUPS):
+        for n, time in enumerate(TIMES):
+            name = f"dark-{group}-{n}"
+            yield capture_of("dark", n, name=name, group=group, set=f"dark-{group}",
+                             exposure_time=time, shape=SHAPE)  # fmt: skip
+        for n, level in enumerate((0.2, 0.6)):
+            name = f"flat-{group}-{n}"
+            yield capture_of("flat", 10 * number + n, name=name, group=group,
+                             level=level, exposure_time=0.1, shape=SHAPE)  # fmt: skip
+
+
+def diagnosed(true, doubted=SENSOR):
+    captures = simulated(CaptureSet(true, list(shots())), true).captures
+    return diagnose(CaptureSet(doubted, captures), details=False, threads=2)
+
+
+def missed(finding, planted):
+    """Return the parameters that lie farther from what was planted than a half more
+    than their intervals of 95 %: one in 300 by chance, of ten."""
+    pairs = [(finding.parameters[name], value) for name, value in planted.items()]
+    return [
+        (one, value)
+        for one, value in pairs
+        if abs(one.value - value) > 1.5 * (one.ci95[1] - one.ci95[0]) / 2
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "planted"),
+    [("bias_structure", BIAS), ("amplifier_glow", GLOW), ("black_level_drift", DRIFT)],
+)
+def test_it_is_named_first_with_its_values(name, planted):
+    found = diagnosed(with_effects(**{name: planted}))
+    assert [finding.name for finding in found.effects] == [name]
+    assert found.verdict == "identified"
+    assert missed(found.effects[0], planted) == []
+    (effect,) = Sensor.from_json(found.profile_json, "found").effects
+    assert effect["name"] == name
+    assert set(effect["parameters"]) == set(planted)
+
+
+def test_uneven_dark_current_is_named_with_its_law():
+    """Beside the dark current that a profile has: the numbers of its law to a tenth."""
+    true = with_effects(dark_current=DARK, dark_current_nonuniformity=UNEVEN)
+    found = diagnosed(true, with_effects(dark_current=DARK))
+    assert [f.name for f in found.effects] == ["dark_current_nonuniformity"]
+    sigma = UNEVEN["rate"] * np.sinh(UNEVEN["log_sigma"])
+    assert missed(found.effects[0], {"sigma": sigma}) == []
+    effects = Sensor.from_json(found.profile_json, "found").effects
+    found_law = effects[1]["parameters"]
+    for name, value in UNEVEN.items():
+        assert found_law[name] == pytest.approx(value, rel=0.1)
+
+
+@pytest.mark.slow
+def test_all_of_them_at_once_are_found():
+    """As real sensors have them, with a dark current, by darks of four times."""
+    true = with_effects(
+        dark_current=DARK,
+        dark_current_nonuniformity=UNEVEN,
+        bias_structure=BIAS,
+        black_level_drift=DRIFT,
+        amplifier_glow=GLOW,
+    )
+    found = diagnosed(true)
+    assert {finding.name for finding in found.effects} == {
+        "dark_current",
+        "dark_current_nonuniformity",
+        "bias_structure",
+        "black_level_drift",
+        "amplifier_glow",
+    }
+    assert found.gap.chi2_after == pytest.approx(1, abs=0.01)
+
+
+def test_a_structure_that_is_in_the_profile_is_found_where_it_changed():
+    """Steps start from what the profile has: not from zero, nor twice."""
+    moved = {**BIAS, "edge": 0.5 * READ}
+    found = diagnosed(
+        with_effects(bias_structure=moved), with_effects(bias_structure=BIAS)
+    )
+    assert [finding.name for finding in found.effects] == ["bias_structure"]
+    (effect,) = Sensor.from_json(found.profile_json, "found").effects
+    assert effect["parameters"]["edge"] == pytest.approx(moved["edge"], abs=0.1 * READ)
+    assert effect["parameters"]["edge_length"] == pytest.approx(12.0, abs=4.0)
+    assert (
+        diagnosed(
+            with_effects(bias_structure=BIAS), with_effects(bias_structure=BIAS)
+        ).effects
+        == []
+    )
