@@ -44,7 +44,7 @@ Effect dark_current_nonuniformity()
             "of e^(log_sigma n) - 1, n normal, that a second leaves beside "
             "dark_current, "
             "the median; that should be as much at least, as no charge is below 0" },
-          { "log_sigma", "1", 0.0, 4.0, 0.0,
+          { "log_sigma", "1", 0.0, 3.0, 0.0,
             "standard deviation of the log of a pixel's rate" } },
         "dark current that differs from pixel to pixel",
         "R. L. Baer, Proc. SPIE 6068, 2006 (log-normal)",

@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Print the table of docs/diagnose.md: which captures show which effect.
 
-  python scripts/studies/capture_kinds.py [--cases N] [--threads N] [--effects NAME,..]
+    python scripts/studies/capture_kinds.py [--cases N] [--threads N] [--effects A,B]
 
 Every effect is hidden in simulated captures, at the middle of the strengths that the
 generator draws from, and looked for in the darks alone, the flats alone, and so on. A
