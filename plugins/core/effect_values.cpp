@@ -6,6 +6,7 @@
 #include "text.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cg2raw {
 
@@ -56,10 +57,15 @@ void check_each(const Effect& effect, const Values& values,
                     + std::to_string(names.size()) + " are needed: " + joined(names));
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto& [name, unit, min, max, null, meaning, repeat] = parameters[i];
+        const auto& [name, unit, min, max, null, meaning, repeat, whole]
+            = parameters[i];
         if (!(values[i] >= min && values[i] <= max))
             throw Error(where + name + " " + number(values[i]) + " is outside "
                         + number(min) + " to " + number(max) + " " + unit);
+        if (whole && values[i] != std::floor(values[i]))
+            throw Error(where + name + " " + number(values[i])
+                        + " must be a whole number of " + number(min) + " to "
+                        + number(max) + " " + unit);
     }
 }
 

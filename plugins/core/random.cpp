@@ -147,6 +147,32 @@ CG2RAW_MULTIVERSION void draw_uniforms(std::uint32_t first_group, std::uint32_t 
     }
 }
 
+/// Weights of a row's independent normals in one that correlates with the next by a
+/// coefficient: those of an autoregressive process, up to where they are lost in
+/// float32, and together of variance 1.
+std::vector<float> weights_of(double coefficient)
+{
+    constexpr double least = 1e-8;
+    std::vector<double> powers { 1.0 };
+    double square = 1.0;
+    while (std::abs(powers.back() * coefficient) > least) {
+        powers.push_back(powers.back() * coefficient);
+        square += powers.back() * powers.back();
+    }
+    std::vector<float> weights;
+    for (double power : powers)
+        weights.push_back(float(power / std::sqrt(square)));
+    return weights;
+}
+
+/// out[i] += weight * normal[i].
+CG2RAW_MULTIVERSION void add_weighted(const float* normal, float weight, int count,
+                                      float* out)
+{
+    for (int i = 0; i < count; ++i)
+        out[i] += weight * normal[i];
+}
+
 /// Draws of the sites at ... at + count - 1, from whole groups of counters.
 template <int each, class Value, class Draw>
 void copy_groups(Site at, int count, const Draw& draw, Value* out)
@@ -188,6 +214,7 @@ std::array<std::uint32_t, 4> philox_words(const std::array<std::uint32_t, 4>& co
 
 Rng::Rng(std::uint64_t seed, std::string_view purpose, std::uint64_t frame)
     : m_key(hashed(seed, purpose))
+    , m_fixed_key(hashed(0, purpose))
     , m_frame(frame)
 {
 }
@@ -196,10 +223,42 @@ Rng Rng::other(std::string_view purpose) const
 {
     Rng stream = *this;
     stream.m_key = hashed(m_key, purpose);
+    stream.m_fixed_key = hashed(m_fixed_key, purpose);
+    return stream;
+}
+
+Rng Rng::fixed() const
+{
+    Rng stream = *this;
+    stream.m_key = m_fixed_key;
+    stream.m_frame = 0;
+    return stream;
+}
+
+Rng Rng::correlated(double coefficient) const
+{
+    Rng stream = *this;
+    stream.m_weights = weights_of(coefficient);
     return stream;
 }
 
 void Rng::normals(Site at, int count, float* out) const
+{
+    if (m_weights.empty()) {
+        independent_normals(at, count, out);
+        return;
+    }
+    // A row begins with the normals of columns that no sensor has: none is negative.
+    const int before = int(m_weights.size()) - 1;
+    std::vector<float> normal(std::size_t(count + before));
+    independent_normals(at, count + before, normal.data());
+    std::fill_n(out, count, 0.0f);
+    for (int back = 0; back <= before; ++back)
+        add_weighted(normal.data() + (before - back), m_weights[std::size_t(back)],
+                     count, out);
+}
+
+void Rng::independent_normals(Site at, int count, float* out) const
 {
     copy_groups<per_counter>(
         at, count,

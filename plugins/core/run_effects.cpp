@@ -5,6 +5,7 @@
 
 #include "effect_values.h"
 #include "text.h"
+#include "tukey_lambda.h"
 
 #include <algorithm>
 #include <tuple>
@@ -90,6 +91,32 @@ void sort_by_stage(std::vector<ActiveEffect>& active)
               });
 }
 
+/// Read noise is drawn apart, from normals that correlate along rows, where some effect
+/// says so; its variance stays. Throws Error for noise that is not made of normals.
+void correlate_read_noise(std::vector<ActiveEffect>& active, const std::string& where)
+{
+    const auto found
+        = std::find_if(active.begin(), active.end(), [](const ActiveEffect& one) {
+              return one.effect->name == "read_noise_correlation";
+          });
+    const double coefficient = found == active.end() ? 0.0 : found->values[0];
+    if (coefficient == 0.0)
+        return;
+    for (ActiveEffect& one : active) {
+        const bool heavy = one.effect->name == "heavy_tailed_noise";
+        if (heavy && !has_normal_core(one.values))
+            throw Error(where + ": effect read_noise_correlation does not combine with"
+                        + " noise physical of tukey_lambda "
+                        + number(*(one.values.end() - 3)) + " without outliers: say "
+                        + "noise gaussian, or give outlier_fraction above 0 and "
+                        + "tukey_lambda 0.14, or leave the effect out");
+        if (heavy || one.effect->draw_apart)
+            one.rng = one.rng.correlated(coefficient);
+        if (one.effect->draw_apart)
+            one.draw = one.effect->draw_apart;
+    }
+}
+
 void check_exposure_time(const std::vector<ActiveEffect>& active,
                          const std::optional<double>& seconds)
 {
@@ -131,7 +158,8 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
             throw Error("sensor " + profile.id + ": effect " + effect.name
                         + " would act twice: leave it out of the profile's effects, or "
                           "the ISO out of the run");
-        active.push_back({ &effect, std::move(values), rng_of(effect, profile, run) });
+        active.push_back(
+            { &effect, std::move(values), rng_of(effect, profile, run), effect.draw });
     };
     for (const EffectSetting& setting : profile.effects) {
         const Effect& known = effect_of(setting.name, profile);
@@ -144,6 +172,7 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile, const Run
         for (auto& [name, values] : noise_settings(profile, run, *noise))
             add(effect(name), std::move(values));
     sort_by_stage(active);
+    correlate_read_noise(active, "sensor " + profile.id);
     check_exposure_time(active, run.exposure_time);
     return active;
 }
@@ -158,7 +187,7 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile,
         if (holds(active, known))
             throw Error(where + ": effect " + name + " is given twice: give it once");
         check_values(known, values, profile.cfa, where);
-        active.push_back({ &known, values, rng_of(known, profile, {}) });
+        active.push_back({ &known, values, rng_of(known, profile, {}), known.draw });
     }
     sort_by_stage(active);
     return active;

@@ -10,11 +10,13 @@
 
 namespace cg2raw {
 
-/// An effect, its values and its random numbers.
+/// An effect, its values, its random numbers, and how it draws by these: null where it
+/// states a variance that is drawn with others'.
 struct ActiveEffect {
     const Effect* effect;
     Values values;
     Rng rng;
+    void (*draw)(Signal&, const Values&, const Rng&);
 };
 
 /// In the order of application. Throws Error for unknown effects, bad parameters and

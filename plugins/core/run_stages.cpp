@@ -17,12 +17,11 @@ constexpr float largest_signal = std::numeric_limits<float>::max();
 void apply(const std::vector<ActiveEffect>& active, Purpose purpose, Stage first,
            Stage last, Signal& signal)
 {
-    for (const auto& [effect, values, rng] : active) {
+    for (const auto& [effect, values, rng, draw] : active) {
         if (effect->stage < first || effect->stage > last)
             continue;
-        if (effect->draw
-            && (purpose == Purpose::drawing || effect->pattern == Pattern::fixed))
-            effect->draw(signal, values, rng);
+        if (draw && (purpose == Purpose::drawing || effect->pattern == Pattern::fixed))
+            draw(signal, values, rng);
         else
             effect->predict(signal, values);
     }
@@ -32,7 +31,7 @@ void apply(const std::vector<ActiveEffect>& active, Purpose purpose, Stage first
 bool needs_gaussian(const std::vector<ActiveEffect>& active, Stage first, Stage last)
 {
     return std::any_of(active.begin(), active.end(), [&](const ActiveEffect& a) {
-        return a.effect->stage >= first && a.effect->stage <= last && !a.effect->draw;
+        return a.effect->stage >= first && a.effect->stage <= last && !a.draw;
     });
 }
 

@@ -7,7 +7,21 @@
 /// 1971.
 #pragma once
 
+#include "cg2raw/effect.h"
+
 namespace cg2raw {
+
+/// Shape with the tails nearest to a normal's. Source: J. J. Filliben, Technometrics
+/// 17(1), 1975.
+constexpr double normal_lambda = 0.14;
+
+/// Whether values of heavy_tailed_noise are drawn from normals: outliers in a normal
+/// are a mixture of normals, which Tukey's almost is not. Its last three values are
+/// lambda, share and variance ratio of the outliers.
+inline bool has_normal_core(const Values& values)
+{
+    return *(values.end() - 2) > 0.0 && *(values.end() - 3) == normal_lambda;
+}
 
 /// Variance of the distribution of scale 1, for -0.5 < lambda <= 0.5; relative error
 /// below 1e-9.

@@ -15,25 +15,21 @@
 namespace cg2raw::effects {
 namespace {
 
-/// Shape with the tails nearest to a normal's. Source: J. J. Filliben, Technometrics
-/// 17(1), 1975.
-constexpr double normal_lambda = 0.14;
-
 /// What stands behind the variances of the CFA's sites.
 struct Shape {
     double lambda, outlier_fraction, outlier_variance_ratio;
+    bool is_normal;
 
     explicit Shape(const Values& values)
         : lambda(*(values.end() - shapes))
         , outlier_fraction(*(values.end() - 2))
         , outlier_variance_ratio(values.back())
+        , is_normal(has_normal_core(values))
     {
     }
 
     static constexpr int shapes = 3;
     bool has_outliers() const { return outlier_fraction > 0.0; }
-    /// Outliers in a normal are a mixture of normals, which Tukey's almost is not.
-    bool is_normal() const { return has_outliers() && lambda == normal_lambda; }
     /// Variance of all draws over that of those that are no outliers.
     double spread() const
     {
@@ -44,7 +40,7 @@ struct Shape {
 void add_core(const SitePiece& piece, const double* scale, const Shape& shape,
               const Rng& rng)
 {
-    if (shape.is_normal()) {
+    if (shape.is_normal) {
         float normal[most_in_piece];
         rng.normals(piece.at, piece.count, normal);
         for (int i = 0; i < piece.count; ++i)
@@ -59,8 +55,7 @@ void add_core(const SitePiece& piece, const double* scale, const Shape& shape,
 void draw(Signal& signal, const Values& values, const Rng& rng)
 {
     const Shape shape(values);
-    const double of_core
-        = shape.is_normal() ? 1.0 : tukey_lambda_variance(shape.lambda);
+    const double of_core = shape.is_normal ? 1.0 : tukey_lambda_variance(shape.lambda);
     Values scales(values.begin(), values.end() - Shape::shapes);
     for (double& value : scales)
         value = std::sqrt(value / (of_core * shape.spread()));

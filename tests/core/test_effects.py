@@ -26,7 +26,8 @@ NAMED = """color_matrix exposure white_balance
     dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
     bias_structure black_level black_level_drift column_fixed_pattern dsnu
-    heavy_tailed_noise read_noise row_noise quantisation noise_reduction"""
+    heavy_tailed_noise read_noise read_noise_correlation row_noise quantisation
+    noise_reduction"""
 # Parameters that act only where the effect's others do.
 PARTNERS = {
     "heavy_tailed_noise": (
@@ -54,6 +55,8 @@ TIMED = (
     "dark_current_nonuniformity",
     "hot_pixels",
 )
+# Effects on the noise of others, which is there besides.
+ON_NOISE = {"read_noise_correlation": "read_noise"}
 # Their centre, or their mean, is that of the image.
 OF_THE_IMAGE = (
     "lens_shading",
@@ -64,6 +67,11 @@ OF_THE_IMAGE = (
     "bias_structure",
 )
 OF_A_FRAME = ("black_level_drift",)  # all its pixels share one draw
+# Of the order of the noise, and so that no sample lies far from its level.
+BASE = {
+    "shot_noise": {f"beta1_{site}": 2e-3 for site in ("00", "01", "10", "11")},
+    "read_noise": {f"beta2_{site}": 1e-4 for site in ("00", "01", "10", "11")},
+}
 REACH = 12  # pixels: at least that of any effect
 
 
@@ -78,8 +86,10 @@ def sensor_with(name=None, **values):
         return cg2raw.Sensor.from_json(cameras.profile_text())
     parameters = {p["name"]: p["null"] for p in EFFECTS[name]["parameters"]}
     parameters.update(values)
-    setting = {"name": name, "parameters": parameters}
-    return cg2raw.Sensor.from_json(cameras.profile_text(effects=[setting]))
+    settings = [{"name": name, "parameters": parameters}]
+    if name in ON_NOISE:
+        settings.append({"name": ON_NOISE[name], "parameters": BASE[ON_NOISE[name]]})
+    return cg2raw.Sensor.from_json(cameras.profile_text(effects=settings))
 
 
 def tenth(parameter):
@@ -131,7 +141,9 @@ def test_an_effect_says_what_it_is(name):
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_null_parameters_are_identity(name):
-    assert (signal(sensor_with(name), name) == signal(sensor_with())).all()
+    other = ON_NOISE.get(name)
+    without = sensor_with(other, **BASE[other]) if other else sensor_with()
+    assert (signal(sensor_with(name), name) == signal(without)).all()
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -162,7 +174,7 @@ def test_one_key_one_frame(name):
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_what_is_temporal_changes_from_frame_to_frame(name):
-    temporal = EFFECTS[name]["pattern"] == "temporal"
+    temporal = EFFECTS[name]["pattern"] == "temporal" or name in ON_NOISE
     for values in strengths(name):
         sensor = sensor_with(name, **values)
         frames = [signal(sensor, name, frame=f) for f in (0, 1)]
@@ -244,13 +256,6 @@ def test_drawn_mean_and_variance_are_the_predicted_ones(name):
         check_moments(left, mean, variance)
     else:
         assert not left.any()
-
-
-# Of the order of the noise, and so that no sample lies far from its level.
-BASE = {
-    "shot_noise": {f"beta1_{site}": 2e-3 for site in ("00", "01", "10", "11")},
-    "read_noise": {f"beta2_{site}": 1e-4 for site in ("00", "01", "10", "11")},
-}
 
 
 @pytest.mark.parametrize("name", [n for n in EFFECTS if n not in BASE])

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 
 from cg2raw import Sensor
+from cg2raw.benchmark.closed_loop import simulated
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import candidates
@@ -19,6 +20,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from cg2raw.diagnose.likelihood.workers import Workers
+from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.sensors import ISO, with_noise
 
 SHAPE = (64, 96)
@@ -148,3 +150,17 @@ def bare(sensor):
     profile = json.loads(sensor.to_json())
     profile.pop("noise", None)
     return Sensor.from_json(json.dumps(profile), "bare")
+
+
+def shot_by_registry(sensor, effects, seed=1, shape=(112, 144)):
+    """Return the standard set of 24 captures, drawn by the registry's own simulation of
+    a sensor with effects, to be diagnosed as frames of the sensor without them.
+
+    effects : name -> parameters."""
+    profile = json.loads(sensor.to_json())
+    profile["effects"] = [
+        {"name": name, "parameters": values} for name, values in effects.items()
+    ]
+    planted = Sensor.from_json(json.dumps(profile), "planted")
+    bare_captures = simulate_captures(sensor, {}, seed=seed, shape=shape)
+    return replace(simulated(bare_captures, planted), sensor=sensor)

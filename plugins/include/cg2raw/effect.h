@@ -48,6 +48,7 @@ struct Parameter {
     double null; ///< switches the effect off
     std::string meaning;
     CfaRepeat repeat = CfaRepeat::any;
+    bool whole = false; ///< a whole number
 };
 
 /// Signals of this and above count as clipped: some chains round white down.
@@ -104,6 +105,9 @@ struct Effect {
     int reach = 0; ///< pixels around a site that its result depends on
     bool needs_glare_context = false;
     bool needs_exposure_time = false;
+    /// The draw of an effect that has none, where its noise is not white: then it stays
+    /// out of the Gaussian that others share.
+    void (*draw_apart)(Signal&, const Values&, const Rng&) = nullptr;
 };
 
 /// All effects, in stage order, then by name.

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 namespace cg2raw {
 
@@ -24,6 +25,14 @@ public:
 
     /// Another stream of the same key and frame, independent of this one.
     Rng other(std::string_view purpose) const;
+    /// The stream of the same purpose that every seed and frame share: of a sensor's
+    /// fixed pattern, beside what is drawn anew.
+    Rng fixed() const;
+    /// A stream whose normals are correlated with the next of their row: an
+    /// autoregressive process of order 1, of variance 1. |coefficient| <= 0.5. All else
+    /// of it is drawn as before. Source: G. E. P. Box, G. M. Jenkins, Time Series
+    /// Analysis, 1970, section 3.2.
+    Rng correlated(double coefficient) const;
 
     /// Standard normals, float32, of the sites (row, col) ... (row, col + count - 1);
     /// the same for a site whichever row piece it is asked in, on every machine.
@@ -36,8 +45,12 @@ public:
     double normal(std::uint32_t n) const;
 
 private:
+    void independent_normals(Site at, int count, float* out) const;
+
     std::uint64_t m_key;
+    std::uint64_t m_fixed_key; ///< without the seed
     std::uint64_t m_frame;
+    std::vector<float> m_weights; ///< of a normal and of those before it in its row
 };
 
 } // namespace cg2raw

@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import log_ndtr, logsumexp
 
 from cg2raw.synthetic.camera import Camera, Plane
+from cg2raw.synthetic.memory import told_by_before
 from cg2raw.synthetic.photons import ROUNDING, normal, photon_density
 from cg2raw.synthetic.readout import (
     Noise,
@@ -50,6 +51,12 @@ def log_density(
 
     def at_offset(offset: Plane | float) -> Plane:
         moved = pedestal + offset
+        if noise.correlation:
+            known = np.where(low | high, np.nan, level)
+            shift, less = _by_memory(known, charge, moved, noise, camera, unsure)
+            return _independent(
+                level, low, high, charge, moved + shift, noise, camera, unsure - less
+            )
         return _independent(level, low, high, charge, moved, noise, camera, unsure)
 
     unit = row_unit(camera)
@@ -67,6 +74,25 @@ def _before_blend(level: Plane, blend: float) -> tuple[Plane, float]:
     """Undo noise reduction; return also the variance that rounding has become."""
     response = blend_response((level.shape[0] // 2, level.shape[1] // 2), blend)
     return blended(level, blend, inverse=True), ROUNDING * float(np.mean(response**-2))
+
+
+def _by_memory(
+    level: Plane,
+    charge: Plane,
+    pedestal: Plane,
+    noise: Noise,
+    camera: Camera,
+    unsure: Plane | float,
+) -> tuple[Plane, Plane]:
+    """Return (mean, variance that is not left) of levels, DN and DN^2, given those
+    before them in the row; noise as if it were Gaussian."""
+    gain = camera.over(camera.dn_per_electron, level.shape)
+    read = gain * camera.over(camera.read_noise, level.shape)
+    read = read * np.sqrt(np.dot(noise.weights, noise.variances))
+    variance = gain**2 * noise.excess * charge + read**2 + unsure + ROUNDING
+    shared = np.zeros_like(read)
+    shared[:, 1:] = noise.correlation * read[:, 1:] * read[:, :-1]
+    return told_by_before(level - pedestal - gain * charge, variance, shared)
 
 
 def _log_determinant(shape: tuple[int, int], blend: float) -> Plane:

@@ -13,6 +13,7 @@ from scipy import fft
 from cg2raw.synthetic.camera import Camera, Plane
 from cg2raw.synthetic.light import Hidden
 from cg2raw.synthetic.measured import ReadNoise
+from cg2raw.synthetic.memory import with_memory
 
 SHARES_OF_TRAPS = (0.7, 0.3)  # of the noisy pixels: one trap, or a strong one
 STRONG_TRAP = 1.7  # times the noise of one trap
@@ -27,6 +28,7 @@ class Noise:
     weights, variances : of a mixture of Gaussians, over the profile's read variance.
     row, frame : half the range of a row's and of a frame's offset, in read noises.
     blend : share of its 8 neighbours of the same colour in a pixel of the file.
+    correlation : of the read noise of neighbours in a row.
     """
 
     excess: float = 1.0
@@ -37,6 +39,7 @@ class Noise:
     row: float = 0.0
     frame: float = 0.0
     blend: float = 0.0
+    correlation: float = 0.0
 
 
 def noise_of(hidden: Hidden) -> Noise:
@@ -63,6 +66,7 @@ def noise_of(hidden: Hidden) -> Noise:
         row=row,
         frame=frame,
         blend=hidden.get("noise_reduction", {}).get("blend", 0.0),
+        correlation=hidden.get("read_noise_correlation", {}).get("correlation", 0.0),
     )
 
 
@@ -111,7 +115,10 @@ def _mixture(
 ) -> Plane:
     kind = rng.choice(len(noise.weights), size=shape, p=noise.weights)
     read = camera.over(camera.read_noise, shape) * np.sqrt(noise.variances)[kind]
-    return read * rng.standard_normal(shape)
+    normal = rng.standard_normal(shape)
+    if noise.correlation:
+        normal = with_memory(rng, normal, noise.correlation)
+    return read * normal
 
 
 def row_unit(camera: Camera) -> float:

@@ -217,6 +217,9 @@ KINDS: Mapping[str, Kind] = {
         lambda rng, s, _: {"electrons_per_second": s, "skew": rng.uniform(0.3, 1.5)},
     ),
     "amplifier_glow": Kind("electrons/s beside the amplifier", 0.7, 30.0, _glow),
+    "read_noise_correlation": Kind(
+        "correlation with the next pixel", 0.03, 0.3, _one("correlation", True)
+    ),
 }
 
 # The first names that there were: numbers of a benchmark's cases go through these

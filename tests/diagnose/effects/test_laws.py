@@ -88,6 +88,7 @@ STRONG = {
     "noise_reduction": (0.3, 0.05),
     "row_noise": (0.7,),
     "black_level_drift": (0.4,),
+    "read_noise_correlation": (0.4,),
     "poisson_shot_noise": (1.0,),
     "heavy_tailed_noise": (0.05, 12.0),
 }
@@ -101,7 +102,7 @@ def uniform(name):
     """Return a frame and a prediction that are the same at all pixels."""
     (frame,) = frames_of(SENSOR, [capture_of("flat", shape=SHAPE[1:])])
     frame = replace(frame, keep=np.ones(SHAPE, bool))
-    level = 0.3 if name == "full_well" else 0.05
+    level = {"full_well": 0.3, "read_noise_correlation": 5e-4}.get(name, 0.05)
     variance = frame.beta1 * level + frame.beta2
     full = (np.broadcast_to(x, SHAPE) for x in (level, variance, level, variance))
     return frame, Prediction(*(np.array(x) for x in full))

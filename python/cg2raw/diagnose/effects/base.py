@@ -90,7 +90,8 @@ class Effect:
     search : parameters that are searched; none for the registry's own.
     bounds : narrower than the registry's, by the beginning of a parameter's name.
     step, steps_of : of numerical derivatives, and of those of some parameters.
-    starts, first_scale : of a search of values.
+    starts : of a search of values. first_step, first_scale : its first steps, as a
+        share of each value, and the least of them.
     switches : parameters that are 0 without the effect; all of them if empty.
     ends : parameters whose bounds are ends of what there is, not of what is looked for.
     shape_of : parameters that say nothing where another one, of which they are the
@@ -121,6 +122,7 @@ class Effect:
     steps_of: ClassVar[Mapping[str, float]] = {}
     starts: ClassVar[tuple[tuple[float, ...], ...]] = ()
     first_scale: ClassVar[float] = 0.02
+    first_step: ClassVar[float | tuple[float, ...]] = 0.4
     switches: ClassVar[tuple[str, ...]] = ()
     ends: ClassVar[frozenset[str]] = frozenset()
     shape_of: ClassVar[Mapping[str, str]] = {}
@@ -323,6 +325,16 @@ class Effect:
             if parameter["name"].startswith(start):
                 return bounds
         return parameter["min"], parameter["max"]
+
+
+def listed_values(sensor: Sensor, name: str) -> tuple[float, ...] | None:
+    """Return the parameters of an effect that a profile lists, in the registry's order;
+    None if it does not."""
+    for effect in sensor.effects:
+        if effect["name"] == name:
+            known = registered()[name]["parameters"]
+            return tuple(float(effect["parameters"][p["name"]]) for p in known)
+    return None
 
 
 def draw_noise_by(profile: dict[str, Any], name: str, gaussian: str) -> None:

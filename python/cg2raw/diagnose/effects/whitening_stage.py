@@ -14,8 +14,9 @@ class WhiteningStage(IntEnum):
 
     CLIPPING = 1
     FILTER = 2
-    ROWS = 3
-    FRAME = 4
-    NUISANCE = 5
-    PHOTONS = 6
-    READOUT = 7
+    AMPLIFIER = 3
+    ROWS = 4
+    FRAME = 5
+    NUISANCE = 6
+    PHOTONS = 7
+    READOUT = 8

@@ -8,12 +8,11 @@ from typing import Protocol
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Values
+from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 ENOUGH = 0.3  # nats; a step that promises less is not taken
-FIRST_STEP = 0.4  # of a value that the first step is
 SMALLER = 0.35  # the next steps
 SWEEPS = 4
 MOST_RIDGE = 3  # steps along the way that coordinates led
@@ -21,7 +20,11 @@ FARTHEST_TOP = 4.0  # steps, of the top of a parabola
 
 
 class SearchSpace(Protocol):
-    """What is searched: where values may lie, and the least first step."""
+    """What is searched: where values may lie, and the first steps, as a share of each
+    value and the least."""
+
+    @property
+    def first_step(self) -> float | tuple[float, ...]: ...
 
     @property
     def first_scale(self) -> float: ...
@@ -34,7 +37,7 @@ class Box:
 
     def __init__(self, low: Values, high: Values, first_scale: float = 0.02) -> None:
         self._low, self._high = low, high
-        self.first_scale = first_scale
+        self.first_step, self.first_scale = Effect.first_step, first_scale
 
     def clipped(self, values: Values) -> Values:
         return np.clip(values, self._low, self._high)
@@ -82,7 +85,7 @@ def climb(
     then along where these led, ever smaller.
 
     Source: M. J. D. Powell, The Computer Journal 7(2), 1964."""
-    scale = np.maximum(np.abs(values) * FIRST_STEP, space.first_scale)
+    scale = np.maximum(np.abs(values) * space.first_step, space.first_scale)
     for _ in range(SWEEPS):
         start = values
         for index in range(len(values)):
