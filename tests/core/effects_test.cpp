@@ -170,13 +170,13 @@ double departure_from_a_line(const Effect& effect, bool drawn, std::size_t param
 /// square of its step; a level acts on what is above it; more pixels are hot, each more
 /// so; more draws are outliers; what lies above white counts as white as soon as any of
 /// it is blended; what fades over no distance is none; a correlation of noise is none by
-/// itself.
+/// itself, nor is a wave without an amplitude.
 const std::set<std::string> not_linear {
     "quantisation.step",          "full_well.below_white",
     "hot_pixels.fraction",        "heavy_tailed_noise.outlier_fraction",
     "noise_reduction.blend",      "noise_reduction.diagonal",
     "bias_structure.edge_length", "amplifier_glow.extent",
-    "read_noise_correlation.coefficient"
+    "read_noise_correlation.coefficient", "mains_flicker.period"
 };
 
 TEST_P(EffectLaws, TheResponseIsOfTheFirstOrderAtNull)

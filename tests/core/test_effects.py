@@ -22,7 +22,7 @@ STAGES = (
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
 NAMED = """color_matrix exposure white_balance
     blur color_shading lateral_chromatic_aberration lens_shading veiling_glare
-    crosstalk gr_gb_imbalance prnu amplifier_glow dark_current
+    crosstalk gr_gb_imbalance mains_flicker prnu amplifier_glow dark_current
     dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
     bias_structure black_level black_level_drift column_fixed_pattern dsnu
@@ -40,6 +40,7 @@ PARTNERS = {
     "bias_structure": ("edge", "edge_length"),
     "amplifier_glow": ("per_second", "row", "column", "extent"),
     "dark_current_nonuniformity": ("rate", "log_sigma"),
+    "mains_flicker": ("period",),
 }
 # Where a tenth of the way to a bound does not show in the scene, or fills it.
 STRONG = {
@@ -48,6 +49,7 @@ STRONG = {
     "hot_pixels": {"rate": 0.01},
     "amplifier_glow": {"per_second": 0.05},
     "dark_current_nonuniformity": {"rate": 0.01},
+    "mains_flicker": {"period": 20.0},
 }
 TIMED = (
     "amplifier_glow",

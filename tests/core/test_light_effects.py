@@ -141,3 +141,30 @@ def test_veiling_glare_lifts_by_the_mean_and_by_what_is_near():
     seen = of.planes(image, "veiling_glare", wide=0.1)
     wide = np.stack([ndimage.gaussian_filter(p.astype(float), 240 / 6) for p in image])
     np.testing.assert_allclose(seen, 0.9 * image + 0.1 * wide, atol=1e-3)
+
+
+def test_mains_flicker_is_a_wave_down_the_rows_of_a_phase_per_frame():
+    amplitude, period, height = 0.2, 12.5, 100
+    plain = of.sensor()
+    waved = of.sensor(
+        settings=[("mains_flicker", {"amplitude": amplitude, "period": period})]
+    )
+    image = np.moveaxis(of.noise_image(height, 40), 0, -1).copy()
+    run = {"illuminant": "D50", "camera_input": True}
+    clean = np.asarray(plain.signal(image, **run), float)
+    rows, phases = np.arange(height), []
+    for frame in range(400):
+        seen = np.asarray(waved.signal(image, **run, seed=1, frame=frame), float)
+        factor = seen / clean
+        assert np.ptp(factor, axis=1).max() < 1e-5, "all of a row alike"
+        wave = (factor[:, 0] - 1) @ np.exp(-2j * np.pi * rows / period) * 2 / height
+        assert np.abs(wave) == pytest.approx(amplitude, rel=1e-4)
+        expected = 1 + amplitude * np.cos(2 * np.pi * rows / period + np.angle(wave))
+        np.testing.assert_allclose(factor[:, 0], expected, atol=1e-5)
+        phases.append(np.angle(wave))
+    # The mean vector of 400 even phases is 0.05 long: three times that is chance 1e-4.
+    for turns in (1, 2):
+        assert np.abs(np.exp(1j * turns * np.array(phases)).mean()) < 0.15
+    mean, variance = (np.asarray(x, float) for x in waved.predict(image, **run))
+    np.testing.assert_allclose(mean, clean, **TIGHT)
+    np.testing.assert_allclose(variance, (amplitude * clean) ** 2 / 2, rtol=1e-5)

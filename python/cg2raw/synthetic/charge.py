@@ -14,6 +14,8 @@ from scipy.stats import invgauss
 from cg2raw.synthetic.camera import Camera, Plane
 from cg2raw.synthetic.light import Hidden, Values
 
+HIGHEST_WAVE = 8  # of a lamp's light, of its first
+
 
 @dataclass(frozen=True)
 class Patterns:
@@ -93,10 +95,8 @@ def mosaic_light(
 ) -> Plane:
     """Return the light that each pixel collects, (H, W), white at 1."""
     x = camera.mosaic(rgb)
-    if "flicker" in hidden:
-        v = hidden["flicker"]
-        turns = np.arange(x.shape[0]) / v["rows"] + flicker_phase
-        x = x * (1 + v["swing"] * np.sin(2 * np.pi * turns))[:, None]
+    if "mains_flicker" in hidden:
+        x = x * _mains(hidden["mains_flicker"], flicker_phase, x.shape[0])[:, None]
     if "crosstalk" in hidden:
         v = hidden["crosstalk"]
         p = np.pad(x, 1, "reflect")
@@ -114,6 +114,19 @@ def mosaic_light(
         shaded = (rows % period == 2) & (cols % period == 3)
         x = np.where(shaded, (1 - v["loss"]) * x, x)
     return x
+
+
+def _mains(values: Values, phase: float, rows: int) -> Plane:
+    """Return (rows,) the light of a lamp on rectified mains, 1 on average.
+
+    |sin| by its Fourier series, exposed for a share of a wave; its swing is that of the
+    first wave."""
+    turns = np.arange(rows) / values["rows"] + phase
+    waves = np.arange(1, HIGHEST_WAVE + 1)
+    heights = np.sinc(waves * values["exposed"]) / (4 * waves**2 - 1)
+    light = np.cos(2 * np.pi * waves * turns[:, None]) @ heights
+    swung: Plane = 1 - values["swing"] * light / heights[0]
+    return swung
 
 
 def _green_gains(camera: Camera, values: Values) -> Plane:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
+from numpy.random import Generator
 from scipy import fft
 from scipy.ndimage import map_coordinates
 from scipy.special import j1
@@ -145,6 +146,21 @@ def _blurred(light: Plane, hidden: Hidden, field: Field) -> Plane:
             -1,
         )
     return light
+
+
+def jittered(rng: Generator, light: Plane, hidden: Hidden) -> Plane:
+    """Return light (H, W, 3) whose rows are read a little too early or too late."""
+    if "line_jitter" not in hidden:
+        return light
+    rms = hidden["line_jitter"]["rms_px"]
+    rows, cols = np.mgrid[: light.shape[0], : light.shape[1]]
+    late = rms * rng.standard_normal((light.shape[0], 1))
+    moved = [
+        map_coordinates(light[..., k], [rows, cols + late], order=3, mode="mirror")
+        for k in range(3)
+    ]
+    there: Plane = np.maximum(np.stack(moved, -1), 0.0)
+    return there
 
 
 def disc(f: Plane, radius: float) -> Plane:

@@ -220,6 +220,16 @@ KINDS: Mapping[str, Kind] = {
     "read_noise_correlation": Kind(
         "correlation with the next pixel", 0.03, 0.3, _one("correlation", True)
     ),
+    "mains_flicker": Kind(
+        "relative swing",
+        0.003,
+        0.05,
+        lambda rng, s, _: {
+            "swing": s,
+            "rows": rng.uniform(20, 80),
+            "exposed": rng.uniform(0.3, 0.8),
+        },
+    ),
 }
 
 # The first names that there were: numbers of a benchmark's cases go through these
@@ -242,12 +252,7 @@ UNKNOWN_KINDS: Mapping[str, Kind] = {
         0.3,
         lambda rng, s, _: {"loss": s, "period": 2.0 * rng.integers(4, 9)},
     ),
-    "flicker": Kind(
-        "relative swing",
-        0.005,
-        0.05,
-        lambda rng, s, _: {"swing": s, "rows": rng.uniform(20, 120)},
-    ),
+    "line_jitter": Kind("px rms", 0.1, 0.6, _one("rms_px")),
     "motion_blur": Kind(
         "px",
         1.0,

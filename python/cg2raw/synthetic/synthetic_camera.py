@@ -151,6 +151,8 @@ class SyntheticCamera:
             x = np.zeros(self.shape)
         else:
             on_sensor = self._on_sensor(shot.kind, shot.set) * self.brightness(shot)
+            jitter = stream(self.seed, f"line_jitter/{shot.name}")
+            on_sensor = light.jittered(jitter, on_sensor, self.hidden)
             phase = stream(self.seed, f"flicker/{shot.name}").random()
             x = charge.mosaic_light(on_sensor, self.hidden, self.camera, phase)
             if self.measured.transmission is not None:

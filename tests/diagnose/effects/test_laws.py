@@ -89,6 +89,7 @@ STRONG = {
     "row_noise": (0.7,),
     "black_level_drift": (0.4,),
     "read_noise_correlation": (0.4,),
+    "mains_flicker": (0.2, 5.0),
     "poisson_shot_noise": (1.0,),
     "heavy_tailed_noise": (0.05, 12.0),
 }

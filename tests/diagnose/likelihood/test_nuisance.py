@@ -36,7 +36,7 @@ def test_whitening_is_the_dense_normal(kind, floating):
     one = nuisance(floating=floating)
     p = predict(Model(SENSOR), frame)
     z = rng.standard_normal(frame.signal.shape)
-    white, cost = one.shrinkage(p, frame).apply(z, frame)
+    white, cost = one.shrinkage(p, frame).apply(z, frame.keep)
     keep = frame.keep
     density = (-0.5 * white**2 - 0.5 * np.log(2 * np.pi) + cost)[keep].sum()
     columns = one._columns(frame, p)[:, keep.ravel()].astype(float)
@@ -49,7 +49,7 @@ def test_a_dark_has_no_nuisance():
     (frame,) = frames_of(SENSOR, [capture_of("dark")])
     z = np.ones(frame.signal.shape)
     p = predict(Model(SENSOR), frame)
-    white, cost = nuisance().shrinkage(p, frame).apply(z, frame)
+    white, cost = nuisance().shrinkage(p, frame).apply(z, frame.keep)
     assert (white == z).all() and np.sum(cost) == 0
     assert nuisance(registration=1.0, texture=1.0).pixel_variance(frame, z) == 0
 

@@ -145,6 +145,8 @@ class Effect:
     scales: ClassVar[Literal["", "beta1", "beta2"]] = ""
     # Its offset, drawn in every frame, is shared by the pixels of a row, or by all.
     shares_offset: ClassVar[Literal["", "row", "frame"]] = ""
+    # Its variance is its whitening's, and no prediction's.
+    whitens_variance: ClassVar[bool] = False
 
     @property
     def predicted(self) -> bool:

@@ -40,6 +40,7 @@ class SharedOffset(Effect):
     absorbs: ClassVar[bool] = True
     moves_mean: ClassVar[bool] = False
     linear: ClassVar[bool] = True
+    whitens_variance: ClassVar[bool] = True
     measured_by_uniform_frames: ClassVar[bool] = True
 
     @abstractmethod

@@ -14,13 +14,13 @@ import numpy as np
 
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.shrinkage import Shrinkage, shown_light
 from cg2raw.diagnose.frames.tiling import Array
 
 FIELD = (5, 6)  # bumps of a smooth error, down and across a frame
 WIDTH_OF_BUMP = 0.7  # of their distance, standard deviation
 BUMPS_THAT_ADD = 1.6  # how many of their variances a pixel sees
 UNSURE_HIGHLIGHT = 0.15  # relative, of light there
-CLIPPED = 3.0  # standard deviations below its light that a pixel is clipped
 UNKNOWN_LEVEL = 0.3  # relative, of what nobody measured
 AFTER_ALIGNMENT = 0.05  # relative, of an exposure that was estimated
 
@@ -59,10 +59,7 @@ class Nuisance:
         """(k, pixels) of the fields, in standard deviations of a pixel."""
         if not frame.capture.shows.light:
             return None
-        spread = np.sqrt(p.variance)
-        sensitivity = np.maximum(p.exposed, 0) / spread
-        clipped = frame.censored | (p.exposed > p.mean + CLIPPED * spread)
-        sensitivity = np.where(frame.keep & ~clipped, sensitivity, 0).astype("f4")
+        sensitivity = (shown_light(frame, p) / np.sqrt(p.variance)).astype("f4")
         columns = []
         is_chart = frame.samples is not None  # whose colour is known, if not its light
         apart = frame.level_free and not is_chart or "white_balance" in self.free
@@ -81,36 +78,9 @@ class Nuisance:
             columns += [row * across[..., j] for row in rows for j in range(FIELD[1])]
         return np.array([column.ravel() for column in columns], "f4")
 
-    def shrinkage(self, p: Prediction, frame: Frame) -> "Shrinkage":
+    def shrinkage(self, p: Prediction, frame: Frame) -> Shrinkage:
         """Return what integrates the fields out of residuals of a prediction."""
-        columns = self._columns(frame, p)
-        if columns is None or not columns.any():
-            return Shrinkage(None, np.zeros((0, 0)), 0.0)
-        values, vectors = np.linalg.eigh((columns @ columns.T).astype(float))
-        used = values > 1e-6 * max(values[-1], 1e-3)
-        weight = (1 - (1 + values[used]) ** -0.5) / values[used]
-        shrink = (vectors[:, used] * weight) @ vectors[:, used].T
-        cost = -0.5 * np.log1p(values[used]).sum() / max(frame.keep.sum(), 1)
-        return Shrinkage(columns, shrink, float(cost))
-
-
-@dataclass(frozen=True)
-class Shrinkage:
-    """Shrinks residuals along fields. columns : (k, pixels) of them; None for none.
-    shrink : (k, k) along these. cost : log of the determinant, per pixel."""
-
-    columns: Array | None
-    shrink: Array
-    cost: float
-
-    def apply(self, z: Array, frame: Frame) -> tuple[Array, Array | float]:
-        """Return residuals whose fields are shrunk, and the cost per pixel."""
-        if self.columns is None:
-            return z, 0.0
-        flat = z.ravel()
-        along = self.shrink @ (self.columns @ flat.astype("f4"))
-        shrunk = flat - along.astype("f4") @ self.columns
-        return shrunk.reshape(z.shape), self.cost * frame.keep
+        return Shrinkage.along(self._columns(frame, p), frame.keep)
 
 
 def _bumps(frame: Frame) -> tuple[Array, Array]:

@@ -31,7 +31,7 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
         name: list(parameters.values())
         for name, parameters in model.profile_parameters.items()
         if effects[name].estimator != "fixed pattern"
-        and not effects[name].shares_offset
+        and not effects[name].whitens_variance
     }
     for term in model.terms:
         if term.effect.predicted:

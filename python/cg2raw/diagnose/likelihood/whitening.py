@@ -30,7 +30,7 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     cost: Array | float = 0.0
     for effect, values in _steps(model, frame):
         if effect is None:
-            z, more = p.shrinkage.apply(z, frame)
+            z, more = p.shrinkage.apply(z, frame.keep)
         elif not isinstance(effect, SharedOffset):
             z, more = effect.whiten(z, p, values, frame, read)
         elif cut_offsets(model, frame) is None:
@@ -49,7 +49,7 @@ def whiten_linearly(
     whitened alike. offsets : with those that pixels share."""
     for effect, values in _steps(model, frame):
         if effect is None:
-            z = p.shrinkage.apply(z, frame)[0]
+            z = p.shrinkage.apply(z, frame.keep)[0]
         elif isinstance(effect, SharedOffset):
             if offsets:
                 along = _along(effect, p, values, model, frame)
