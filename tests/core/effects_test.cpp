@@ -119,7 +119,8 @@ Values others_of(const Effect& effect, const std::string& parameter)
 {
     Values values = null_values(effect);
     for (const char* name : { "hot_pixels", "heavy_tailed_noise", "bias_structure",
-                              "amplifier_glow", "dark_current_nonuniformity" })
+                              "amplifier_glow", "dark_current_nonuniformity",
+                              "random_telegraph_noise" })
         if (effect.name == name)
             values = strong_values(effect);
     if (parameter == "tukey_lambda")

@@ -26,7 +26,8 @@ NAMED = """color_matrix exposure white_balance
     dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
     bias_structure black_level black_level_drift column_fixed_pattern dsnu
-    heavy_tailed_noise read_noise read_noise_correlation row_noise quantisation
+    heavy_tailed_noise random_telegraph_noise read_noise read_noise_correlation
+    row_noise quantisation
     noise_reduction"""
 # Parameters that act only where the effect's others do.
 PARTNERS = {
@@ -41,6 +42,7 @@ PARTNERS = {
     "amplifier_glow": ("per_second", "row", "column", "extent"),
     "dark_current_nonuniformity": ("rate", "log_sigma"),
     "mains_flicker": ("period",),
+    "random_telegraph_noise": ("fraction", "amplitude"),
 }
 # Where a tenth of the way to a bound does not show in the scene, or fills it.
 STRONG = {
@@ -50,6 +52,8 @@ STRONG = {
     "amplifier_glow": {"per_second": 0.05},
     "dark_current_nonuniformity": {"rate": 0.01},
     "mains_flicker": {"period": 20.0},
+    # Of few pixels whose variance has long tails: as many as make it known to 2 %.
+    "random_telegraph_noise": {"fraction": 0.1},
 }
 TIMED = (
     "amplifier_glow",

@@ -230,6 +230,16 @@ KINDS: Mapping[str, Kind] = {
             "exposed": rng.uniform(0.3, 0.8),
         },
     ),
+    "random_telegraph_noise": Kind(
+        "share of the pixels",
+        2e-3,
+        2e-2,
+        lambda rng, s, _: {
+            "share": s,
+            "read_noises": np.exp(rng.uniform(np.log(5), np.log(15))),
+            "switches": rng.uniform(0.4, 0.7),
+        },
+    ),
 }
 
 # The first names that there were: numbers of a benchmark's cases go through these

@@ -28,6 +28,7 @@ from cg2raw.synthetic.readout import (
     read_out,
     row_unit,
 )
+from cg2raw.synthetic.telegraph import Traps, offsets, traps_of
 
 # px around a frame that scenes have more: lenses look beyond its edges.
 MARGIN = 12
@@ -162,25 +163,51 @@ class SyntheticCamera:
             foot,
         )
 
+    def _jumps(self, shot: Shot) -> Plane | float:
+        """Return what traps add to a frame, DN, as they are in it."""
+        traps = self.traps
+        if traps is None:
+            return 0.0
+        number = [one.name for one in plan(self.seed)].index(shot.name)
+        return offsets(
+            traps, number, lambda n: stream(self.seed, f"telegraph/states/{n}")
+        )
+
+    @cached_property
+    def traps(self) -> Traps | None:
+        """What jumps in the sensor."""
+        rng = stream(self.seed, "telegraph")
+        return traps_of(rng, self.shape, self.hidden, self.camera)
+
     def raw(self, shot: Shot) -> NDArray[np.uint16]:
         """Return the frame, (H, W) DN."""
         rng = stream(self.seed, f"noise/{shot.name}")
-        expected = self.expected(shot, self.patterns)
+        expected, foot = self.expected(shot, self.patterns)
+        foot = foot + self._jumps(shot)
         reader = self.measured.read_noise
-        return read_out(rng, *expected, self.noise, self.camera, reader)
+        return read_out(rng, expected, foot, self.noise, self.camera, reader)
 
     def log_density(self, shot: Shot) -> NDArray[np.float32]:
         """Return (H, W) nats per pixel, 1 DN the unit, of the model that drew a frame.
 
         Patterns of the sensor are known to it in the fit frames; in others as far as
-        the fit frames tell (posterior.py)."""
+        the fit frames tell (posterior.py). Of traps it knows steps, and no state."""
         patterns = self.patterns
         unsure: Plane | float = 0.0
         if shot.group != "fit" and self.has_patterns:
             patterns = self.found.mean
             unsure = self.found.variance(self._slopes(shot, patterns))
-        expected = self.expected(shot, patterns)
-        return log_density(self.raw(shot), *expected, self.noise, self.camera, unsure)
+        expected, foot = self.expected(shot, patterns)
+
+        def at(foot: Plane) -> NDArray[np.float32]:
+            raw = self.raw(shot)
+            return log_density(raw, expected, foot, self.noise, self.camera, unsure)
+
+        if self.traps is None:
+            return at(foot)
+        half = self.traps.step / 2
+        both = np.logaddexp(at(foot - half), at(foot + half)) - np.log(2)
+        return np.asarray(both, np.float32)
 
     @property
     def has_patterns(self) -> bool:

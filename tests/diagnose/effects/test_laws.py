@@ -20,7 +20,11 @@ from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, on, sensor_of
 
 SENSOR = sensor_of()
-WHITENING = [one.name for one in every().values() if one.whitening]
+WHITENING = [
+    one.name
+    for one in every().values()
+    if one.whitening and one.estimator != "fixed pattern"
+]
 # Values that a handful of small frames show by far, and are in the middle of a range.
 PLANTED = {
     "exposure": (0.05,),

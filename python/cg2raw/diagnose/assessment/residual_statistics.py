@@ -170,7 +170,7 @@ def _collect(
     _correlations(c, np.where(used, z, 0), used)
     if frame.capture.shows.render:
         _edges(c, frame, z, p, used)
-    _count_outliers(c, z, used & ~frame.censored)
+    _count_outliers(c, model, z, used & ~frame.censored)
     fixed = c.fixed.setdefault(z.shape, FixedSums())
     fixed.residuals = fixed.residuals + np.where(used, z, 0)
     fixed.squares = fixed.squares + np.where(used, z * z, 0)
@@ -197,9 +197,10 @@ def _means(c: Statistics, frame: Frame, p: Prediction, z: Array, used: Mask) -> 
             c.add(f"{name} mean", mean, of_frame, repeated=np.sqrt(of_chart))
 
 
-def _count_outliers(c: Statistics, z: Array, used: Mask) -> None:
+def _count_outliers(c: Statistics, model: Model, z: Array, used: Mask) -> None:
     suspect = c.suspects.get(z.shape)
-    if suspect is None:
+    # Pixels that jump by chance are out again by that same chance.
+    if suspect is None or any(one.layout == "jumps" for _, one, _ in model.maps):
         return
     outlying = used & (np.abs(z) > OUTLYING)
     c.outliers.again += int((outlying & suspect).sum())

@@ -70,12 +70,15 @@ class SensorMap:
 
     covariance : with maps of other effects, by name, whose errors came from the same
         frames: what is wrong with an offset cancels in a rate that it was taken off.
-    law : numbers of the distribution of its values, where these are not normal."""
+    law : numbers of the distribution of its values, where these are not normal.
+    chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
+        then the mean over both."""
 
     mean: Array
     variance: Array
     covariance: Mapping[str, Array] = field(default_factory=dict)
     law: Estimates = field(default_factory=dict)
+    chance: Array | None = None
 
     @property
     def spread(self) -> float:
@@ -327,22 +330,6 @@ class Effect:
             if parameter["name"].startswith(start):
                 return bounds
         return parameter["min"], parameter["max"]
-
-
-def listed_values(sensor: Sensor, name: str) -> tuple[float, ...] | None:
-    """Return the parameters of an effect that a profile lists, in the registry's order;
-    None if it does not."""
-    for effect in sensor.effects:
-        if effect["name"] == name:
-            known = registered()[name]["parameters"]
-            return tuple(float(effect["parameters"][p["name"]]) for p in known)
-    return None
-
-
-def draw_noise_by(profile: dict[str, Any], name: str, gaussian: str) -> None:
-    """Let an effect draw a profile's noise in the place of the Gaussian one."""
-    drawn = profile.get("noise_effects", ["shot_noise", "read_noise"])
-    profile["noise_effects"] = [name if one == gaussian else one for one in drawn]
 
 
 def value_of(values: Estimates, name: str) -> float:

@@ -6,6 +6,7 @@
 from typing import ClassVar, Literal
 
 import numpy as np
+from scipy.stats import chi2
 
 from cg2raw.diagnose.effects.base import (
     TEMPORAL,
@@ -16,17 +17,21 @@ from cg2raw.diagnose.effects.base import (
     Parameter,
     Predicted,
     SensorMap,
+    Values,
+    Whitened,
     value_of,
 )
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 
 
 class FixedPattern(Effect):
     """A map that is the same in all frames; its value is the map's standard deviation.
 
-    layout : "pixels" each of their own, "columns" that share a value, or "sparse":
-        few pixels have any.
+    layout : "pixels" each of their own, "columns" that share a value, "sparse":
+        few pixels have any, or "jumps": few have a variance of their own, which whitens
+        residuals and moves no prediction.
     is_log_normal : its pixels' values are, and their median is 0; else normal.
     is_charge : the map adds charge, which has shot noise.
     lacks_slow_part : a slow map is shading, and not of the pixels.
@@ -38,7 +43,7 @@ class FixedPattern(Effect):
     search: ClassVar[tuple[Parameter, ...]] = (Parameter("sigma", 0.0, 1.0),)
     families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
     signature: ClassVar[frozenset[str]] = frozenset({"map"})
-    layout: ClassVar[Literal["pixels", "columns", "sparse"]] = "pixels"
+    layout: ClassVar[Literal["pixels", "columns", "sparse", "jumps"]] = "pixels"
     is_log_normal: ClassVar[bool] = False
     is_charge: ClassVar[bool] = False
     lacks_slow_part: ClassVar[bool] = False
@@ -47,6 +52,13 @@ class FixedPattern(Effect):
     def sensitivity(self, frame: Frame, photons: Array) -> Array | float:
         """Return what the map is multiplied by in a frame."""
         return 1.0
+
+    def whiten_by_map(
+        self, z: Array, p: Prediction, sensor_map: SensorMap | None
+    ) -> Whitened:
+        """Return residuals and the log of a determinant, as Effect.whiten does, of an
+        effect whose map is one of variance; None: the map is not known here."""
+        return z, 0.0
 
     def standard_error(self, value: float, sensor_map: SensorMap) -> float:
         """Return that of the map's standard deviation, from the number of its values
@@ -58,10 +70,15 @@ class FixedPattern(Effect):
         share = 1 - float(np.mean(sensor_map.variance)) / prior
         return float(value / np.sqrt(2 * count) / min(max(share, 1e-3), 1.0))
 
+    def standard_errors(self, values: Values, sensor_map: SensorMap) -> list[float]:
+        """Return those of all its values."""
+        return [self.standard_error(float(values[0]), sensor_map)]
+
     def interval(
         self, value: float, sensor_map: SensorMap
     ) -> tuple[float, float] | None:
-        """Return its 95 % interval; None for the normal one by the standard error."""
+        """Return the 95 % interval of its first value; None for the normal one by its
+        standard error."""
         return None
 
     def expected_gain(
@@ -97,3 +114,13 @@ class FixedPattern(Effect):
 
     def size(self, values: Estimates) -> str:
         return f"standard deviation {value_of(values, 'sigma'):.4g} of white"
+
+
+def share_interval(value: float, pixels: float) -> tuple[float, float]:
+    """Return the 95 % interval of a share of few pixels: their number is Poisson's.
+
+    Source: F. Garwood, Biometrika 28(3/4), 1936."""
+    count = value * pixels
+    low = 0.5 * chi2.ppf(0.025, 2 * count) if count > 0 else 0.0
+    high = 0.5 * chi2.ppf(0.975, 2 * count + 2)
+    return float(low / pixels), float(high / pixels)

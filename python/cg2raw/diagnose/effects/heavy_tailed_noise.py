@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from cg2raw.diagnose.effects.base import (
     TEMPORAL,
@@ -17,8 +16,9 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
-    draw_noise_by,
 )
+from cg2raw.diagnose.effects.mixture import normal_score
+from cg2raw.diagnose.effects.profile_entries import draw_noise_by
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -58,12 +58,7 @@ class HeavyTailedNoise(Effect):
         of_read = np.minimum(read / p.variance, 1)
         core = of_read / (1 + fraction * (ratio - 1))
         wide, narrow = 1 - of_read + ratio * core, 1 - of_read + core
-        log_wide = np.log(fraction) - 0.5 * z * z / wide - 0.5 * np.log(wide)
-        log_narrow = np.log1p(-fraction) - 0.5 * z * z / narrow - 0.5 * np.log(narrow)
-        tail = fraction * ndtr(-np.abs(z) / np.sqrt(wide))
-        tail += (1 - fraction) * ndtr(-np.abs(z) / np.sqrt(narrow))
-        white = -np.sign(z) * ndtri(np.maximum(tail, 1e-300))
-        return white, np.logaddexp(log_wide, log_narrow) + 0.5 * white**2
+        return normal_score(z, fraction, narrow, wide)
 
     def tails(self, values: Values) -> tuple[float, float]:
         return float(values[0]), float(values[1])

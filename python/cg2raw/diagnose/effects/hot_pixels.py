@@ -4,7 +4,6 @@
 """Hot pixels: few pixels leak charge."""
 
 import numpy as np
-from scipy.stats import chi2
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import (
@@ -17,7 +16,7 @@ from cg2raw.diagnose.effects.base import (
     percent,
     value_of,
 )
-from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 
@@ -49,14 +48,7 @@ class HotPixels(FixedPattern):
         return float(np.sqrt(max(value * (1 - value), 1 / count) / count))
 
     def interval(self, value: float, sensor_map: SensorMap) -> tuple[float, float]:
-        """Of few pixels: their number is Poisson's.
-
-        Source: F. Garwood, Biometrika 28(3/4), 1936."""
-        pixels = sensor_map.mean.size
-        count = value * pixels
-        low = 0.5 * chi2.ppf(0.025, 2 * count) if count > 0 else 0.0
-        high = 0.5 * chi2.ppf(0.975, 2 * count + 2)
-        return float(low / pixels), float(high / pixels)
+        return share_interval(value, sensor_map.mean.size)
 
     def registry_estimates(
         self, estimates: Estimates, sensor_map: SensorMap | None

@@ -18,10 +18,10 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
-    listed_values,
     percent,
     value_of,
 )
+from cg2raw.diagnose.effects.profile_entries import listed_values
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction

@@ -19,8 +19,8 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
-    draw_noise_by,
 )
+from cg2raw.diagnose.effects.profile_entries import draw_noise_by
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction

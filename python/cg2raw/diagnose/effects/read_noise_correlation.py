@@ -17,8 +17,8 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
-    listed_values,
 )
+from cg2raw.diagnose.effects.profile_entries import listed_values
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -46,6 +46,7 @@ class ReadNoiseCorrelation(Effect):
     signature = frozenset({"noise"})
     moves_mean = False
     shows_without_image = True
+    measured_by_uniform_frames = True
     whitening = WhiteningStage.AMPLIFIER
     linear = True
     told_apart = {"noise_reduction": SOFTENED, "blur": SOFTENED, "crosstalk": SOFTENED}

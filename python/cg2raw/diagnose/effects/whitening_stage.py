@@ -18,5 +18,6 @@ class WhiteningStage(IntEnum):
     ROWS = 4
     FRAME = 5
     NUISANCE = 6
-    PHOTONS = 7
-    READOUT = 8
+    JUMPS = 7
+    PHOTONS = 8
+    READOUT = 9

@@ -20,7 +20,7 @@ from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.likelihood.prediction import predict_with_jumps
 from cg2raw.diagnose.likelihood.whitening import (
     colour_offsets,
     cut_offsets,
@@ -65,7 +65,7 @@ class Linearisation:
         return self.likelihood.each(self._state)
 
     def _state(self, frame: Frame) -> _State:
-        p = predict(self.model, frame)
+        p = predict_with_jumps(self.model, frame)
         cut = cut_offsets(self.model, frame)
         at = p if cut is None else censored_offsets(p, cut, frame).likeliest
         z, square, weight = scores(at, frame)
@@ -89,7 +89,7 @@ class Linearisation:
             step = -step
         values[index] += step
         p = state.prediction
-        moved = predict(model.with_values(name, values), frame)
+        moved = predict_with_jumps(model.with_values(name, values), frame)
         mean = (moved.mean - p.mean) / step / np.sqrt(p.variance)
         mean = state.weight * np.where(frame.counted, mean, 0)
         mean = whiten_linearly(mean, p, self.model, frame, True)

@@ -24,6 +24,7 @@ from cg2raw.diagnose.inference.map_evidence import (
 from cg2raw.diagnose.inference.map_prior import prior_of
 from cg2raw.diagnose.inference.pixel_maps import pixel_maps
 from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
+from cg2raw.diagnose.inference.variance_map import fit_variance_map
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
@@ -65,6 +66,8 @@ def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[
             rest = rest.without(term.name) if effect.layout == "sparse" else rest
     if effects[0].layout == "sparse":
         return [fit_sparse_map(terms[0], effects[0], rest, likelihood)]
+    if effects[0].layout == "jumps":
+        return [fit_variance_map(terms[0], rest, likelihood)]
     evidence = evidence_of(effects, rest, likelihood)
     if effects[0].layout == "columns":
         return [_columns(terms[0], evidence, likelihood.frames[0])]

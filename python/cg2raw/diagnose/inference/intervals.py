@@ -29,8 +29,8 @@ def standard_errors(
                 np.ptp([term.effect.low, term.effect.high], 0)[index]
             )
     for term, effect, sensor_map in model.maps:
-        value = float(term.values[0])
-        errors[term.name, 0] = effect.standard_error(value, sensor_map)
+        of_map = effect.standard_errors(term.values, sensor_map)
+        errors.update({(term.name, i): e for i, e in enumerate(of_map)})
     for term in model.terms:
         if (term.name, 0) not in errors:
             of_term = _errors_by_likelihood(model, term, likelihood)
@@ -107,7 +107,8 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
         ):
             value = float(term.values[index]) * scale
             half = NORMAL_95 * errors[term.name, index] * scale
-            interval = _own_interval(term) or (value - half, value + half)
+            own = None if index else _own_interval(term)
+            interval = own or (value - half, value + half)
             if abs(value) < half and name in term.effect.shape_of.values():
                 shown = _errors_of_shape(model, term, likelihood)[name] * scale
                 if NORMAL_95 * shown < abs(value):

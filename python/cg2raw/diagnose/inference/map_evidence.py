@@ -15,7 +15,7 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import photon_gain, predict
+from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jumps
 
 LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
 LEAST_INFORMATION = 1e-200
@@ -51,7 +51,7 @@ def evidence_of(
     count = len(effects)
 
     def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
-        p = predict(rest, frame)
+        p = predict_with_jumps(rest, frame)
         photons = np.maximum(p.exposed, 0)
         z, _, weight = scores(p, frame)
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)

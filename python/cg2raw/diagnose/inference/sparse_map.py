@@ -21,7 +21,7 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import photon_gain
+from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jumps
 
 STANDS_OUT = 3.0  # standard deviations above the others that a pixel must lie
 UNLIKELY = 0.02  # probability below which a pixel counts as any other
@@ -57,7 +57,8 @@ def fit_sparse_map(
     """Return the term with its map: rates in signal per second, 0 of most pixels.
 
     rest : all but this term. likelihood : of frames of one shape."""
-    predicted = likelihood.predicted(rest)
+    predictions = likelihood.each(lambda frame: predict_with_jumps(rest, frame))
+    predicted = list(zip(likelihood.frames, predictions, strict=True))
     cold = np.zeros(likelihood.frames[0].signal.shape)
     first = _leak(effect, rest, predicted, cold)
     leak = _leak(effect, rest, predicted, np.maximum(first.rate, 0))

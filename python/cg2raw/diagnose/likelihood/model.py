@@ -57,6 +57,15 @@ class Model:
             if term.sensor_map is not None and isinstance(term.effect, FixedPattern):
                 yield term, term.effect, term.sensor_map
 
+    def map_on(self, effect: Effect, frame: Frame) -> SensorMap | None:
+        """Return the map of an effect; None where it is not known of a frame's
+        tiles."""
+        term = self.term(effect.name)
+        if term is None or term.sensor_map is None:
+            return None
+        known = term.sensor_map
+        return known if known.mean.shape == frame.signal.shape else _anywhere(known)
+
     def term(self, name: str) -> Term | None:
         return next((term for term in self.terms if term.name == name), None)
 
@@ -111,3 +120,14 @@ class Model:
             }
             for effect in self.sensor.effects or ()
         }
+
+
+def _anywhere(sensor_map: SensorMap) -> SensorMap:
+    """Return what a map says of a pixel of which nothing is known, as numbers."""
+    mean, variance = (
+        np.array(part.mean()) for part in (sensor_map.mean, sensor_map.variance)
+    )
+    chance = sensor_map.chance
+    return SensorMap(
+        mean, variance, chance=None if chance is None else np.array(chance.mean())
+    )

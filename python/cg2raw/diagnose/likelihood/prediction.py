@@ -3,6 +3,8 @@
 
 """predict(): what a model says of a frame, effects by the registry, then maps."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from cg2raw import _core
@@ -110,6 +112,8 @@ def _with_maps(
     charge = exposed
     for term, effect, sensor_map in model.maps:
         sensitivity = slopes[term.name]
+        if effect.whitens_variance:
+            continue
         if sensor_map.mean.shape != mean.shape:  # elsewhere the map is not known
             variance = variance + (sensitivity * sensor_map.spread) ** 2
             continue
@@ -144,6 +148,16 @@ def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Ar
         if values is not None:
             of_rows += float(values[0]) ** 2 * float(frame.beta2.mean())
     return np.asarray(variance / samples + of_rows / np.sqrt(samples))
+
+
+def predict_with_jumps(model: Model, frame: Frame) -> Prediction:
+    """Return what a model predicts of a frame, with all variance of pixels that jump:
+    whitening has that otherwise, by chance."""
+    p = predict(model, frame)
+    for term, effect, _ in model.maps:
+        if effect.whitens_variance and (known := model.map_on(term.effect, frame)):
+            p = replace(p, variance=p.variance + known.mean)
+    return p
 
 
 def photon_gain(model: Model, frame: Frame) -> Array:

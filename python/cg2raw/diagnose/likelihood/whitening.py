@@ -10,6 +10,7 @@ import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect, Values, Whitened
 from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
@@ -31,6 +32,8 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     for effect, values in _steps(model, frame):
         if effect is None:
             z, more = p.shrinkage.apply(z, frame.keep)
+        elif isinstance(effect, FixedPattern):
+            z, more = effect.whiten_by_map(z, p, model.map_on(effect, frame))
         elif not isinstance(effect, SharedOffset):
             z, more = effect.whiten(z, p, values, frame, read)
         elif cut_offsets(model, frame) is None:

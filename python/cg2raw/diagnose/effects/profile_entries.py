@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Entries of profiles: what they list of effects, and which of them draw noise."""
+
+from typing import Any
+
+from cg2raw.diagnose.effects.registry import registered
+from cg2raw.sensor import Sensor
+
+
+def listed_values(sensor: Sensor, name: str) -> tuple[float, ...] | None:
+    """Return the parameters of an effect that a profile lists, in the registry's order;
+    None if it does not."""
+    for effect in sensor.effects:
+        if effect["name"] == name:
+            known = registered()[name]["parameters"]
+            return tuple(float(effect["parameters"][p["name"]]) for p in known)
+    return None
+
+
+def draw_noise_by(profile: dict[str, Any], name: str, gaussian: str) -> None:
+    """Let an effect draw a profile's noise in the place of the Gaussian one."""
+    drawn = profile.get("noise_effects", ["shot_noise", "read_noise"])
+    profile["noise_effects"] = [name if one == gaussian else one for one in drawn]

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Variance map: pixels that jump are found among repeats, whatever offset they have."""
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.likelihood.likelihood import log_density
+from cg2raw.diagnose.likelihood.model import Model
+from diagnose.planted import READ, capture_of, drawn, frames_of, model_of, on, sensor_of
+
+SENSOR = sensor_of()
+SHAPE = (96, 128)
+STEP = 10 * READ  # on average
+JUMPING = np.zeros(SHAPE, bool)
+JUMPING[10::6, 10::6] = True
+STEPS = np.where(JUMPING, np.random.default_rng(2).exponential(STEP, SHAPE), 0.0)
+
+OFFSET = np.where(JUMPING, 5 * READ, 0.0)
+
+
+def darks(count, group="fit"):
+    captures = [
+        capture_of("dark", 1, name=f"{group}{n}", group=group, shape=SHAPE)
+        for n in range(count)
+    ]
+    return frames_of(SENSOR, captures)
+
+
+def jumping(frame, rng):
+    """Return what jumps add, and an offset of the same pixels that is in all frames."""
+    up = rng.random(SHAPE) < 0.5
+    return (STEPS * np.where(up, 0.5, -0.5) + OFFSET)[None]
+
+
+def fitted(frames):
+    return fit_patterns(model_of(SENSOR, random_telegraph_noise=[0.0, 0.0]), on(frames))
+
+
+def test_pixels_that_jump_are_found_in_eight_frames():
+    frames = drawn(darks(8), Model(SENSOR), 3, extra=jumping)
+    term = fitted(frames).term("random_telegraph_noise")
+    sensor_map = term.sensor_map
+    known = frames[0].keep[0]
+    likely = sensor_map.chance[0] > 0.5
+    far = known & (STEPS > 5 * READ)
+    assert likely[far].mean() > 0.9, "of 8 states, 1 in 128 are all alike"
+    assert likely[known & ~JUMPING].mean() < 1e-3
+    count = int((known & JUMPING).sum())
+    share, mean = count / known.sum(), STEPS[known & JUMPING].mean()
+    assert term.values == pytest.approx([share, mean], rel=3 / np.sqrt(count))
+    found = 2 * np.sqrt(sensor_map.mean[0][far & likely])
+    # Eight states tell a variance to 27 %, and their spread is least where half are up.
+    assert np.median(found / STEPS[far & likely]) == pytest.approx(1, abs=0.2)
+
+
+def test_offsets_that_repeat_are_no_jumps():
+    offset = np.where(JUMPING, 10 * READ, 0.0)[None]
+    frames = drawn(darks(6), Model(SENSOR), 4, extra=offset)
+    term = fitted(frames).term("random_telegraph_noise")
+    assert term.values[0] < 1e-3
+    assert term.sensor_map.chance.max() < 0.1
+
+
+def test_two_frames_say_nothing():
+    frames = drawn(darks(2), Model(SENSOR), 5, extra=jumping)
+    term = fitted(frames).term("random_telegraph_noise")
+    assert not term.values.any() and not term.sensor_map.chance.any()
+
+
+def test_noise_that_all_pixels_have_more_of_is_no_jump():
+    def louder(frame, rng):
+        return 0.5 * READ * rng.standard_normal((1, *SHAPE))
+
+    frames = drawn(darks(6), Model(SENSOR), 6, extra=louder)
+    assert fitted(frames).term("random_telegraph_noise").values[0] < 2e-3
+
+
+def test_the_map_makes_other_frames_likelier():
+    """A step of 10 read noises costs (10 / 2)^2 / 2 nats where none is expected, and
+    about 2 where it is known."""
+
+    def without_offset(frame, rng):
+        return jumping(frame, rng) - OFFSET
+
+    model = fitted(drawn(darks(8), Model(SENSOR), 3, extra=jumping))
+    (frame,) = drawn(darks(1, "select"), Model(SENSOR), 9, extra=without_offset)
+    with_map, bare = (log_density(one, frame)[0] for one in (model, Model(SENSOR)))
+    gain, known = (with_map - bare)[0], frame.keep[0]
+    assert gain[known & (STEPS > STEP)].mean() > 10
+    assert abs(gain[known & ~JUMPING].mean()) < 0.05
