@@ -177,7 +177,9 @@ const std::set<std::string> not_linear {
     "hot_pixels.fraction",        "heavy_tailed_noise.outlier_fraction",
     "noise_reduction.blend",      "noise_reduction.diagonal",
     "bias_structure.edge_length", "amplifier_glow.extent",
-    "read_noise_correlation.coefficient", "mains_flicker.period"
+    "read_noise_correlation.coefficient", "mains_flicker.period",
+    "pdaf_pixels.pitch",          "pdaf_pixels.row",
+    "pdaf_pixels.column"
 };
 
 TEST_P(EffectLaws, TheResponseIsOfTheFirstOrderAtNull)

@@ -22,8 +22,8 @@ STAGES = (
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
 NAMED = """color_matrix exposure white_balance
     blur color_shading lateral_chromatic_aberration lens_shading veiling_glare
-    crosstalk gr_gb_imbalance mains_flicker prnu amplifier_glow dark_current
-    dark_current_nonuniformity hot_pixels nonlinearity
+    crosstalk gr_gb_imbalance mains_flicker pdaf_pixels prnu amplifier_glow
+    dark_current dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
     bias_structure black_level black_level_drift column_fixed_pattern dsnu
     heavy_tailed_noise random_telegraph_noise read_noise read_noise_correlation
@@ -42,6 +42,7 @@ PARTNERS = {
     "amplifier_glow": ("per_second", "row", "column", "extent"),
     "dark_current_nonuniformity": ("rate", "log_sigma"),
     "mains_flicker": ("period",),
+    "pdaf_pixels": ("pitch", "row", "column"),
     "random_telegraph_noise": ("fraction", "amplitude"),
 }
 # Where a tenth of the way to a bound does not show in the scene, or fills it.
@@ -52,6 +53,7 @@ STRONG = {
     "amplifier_glow": {"per_second": 0.05},
     "dark_current_nonuniformity": {"rate": 0.01},
     "mains_flicker": {"period": 20.0},
+    "pdaf_pixels": {"pitch": 7, "row": 3, "column": 5},  # whole numbers
     # Of few pixels whose variance has long tails: as many as make it known to 2 %.
     "random_telegraph_noise": {"fraction": 0.1},
 }

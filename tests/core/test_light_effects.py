@@ -168,3 +168,20 @@ def test_mains_flicker_is_a_wave_down_the_rows_of_a_phase_per_frame():
     mean, variance = (np.asarray(x, float) for x in waved.predict(image, **run))
     np.testing.assert_allclose(mean, clean, **TIGHT)
     np.testing.assert_allclose(variance, (amplitude * clean) ** 2 / 2, rtol=1e-5)
+
+
+@pytest.mark.parametrize("pitch, row, column", [(4, 0, 0), (9, 8, 3), (16, 21, 63)])
+def test_pdaf_pixels_are_a_regular_grid(pitch, row, column):
+    image = of.noise_image(50, 70)
+    given = {"gain": -0.3, "pitch": pitch, "row": row, "column": column}
+    plain, seen = of.predicted(image)[0], of.predicted(image, ("pdaf_pixels", given))[0]
+    rows, columns = np.mgrid[:50, :70]
+    own = (rows % pitch == row % pitch) & (columns % pitch == column % pitch)
+    np.testing.assert_allclose(seen, np.where(own, 0.7, 1.0) * plain, rtol=1e-6)
+    assert own.sum() > 5
+
+
+def test_places_of_a_grid_are_whole_numbers():
+    says = "pdaf_pixels: row 1.5 must be a whole number of 0 to 63 px"
+    with pytest.raises(ValueError, match=says):
+        of.predicted(of.noise_image(), ("pdaf_pixels", {"pitch": 8, "row": 1.5}))

@@ -110,9 +110,11 @@ def mosaic_light(
     if "pdaf_pixels" in hidden:
         v = hidden["pdaf_pixels"]
         rows, cols = np.indices(x.shape)
-        period = int(v["period"])
-        shaded = (rows % period == 2) & (cols % period == 3)
-        x = np.where(shaded, (1 - v["loss"]) * x, x)
+        shaded = (rows % v["period"] == v["row"]) & (cols % v["period"] == v["column"])
+        side = 2 * cols / (x.shape[1] - 1) - 1  # -1 at the left edge, 1 at the right
+        x = np.where(shaded, (1 - v["loss"] * (1 + v["tilt"] * side)) * x, x)
+    if "smear" in hidden:
+        x = x + hidden["smear"]["share"] * x.mean(0)
     return x
 
 

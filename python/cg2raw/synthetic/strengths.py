@@ -152,6 +152,13 @@ def _glow(rng: Generator, s: float, _: Camera) -> dict[str, float]:
     }
 
 
+def _pdaf(rng: Generator, s: float, _: Camera) -> dict[str, float]:
+    period = 2 * int(rng.integers(4, 9))
+    row, column = (float(rng.integers(period)) for _ in range(2))
+    tilt = rng.uniform(-0.1, 0.1)  # rays come from one side at the frame's edges
+    return {"loss": s, "period": period, "row": row, "column": column, "tilt": tilt}
+
+
 def _one(name: str, signed: bool = False) -> Draw:
     """Return the draw of an effect that has no other parameter."""
 
@@ -240,6 +247,7 @@ KINDS: Mapping[str, Kind] = {
             "switches": rng.uniform(0.4, 0.7),
         },
     ),
+    "pdaf_pixels": Kind("loss of the shaded pixels", 0.02, 0.3, _pdaf),
 }
 
 # The first names that there were: numbers of a benchmark's cases go through these
@@ -256,12 +264,7 @@ DRAWN_AS = {
 
 UNKNOWN_KINDS: Mapping[str, Kind] = {
     "lens_distortion": Kind("px in the corner", 0.5, 3.0, _one("corner_px", True)),
-    "pdaf_pixels": Kind(
-        "loss of the shaded pixels",
-        0.03,
-        0.3,
-        lambda rng, s, _: {"loss": s, "period": 2.0 * rng.integers(4, 9)},
-    ),
+    "smear": Kind("share of a column's light", 0.005, 0.05, _one("share")),
     "line_jitter": Kind("px rms", 0.1, 0.6, _one("rms_px")),
     "motion_blur": Kind(
         "px",

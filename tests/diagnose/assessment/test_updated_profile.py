@@ -65,7 +65,9 @@ def profile_of(model, frames):
 def values_for(name):
     effect = BY_NAME[name]
     spread = np.minimum(0.02 + 0.01 * np.arange(len(effect.low)), effect.high)
-    return np.clip(spread * (-1) ** np.arange(len(spread)), effect.low, None)
+    values = np.clip(spread * (-1) ** np.arange(len(spread)), effect.low, None)
+    held = [parameter in effect.held for parameter in effect.parameters]
+    return np.where(held, 7.0, values)
 
 
 @pytest.mark.parametrize("name", [*SMOOTH, "noise_reduction"])

@@ -106,7 +106,7 @@ def _bound_of(model: Model, term: Term, empty: Collection[str]) -> str:
         strict=True,
     ):
         bound = _reached(value, bounds)
-        if bound and name not in empty:
+        if bound and name not in {*empty, *effect.held}:
             return f"{name} is {bound:g}"
     return _registry_bound(model, term, empty)
 
@@ -125,7 +125,9 @@ def _registry_bound(model: Model, term: Term, empty: Collection[str]) -> str:
     if effect.search or not effect.predicted:
         return ""
     listed = model.profile_parameters.get(term.name, {})
-    sums = term.values + (np.array(list(listed.values()), float) if listed else 0.0)
+    sums = term.values
+    if listed:
+        sums = effect.added(np.array(list(listed.values()), float), sums)
     beside = " together with the profile's" if listed else ""
     bounds = zip(*effect.registry_bounds, strict=True)
     for name, total, ends in zip(effect.parameters, sums, bounds, strict=True):

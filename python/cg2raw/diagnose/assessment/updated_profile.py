@@ -35,8 +35,10 @@ def updated_profile(
         # What moves the prediction was fitted on top of the profile's, all else whole.
         old = listed.get(term.name, {}) if effect.predicted else {}
         found = effect.registry_estimates(estimates[term.name], term.sensor_map)
-        sums = [found[name].value + old.get(name, 0.0) for name in found]
-        bounded = effect.within_registry_bounds(np.array(sums))
+        values = np.array([estimate.value for estimate in found.values()])
+        if old:
+            values = effect.added(np.array([old[name] for name in found]), values)
+        bounded = effect.within_registry_bounds(values)
         effects[term.name] = {
             "name": term.name,
             "parameters": dict(zip(found, map(float, bounded), strict=True)),

@@ -12,7 +12,7 @@ folder says the rest, and only where the default does not do. Three estimators:
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -23,6 +23,7 @@ from cg2raw.cfa import is_mono
 from cg2raw.diagnose.diagnosis import Curve, Estimate
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.effects.sensor_map import SensorMap as SensorMap
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -63,29 +64,6 @@ class Parameter:
     unit: str = "1"
 
 
-@dataclass(frozen=True)
-class SensorMap:
-    """A fixed map of the sensor as the fit frames show it, on the tiles: (T, h, w) mean
-    and variance. An effect's sensitivity says what it is multiplied by.
-
-    covariance : with maps of other effects, by name, whose errors came from the same
-        frames: what is wrong with an offset cancels in a rate that it was taken off.
-    law : numbers of the distribution of its values, where these are not normal.
-    chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
-        then the mean over both."""
-
-    mean: Array
-    variance: Array
-    covariance: Mapping[str, Array] = field(default_factory=dict)
-    law: Estimates = field(default_factory=dict)
-    chance: Array | None = None
-
-    @property
-    def spread(self) -> float:
-        """Standard deviation of the map where it is not known."""
-        return float(np.sqrt(np.mean(self.mean**2 + self.variance)))
-
-
 class Effect:
     """An effect that may be named; subclasses state what differs.
 
@@ -99,6 +77,7 @@ class Effect:
     ends : parameters whose bounds are ends of what there is, not of what is looked for.
     shape_of : parameters that say nothing where another one, of which they are the
         shape, is 0.
+    held : parameters that stay as first_values found them.
     families : effects that share one look alike.
     signature : what it changes, for the captures that discriminate it from others (see
         discriminating_captures); told_apart : the same for one other effect.
@@ -129,6 +108,7 @@ class Effect:
     switches: ClassVar[tuple[str, ...]] = ()
     ends: ClassVar[frozenset[str]] = frozenset()
     shape_of: ClassVar[Mapping[str, str]] = {}
+    held: ClassVar[frozenset[str]] = frozenset()
     families: ClassVar[frozenset[str]] = frozenset()
     signature: ClassVar[frozenset[str]] = frozenset()
     told_apart: ClassVar[Mapping[str, str]] = {}
@@ -301,6 +281,10 @@ class Effect:
     @property
     def null(self) -> Values:
         return np.zeros(len(self._searched))
+
+    def added(self, listed: Values, values: Values) -> Values:
+        """Return what a profile's values and those found on top of them make."""
+        return listed + values
 
     def clipped(self, values: Values) -> Values:
         """Return values within the bounds of the search."""

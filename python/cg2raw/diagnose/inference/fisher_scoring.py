@@ -141,7 +141,8 @@ def free_parameters(model: Model) -> list[Parameter]:
         (term.name, index)
         for term in model.terms
         if term.effect.scored
-        for index in range(len(term.values))
+        for index, name in enumerate(term.effect.parameters)
+        if name not in term.effect.held
     ]
 
 

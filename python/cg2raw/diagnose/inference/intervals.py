@@ -106,7 +106,8 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
             zip(term.effect.parameters, term.effect.units, strict=True)
         ):
             value = float(term.values[index]) * scale
-            half = NORMAL_95 * errors[term.name, index] * scale
+            # What is held was found once, and has no error.
+            half = NORMAL_95 * errors.get((term.name, index), 0.0) * scale
             own = None if index else _own_interval(term)
             interval = own or (value - half, value + half)
             if abs(value) < half and name in term.effect.shape_of.values():

@@ -107,7 +107,7 @@ class Model:
         given = None if listed is None else np.array(list(listed.values()), float)
         if term is None or given is None:
             return given if term is None else term.values
-        return given + term.values
+        return effect.added(given, term.values)
 
     @property
     def profile_parameters(self) -> Mapping[str, Mapping[str, float]]:

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""SensorMap: what is known of a map of the sensor."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.frames.tiling import Array
+
+
+@dataclass(frozen=True)
+class SensorMap:
+    """A fixed map of the sensor as the fit frames show it, on the tiles: (T, h, w) mean
+    and variance. An effect's sensitivity says what it is multiplied by.
+
+    covariance : with maps of other effects, by name, whose errors came from the same
+        frames: what is wrong with an offset cancels in a rate that it was taken off.
+    law : numbers of the distribution of its values, where these are not normal.
+    chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
+        then the mean over both."""
+
+    mean: Array
+    variance: Array
+    covariance: Mapping[str, Array] = field(default_factory=dict)
+    law: Mapping[str, Estimate] = field(default_factory=dict)
+    chance: Array | None = None
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the map where it is not known."""
+        return float(np.sqrt(np.mean(self.mean**2 + self.variance)))
