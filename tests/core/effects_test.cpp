@@ -118,9 +118,9 @@ TEST_P(EffectLaws, ABlockInTheCornerIsThatOfTheFrame)
 Values others_of(const Effect& effect, const std::string& parameter)
 {
     Values values = null_values(effect);
-    for (const char* name : { "hot_pixels", "heavy_tailed_noise", "bias_structure",
-                              "amplifier_glow", "dark_current_nonuniformity",
-                              "random_telegraph_noise" })
+    for (const char* name :
+         { "hot_pixels", "heavy_tailed_noise", "bias_structure", "amplifier_glow",
+           "dark_current_nonuniformity", "random_telegraph_noise", "dust" })
         if (effect.name == name)
             values = strong_values(effect);
     if (parameter == "tukey_lambda")
@@ -170,17 +170,23 @@ double departure_from_a_line(const Effect& effect, bool drawn, std::size_t param
 /// Their response is none of the first order: a rounding's variance grows with the
 /// square of its step; a level acts on what is above it; more pixels are hot, each more
 /// so; more draws are outliers; what lies above white counts as white as soon as any of
-/// it is blended; what fades over no distance is none; a correlation of noise is none by
-/// itself, nor is a wave without an amplitude.
-const std::set<std::string> not_linear {
-    "quantisation.step",          "full_well.below_white",
-    "hot_pixels.fraction",        "heavy_tailed_noise.outlier_fraction",
-    "noise_reduction.blend",      "noise_reduction.diagonal",
-    "bias_structure.edge_length", "amplifier_glow.extent",
-    "read_noise_correlation.coefficient", "mains_flicker.period",
-    "pdaf_pixels.pitch",          "pdaf_pixels.row",
-    "pdaf_pixels.column"
-};
+/// it is blended; what fades over no distance is none; a correlation of noise is none
+/// by itself, nor is a wave without an amplitude.
+const std::set<std::string> not_linear { "quantisation.step",
+                                         "full_well.below_white",
+                                         "hot_pixels.fraction",
+                                         "heavy_tailed_noise.outlier_fraction",
+                                         "noise_reduction.blend",
+                                         "noise_reduction.diagonal",
+                                         "bias_structure.edge_length",
+                                         "amplifier_glow.extent",
+                                         "read_noise_correlation.coefficient",
+                                         "mains_flicker.period",
+                                         "pdaf_pixels.pitch",
+                                         "pdaf_pixels.row",
+                                         "pdaf_pixels.column",
+                                         "dust.density",
+                                         "dust.radius" };
 
 TEST_P(EffectLaws, TheResponseIsOfTheFirstOrderAtNull)
 {

@@ -22,7 +22,7 @@ STAGES = (
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
 NAMED = """color_matrix exposure white_balance
     blur color_shading lateral_chromatic_aberration lens_shading veiling_glare
-    crosstalk gr_gb_imbalance mains_flicker pdaf_pixels prnu amplifier_glow
+    crosstalk dust gr_gb_imbalance mains_flicker pdaf_pixels prnu amplifier_glow
     dark_current dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
     bias_structure black_level black_level_drift column_fixed_pattern dsnu
@@ -41,6 +41,7 @@ PARTNERS = {
     "bias_structure": ("edge", "edge_length"),
     "amplifier_glow": ("per_second", "row", "column", "extent"),
     "dark_current_nonuniformity": ("rate", "log_sigma"),
+    "dust": ("density", "depth", "radius"),
     "mains_flicker": ("period",),
     "pdaf_pixels": ("pitch", "row", "column"),
     "random_telegraph_noise": ("fraction", "amplitude"),
@@ -52,6 +53,7 @@ STRONG = {
     "hot_pixels": {"rate": 0.01},
     "amplifier_glow": {"per_second": 0.05},
     "dark_current_nonuniformity": {"rate": 0.01},
+    "dust": {"density": 5000.0},
     "mains_flicker": {"period": 20.0},
     "pdaf_pixels": {"pitch": 7, "row": 3, "column": 5},  # whole numbers
     # Of few pixels whose variance has long tails: as many as make it known to 2 %.

@@ -248,6 +248,17 @@ KINDS: Mapping[str, Kind] = {
         },
     ),
     "pdaf_pixels": Kind("loss of the shaded pixels", 0.02, 0.3, _pdaf),
+    "dust": Kind(
+        "loss in the middle of a spot",
+        0.01,
+        0.2,
+        lambda rng, s, _: {
+            "loss": s,
+            "per_megapixel": rng.uniform(200, 800),
+            "radius_px": rng.uniform(3, 9),
+            "soft_px": rng.uniform(1, 3),
+        },
+    ),
 }
 
 # The first names that there were: numbers of a benchmark's cases go through these

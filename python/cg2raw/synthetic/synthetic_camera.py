@@ -18,6 +18,7 @@ from cg2raw.synthetic import charge, conditions, light, scenes
 from cg2raw.synthetic.camera import Camera, Plane
 from cg2raw.synthetic.charge import Patterns
 from cg2raw.synthetic.density import log_density
+from cg2raw.synthetic.dust import transmission
 from cg2raw.synthetic.light import Field, Hidden
 from cg2raw.synthetic.measured import Measured
 from cg2raw.synthetic.photons import ROUNDING
@@ -156,6 +157,7 @@ class SyntheticCamera:
             on_sensor = light.jittered(jitter, on_sensor, self.hidden)
             phase = stream(self.seed, f"flicker/{shot.name}").random()
             x = charge.mosaic_light(on_sensor, self.hidden, self.camera, phase)
+            x = x * self.dust
             if self.measured.transmission is not None:
                 x = x * self.measured.transmission
         return (
@@ -172,6 +174,11 @@ class SyntheticCamera:
         return offsets(
             traps, number, lambda n: stream(self.seed, f"telegraph/states/{n}")
         )
+
+    @cached_property
+    def dust(self) -> Plane:
+        """The share of light that dust on the sensor lets through."""
+        return transmission(stream(self.seed, "dust"), self.shape, self.hidden)
 
     @cached_property
     def traps(self) -> Traps | None:

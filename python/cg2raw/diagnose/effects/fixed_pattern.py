@@ -25,13 +25,15 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 
+Layout = Literal["pixels", "columns", "sparse", "jumps", "spots"]
+
 
 class FixedPattern(Effect):
     """A map that is the same in all frames; its value is the map's standard deviation.
 
     layout : "pixels" each of their own, "columns" that share a value, "sparse":
-        few pixels have any, or "jumps": few have a variance of their own, which whitens
-        residuals and moves no prediction.
+        few pixels have any, "jumps": few have a variance of their own, which whitens
+        residuals and moves no prediction, or "spots": smooth, dark where there are any.
     is_log_normal : its pixels' values are, and their median is 0; else normal.
     is_charge : the map adds charge, which has shot noise.
     lacks_slow_part : a slow map is shading, and not of the pixels.
@@ -43,7 +45,7 @@ class FixedPattern(Effect):
     search: ClassVar[tuple[Parameter, ...]] = (Parameter("sigma", 0.0, 1.0),)
     families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
     signature: ClassVar[frozenset[str]] = frozenset({"map"})
-    layout: ClassVar[Literal["pixels", "columns", "sparse", "jumps"]] = "pixels"
+    layout: ClassVar[Layout] = "pixels"
     is_log_normal: ClassVar[bool] = False
     is_charge: ClassVar[bool] = False
     lacks_slow_part: ClassVar[bool] = False

@@ -37,7 +37,7 @@ class LensShading(Effect):
     signature = frozenset({"gain"})
     needs = LIGHT
     # Vignetting that is no polynomial.
-    taken_up_by = {"exposure": 1e-4, "prnu": 5e-5}
+    taken_up_by = {"exposure": 1e-4, "prnu": 5e-5, "dust": 2e-3}
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",

@@ -51,7 +51,9 @@ class Shrinkage:
 
 def shown_light(frame: Frame, p: Prediction) -> Array:
     """Return the light (T, h, w) whose change pixels show: 0 where they are clipped, or
-    do not count."""
+    do not count, and in darks, whose charge is none of light."""
+    if not frame.capture.shows.light:
+        return np.zeros_like(p.exposed)
     clipped = frame.censored | (p.exposed > p.mean + CLIPPED * np.sqrt(p.variance))
     light: Array = np.where(frame.keep & ~clipped, np.maximum(p.exposed, 0), 0)
     return light

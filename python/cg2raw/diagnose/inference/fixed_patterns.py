@@ -24,6 +24,7 @@ from cg2raw.diagnose.inference.map_evidence import (
 from cg2raw.diagnose.inference.map_prior import prior_of
 from cg2raw.diagnose.inference.pixel_maps import pixel_maps
 from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
+from cg2raw.diagnose.inference.spot_map import fit_spot_map
 from cg2raw.diagnose.inference.variance_map import fit_variance_map
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
@@ -69,6 +70,8 @@ def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[
     if effects[0].layout == "jumps":
         return [fit_variance_map(terms[0], rest, likelihood)]
     evidence = evidence_of(effects, rest, likelihood)
+    if effects[0].layout == "spots":
+        return [fit_spot_map(terms[0], evidence)]
     if effects[0].layout == "columns":
         return [_columns(terms[0], evidence, likelihood.frames[0])]
     return pixel_maps(terms, effects, evidence)

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Dust: its spots are found and measured, and no other pattern is taken for them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.diagnose import diagnose
+from cg2raw.diagnose.effects.dust import SPOT_WIDTH, Spots
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.likelihood.model import Model
+from diagnose.planted import (
+    captures_of,
+    drawn,
+    frames_of,
+    model_of,
+    on,
+    sensor_of,
+    shot_by_registry,
+)
+
+SENSOR = sensor_of()
+NAME = "dust"
+SHAPE = (112, 144)
+
+
+def spot(row, col, depth, radius):
+    """Return (H, W) the loss of one spot."""
+    rows, cols = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    return depth * 2.0 ** (-((rows - row) ** 2 + (cols - col) ** 2) / radius**2)
+
+
+@pytest.mark.parametrize(("depth", "radius"), [(0.1, 3.0), (0.03, 6.0), (0.2, 10.0)])
+def test_a_spot_of_a_map_is_measured_as_it_was(depth, radius):
+    """Of the map that smoothing makes of it: a wider and shallower Gaussian, whose
+    middle lies beside that of a pixel, and whose area is one of pixels."""
+    wider = radius**2 + 2 * np.log(2) * SPOT_WIDTH**2
+    shallower = depth * radius**2 / wider
+    loss = spot(50.3, 70.6, shallower, np.sqrt(wider))
+    spots = Spots.of(np.where(loss > 0.1 * shallower, loss, 0)[None])
+    assert spots.count == 1
+    assert spots.depths == pytest.approx([depth], rel=0.08)
+    assert spots.radii == pytest.approx([radius], rel=0.08)
+
+
+def test_a_spot_that_the_edge_cuts_counts_and_is_not_measured():
+    loss = spot(2, 70, 0.1, 5) + spot(60, 70, 0.1, 5)
+    spots = Spots.of(np.where(loss > 0.01, loss, 0)[None])
+    assert spots.count == 2 and spots.depths.size == 1
+
+
+def flats(group="fit"):
+    captures = captures_of(("flat",) * 4, group, level=0.6, shape=SHAPE)
+    return frames_of(SENSOR, captures)
+
+
+def fitted(extra):
+    frames = drawn(flats(), Model(SENSOR), 5, extra=extra)
+    return fit_patterns(model_of(SENSOR, dust=[0.0]), on(frames)).term(NAME)
+
+
+def test_a_map_has_spots_and_nothing_else():
+    loss = spot(40, 50, 0.05, 5) + spot(80, 110, 0.1, 4)
+
+    def shaded(frame, rng):
+        return -loss[None] * frame.of_site(frame.camera.astype(float))
+
+    found = -fitted(shaded).sensor_map.mean[0]
+    near = loss > 0.02
+    # Smoothing takes a sixth of the smaller one's depth.
+    assert np.sqrt(np.mean((found - loss)[near] ** 2)) < 0.008
+    # Noise beside a spot is as likely below the rest as above it.
+    assert (found[loss < 1e-4] != 0).mean() < 0.01
+
+
+@pytest.mark.parametrize("sign", [1.0, 0.0])
+def test_what_is_no_dark_spot_leaves_no_map(sign):
+    """A bright spot, and nothing at all."""
+    loss = spot(40, 50, 0.1, 5)
+
+    def lit(frame, rng):
+        return sign * loss[None] * frame.of_site(frame.camera.astype(float))
+
+    assert fitted(lit).values == pytest.approx([0.0], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("density", "depth", "radius", "seed"), [(400, 0.1, 6, 1), (800, 0.05, 4, 2)]
+)
+def test_it_is_found_in_what_the_registry_simulates(density, depth, radius, seed):
+    """Of 0.016 megapixels: 6 and 13 spots, some of which the edge cuts."""
+    planted = {"density": density, "depth": depth, "radius": radius}
+    captures = shot_by_registry(SENSOR, {NAME: planted}, seed)
+    found = diagnose(captures, threads=1, details=False)
+    assert found.verdict == "identified"
+    (one,) = found.effects
+    assert one.name == NAME
+    (entry,) = Sensor.from_json(found.profile_json, "found").effects
+    values = entry["parameters"]
+    # Depths differ by 29 %, of a few spots; a radius is the same for all.
+    assert values["depth"] == pytest.approx(depth, rel=0.35)
+    assert values["radius"] == pytest.approx(radius, rel=0.15)
+    # A Poisson number, less those that touch another.
+    pixels = SHAPE[0] * SHAPE[1] / 1e6
+    count, expected = values["density"] * pixels, density * pixels
+    far = 3 * np.sqrt(expected)
+    assert expected - far - 2 < count < expected + far
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("prnu", {"sigma": 0.01}),
+        ("lens_shading", {"r2": -0.2, "tilt_x": 0.03}),
+    ],
+)
+def test_what_looks_alike_is_not_taken_for_it(name, values):
+    null = dict.fromkeys(("r2", "r4", "r6", "tilt_x", "tilt_y"), 0.0)
+    null |= {"tilt_x_r2": 0.0, "tilt_y_r2": 0.0}
+    parameters = {**null, **values} if name == "lens_shading" else values
+    found = diagnose(
+        shot_by_registry(SENSOR, {name: parameters}), threads=1, details=False
+    )
+    assert [one.name for one in found.effects] == [name]
+
+
+def test_a_profile_that_lists_it_has_no_gap():
+    """Its map is each sensor's own, and is made anew."""
+    values = {"density": 400.0, "depth": 0.08, "radius": 6.0}
+    captures = shot_by_registry(SENSOR, {NAME: values}, 3)
+    known = sensor_of(effects=[{"name": NAME, "parameters": values}])
+    found = diagnose(replace(captures, sensor=known), threads=1, details=False)
+    assert found.verdict == "no gap"
