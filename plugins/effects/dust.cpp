@@ -42,10 +42,10 @@ void each_spot(int cell_row, int cell_col, const Values& values, const Rng& rng,
     double product = uniform[0];
     const double least = exponential(-expected);
     for (int i = 0; i + 1 < most_spots && product > least; ++i) {
-        const double* const own = uniform + 4 * i;
+        const double* const own = uniform + std::ptrdiff_t(4) * i;
         work(Spot { (cell_row + own[1]) * cell, (cell_col + own[2]) * cell,
                     values[1] * (0.5 + own[3]) });
-        product *= uniform[4 * (i + 1)];
+        product *= own[4];
     }
 }
 

@@ -27,8 +27,7 @@ NAMED = """color_matrix exposure white_balance
     poisson_shot_noise shot_noise full_well
     bias_structure black_level black_level_drift column_fixed_pattern dsnu
     heavy_tailed_noise random_telegraph_noise read_noise read_noise_correlation
-    row_noise quantisation
-    noise_reduction"""
+    row_noise quantisation noise_reduction"""
 # Parameters that act only where the effect's others do.
 PARTNERS = {
     "heavy_tailed_noise": (
@@ -59,23 +58,12 @@ STRONG = {
     # Of few pixels whose variance has long tails: as many as make it known to 2 %.
     "random_telegraph_noise": {"fraction": 0.1},
 }
-TIMED = (
-    "amplifier_glow",
-    "dark_current",
-    "dark_current_nonuniformity",
-    "hot_pixels",
-)
+TIMED = "amplifier_glow dark_current dark_current_nonuniformity hot_pixels".split()
 # Effects on the noise of others, which is there besides.
 ON_NOISE = {"read_noise_correlation": "read_noise"}
 # Their centre, or their mean, is that of the image.
-OF_THE_IMAGE = (
-    "lens_shading",
-    "color_shading",
-    "lateral_chromatic_aberration",
-    "veiling_glare",
-    "amplifier_glow",
-    "bias_structure",
-)
+OF_THE_IMAGE = """lens_shading color_shading lateral_chromatic_aberration
+    veiling_glare amplifier_glow bias_structure""".split()
 OF_A_FRAME = ("black_level_drift",)  # all its pixels share one draw
 # Of the order of the noise, and so that no sample lies far from its level.
 BASE = {

@@ -4,8 +4,7 @@
 """Dense strengths: parameters of every effect that a camera may have, by the registry.
 
 Magnitudes are log-uniform over the ranges of synthetic.strengths.KINDS, the same as for
-the hidden effects of other suites; what that table lacks has its range here, from
-measured cameras where they say one. Units are the registry's: shares of the range from
+the hidden effects of other suites. Units are the registry's: shares of the range from
 black to white."""
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,18 +18,6 @@ from cg2raw.synthetic.strengths import KINDS
 
 Parameters = dict[str, float]
 
-# Of effects that the generator does not hide: unit as of KINDS.
-# bias_structure, black_level_drift: read noises; an SBIG STL-1001E has a ramp of 1.2
-# and drifts by 0.07. read_noise_correlation: coefficient; it has -0.07.
-# dark_current_nonuniformity, amplifier_glow: electrons/s. mains_flicker: relative, as
-# the generator's flicker. pdaf_pixels: loss, as the generator's.
-# random_telegraph_noise: share of the pixels, as of hot pixels.
-RANGES: Mapping[str, tuple[float, float]] = {
-    "read_noise_correlation": (0.02, 0.2),
-    "mains_flicker": (0.005, 0.05),
-    "pdaf_pixels": (0.03, 0.3),
-    "random_telegraph_noise": (3e-4, 5e-3),
-}
 # An effect without a line below takes this share of the way from its null to the far
 # bound of each parameter: the bounds leave room for any camera.
 SHARE_OF_BOUNDS = (1e-3, 1e-2)
@@ -53,7 +40,7 @@ def draw_dense(
     """Return an effect's parameters, drawn. known : the registry's (cg2raw.effects()),
     whose bounds hold."""
     if name in DRAWS:
-        drawn = DRAWS[name](rng, _magnitude(name, rng), unit)
+        drawn = DRAWS[name](rng, KINDS[name].random_strength(rng), unit)
     else:
         drawn = {p["name"]: _within_bounds(rng, p) for p in known}
     bounds = {p["name"]: (p["min"], p["max"]) for p in known}
@@ -65,11 +52,6 @@ def draw_dense(
 
 def _log_uniform(rng: Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-def _magnitude(name: str, rng: Generator) -> float:
-    kind = KINDS.get(name)
-    return kind.random_strength(rng) if kind else _log_uniform(rng, *RANGES[name])
 
 
 def _within_bounds(rng: Generator, parameter: Mapping[str, Any]) -> float:
@@ -213,6 +195,11 @@ DRAWS: Mapping[str, Draw] = {
         "period": rng.uniform(20, 120),
     },
     "pdaf_pixels": _pdaf,
+    "dust": lambda rng, s, _: {
+        "density": rng.uniform(200, 800),
+        "depth": s,
+        "radius": rng.uniform(3, 9),
+    },
     "random_telegraph_noise": lambda rng, s, unit: {
         "fraction": s,
         "amplitude": rng.uniform(3, 15) * unit.read_noise,
@@ -223,5 +210,6 @@ SHAPES = frozenset(
     {
         *("red_scale", "blue_scale", "rate", "variance_ratio", "edge_length"),
         *("log_sigma", "extent", "row", "column", "period", "pitch"),
+        *("density", "radius"),
     }
 )

@@ -25,7 +25,9 @@ from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
 
-LEAST_SHARE = 0.25  # of read noise in a pixel's variance, for it to tell of others
+LEAST_OF_READ_NOISE = (
+    0.25  # of read noise in a pixel's variance, for it to tell of others
+)
 SOFTENED = (
     "Darks, and flats from dim to bright: read noise correlates with the next pixel of "
     "the row in darks, and ever less in brighter flats; what a lens or a filter of the "
@@ -62,7 +64,7 @@ class ReadNoiseCorrelation(Effect):
         and any error of their mean would pass for it."""
         told = np.zeros_like(z)
         of_read = np.minimum(read / p.variance, 1)
-        used = frame.keep & ~frame.censored & (of_read > LEAST_SHARE)
+        used = frame.keep & ~frame.censored & (of_read > LEAST_OF_READ_NOISE)
         share = np.broadcast_to(np.sqrt(of_read) * used, z.shape)
         told[..., 1:] = values[0] * share[..., 1:] * share[..., :-1]
         before = np.zeros_like(z)
@@ -77,7 +79,9 @@ class ReadNoiseCorrelation(Effect):
             (np.minimum(frame.beta2 / p.variance, 1)[frame.keep]) ** 2
             for frame, p in selected
         ]
-        counts, edges = np.histogram(np.concatenate(told), 50, (LEAST_SHARE**2, 1))
+        counts, edges = np.histogram(
+            np.concatenate(told), 50, (LEAST_OF_READ_NOISE**2, 1)
+        )
         middles = (edges[1:] + edges[:-1]) / 2
 
         def gain(coefficient: float) -> float:

@@ -61,7 +61,7 @@ def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | No
     base : of the model that lacks it."""
     model, likelihood = base.model, base.likelihood
     in_profile = effect.name in model.profile_parameters  # and has a slope there
-    if effect.starts_from_data and not in_profile:
+    if effect.starts_from_data and (effect.held or not in_profile):
         values = effect.first_values(likelihood.predicted(model))
         if values is None:
             return None

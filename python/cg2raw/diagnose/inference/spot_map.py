@@ -22,7 +22,7 @@ from cg2raw.diagnose.likelihood.model import Term
 SEARCHED = 4.0  # px: standard deviation of what spots are looked for in
 SHADING_WIDTH = 32.0  # px: a slower map is shading, and no spot
 DARKEST, EDGE = 5.0, 1.5  # standard deviations below the rest, of a spot and its edge
-LEAST_TOLD = 1e-100  # of information, so that its square is a number
+LEAST_KNOWN_OF_SPOT = 1e-100  # of information, so that its square is a number
 TURNS_OF_SPOTS = 3  # of spots and what is slow beside them
 
 
@@ -65,7 +65,7 @@ def _smoothed(score: Array, information: Array, width: float) -> tuple[Array, Ar
     told = gaussian_filter(information, around, mode="constant")
     narrower = (0, width / np.sqrt(2), width / np.sqrt(2))
     squares = gaussian_filter(information, narrower, mode="constant")
-    told = np.maximum(told, LEAST_TOLD)
+    told = np.maximum(told, LEAST_KNOWN_OF_SPOT)
     estimate = gaussian_filter(score, around, mode="constant") / told
     return estimate, squares / (4 * np.pi * width**2) / told**2
 

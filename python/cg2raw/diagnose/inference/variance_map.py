@@ -23,11 +23,11 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
 FEWEST_FRAMES = 3  # of a pixel, for what is left of them beside its mean
-STEPS = 24  # of a jump that are weighed
+JUMPS_WEIGHED = 24  # of a jump that are weighed
 SHORTEST_JUMP, LONGEST_JUMP = 0.7, 200.0  # of them, in noises of a dim frame
 FIRST_SHARE, FIRST_STEP = 0.01, 6.0
-LEAST_SHARE = 1e-7
-LARGEST_LOG = 300.0
+RAREST_JUMPS = 1e-7
+LARGEST_LOG_RATIO = 300.0
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def fit_variance_map(term: Term, rest: Model, likelihood: Likelihood) -> Term:
     inflation = _inflation(groups, count, known)
     groups = [replace(g, variance=inflation * g.variance) for g in groups]
     noise = float(np.sqrt(min(np.median(g.variance[known]) for g in groups)))
-    steps = noise * np.geomspace(SHORTEST_JUMP, LONGEST_JUMP, STEPS)
+    steps = noise * np.geomspace(SHORTEST_JUMP, LONGEST_JUMP, JUMPS_WEIGHED)
     logs = np.array([_log_likelihood(groups, known, (d / 2) ** 2) for d in steps])
     logs -= _log_likelihood(groups, known, 0.0)
     values, chances = _posterior(logs, steps, noise)
@@ -123,15 +123,15 @@ def _posterior(logs: Array, steps: Array, noise: float) -> tuple[Array, Array]:
     logs : (steps, pixels) log of the likelihood ratio of a step."""
     share, mean = FIRST_SHARE, FIRST_STEP * noise
     top = np.maximum(logs.max(0), 0)
-    likelihood = np.exp(np.maximum(logs - top, -LARGEST_LOG))
-    none = np.exp(np.maximum(-top, -LARGEST_LOG))
+    likelihood = np.exp(np.maximum(logs - top, -LARGEST_LOG_RATIO))
+    none = np.exp(np.maximum(-top, -LARGEST_LOG_RATIO))
     for _ in range(EM_ROUNDS):
         prior = share * np.exp(_log_prior(steps, mean))
         slab = prior @ likelihood
         all_of_it = slab + (1 - share) * none
         of_steps = likelihood @ (1 / all_of_it) * prior
         before = share, mean
-        share = max(float(of_steps.sum()) / none.size, LEAST_SHARE)
+        share = max(float(of_steps.sum()) / none.size, RAREST_JUMPS)
         mean = float(of_steps @ steps) / max(float(of_steps.sum()), 1e-300)
         mean = float(np.clip(mean, steps[0], steps[-1]))
         if np.allclose((share, mean), before, rtol=CLOSE, atol=0):
