@@ -55,7 +55,7 @@ Effect bias_structure()
                { "vertical", "1", -0.5, 0.5, 0.0,
                  "ramp: the bottom less the top; 0 in the middle" },
                { "edge", "1", -0.5, 0.5, 0.0, "offset of the first column" },
-               { "edge_length", "px", 0.0, 100.0, 0.0,
+               { "edge_length", "px", 0.0, 1000.0, 0.0,
                  "columns over which it falls by a factor e; 0: there is no edge" } },
              "a black level that is not the same all over the frame",
              "J. R. Janesick, Scientific Charge-Coupled Devices, 2001",

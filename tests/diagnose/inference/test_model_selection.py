@@ -84,8 +84,8 @@ def test_what_both_share_may_move_on_both_sides(monkeypatch, gain):
 
 
 def test_too_small_a_gain_is_not_helped(monkeypatch):
-    evidence, asked = weighed(monkeypatch, gain=-4.0, null_gain=0.0, own=100.0)
-    assert evidence == pytest.approx(-4) and not asked
+    evidence, asked = weighed(monkeypatch, gain=-6.0, null_gain=0.0, own=100.0)
+    assert evidence == pytest.approx(-6) and not asked
 
 
 @pytest.mark.parametrize(("own", "names"), [(2.4, ()), (2.6, ("blur",))])

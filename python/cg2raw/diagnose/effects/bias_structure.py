@@ -10,7 +10,7 @@ import numpy as np
 from cg2raw.diagnose.effects.base import PEDESTAL, Effect, Predicted, Values
 from cg2raw.diagnose.frames.tiling import Array
 
-LENGTHS = 2.0 ** np.arange(0, 7)  # px, of an edge, that are tried first
+LENGTHS = 2.0 ** np.arange(0, 10)  # px, of an edge, that are tried first
 LONGEST_EDGE = 0.125  # of the columns; a longer one is a ramp
 FEWEST_LINES = 8  # rows, or columns, that tell a ramp
 
@@ -25,7 +25,7 @@ class BiasStructure(Effect):
     step = 1e-4
     steps_of = {"edge_length": 0.5}
     # Found on top of what a profile has, which may be too much.
-    bounds = {"edge_length": (-100.0, 100.0)}
+    bounds = {"edge_length": (-200.0, 200.0)}
     switches = ("horizontal", "vertical", "edge")
     shape_of = {"edge_length": "edge"}
     families = frozenset({PEDESTAL})

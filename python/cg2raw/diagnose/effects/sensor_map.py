@@ -11,6 +11,8 @@ import numpy as np
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.frames.tiling import Array
 
+SMALLEST_CHANCE = 1e-12
+
 
 @dataclass(frozen=True)
 class SensorMap:
@@ -28,6 +30,18 @@ class SensorMap:
     covariance: Mapping[str, Array] = field(default_factory=dict)
     law: Mapping[str, Estimate] = field(default_factory=dict)
     chance: Array | None = None
+
+    @property
+    def share(self) -> Array | float:
+        """The chance that a pixel's value is of this effect."""
+        return 1.0 if self.chance is None else self.chance
+
+    @property
+    def unsure_kind(self) -> Array | float:
+        """The part of the variance that is due to the chance: as much as the effect
+        has less of a pixel, another has more."""
+        chance = np.maximum(self.share, SMALLEST_CHANCE)
+        return np.asarray((1 - chance) / chance * self.mean**2)
 
     @property
     def spread(self) -> float:

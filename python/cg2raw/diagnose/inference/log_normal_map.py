@@ -11,11 +11,12 @@ those of maximum likelihood over all pixels. Source: M. Stephens, Biostatistics 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import expit, log_ndtr, logit, logsumexp
+from scipy.special import expit, log_ndtr, logit
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Values
@@ -40,6 +41,12 @@ SEARCH = {"maxiter": 500, "xatol": 1e-3, "fatol": 0.01}
 LEAST_ERROR = 0.05  # of a variance, that is left where a rate is below the median
 
 
+def log_sum(logs: Array) -> Array:
+    """Return the log of sums over the first axis, of finite logs."""
+    top = logs.max(0)
+    return np.asarray(top + np.log(np.exp(logs - top).sum(0)))
+
+
 @dataclass(frozen=True)
 class LogNormal:
     """The law of rate (e^(log_sigma n) - 1), beside a common shift of all estimates."""
@@ -60,7 +67,7 @@ class LogNormal:
         weights = -0.5 * n**2 / (1 - STEP**2)
         part = (self.log_sigma * STEP) ** 2
         size = self.rate * np.exp(self.log_sigma * n + part / 2)
-        return weights - logsumexp(weights), size - self.rate, size**2 * np.expm1(part)
+        return weights - log_sum(weights), size - self.rate, size**2 * np.expm1(part)
 
     def log_parts(self, rates: "Rates") -> Array:
         """Return (k, ...) log density of estimates by each normal."""
@@ -75,7 +82,7 @@ class LogNormal:
         """Return (mean, variance) of each pixel's value, given its estimate."""
         mean, square = np.zeros((2, *rates.estimate.shape))
         logs = self.log_parts(rates)
-        share = np.exp(logs - logsumexp(logs, axis=0))
+        share = np.exp(logs - log_sum(logs))
         for part, middle, variance in zip(share, *self.normals()[1:], strict=True):
             error = rates.error_at(middle)
             kept = variance / (variance + error)
@@ -109,22 +116,49 @@ class Rates:
 
 @dataclass(frozen=True)
 class LogNormalMap:
-    """What a law says of pixels, (T, h, w): mean and variance of each one's value, and
-    the probability that it is hot; mean and variance are of either.
-
-    shift : of all estimates, that is not the map's. law : its numbers.
-    of_all : mean and variance of the law."""
+    """What a law says of pixels whose rates (T, h, w) are known. classes : of pixels
+    alike, and how many they are."""
 
     mixture: "Mixture"
-    mean: Array
-    variance: Array
-    hot: Array
-    law: dict[str, Estimate]
-    of_all: tuple[float, float]
+    rates: Rates
+    known: Mask
+    classes: tuple[Rates, Values]
 
     @property
     def shift(self) -> float:
+        """Of all estimates, that is not the map's."""
         return self.mixture.law.shift
+
+    @cached_property
+    def of_all(self) -> tuple[float, float]:
+        """Mean and variance of the law."""
+        weights, means, variances = self.mixture.law.normals()
+        middle = float(np.exp(weights) @ means)
+        return middle, float(np.exp(weights) @ (variances + means**2)) - middle**2
+
+    @cached_property
+    def law(self) -> dict[str, Estimate]:
+        """The law's numbers."""
+        return _estimates(self.mixture, *self.classes)
+
+    @cached_property
+    def hot(self) -> Array:
+        """The probability that a pixel is hot."""
+        cold, hot = zip(*map(self.mixture.logs, self._tiles), strict=True)
+        return np.where(self.known, expit(np.stack(hot) - np.stack(cold)), 0)
+
+    @cached_property
+    def posterior(self) -> tuple[Array, Array]:
+        """Mean and variance of the value of each pixel, hot or not."""
+        parts = [self.mixture.posterior(tile) for tile in self._tiles]
+        mean, variance, _ = (np.stack(part) for part in zip(*parts, strict=True))
+        middle, whole = self.of_all
+        known = self.known
+        return np.where(known, mean, middle), np.where(known, variance, whole)
+
+    @property
+    def _tiles(self) -> list[Rates]:
+        return [self.rates.at(tile) for tile in range(len(self.rates.estimate))]
 
 
 def fit_log_normal_map(
@@ -140,19 +174,7 @@ def fit_log_normal_map(
     mixture = _most_likely(classes, count, start)
     if mixture is None:
         return None
-    parts = [mixture.posterior(rates.at(tile)) for tile in range(len(rates.estimate))]
-    mean, variance, hot = (np.stack(part) for part in zip(*parts, strict=True))
-    weights, means, variances = mixture.law.normals()
-    middle = float(np.exp(weights) @ means)
-    whole = float(np.exp(weights) @ (variances + means**2)) - middle**2
-    return LogNormalMap(
-        mixture,
-        np.where(known, mean, middle),
-        np.where(known, variance, whole),
-        np.where(known, hot, 0),
-        _estimates(mixture, classes, count),
-        (middle, whole),
-    )
+    return LogNormalMap(mixture, rates, known, (classes, count))
 
 
 def _classes(rates: Rates) -> tuple[Rates, Values]:
@@ -201,7 +223,7 @@ class Mixture:
 
         Source of the latter: E. Grushka, Anal. Chem. 44(11), 1972 (an exponential
         number with normal noise)."""
-        cold = np.log1p(-self.hot_share) + logsumexp(self.law.log_parts(rates), axis=0)
+        cold = np.log1p(-self.hot_share) + log_sum(self.law.log_parts(rates))
         if self.hot_share == 0:
             return cold, np.full_like(cold, -np.inf)
         spread, mean = np.sqrt(rates.error), self.hot_rate

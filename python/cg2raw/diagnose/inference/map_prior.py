@@ -60,13 +60,15 @@ class MixedPrior:
     narrow: float
     wide: float
 
-    def at(self, square: Array, error: Array) -> Array:
-        """Return the variance that each pixel's prior has, given its estimate: the mean
-        of the precisions of both kinds, by how likely it is of either."""
-        wide = self._probability(square, error)
-        narrow = max(self.narrow, LEAST_NARROW)
-        variance: Array = 1 / (wide / self.wide + (1 - wide) / narrow)
-        return variance
+    def posterior(self, estimate: Array, error: Array) -> tuple[Array, Array]:
+        """Return (mean, variance) of each pixel's value, given its estimate."""
+        wide = self._probability(estimate**2, error)
+        mean, square = np.zeros((2, *estimate.shape))
+        for share, variance in ((1 - wide, self.narrow), (wide, self.wide)):
+            kept = variance / (variance + error)
+            mean += share * kept * estimate
+            square += share * ((kept * estimate) ** 2 + kept * error)
+        return mean, np.maximum(square - mean**2, 0)
 
     def _probability(self, square: Array, error: Array) -> Array:
         """Return that of each pixel to be wide."""

@@ -5,13 +5,14 @@
 
 Each map is Gaussian with a variance of its own, which all pixels together show (see
 map_prior): what is known of a pixel is its posterior under these priors. Of a map that
-is log-normal, each pixel's prior is the normal that, with its estimate, has the mean
+is log-normal, or of which a few pixels are wide, each pixel's prior is the normal that, with its estimate, has the mean
 and variance of its posterior. Source of that: T. P. Minka, UAI 17, 2001 (expectation
 propagation).
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -39,6 +40,7 @@ SLOW_RATES = (
 SLOW_TURNS = 6  # a smoothing over so many pixels takes but a 2000th
 FAR_OUT = 3.0  # standard deviations from its surroundings, of a pixel that stands out
 LEAST_TOLD = 1e-6  # of what frames tell of a pixel, that is left of it
+LEAST_MAP_VARIANCE = 1e-200
 AGREED = 1e-3  # relative change of their deviations, from where on they do
 
 
@@ -64,7 +66,7 @@ def pixel_maps(
         others = {terms[i].name: covariance[k, i] for i in range(count) if i != k}
         sensor_map = SensorMap(means[k], covariance[k, k], others)
         values = np.array([np.sqrt(priors[k].variance)])
-        if (rates := priors[k].rates) is not None:
+        if (rates := _law_of(priors[k])) is not None:
             sensor_map = _without_hot(sensor_map, rates)
         found.append(replace(term, values=values, sensor_map=sensor_map))
     return found
@@ -74,26 +76,57 @@ def pixel_maps(
 class _Prior:
     """Of a map: variance of all, and of each pixel, where a few are wide.
 
-    pull : of each pixel's prior, its mean over its variance. rates : the law that it
-    comes from."""
+    pulls : of each pixel's prior, its mean over its variance."""
 
     variance: float
     pixels: Array | None = None
-    pull: Array | float = 0.0
-    rates: LogNormalMap | None = None
+    pulls: Array | float = 0.0
 
     @property
     def each(self) -> Array | float:
         return max(self.variance, 0.0) if self.pixels is None else self.pixels
 
     @property
+    def pull(self) -> Array | float:
+        return self.pulls
+
+    @property
     def of_all(self) -> "_Prior":
         """The prior before anything is known of a pixel, as another map's law needs
         it."""
-        if self.rates is None:
-            return self
+        return self
+
+
+@dataclass(frozen=True)
+class _RatePrior(_Prior):
+    """Of a map whose pixels have a law of their own."""
+
+    rates: LogNormalMap | None = None
+
+    @cached_property
+    def _normal(self) -> tuple[Array, Array]:
+        assert self.rates is not None
+        rates = self.rates.rates
+        told = np.where(self.rates.known, 1 / rates.error, 0)
+        estimate = rates.estimate - self.rates.shift
+        return _as_normal(*self.rates.posterior, estimate, told)
+
+    @property
+    def each(self) -> Array:
+        return np.asarray(1 / self._normal[0])
+
+    @property
+    def pull(self) -> Array:
+        return self._normal[1]
+
+    @cached_property
+    def of_all(self) -> _Prior:
+        """What is hot may have any rate."""
+        assert self.rates is not None
         mean, variance = self.rates.of_all
-        return _Prior(variance, pull=mean / variance)
+        hot, widest = self.rates.hot, 2 * self.rates.mixture.hot_rate**2
+        own = (1 - hot) / variance + hot / widest
+        return _Prior(variance, 1 / own, (1 - hot) * mean / variance)
 
 
 def _prior(
@@ -112,7 +145,7 @@ def _prior(
     if effect.is_log_normal:
         noisier = evidence.noisier[one] / information**2
         estimate = _own_part(effect, estimate, known, evidence.repeat)
-        before = None if priors is None else priors[one].rates
+        before = None if priors is None else _law_of(priors[one])
         rates = Rates(estimate, 1 / information, noisier)
         return _of_rates(rates, known, before)
     kept = 1.0
@@ -124,7 +157,14 @@ def _prior(
     mixed = mixed_prior_of(*of_known) if effect.has_long_tails else None
     if mixed is None:
         return _Prior(variance)
-    return _Prior(variance, np.where(known, mixed.at(square, error), variance))
+    mean, spread = mixed.posterior(estimate, error)
+    told = np.where(known, 1 / error, 0)
+    own, pull = _as_normal(mean, spread, estimate, told)
+    return _Prior(variance, np.where(known, 1 / own, variance), known * pull)
+
+
+def _law_of(prior: _Prior) -> LogNormalMap | None:
+    return prior.rates if isinstance(prior, _RatePrior) else None
 
 
 def _of_rates(rates: Rates, known: Mask, before: LogNormalMap | None) -> _Prior:
@@ -132,10 +172,17 @@ def _of_rates(rates: Rates, known: Mask, before: LogNormalMap | None) -> _Prior:
     found = fit_log_normal_map(rates, known, None if before is None else before.mixture)
     if found is None:
         return _Prior(0.0)
-    told = np.where(known, 1 / rates.error, 0)
-    own = np.maximum(1 / found.variance - told, LEAST_TOLD * told + LEAST_INFORMATION)
-    pull = found.mean * (own + told) - told * (rates.estimate - found.shift)
-    return _Prior(found.law["sigma"].value ** 2, 1 / own, pull, found)
+    return _RatePrior(found.mixture.law.sigma**2, rates=found)
+
+
+def _as_normal(
+    mean: Array, variance: Array, estimate: Array, told: Array
+) -> tuple[Array, Array]:
+    """Return (precisions, these times means) of the normal priors that, with estimates
+    of precision told, have a mean and a variance."""
+    least = LEAST_TOLD * told + LEAST_INFORMATION
+    own = np.maximum(1 / np.maximum(variance, LEAST_MAP_VARIANCE) - told, least)
+    return own, mean * (own + told) - told * estimate
 
 
 def _without_hot(sensor_map: SensorMap, rates: LogNormalMap) -> SensorMap:
@@ -143,13 +190,14 @@ def _without_hot(sensor_map: SensorMap, rates: LogNormalMap) -> SensorMap:
 
     The shot noise of its charge, that only its law knows of, makes it less sure."""
     cold = 1 - rates.hot
-    unsure = np.maximum(sensor_map.variance, rates.variance)
+    unsure = np.maximum(sensor_map.variance, rates.posterior[1])
     doubt = rates.hot * cold * sensor_map.mean**2
     return SensorMap(
         cold * sensor_map.mean,
         cold**2 * unsure + doubt,
         {name: cold * one for name, one in sensor_map.covariance.items()},
         rates.law,
+        cold,
     )
 
 
@@ -206,7 +254,7 @@ def _means(
             prior = priors[k].each
             if effect.is_log_normal:
                 estimate = _own_part(effect, estimate, known, evidence.repeat)
-                rates = priors[k].rates
+                rates = _law_of(priors[k])
                 estimate = np.where(known, estimate - (rates.shift if rates else 0), 0)
             elif effect.lacks_slow_part:
                 estimate = _high_pass(estimate, known, evidence.repeat)

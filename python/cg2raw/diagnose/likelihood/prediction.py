@@ -130,7 +130,8 @@ def _with_maps(
             if effect.is_log_normal and fitted:
                 # Alike in all pixels: weights that a skewed map has a part in would
                 # pull the mean to the side of its smaller values.
-                doubt = doubt + (unsure - gain * more)[frame.keep].mean()
+                less = unsure - sensitivity**2 * sensor_map.unsure_kind - gain * more
+                doubt = doubt + np.average(less, weights=frame.keep * sensor_map.share)
                 continue
             variance = variance + gain * more
         if effect.layout != "sparse":
