@@ -125,9 +125,10 @@ def test_frames_are_of_the_true_sensor_and_repeat_each_other():
 
 
 def test_evidence_is_large_for_what_is_seen_by_anybody():
-    case = DenseCase("dense-1", 0, 11, {"exposure": 0.0})
+    case = DenseCase("dense-1", 0, 12, {"exposure": 0.0})
+    assert case.truth["exposure"]["gain"] > 0.05
     assert case.evidence(["exposure"])["exposure"] > 100
-    right = DenseCase("dense-1", 0, 11, {"exposure": 1.0})
+    right = DenseCase("dense-1", 0, 12, {"exposure": 1.0})
     assert right.evidence(["exposure"])["exposure"] == pytest.approx(0, abs=1e-6)
 
 

@@ -16,8 +16,15 @@ from cg2raw.diagnose.frames.frame import (
     source_of,
     with_level_of,
 )
-from cg2raw.diagnose.frames.tiling import Tiling, whole_tilings
+from cg2raw.diagnose.frames.tiling import Array, Tiling, whole_tilings
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.inference.illumination import (
+    illumination,
+    light_of,
+    lit,
+    of_unmeasured_light,
+    unmeasured,
+)
 from cg2raw.diagnose.inference.nuisance_fit import without_highlights
 from cg2raw.diagnose.inference.outliers import outliers
 from cg2raw.diagnose.inference.registration import Registration
@@ -25,6 +32,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 KEPT_BYTES = 1 << 30  # of frames that are not read again for each batch
+KEPT_LIGHTS = 4  # of batches of tiles
 MAP_ROUNDS = 2  # of maps, and of outliers that are in the frames that they are made of
 
 
@@ -33,15 +41,18 @@ class Pieces:
     """What large frames show of any of their tiles.
 
     base : the baseline's model. learnt_from : the frames that maps are made from.
-    most_outliers : share of a piece that may be set aside, 0 for none."""
+    most_outliers : share of a piece that may be set aside, 0 for none. light : the
+    model beside which flats of unmeasured light show theirs; None: they are even."""
 
     capture_set: CaptureSet
     base: Model
     registration: Registration | None
     learnt_from: Likelihood
     most_outliers: float = 0.0
+    light: Model | None = None
     _sources: dict[str, Source] = field(default_factory=dict)
     _bytes: int = 0
+    _lights: dict[tuple[str, bytes], Array] = field(default_factory=dict)
 
     def batches(self, tiles: Tiling) -> Iterator[Tiling]:
         """Yield tilings that together are a frame."""
@@ -51,6 +62,13 @@ class Pieces:
         """Return a frame's tiles; a small one, or a table, as it is."""
         if tiles.is_whole:
             return frame
+        piece = self._as_read(frame, tiles)
+        if self.light is not None and of_unmeasured_light(piece):
+            light = self._light_of(self.light, piece)
+            piece = piece if light is None else lit(piece, light)
+        return piece
+
+    def _as_read(self, frame: Frame, tiles: Tiling) -> Frame:
         piece = frame_of(self._source(frame), tiles, frame.noise, frame.warmth)
         if piece.level_free:
             piece = with_level_of(piece, frame)
@@ -82,6 +100,25 @@ class Pieces:
             cleaned = partial(self.without_outliers, model=model)
             pieces = workers.map(cleaned, pieces)
         return model
+
+    def _light_of(self, model: Model, piece: Frame) -> Array | None:
+        """Return what flats of one light show of it in the tiles of a piece; None if
+        they are too few."""
+        key = light_of(piece), piece.tiles.origins.tobytes()
+        if key not in self._lights:
+            alike = [
+                flats
+                for flats in unmeasured(self.learnt_from.frames)
+                if light_of(flats[0]) == light_of(piece)
+                and flats[0].tiles.shape == piece.tiles.shape
+            ]
+            if not alike:
+                return None
+            pieces = [self._as_read(flat, piece.tiles) for flat in alike[0]]
+            if len(self._lights) >= KEPT_LIGHTS:
+                self._lights.clear()
+            self._lights[key] = illumination(model, pieces)
+        return self._lights[key]
 
     def _source(self, frame: Frame) -> Source:
         """Return a frame's files; of those that take little room they are kept."""

@@ -76,12 +76,17 @@ def _held(
     splits: Splits,
     model: Model,
     details: bool,
-    most_outliers: float,
+    search: Search,
 ) -> _Held:
     model, values, refused = founded(model, splits.fit)
     notes = refusals(refused)
     pieces = Pieces(
-        capture_set, baseline.model, baseline.registration, splits.fit, most_outliers
+        capture_set,
+        baseline.model,
+        baseline.registration,
+        splits.fit,
+        search.most_outliers,
+        search.light,
     )
     whole = WholeFrames(splits.report, baseline.model, pieces, details)
     look = whole.look_at(model)
@@ -111,7 +116,7 @@ def assessed(
 
     details : with what is drawn, and what is lost without each effect."""
     splits, report = search.splits, search.splits.report
-    held = _held(capture_set, baseline, splits, model, details, search.most_outliers)
+    held = _held(capture_set, baseline, splits, model, details, search)
     gap = _gap(baseline, held, report.frames)
     before = residual_tests(baseline.model, splits.select, splits.fit)
     after = residual_tests(held.model, report, splits.select)

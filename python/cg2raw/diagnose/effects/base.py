@@ -131,6 +131,11 @@ class Effect:
     # Its variance is its whitening's, and no prediction's.
     whitens_variance: ClassVar[bool] = False
 
+    @cached_property
+    def acts_on_light(self) -> bool:
+        """Whether it acts before there is charge, so that darks show nothing of it."""
+        return registered(self.cfa)[self.name]["stage"] in ("color", "optics", "pixel")
+
     @property
     def predicted(self) -> bool:
         """Whether the registry moves a prediction by its values, on top of those that

@@ -47,7 +47,7 @@ class Dust(FixedPattern):
     }
 
     def sensitivity(self, frame: Frame, photons: Array) -> Array:
-        return photons
+        return photons if frame.capture.shows.light else np.zeros_like(photons)
 
     def registry_estimates(
         self, estimates: Estimates, sensor_map: SensorMap | None

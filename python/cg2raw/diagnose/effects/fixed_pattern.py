@@ -69,7 +69,7 @@ class FixedPattern(Effect):
         if self.layout == "columns":
             count = sensor_map.mean[:, 0].size
         prior = max(value, 1e-12) ** 2
-        share = 1 - float(np.mean(sensor_map.variance)) / prior
+        share = 1 - float(np.median(sensor_map.variance)) / prior
         return float(value / np.sqrt(2 * count) / min(max(share, 1e-3), 1.0))
 
     def standard_errors(self, values: Values, sensor_map: SensorMap) -> list[float]:

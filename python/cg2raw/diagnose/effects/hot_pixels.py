@@ -33,6 +33,8 @@ class HotPixels(FixedPattern):
     layout = "sparse"
     is_charge = True
     has_strength = False  # how many are hot is not how strong they are
+    # The charge of a defect flickers by some percent of it.
+    taken_up_by = {"random_telegraph_noise": 1e-3}
     told_apart = {
         "heavy_tailed_noise": "Several darks: hot pixels are the same ones in each and "
         "grow with exposure time; the tails of read noise fall on other pixels each "

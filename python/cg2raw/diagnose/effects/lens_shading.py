@@ -36,8 +36,14 @@ class LensShading(Effect):
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
     needs = LIGHT
-    # Vignetting that is no polynomial.
-    taken_up_by = {"exposure": 1e-4, "prnu": 5e-5, "dust": 2e-3}
+    # Vignetting that is no polynomial; a lamp's light, which differs from flat to flat
+    # by some thousandths of it.
+    taken_up_by = {
+        "exposure": 1e-4,
+        "prnu": 5e-5,
+        "dust": 2e-3,
+        "mains_flicker": 1e-5,
+    }
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",

@@ -3,6 +3,8 @@
 
 """PRNU: pixels of unequal gain."""
 
+import numpy as np
+
 from cg2raw.diagnose.effects.base import LIGHT
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
@@ -16,6 +18,7 @@ class Prnu(FixedPattern):
     needs = LIGHT
     lacks_slow_part = True
     has_long_tails = True
+    has_long_tails = True
     # The slow part of the map, which the map leaves out.
     taken_up_by = {
         "color_shading": 0.01,
@@ -24,7 +27,8 @@ class Prnu(FixedPattern):
     }
 
     def sensitivity(self, frame: Frame, photons: Array) -> Array:
-        return photons
+        """Charge that gathers without light is none of a pixel's gain."""
+        return photons if frame.capture.shows.light else np.zeros_like(photons)
 
 
 EFFECT = Prnu()

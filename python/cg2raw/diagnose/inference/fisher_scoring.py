@@ -50,10 +50,17 @@ class _State:
 class Linearisation:
     """Derivatives of mean and variance of all frames by a model's parameters.
 
-    Those of the model's own terms are kept while candidates come and go."""
+    Those of the model's own terms are kept while candidates come and go.
+    near : of a model nearby, whose derivatives are taken for these."""
 
-    def __init__(self, model: Model, likelihood: Likelihood) -> None:
+    def __init__(
+        self,
+        model: Model,
+        likelihood: Likelihood,
+        near: "Linearisation | None" = None,
+    ) -> None:
         self.model, self.likelihood = model, likelihood
+        self._near = near
 
     @cached_property
     def height(self) -> float:
@@ -62,7 +69,11 @@ class Linearisation:
 
     @cached_property
     def _states(self) -> list[_State]:
-        return self.likelihood.each(self._state)
+        states = self.likelihood.each(self._state)
+        if self._near is not None:
+            for state, near in zip(states, self._near._states, strict=True):
+                state.columns.update(near.columns)
+        return states
 
     def _state(self, frame: Frame) -> _State:
         p = predict_with_jumps(self.model, frame)
@@ -83,6 +94,9 @@ class Linearisation:
         name, index = parameter
         term = model.term(name)
         assert term is not None
+        if term.effect.acts_on_light and not frame.capture.shows.light:
+            none = np.zeros(int(frame.counted.sum()), np.float32)
+            return none, none
         step = term.effect.steps[index]
         values = term.values.copy()
         if values[index] + step > term.effect.high[index]:

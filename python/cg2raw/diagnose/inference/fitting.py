@@ -40,13 +40,28 @@ def fit(model: Model, likelihood: Likelihood, turns: int = TURNS) -> Model:
     return model
 
 
+def fit_alone(model: Model, name: str, likelihood: Likelihood) -> Model:
+    """Return the model with one of its terms fitted, all others as they are."""
+    term = model.term(name)
+    assert term is not None
+    if term.effect.estimator == "fixed pattern":
+        return fit_patterns(model, likelihood, [name])
+    if term.effect.estimator == "transform":
+        return fit_transform(model, name, likelihood)[0]
+    others = [other for other in model.names if other != name]
+    return scored(model, likelihood.total(model), likelihood, others)[0]
+
+
 def scored(
     model: Model, current: float, likelihood: Likelihood, held: Collection[str] = ()
 ) -> tuple[Model, float]:
     """Return (model after damped steps of Fisher scoring until they gain no more, its
-    log-likelihood). held : names of terms that rest."""
-    for _ in range(SCORING_STEPS):
-        base = Linearisation(model, likelihood)
+    log-likelihood). Every other step takes the derivatives of the one before it.
+
+    held : names of terms that rest."""
+    base: Linearisation | None = None
+    for number in range(SCORING_STEPS):
+        base = Linearisation(model, likelihood, base if number % 2 else None)
         model, gain = one_step(model, base, current, held)
         current += gain
         if gain < ENOUGH:

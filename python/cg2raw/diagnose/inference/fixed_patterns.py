@@ -30,16 +30,23 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
 MOST_BY_CHANCE = 4.0  # standard errors of a mean of columns
-TURNS_OF_MAPS = 3  # of maps of several layouts, by turns
+TURNS_OF_MAPS = 3  # of maps of several layouts, by turns, if any is new
 
 
-def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
-    """Return the model with the maps of all its fixed patterns estimated.
+def fit_patterns(
+    model: Model, likelihood: Likelihood, names: Sequence[str] | None = None
+) -> Model:
+    """Return the model with the maps of its fixed patterns estimated; of these alone if
+    there are names.
 
     Maps of pixels are estimated together, since the same pixels' offsets, rates and
     gains look alike in few frames; other maps by turns with them. A log-normal law of
     rates says itself which pixels are hot beyond it: few hot pixels come after it."""
-    effects = [t.effect for t in model.terms if isinstance(t.effect, FixedPattern)]
+    effects = [
+        term.effect
+        for term in model.terms
+        if isinstance(term.effect, FixedPattern) and term.name in (names or [term.name])
+    ]
     if not effects:
         return model
     chosen = likelihood.of(_of_common_shape(likelihood.frames))
@@ -48,11 +55,16 @@ def fit_patterns(model: Model, likelihood: Likelihood) -> Model:
     if of_pixels := [e.name for e in effects if e.layout == "pixels"]:
         first = any(effect.is_log_normal for effect in effects)
         parts.insert(0 if first else len(parts), of_pixels)
-    for _ in range(TURNS_OF_MAPS if len(parts) > 1 else 1):
-        for names in parts:
-            for term in _fitted(model, names, chosen):
+    is_new = any(term.sensor_map is None for term in model.terms if _is_map(term))
+    for _ in range(TURNS_OF_MAPS if is_new and len(parts) > 1 else 1):
+        for together in parts:
+            for term in _fitted(model, together, chosen):
                 model = model.with_term(term)
     return model
+
+
+def _is_map(term: Term) -> bool:
+    return isinstance(term.effect, FixedPattern)
 
 
 def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[Term]:

@@ -19,6 +19,7 @@ from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.coordinate_search import fit_transform
 from cg2raw.diagnose.inference.fitting import fit, scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.inference.illumination import as_lit
 from cg2raw.diagnose.inference.moments import moments_of
 from cg2raw.diagnose.inference.outliers import without_outliers
 from cg2raw.diagnose.inference.splits import Splits
@@ -33,10 +34,13 @@ MOST_OUTLIERS = 2e-3  # of a frame's pixels, that are set aside from the fitted 
 
 @dataclass(frozen=True)
 class FullStart:
-    """A model of all effects, and the frames without what it sets aside."""
+    """A model of all effects, and the frames without what it sets aside.
+
+    light : the model beside which flats showed their light."""
 
     model: Model
     splits: Splits
+    light: Model
 
 
 def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | None:
@@ -72,12 +76,16 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
         splits = warmed(model, splits, error)
         shown = without_outliers(model, splits, MOST_OUT)
         model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
+    light = model
+    splits = as_lit(light, splits)
+    model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
+    shown = without_outliers(model, splits, MOST_OUT)
     for term in later:
         assert term is not None
         model, _ = fit_transform(model.with_term(term), term.name, shown.fit)
     model = fit(model, shown.fit)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
-    return FullStart(fit(model, shown.fit), shown)
+    return FullStart(fit(model, shown.fit), shown, light)
 
 
 def uniform_of(likelihood: Likelihood) -> list[Frame]:

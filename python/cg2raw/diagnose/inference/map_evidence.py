@@ -19,12 +19,15 @@ from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jump
 
 LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
 LEAST_INFORMATION = 1e-200
+# Of the squared slopes of frames of light: what darks need to have.
+ENOUGH_OF_DARKS = 0.2
 
 
 @dataclass(frozen=True)
 class Evidence:
     """Of K maps: information (K, K, T, h, w), whose inverse is the covariance of their
-    estimates, and score (K, T, h, w), information times estimates.
+    estimates, and score (K, T, h, w), information times estimates. A row is what frames
+    say of one map, beside the others.
 
     repeat : side of the CFA's, px.
     noisier : (K, T, h, w), what a value of each map adds, by the shot noise of its
@@ -47,8 +50,10 @@ def evidence_of(
 ) -> Evidence:
     """Return what frames of one shape say of the maps of some effects.
 
-    rest : the model without them."""
+    Of offsets and rates darks say so much more than flats that these would add but what
+    is wrong with their light. rest : the model without them."""
     count = len(effects)
+    by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
 
     def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
         p = predict_with_jumps(rest, frame)
@@ -57,28 +62,33 @@ def evidence_of(
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)
         spread = np.sqrt(p.variance)
         given = [e.sensitivity(frame, photons) for e in effects]
-        slopes = [sensitivity * weight / spread for sensitivity in given]
-        products = [slopes[k] * slopes[i] for k, i in _upper(count)]
+        slopes = np.array([sensitivity * weight / spread for sensitivity in given])
+        lit = frame.capture.shows.light
+        told = slopes * ~np.array(by_darks)[:, None, None, None] if lit else slopes
         of_charge = photon_gain(rest, frame) / p.variance
         noisier = [
             slope**2 * sensitivity * of_charge * effect.is_charge
-            for slope, sensitivity, effect in zip(slopes, given, effects, strict=True)
+            for slope, sensitivity, effect in zip(told, given, effects, strict=True)
         ]
-        scored = [slope * z for slope in slopes]
-        return np.array(products), np.array(scored), np.array(noisier)
+        return told[:, None] * slopes[None], told * z, np.array(noisier)
 
     shape = likelihood.frames[0].signal.shape
     information, score = np.zeros((count, count, *shape)), np.zeros((count, *shape))
     noisier = np.zeros_like(score)
     for products, scored, more in likelihood.each(of_frame):
-        for (k, i), product in zip(_upper(count), products, strict=True):
-            information[k, i] += product
+        information += products
         score += scored
         noisier += more
-    for k, i in _upper(count):
-        information[i, k] = information[k, i]
     return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier)
 
 
-def _upper(count: int) -> list[tuple[int, int]]:
-    return [(k, i) for k in range(count) for i in range(k, count)]
+def told_by_darks(effect: FixedPattern, frames: Sequence[Frame]) -> bool:
+    """Return whether darks show an effect that is none of light nearly as well as
+    frames of light, which are noisier."""
+    if "light" in effect.needs:
+        return False
+    told = {True: 0.0, False: 0.0}
+    for frame in frames:
+        slope = float(effect.sensitivity(frame, np.zeros(())))
+        told[frame.capture.shows.light] += slope**2
+    return told[False] > ENOUGH_OF_DARKS * told[True]

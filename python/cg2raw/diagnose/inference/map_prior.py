@@ -60,6 +60,12 @@ class MixedPrior:
     narrow: float
     wide: float
 
+    def half_of_tail(self, error: Array) -> float:
+        """Return half of the variance that those that are wide bring, as far as they
+        are counted."""
+        most = LONGEST_TAIL**2 * (float(np.median(error)) + self.narrow)
+        return 0.5 * self.share * min(self.wide, most)
+
     def posterior(self, estimate: Array, error: Array) -> tuple[Array, Array]:
         """Return (mean, variance) of each pixel's value, given its estimate."""
         wide = self._probability(estimate**2, error)

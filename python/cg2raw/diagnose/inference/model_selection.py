@@ -20,12 +20,13 @@ import numpy as np
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import confusable
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference import pruning
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
-from cg2raw.diagnose.inference.fitting import first_guess, fit
+from cg2raw.diagnose.inference.fitting import TURNS, first_guess, fit
 from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
-from cg2raw.diagnose.inference.pruning import pruned, restarted
+from cg2raw.diagnose.inference.pruning import is_missed, pruned, restarted
 from cg2raw.diagnose.inference.steps import (
     CALIBRATED,
     Step,
@@ -67,9 +68,10 @@ class Search:
         self.interrupted = baseline.ended is KeyboardInterrupt
         self.timed_out = baseline.ended is TimeIsUp
         self.most_outliers = 0.0  # share of a frame that is set aside
+        self.light: Model | None = None  # beside which flats showed theirs
         self._reached = baseline.model
         self._swapped: set[tuple[str, str]] = set()
-        self._given = 0  # effects that were there before any was added
+        self._given: set[str] = set()  # effects that were there before any was added
 
     @property
     def threshold(self) -> float:
@@ -102,7 +104,7 @@ class Search:
         if not 0 < len(self._reached.found_names) <= FEW_EFFECTS:
             return
         full, steps = self._reached, self.steps
-        self.steps, self._reached, self._given = [], bare, 0
+        self.steps, self._reached, self._given = [], bare, set()
         self._swapped = set()
         self._climb(bare)
         lead = float((self._select(full) - self._select(self._reached)).sum())
@@ -116,13 +118,14 @@ class Search:
         if start is None:
             return False
         self.splits, self.most_outliers = start.splits, MOST_OUTLIERS
+        self.light = start.light
         left = pruned(start.model, start.splits, self.threshold, self.report)
         ranking = sorted(left.losses.items(), key=lambda one: -one[1])
         for name, loss in ranking:
             step = Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
             self.steps.append(step)
         self.steps += [Step("dropped", n, -loss) for n, loss in left.dropped.items()]
-        self._reached, self._given = left.model, len(left.losses)
+        self._reached, self._given = left.model, set(left.losses)
         return True
 
     def _climb(self, model: Model) -> None:
@@ -148,7 +151,7 @@ class Search:
 
     def _add(self, model: Model) -> Model | None:
         """Return the model with the best candidate that passes; None if none does."""
-        if len(model.found_names) - self._given >= self.most:
+        if len(model.found_names) - len(self._given) >= self.most:
             return None
         self.report(f"looking for effect {len(model.found_names) + 1}")
         current = self._select(model)
@@ -218,7 +221,8 @@ class Search:
             if rank >= 3 and score < WORTH_FITTING * best:
                 continue
             self.report(f"fitting {candidate.name}")
-            fitted = fit(start, self.splits.fit)
+            turns = pruning.TURNS_WITHOUT if self._given else TURNS
+            fitted = fit(start, self.splits.fit, turns)
             blocks = self._select(fitted) - current
             trials.append(Trial(candidate.name, float(blocks.sum()), blocks, fitted))
         return sorted(trials, key=lambda trial: trial.gain, reverse=True)
@@ -285,6 +289,9 @@ class Search:
             if len(model.found_names) < 2:
                 break
             self.report(f"is {name} still needed")
+            given = name in self._given
+            if given and is_missed(model, name, newest, self.splits):
+                continue
             rest = fit(model.without(name), self.splits.fit)
             without = self._select(rest).sum()
             if height - without < self.threshold:

@@ -5,9 +5,9 @@
 
 Each map is Gaussian with a variance of its own, which all pixels together show (see
 map_prior): what is known of a pixel is its posterior under these priors. Of a map that
-is log-normal, or of which a few pixels are wide, each pixel's prior is the normal that, with its estimate, has the mean
-and variance of its posterior. Source of that: T. P. Minka, UAI 17, 2001 (expectation
-propagation).
+is log-normal, or of which a few pixels are wide, each pixel's prior is the normal that,
+with its estimate, has the mean and variance of its posterior. Source of that: T. P.
+Minka, UAI 17, 2001 (expectation propagation).
 """
 
 from collections.abc import Iterator, Sequence
@@ -52,14 +52,15 @@ def pixel_maps(
     priors = [_Prior(float(term.values[0]) ** 2) for term in terms]
     if count > 1 and not all(prior.variance for prior in priors):
         priors = [_prior(k, effects[k], evidence, None) for k in range(count)]
+    slow: Slow = {}
     for _ in range(MOST_TURNS if count > 1 else 1):
         before = [prior.variance for prior in priors]
         for k in range(count):
-            priors[k] = _prior(k, effects[k], evidence, priors)
+            priors[k] = _prior(k, effects[k], evidence, priors, slow)
         now = [prior.variance for prior in priors]
         if np.allclose(np.sqrt(now), np.sqrt(before), rtol=AGREED, atol=0):
             break
-    means = _means(effects, evidence, priors)
+    means = _means(effects, evidence, priors, slow)
     covariance = _covariance(evidence, priors)
     found = []
     for k, term in enumerate(terms):
@@ -70,6 +71,9 @@ def pixel_maps(
             sensor_map = _without_hot(sensor_map, rates)
         found.append(replace(term, values=values, sensor_map=sensor_map))
     return found
+
+
+Slow = dict[int, Array]  # by the number of a map: its slow part beside its mean
 
 
 @dataclass(frozen=True)
@@ -134,9 +138,11 @@ def _prior(
     effect: FixedPattern,
     evidence: Evidence,
     priors: Sequence[_Prior] | None,
+    slow: "Slow | None" = None,
 ) -> _Prior:
     """Return the prior of one map, where the others are as unsure as their priors; None
-    for others that are 0."""
+    for others that are 0. slow : the slow parts of log-normal maps, once they are
+    known: they change little."""
     known = evidence.known(one)
     information, score = _marginal(one, evidence, priors)
     least = LEAST_TOLD * evidence.information[one, one] + LEAST_INFORMATION
@@ -144,7 +150,7 @@ def _prior(
     estimate = np.where(known, score / information, 0)
     if effect.is_log_normal:
         noisier = evidence.noisier[one] / information**2
-        estimate = _own_part(effect, estimate, known, evidence.repeat)
+        estimate = _own_part(one, effect, estimate, known, evidence.repeat, slow)
         before = None if priors is None else _law_of(priors[one])
         rates = Rates(estimate, 1 / information, noisier)
         return _of_rates(rates, known, before)
@@ -157,6 +163,7 @@ def _prior(
     mixed = mixed_prior_of(*of_known) if effect.has_long_tails else None
     if mixed is None:
         return _Prior(variance)
+    variance = max(variance, mixed.half_of_tail(of_known[1]))
     mean, spread = mixed.posterior(estimate, error)
     told = np.where(known, 1 / error, 0)
     own, pull = _as_normal(mean, spread, estimate, told)
@@ -201,13 +208,23 @@ def _without_hot(sensor_map: SensorMap, rates: LogNormalMap) -> SensorMap:
     )
 
 
-def _own_part(effect: FixedPattern, estimate: Array, known: Mask, repeat: int) -> Array:
+def _own_part(
+    one: int,
+    effect: FixedPattern,
+    estimate: Array,
+    known: Mask,
+    repeat: int,
+    slow: Slow | None,
+) -> Array:
     """Return estimates of a log-normal map without its slow part, but with their
-    mean."""
+    mean. slow : those of maps that are known already."""
     if not (effect.lacks_slow_part and known.any()):
         return estimate
-    slow = slow_part(estimate, known, repeat)
-    return np.where(known, estimate - slow + slow[known].mean(), 0)
+    kept = {} if slow is None else slow
+    if one not in kept:
+        found = slow_part(estimate, known, repeat)
+        kept[one] = found - found[known].mean()
+    return np.where(known, estimate - kept[one], 0)
 
 
 def _marginal(
@@ -239,7 +256,10 @@ def _with_priors(
 
 
 def _means(
-    effects: Sequence[FixedPattern], evidence: Evidence, priors: Sequence[_Prior]
+    effects: Sequence[FixedPattern],
+    evidence: Evidence,
+    priors: Sequence[_Prior],
+    slow: Slow,
 ) -> Array:
     """Return (K, T, h, w) posterior means: each map by what the others leave."""
     means = np.zeros_like(evidence.score)
@@ -253,7 +273,7 @@ def _means(
             estimate = np.where(known, means[k] + left, 0)
             prior = priors[k].each
             if effect.is_log_normal:
-                estimate = _own_part(effect, estimate, known, evidence.repeat)
+                estimate = _own_part(k, effect, estimate, known, evidence.repeat, slow)
                 rates = _law_of(priors[k])
                 estimate = np.where(known, estimate - (rates.shift if rates else 0), 0)
             elif effect.lacks_slow_part:

@@ -11,12 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
-from cg2raw.diagnose.inference.fitting import first_guess, fit
+from cg2raw.diagnose.inference.fitting import first_guess, fit, fit_alone
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 BEYOND_DOUBT = 100.0  # thresholds, from where on the model without it need not move
+BY_FAR = 1000.0  # nats, of what is missed whatever else moves
 TURNS_WITHOUT = 1  # of a fit without one effect, which starts at that with it
 
 
@@ -54,6 +55,14 @@ def pruned(
             losses[name] = loss
         else:
             return Pruned(model, losses, dropped)
+
+
+def is_missed(model: Model, name: str, newest: str, splits: Splits) -> bool:
+    """Return whether the select frames miss an effect by far, though the newest one
+    does what it can in its place."""
+    rest = fit_alone(model.without(name), newest, splits.fit)
+    loss = splits.select.total(model) - splits.select.total(rest)
+    return loss > BY_FAR
 
 
 def _least_first(

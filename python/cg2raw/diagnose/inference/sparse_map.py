@@ -18,7 +18,7 @@ from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION
+from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, told_by_darks
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jumps
@@ -59,6 +59,8 @@ def fit_sparse_map(
     rest : all but this term. likelihood : of frames of one shape."""
     predictions = likelihood.each(lambda frame: predict_with_jumps(rest, frame))
     predicted = list(zip(likelihood.frames, predictions, strict=True))
+    if told_by_darks(effect, likelihood.frames):
+        predicted = [one for one in predicted if not one[0].capture.shows.light]
     cold = np.zeros(likelihood.frames[0].signal.shape)
     first = _leak(effect, rest, predicted, cold)
     leak = _leak(effect, rest, predicted, np.maximum(first.rate, 0))

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Illumination: what is slow in flats of a lamp that nobody measured is its light.
+
+A lamp, a screen or a twilight sky is not even, nor is a lens a polynomial. What flats
+have in common beyond the model of a sensor, and varies slowly over the frame, is taken
+as the light that fell on it: held-out flats have it too. What varies from pixel to
+pixel stays, and is PRNU. Source: EMVA Standard 1288, release 4.0 (low frequencies of a
+flat are not the pixels').
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from cg2raw.cfa import repeat_of
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.shrinkage import shown_light
+from cg2raw.diagnose.frames.tiling import Array, Tiling
+from cg2raw.diagnose.inference.pixel_maps import SMOOTH
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
+
+FEWEST_FLATS = 2  # that show the same light
+LEAST_TOLD_OF_LIGHT = 1e-100
+
+
+def of_unmeasured_light(frame: Frame) -> bool:
+    """Return whether a frame is a flat whose light nobody measured."""
+    return frame.level_free and frame.samples is None and frame.capture.kind == "flat"
+
+
+def light_of(frame: Frame) -> str:
+    """Return which light a flat shows: that of its set, or of all flats without one."""
+    named = frame.capture.set
+    return "" if named == frame.capture.name else named
+
+
+def unmeasured(frames: Sequence[Frame]) -> list[list[Frame]]:
+    """Return the flats of every unmeasured light that there are enough of."""
+    lights: dict[tuple[str, tuple[int, ...]], list[Frame]] = {}
+    for frame in frames:
+        if of_unmeasured_light(frame):
+            key = light_of(frame), frame.signal.shape
+            lights.setdefault(key, []).append(frame)
+    return [flats for flats in lights.values() if len(flats) >= FEWEST_FLATS]
+
+
+def illumination(model: Model, flats: Sequence[Frame]) -> Array:
+    """Return the light (T, 3, h, w) of flats of one shape beside that of a model: 1
+    where they are alike. Colours are camera RGB's."""
+    first = flats[0]
+    pull, told = np.zeros((2, *first.signal.shape))
+    for frame in flats:
+        p = predict(model, frame)
+        light = shown_light(frame, p)
+        pull += light * (frame.signal - p.mean) / p.variance
+        told += light**2 / p.variance
+    width = SMOOTH * min(repeat_of(model.sensor.cfa), 2)
+    found = np.ones((len(pull), 3, *pull.shape[1:]))
+    for color in np.unique(first.color):
+        of_color = first.color == color
+        slow = _smoothed(pull * of_color, width) / np.maximum(
+            _smoothed(told * of_color, width), LEAST_TOLD_OF_LIGHT
+        )
+        found[:, color] += slow
+    if len(np.unique(first.color)) == 1:
+        found[:] = found[:, first.color.flat[0], None]
+    return found
+
+
+def _smoothed(image: Array, width: float) -> Array:
+    return np.asarray(gaussian_filter(image, (0, width, width), mode="constant"))
+
+
+def lit(frame: Frame, light: Array) -> Frame:
+    """Return a flat with its light times another (T, 3, h, w), which goes on beyond the
+    edges of tiles as it is there."""
+    blocks = _with_margins(light, frame.tiles).astype(np.float32)
+    camera, context = frame.rendered
+    return replace(
+        frame, camera=frame.camera * blocks, rendered=(camera * blocks, context)
+    )
+
+
+def _with_margins(light: Array, tiles: Tiling) -> Array:
+    found = []
+    for one, before in zip(light, tiles.origins - tiles.blocks, strict=True):
+        after = np.subtract(tiles.block_size, tiles.size) - before
+        places = [(0, 0), *zip(before, after, strict=True)]
+        found.append(np.pad(one, places, mode="edge"))
+    return np.stack(found)
+
+
+def as_lit(model: Model, splits: Splits) -> Splits:
+    """Return the frames, flats of unmeasured light with the light that they show."""
+    for flats in unmeasured(splits.fit.frames):
+        light = illumination(model, flats)
+        frames = [
+            lit(frame, light) if _is_alike(frame, flats[0]) else frame
+            for frame in splits.frames
+        ]
+        splits = Splits(frames, splits.workers)
+    return splits
+
+
+def _is_alike(frame: Frame, flat: Frame) -> bool:
+    return (
+        of_unmeasured_light(frame)
+        and light_of(frame) == light_of(flat)
+        and frame.signal.shape == flat.signal.shape
+    )
