@@ -53,8 +53,8 @@ def test_wrong_light_is_no_offset():
     effects = [BY_NAME["dsnu"], BY_NAME["prnu"]]
     evidence = evidence_of(effects, Model(SENSOR), on(frames))
     offset, gain = (
-        (evidence.score[k] / evidence.information[k, k])[evidence.known(k)]
-        for k in range(2)
+        evidence.score[k][known] / evidence.information[k, k][known]
+        for k, known in enumerate(map(evidence.known, range(2)))
     )
     assert abs(offset.mean()) < 0.1 * READ
     assert gain.mean() > 0.04
