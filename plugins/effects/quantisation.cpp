@@ -7,6 +7,8 @@
 /// of Wei et al., of variance 1/12 DN^2.
 #include "cg2raw/effect.h"
 
+#include "even_variance.h"
+
 #include <cmath>
 
 namespace cg2raw::effects {
@@ -16,10 +18,7 @@ namespace {
 /// IRE Trans. Circuit Theory 3(4), 1956.
 void predict(Signal& signal, const Values& values)
 {
-    const float variance = float(values[0] * values[0] / 12.0);
-    for (int row = 0; row < signal.variance.height; ++row)
-        for (int col = 0; col < signal.variance.width; ++col)
-            signal.variance.row(row)[col] += variance;
+    add_even_variance(signal, float(values[0] * values[0] / 12.0));
 }
 
 /// What reached white stays white: the ADC's last code is its white.

@@ -7,6 +7,7 @@
 #include "cg2raw/effect.h"
 
 #include "elementary.h"
+#include "even_variance.h"
 #include "site_pieces.h"
 
 namespace cg2raw::effects {
@@ -16,10 +17,7 @@ namespace {
 /// exponential step is half its mean's square.
 void predict(Signal& signal, const Values& values)
 {
-    const float variance = float(values[0] * values[1] * values[1] / 2.0);
-    for (int row = 0; row < signal.variance.height; ++row)
-        for (int col = 0; col < signal.variance.width; ++col)
-            signal.variance.row(row)[col] += variance;
+    add_even_variance(signal, float(values[0] * values[1] * values[1] / 2.0));
 }
 
 void draw(Signal& signal, const Values& values, const Rng& rng)

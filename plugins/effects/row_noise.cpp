@@ -5,15 +5,14 @@
 /// frame. Its variance is each pixel's; within a row it is fully correlated.
 #include "cg2raw/effect.h"
 
+#include "even_variance.h"
+
 namespace cg2raw::effects {
 namespace {
 
 void predict(Signal& signal, const Values& values)
 {
-    const float variance = float(values[0] * values[0]);
-    for (int row = 0; row < signal.variance.height; ++row)
-        for (int col = 0; col < signal.variance.width; ++col)
-            signal.variance.row(row)[col] += variance;
+    add_even_variance(signal, float(values[0] * values[0]));
 }
 
 void draw(Signal& signal, const Values& values, const Rng& rng)

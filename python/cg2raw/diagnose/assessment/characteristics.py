@@ -15,6 +15,7 @@ import numpy as np
 from cg2raw.calibration.robust import clipped_moments, middle_of
 from cg2raw.diagnose.diagnosis import Characteristics, FixedPattern, Trend
 from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.splits import Splits
@@ -100,11 +101,10 @@ def _variance(model: Model, frame: Frame) -> tuple[Array, Array]:
     p = predict(model, frame)
     variance = p.variance - p.light_variance
     for effect in every().values():
-        values = (
-            model.values_of(effect, frame) if effect.shares_offset == "row" else None
-        )
-        if values is not None:
-            variance = variance + float(values[0]) ** 2 * float(frame.beta2.mean())
+        if isinstance(effect, SharedOffset) and effect.shares_offset == "row":
+            values = model.values_of(effect, frame)
+            if values is not None:
+                variance = variance + effect.offset_variance(values, frame)
     return p.mean * frame.range, variance * frame.range**2
 
 

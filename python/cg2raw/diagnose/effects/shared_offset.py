@@ -21,6 +21,7 @@ from cg2raw.diagnose.effects.base import (
     Whitened,
     value_of,
 )
+from cg2raw.diagnose.effects.profile_entries import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Tiling
@@ -98,8 +99,8 @@ class SharedOffset(Effect):
 
     def sigma_in_effects(self, sensor: Sensor) -> float:
         """Return the standard deviation in a profile's effects, of white."""
-        listed = [one for one in sensor.effects if one["name"] == self.name]
-        return float(listed[0]["parameters"]["sigma"]) if listed else 0.0
+        listed = listed_values(sensor, self.name)
+        return listed[0] if listed else 0.0
 
     def size(self, values: Estimates) -> str:
         return f"standard deviation {value_of(values, 'sigma'):.4g} of white"

@@ -14,19 +14,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.shrinkage import shown_light
 from cg2raw.diagnose.frames.tiling import Array, Tiling
+from cg2raw.diagnose.inference.map_evidence import mean_around
 from cg2raw.diagnose.inference.pixel_maps import SMOOTH
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
 FEWEST_FLATS = 2  # that show the same light
-LEAST_TOLD_OF_LIGHT = 1e-100
 
 
 def of_unmeasured_light(frame: Frame) -> bool:
@@ -64,17 +63,10 @@ def illumination(model: Model, flats: Sequence[Frame]) -> Array:
     found = np.ones((len(pull), 3, *pull.shape[1:]))
     for color in np.unique(first.color):
         of_color = first.color == color
-        slow = _smoothed(pull * of_color, width) / np.maximum(
-            _smoothed(told * of_color, width), LEAST_TOLD_OF_LIGHT
-        )
-        found[:, color] += slow
+        found[:, color] += mean_around(pull * of_color, told * of_color, width)[0]
     if len(np.unique(first.color)) == 1:
         found[:] = found[:, first.color.flat[0], None]
     return found
-
-
-def _smoothed(image: Array, width: float) -> Array:
-    return np.asarray(gaussian_filter(image, (0, width, width), mode="constant"))
 
 
 def lit(frame: Frame, light: Array) -> Frame:

@@ -3,13 +3,15 @@
 
 """Confidence intervals of fitted values."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Estimates, EstimatesByEffect
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
-from cg2raw.diagnose.inference.fisher_scoring import information_of
+from cg2raw.diagnose.inference.fisher_scoring import Parameter, information_of
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
@@ -20,7 +22,15 @@ def standard_errors(
     model: Model, likelihood: Likelihood
 ) -> dict[tuple[str, int], float]:
     """Return the standard error of every value of a model's terms."""
-    parameters, information = information_of(model, likelihood)
+    return _standard_errors(model, likelihood, *information_of(model, likelihood))
+
+
+def _standard_errors(
+    model: Model,
+    likelihood: Likelihood,
+    parameters: Sequence[Parameter],
+    information: NDArray[np.float64],
+) -> dict[Parameter, float]:
     errors = dict(zip(parameters, _errors(information), strict=True))
     for (name, index), told in zip(parameters, np.diag(information), strict=True):
         term = model.term(name)
@@ -39,13 +49,12 @@ def standard_errors(
 
 
 def _errors_of_shape(
-    model: Model, term: Term, likelihood: Likelihood
+    term: Term, parameters: Sequence[Parameter], information: NDArray[np.float64]
 ) -> dict[str, float]:
     """Return the standard errors of a term's values while its shape is what it is.
 
     Where something of it fades, and how far, may be hardly known: how strong it is at
     that place is then as unsure, and that it is there is not."""
-    parameters, information = information_of(model, likelihood)
     names = [
         term.effect.parameters[index] if name == term.name else ""
         for name, index in parameters
@@ -97,7 +106,8 @@ def _errors_by_likelihood(
 
 def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
     """Return the values of every term with their intervals, in the registry's units."""
-    errors = standard_errors(model, likelihood)
+    told = information_of(model, likelihood)
+    errors = _standard_errors(model, likelihood, *told)
     result: dict[str, Estimates] = {}
     for term in model.terms:
         scale = term.effect.unit_scale(likelihood.frames)
@@ -111,7 +121,7 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
             own = None if index else _own_interval(term)
             interval = own or (value - half, value + half)
             if abs(value) < half and name in term.effect.shape_of.values():
-                shown = _errors_of_shape(model, term, likelihood)[name] * scale
+                shown = _errors_of_shape(term, *told)[name] * scale
                 if NORMAL_95 * shown < abs(value):
                     interval = _to_a_factor(value, half)
             of_term[name] = Estimate(value, unit, interval)

@@ -16,11 +16,12 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import expit, log_ndtr, logit
+from scipy.special import expit, logit
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Values
 from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.inference import exponential_rates
 
 STEP = 0.25  # of n, between the narrow normals and of each
 LARGEST_N = 5.5  # n beyond which no pixel is
@@ -33,7 +34,6 @@ MIDDLE_SHARES = (
     0.5,
     0.841,
 )  # of the pixels, one standard deviation to either side
-FARTHEST_BELOW = -50.0  # standard deviations, of a pixel that may be hot
 HOT_SHARES = (1e-7, 0.2)
 HOT = 6.0  # such deviations above the median, from which on pixels may be hot
 FIRST_STEPS, NEXT_STEPS = 0.3, 0.03  # of all numbers of the law, in units or logs
@@ -219,18 +219,14 @@ class Mixture:
         return [float(number) for number in (*shape, *hot)]
 
     def logs(self, rates: Rates) -> tuple[Array, Array]:
-        """Return log densities of estimates, of pixels that are not hot and that are.
-
-        Source of the latter: E. Grushka, Anal. Chem. 44(11), 1972 (an exponential
-        number with normal noise)."""
+        """Return log densities of estimates, of pixels that are not hot and that
+        are."""
         cold = np.log1p(-self.hot_share) + log_sum(self.law.log_parts(rates))
         if self.hot_share == 0:
             return cold, np.full_like(cold, -np.inf)
-        spread, mean = np.sqrt(rates.error), self.hot_rate
-        away = (rates.estimate - self.law.shift) / spread
-        steep = spread / mean
-        hot = 0.5 * steep**2 - steep * away + log_ndtr(away - steep)
-        return cold, np.log(self.hot_share / mean) + hot
+        away, spread = rates.estimate - self.law.shift, np.sqrt(rates.error)
+        hot = exponential_rates.log_density(away, spread, self.hot_rate)
+        return cold, np.log(self.hot_share) + hot
 
     def height(self, classes: Rates, count: Values) -> float:
         return float(count @ np.logaddexp(*self.logs(classes)))
@@ -243,14 +239,11 @@ class Mixture:
         if self.hot_share == 0:
             return mean, variance, share
         away = rates.estimate - self.law.shift
-        error = rates.error_at(np.maximum(away, 0))
-        spread = np.sqrt(error)
-        inside = np.maximum(away / spread - spread / self.hot_rate, FARTHEST_BELOW)
-        step = np.exp(-0.5 * inside**2 - log_ndtr(inside)) / np.sqrt(2 * np.pi)
-        of_hot = spread * (inside + step), error * (1 - step * (inside + step))
+        spread = np.sqrt(rates.error_at(np.maximum(away, 0)))
+        of_hot = exponential_rates.posterior(away, spread, self.hot_rate)
         both = (1 - share) * mean + share * of_hot[0]
         squares = (1 - share) * (variance + mean**2)
-        squares = squares + share * (np.maximum(of_hot[1], 0) + of_hot[0] ** 2)
+        squares = squares + share * (of_hot[1] + of_hot[0] ** 2)
         return both, np.maximum(squares - both**2, 0), share
 
 

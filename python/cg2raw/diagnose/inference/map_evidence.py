@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
@@ -19,6 +20,7 @@ from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jump
 
 LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
 LEAST_INFORMATION = 1e-200
+LEAST_TOLD_AROUND = 1e-100  # of information, so that its square is a number
 # Of the squared slopes of frames of light: what darks need to have.
 ENOUGH_OF_DARKS = 0.2
 
@@ -80,6 +82,16 @@ def evidence_of(
         score += scored
         noisier += more
     return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier)
+
+
+def mean_around(score: Array, information: Array, width: float) -> tuple[Array, Array]:
+    """Return (estimates of the mean around each pixel, what they go by).
+
+    score, information : (T, h, w). width : standard deviation, px."""
+    around = (0, width, width)
+    told = gaussian_filter(information, around, mode="constant")
+    told = np.maximum(told, LEAST_TOLD_AROUND)
+    return gaussian_filter(score, around, mode="constant") / told, told
 
 
 def told_by_darks(effect: FixedPattern, frames: Sequence[Frame]) -> bool:

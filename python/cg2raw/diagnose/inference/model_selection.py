@@ -290,7 +290,7 @@ class Search:
                 break
             self.report(f"is {name} still needed")
             given = name in self._given
-            if given and is_missed(model, name, newest, self.splits):
+            if given and is_missed(model, name, newest, self.splits, height):
                 continue
             rest = fit(model.without(name), self.splits.fit)
             without = self._select(rest).sum()

@@ -57,12 +57,13 @@ def pruned(
             return Pruned(model, losses, dropped)
 
 
-def is_missed(model: Model, name: str, newest: str, splits: Splits) -> bool:
+def is_missed(
+    model: Model, name: str, newest: str, splits: Splits, height: float
+) -> bool:
     """Return whether the select frames miss an effect by far, though the newest one
-    does what it can in its place."""
+    does what it can in its place. height : their log-likelihood with both."""
     rest = fit_alone(model.without(name), newest, splits.fit)
-    loss = splits.select.total(model) - splits.select.total(rest)
-    return loss > BY_FAR
+    return height - splits.select.total(rest) > BY_FAR
 
 
 def _least_first(

@@ -11,13 +11,14 @@ Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39(1), 1977.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import expit, log_ndtr
+from scipy.special import expit
 
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.inference import exponential_rates
 from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, told_by_darks
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
@@ -128,18 +129,16 @@ def _posterior(
     share, mean = max(likely.sum(), 1) / pixels, float(e.mean())
     probability = np.zeros(e.shape)
     for _ in range(EM_ROUNDS):
-        inside = (e - s * s / mean) / s
-        slab = 0.5 * (s / mean) ** 2 - e / mean + log_ndtr(inside) - np.log(mean)
+        mean_rate = mean
+        slab = exponential_rates.log_density(e, s, mean_rate)
         odds = np.log(share) - np.log1p(-min(share, 0.5)) + slab - spike
         probability = expit(odds)
         before, share = share, max(float(probability.sum()) / pixels, 1e-12)
         mean = float((probability * e).sum() / max(float(probability.sum()), 1e-12))
         if abs(share - before) < CLOSE * before:
             break
-    step = np.exp(-0.5 * inside**2 - log_ndtr(inside)) / np.sqrt(2 * np.pi)
+    rate[likely], variance[likely] = exponential_rates.posterior(e, s, mean_rate)
     hot[likely] = np.where(probability > UNLIKELY, probability, 0.0)
-    rate[likely] = s * (inside + step)
-    variance[likely] = np.maximum(s * s * (1 - step * (inside + step)), 0)
     return hot, rate, variance
 
 

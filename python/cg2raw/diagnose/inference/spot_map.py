@@ -16,13 +16,12 @@ from scipy.ndimage import gaussian_filter, label
 from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.dust import SPOT_WIDTH
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.inference.map_evidence import Evidence
+from cg2raw.diagnose.inference.map_evidence import Evidence, mean_around
 from cg2raw.diagnose.likelihood.model import Term
 
 SEARCHED = 4.0  # px: standard deviation of what spots are looked for in
 SHADING_WIDTH = 32.0  # px: a slower map is shading, and no spot
 DARKEST, EDGE = 5.0, 1.5  # standard deviations below the rest, of a spot and its edge
-LEAST_KNOWN_OF_SPOT = 1e-100  # of information, so that its square is a number
 TURNS_OF_SPOTS = 3  # of spots and what is slow beside them
 
 
@@ -61,12 +60,9 @@ def _found(score: Array, information: Array) -> tuple[Array, Mask]:
 
 def _smoothed(score: Array, information: Array, width: float) -> tuple[Array, Array]:
     """Return (estimates, their variances) of means around each pixel."""
-    around = (0, width, width)
-    told = gaussian_filter(information, around, mode="constant")
+    estimate, told = mean_around(score, information, width)
     narrower = (0, width / np.sqrt(2), width / np.sqrt(2))
     squares = gaussian_filter(information, narrower, mode="constant")
-    told = np.maximum(told, LEAST_KNOWN_OF_SPOT)
-    estimate = gaussian_filter(score, around, mode="constant") / told
     return estimate, squares / (4 * np.pi * width**2) / told**2
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -147,9 +148,10 @@ def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Ar
     whose rows have offsets of their own."""
     of_rows = 0.0
     for effect in every().values():
-        values = model.values_of(effect, frame) if effect.shares_offset else None
-        if values is not None:
-            of_rows += float(values[0]) ** 2 * float(frame.beta2.mean())
+        if isinstance(effect, SharedOffset):
+            values = model.values_of(effect, frame)
+            if values is not None:
+                of_rows += effect.offset_variance(values, frame)
     return np.asarray(variance / samples + of_rows / np.sqrt(samples))
 
 
