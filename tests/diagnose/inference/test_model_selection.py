@@ -6,44 +6,15 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.inference.baseline import Baseline
-from cg2raw.diagnose.inference.fitting import fit
+from cg2raw.diagnose.inference.candidates import Candidates, null_gain
 from cg2raw.diagnose.inference.model_selection import Search, Trial
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
-from diagnose.planted import (
-    BY_NAME,
-    ONE,
-    READ,
-    capture_of,
-    drawn,
-    frames_of,
-    model_of,
-    on,
-    sensor_of,
-)
+from diagnose.planted import BY_NAME, ONE, model_of
+from diagnose.shaded import SENSOR, groups_of, shaded
 
-SENSOR = sensor_of()
-SHADING = {"lens_shading": [0.0, -0.3, -0.3, -0.3, 0.0, 0.0, 0.0]}
 FAINT = 0.1  # of row noise, in read noises
 FEW = ("row_noise", "read_noise", "exposure", "prnu", "heavy_tailed_noise")
-
-
-def groups_of(seed, sigma=0.0):
-    """Return frames to fit and to select on, with a shading and row noise."""
-
-    def rows(frame, rng):
-        return sigma * READ * rng.standard_normal((1, frame.tiles.size[0], 1))
-
-    result = []
-    for number, group in enumerate(("fit", "select")):
-        captures = [
-            capture_of(kind, 10 * number + n, name=f"{kind}{n}{group}", group=group)
-            for n in range(2)
-            for kind in ("dark", "flat", "scene")
-        ]
-        frames = frames_of(SENSOR, captures)
-        result.append(drawn(frames, model_of(SENSOR, **SHADING), [seed, number], rows))
-    return result
 
 
 def search_of(groups=((), ()), names=tuple(BY_NAME), report=lambda text: None):
@@ -52,76 +23,17 @@ def search_of(groups=((), ()), names=tuple(BY_NAME), report=lambda text: None):
     return Search(baseline, [BY_NAME[n] for n in names], 0.01, 6, report)
 
 
-def shaded(groups):
-    """Return the model that knows the shading, fitted."""
-    return fit(model_of(SENSOR, **SHADING), on(groups[0]))
-
-
-def weighed(monkeypatch, gain, null_gain, own=0.0):
-    """Return (evidence over the threshold, models whose own gain was asked for)."""
-    asked = []
-
-    def gain_of(self, model, but=""):
-        asked.append((model, but))
-        return own
-
-    monkeypatch.setattr(Search, "_null_gain", gain_of)
-    search = search_of()
-    trial = Trial("blur", search.threshold + gain, np.zeros(1), Model(SENSOR))
-    return search._weighed(trial, null_gain).evidence - search.threshold, asked
-
-
-def test_strict_evidence_suffices(monkeypatch):
-    evidence, asked = weighed(monkeypatch, gain=5.0, null_gain=4.0, own=9.0)
-    assert evidence == pytest.approx(1) and not asked
-
-
-@pytest.mark.parametrize("gain", [3.0, -3.0])
-def test_what_both_share_may_move_on_both_sides(monkeypatch, gain):
-    evidence, asked = weighed(monkeypatch, gain, null_gain=4.0, own=6.5)
-    assert evidence == pytest.approx(gain - 4 + 6.5)
-    assert asked == [(Model(SENSOR), "blur")]
-
-
-def test_too_small_a_gain_is_not_helped(monkeypatch):
-    evidence, asked = weighed(monkeypatch, gain=-6.0, null_gain=0.0, own=100.0)
-    assert evidence == pytest.approx(-6) and not asked
-
-
-@pytest.mark.parametrize(("own", "names"), [(2.4, ()), (2.6, ("blur",))])
-def test_an_effect_needs_the_threshold(monkeypatch, own, names):
-    """blur gains 0.5 nats more than that, of which the model alone gains 3."""
+@pytest.mark.parametrize(("beyond", "names"), [(-0.1, ()), (0.1, ("blur",))])
+def test_an_effect_needs_the_threshold(monkeypatch, beyond, names):
     search = search_of()
     model = model_of(SENSOR, blur=[0.5, 0.0, 0.0])
-    trial = Trial("blur", search.threshold + 0.5, np.ones(4), model)
+    evidence = search.threshold + beyond
+    trial = Trial("blur", evidence + 3, np.ones(4), model, evidence)
     monkeypatch.setattr(Search, "_select", lambda self, model: np.zeros(4))
-    monkeypatch.setattr(Search, "_trials", lambda self, model, current: [trial])
-    monkeypatch.setattr(Search, "_null_gain", lambda self, m, but="": own if but else 3)
+    monkeypatch.setattr(Candidates, "trials", lambda self: [trial])
     added = search._add(Model(SENSOR))
     assert tuple(added.names if added else ()) == names
-    assert [step.evidence for step in search.steps] == pytest.approx(
-        [search.threshold + 0.1] * len(names)
-    )
-
-
-def test_parameters_gain_one_nat_each_by_chance():
-    """Half a nat for their error on the frames that they were fitted to, and half for
-    what is best on the others: chi-square of 7, of 12 sets of frames."""
-    gains = []
-    for seed in range(12):
-        groups = groups_of(seed)
-        gains.append(search_of(groups)._null_gain(shaded(groups)))
-    assert np.mean(gains) == pytest.approx(7, abs=3 * np.sqrt(14 / 12))
-
-
-def test_a_term_that_rests_gains_nothing():
-    groups = groups_of(1)
-    search, model = search_of(groups), shaded(groups)
-    both = fit(model_of(SENSOR, **SHADING, exposure=[0.0]), on(groups[0]))
-    assert search._null_gain(model, "lens_shading") == 0
-    assert search._null_gain(model_of(SENSOR, row_noise=[0.1])) == 0
-    rested = [search._null_gain(both, but) for but in ("lens_shading", "exposure", "")]
-    assert 0 <= rested[0] < rested[1] <= rested[2] + 0.1
+    assert [step.evidence for step in search.steps] == [evidence] * len(names)
 
 
 @pytest.mark.parametrize("seed", [0, 3, 5])
@@ -131,8 +43,8 @@ def test_faint_row_noise_beside_a_shading_is_found(seed):
     found = search._add(model)
     assert found.names == ["lens_shading", "row_noise"]
     (step,) = search.steps
-    null_gain = search._null_gain(model)
-    assert step.gain - null_gain < search.threshold <= step.evidence
+    gained = null_gain(model, search.splits)
+    assert step.gain - gained < search.threshold <= step.evidence
     assert step.evidence == pytest.approx(step.gain, abs=1)
 
 

@@ -3,11 +3,12 @@
 
 """Findings: the accepted effects in words, without those that complete another."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from cg2raw.diagnose.assessment.drop_one import DropOne
 from cg2raw.diagnose.diagnosis import (
     LARGEST_E,
     Alternative,
@@ -18,11 +19,8 @@ from cg2raw.diagnose.diagnosis import (
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.effects.sentences import sentence
-from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.model_selection import Search
-from cg2raw.diagnose.inference.pruning import TURNS_WITHOUT
 from cg2raw.diagnose.inference.steps import Step
-from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 
@@ -66,45 +64,44 @@ def without_shapes(
     """Return (findings, notes on those that are no findings).
 
     An effect's model has a shape; what the true one has beside it is taken up by
-    another. That stays in the model, and is not called an effect of its own."""
+    another. That stays in the model, and is not called an effect of its own. What is
+    shown by frames on which the larger effect does not act is none of its shape."""
     gains = {finding.name: finding.gain_nats for finding in findings}
+    quick, whole = (DropOne(model, search.splits, quick) for quick in (True, False))
     kept, notes = [], []
     for finding in findings:
-        enough = {
+        least = {
             larger: effect(larger).taken_up_by[finding.name] * gains[larger]
             for larger in gains
             if finding.name in effect(larger).taken_up_by
         }
-        # What it gained when it was added may since be explained by others.
-        gain, of_uniform = np.inf, 0.0
-        if enough:
-            gain, of_uniform = _losses_without(finding.name, model, search)
-        # Noise that shows where there is no image is noise all the same.
-        if effect(finding.name).shows_without_image and of_uniform > search.threshold:
-            gain = np.inf
-        larger = next((name for name, least in enough.items() if gain < least), None)
-        if larger is None:
+        larger = _taken_up(finding.name, least, quick, search.threshold)
+        if larger and search.splits.few:
+            larger = _taken_up(finding.name, least, whole, search.threshold)
+        if not larger:
             kept.append(finding)
             continue
+        share = whole.loss(finding.name) / gains[larger]
         notes.append(
             f"{heading(finding.name)} takes up what the model of "
-            f"{title(larger)} does not describe ({gain / gains[larger]:.1%} of "
-            "its gain): it is in the profile, and is no finding of its own."
+            f"{title(larger)} does not describe ({share:.1%} of its gain): it is in "
+            "the profile, and is no finding of its own."
         )
     return kept, notes
 
 
-def _losses_without(name: str, model: Model, search: Search) -> tuple[float, float]:
-    """Return what the select frames lose, nats, if all but one effect explain them;
-    and what the uniform ones of them lose."""
-    selected = search.splits.select
-    rest = fit(model.without(name), search.splits.fit)
-    uniform = [f for f in selected.frames if not f.capture.shows.image]
+def _taken_up(
+    name: str, least: Mapping[str, float], drop_one: DropOne, threshold: float
+) -> str:
+    """Return the larger effect of whose shape one is; nothing if it is one of its own.
 
-    def loss(likelihood: Likelihood) -> float:
-        return likelihood.total(model) - likelihood.total(rest)
-
-    return loss(selected), loss(selected.of(uniform))
+    least : nats by larger effects that it has to gain beside them."""
+    for larger, nats in least.items():
+        # What it gained when it was added may since be explained by others.
+        if drop_one.loss(name) < nats:
+            if drop_one.loss_elsewhere(name, larger) <= threshold:
+                return larger
+    return ""
 
 
 def with_losses(
@@ -112,13 +109,10 @@ def with_losses(
 ) -> list[Finding]:
     """Return findings with what is lost without each of them, all others fitted once
     more: drop-one. Two that stand in for each other lose little each."""
-    height = search.splits.select.total(model)
-    found = []
-    for finding in findings:
-        rest = fit(model.without(finding.name), search.splits.fit, TURNS_WITHOUT)
-        loss = height - search.splits.select.total(rest)
-        found.append(replace(finding, loss_nats=loss))
-    return found
+    drop_one = DropOne(model, search.splits)
+    return [
+        replace(finding, loss_nats=drop_one.loss(finding.name)) for finding in findings
+    ]
 
 
 def rung_of(step: Step) -> Rung:

@@ -25,6 +25,9 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 
+MEDIAN_SQUARE = 0.4549  # of a normal value of variance 1
+LEAST_SHARE = 1e-3  # of a map's variance, that frames tell of it
+
 Layout = Literal["pixels", "columns", "sparse", "jumps", "spots"]
 
 
@@ -68,9 +71,12 @@ class FixedPattern(Effect):
         count = sensor_map.mean.size
         if self.layout == "columns":
             count = sensor_map.mean[:, 0].size
-        prior = max(value, 1e-12) ** 2
-        share = 1 - float(np.median(sensor_map.variance)) / prior
-        return float(value / np.sqrt(2 * count) / min(max(share, 1e-3), 1.0))
+        unsure, prior = float(np.median(sensor_map.variance)), max(value, 1e-12) ** 2
+        if self.has_long_tails:  # of most values, whatever the few are
+            told = float(np.median(sensor_map.mean**2)) / MEDIAN_SQUARE
+            prior = max(told + unsure, prior)
+        share = 1 - unsure / prior
+        return float(value / np.sqrt(2 * count) / max(share, LEAST_SHARE))
 
     def standard_errors(self, values: Values, sensor_map: SensorMap) -> list[float]:
         """Return those of all its values."""

@@ -42,7 +42,7 @@ class LensShading(Effect):
         "exposure": 1e-4,
         "prnu": 5e-5,
         "dust": 2e-3,
-        "mains_flicker": 1e-5,
+        "mains_flicker": 1e-4,
     }
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "

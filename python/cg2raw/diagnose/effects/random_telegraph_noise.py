@@ -42,7 +42,12 @@ class RandomTelegraphNoise(FixedPattern):
     absorbs = True
     moves_mean = False
     # What a pixel is off that stood at one level in all fit frames, or in the longest.
-    taken_up_by = {"hot_pixels": 0.12, "dsnu": 0.02, "prnu": 0.01}
+    taken_up_by = {
+        "hot_pixels": 0.12,
+        "dsnu": 0.02,
+        "prnu": 0.01,
+        "column_fixed_pattern": 0.01,
+    }
     has_strength = False  # how many jump is not how far they jump
     told_apart = {
         "heavy_tailed_noise": "Five or more repeated darks: telegraph noise is in the "

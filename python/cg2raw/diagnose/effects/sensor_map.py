@@ -4,9 +4,10 @@
 """SensorMap: what is known of a map of the sensor."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.frames.tiling import Array
@@ -30,6 +31,16 @@ class SensorMap:
     covariance: Mapping[str, Array] = field(default_factory=dict)
     law: Mapping[str, Estimate] = field(default_factory=dict)
     chance: Array | None = None
+
+    def of_tiles(self, places: NDArray[np.intp]) -> "SensorMap":
+        """Return the map on some of its tiles."""
+        return replace(
+            self,
+            mean=self.mean[places],
+            variance=self.variance[places],
+            covariance={name: one[places] for name, one in self.covariance.items()},
+            chance=None if self.chance is None else self.chance[places],
+        )
 
     @property
     def share(self) -> Array | float:

@@ -55,7 +55,7 @@ def fit_patterns(
     if of_pixels := [e.name for e in effects if e.layout == "pixels"]:
         first = any(effect.is_log_normal for effect in effects)
         parts.insert(0 if first else len(parts), of_pixels)
-    is_new = any(term.sensor_map is None for term in model.terms if _is_map(term))
+    is_new = any(_is_new(term) for term in model.terms)
     for _ in range(TURNS_OF_MAPS if is_new and len(parts) > 1 else 1):
         for together in parts:
             for term in _fitted(model, together, chosen):
@@ -63,8 +63,10 @@ def fit_patterns(
     return model
 
 
-def _is_map(term: Term) -> bool:
-    return isinstance(term.effect, FixedPattern)
+def _is_new(term: Term) -> bool:
+    """Return whether a map is not known, nor how strong it is."""
+    is_map = isinstance(term.effect, FixedPattern)
+    return is_map and term.sensor_map is None and not term.values.any()
 
 
 def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[Term]:

@@ -5,8 +5,9 @@
 
 A real sensor has ten effects. Added one by one to a bare profile, the first that is
 noise takes up all others. So moments say how large noise and pedestal are, maps are
-made under that noise, then everything is fitted together; what is not needed is
-dropped afterwards. Source of the order: EMVA Standard 1288, release 4.0.
+made under that noise, then everything is fitted together, to a few tiles of large
+frames and then to all; what is not needed is dropped afterwards. Source of the order:
+EMVA Standard 1288, release 4.0.
 """
 
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ from cg2raw.diagnose.inference.outliers import without_outliers
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.warmth import reading_error, warmed
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
-from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.model import Model, Term
 
 ROUNDS = 3  # of maps and what is smooth, by turns, before noise is fitted
 MOST_OUT = 0.03  # of a frame's pixels, that may be far from a model that is half fitted
@@ -53,12 +54,22 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
     chosen = [effect for effect in effects if effect.measured_by_uniform_frames]
     if moments.read is None or not chosen:
         return None
-    model = _with_all(baseline.model, chosen, moments)
-    transforms = [e.name for e in chosen if e.estimator == "transform"]
+    model, later = _begun(baseline.model, chosen, moments, splits.few or splits)
     noise = [e.name for e in chosen if e.scales]
-    later = [model.term(name) for name in transforms]
-    for name in transforms:
-        model = model.without(name)
+    error = reading_error(splits.frames, "temperature" in baseline.free)
+    start = _fitted(model, later, splits.few or splits, noise, error)
+    return start if splits.few is None else _on_all_tiles(start, splits, error)
+
+
+def _begun(
+    model: Model, chosen: Sequence[Effect], moments: Moments, splits: Splits
+) -> tuple[Model, list[Term]]:
+    """Return (model where moments and data say, terms that come later)."""
+    model = _with_all(model, chosen, moments)
+    later = [term for term in model.terms if term.effect.estimator == "transform"]
+    later = [term for term in later if term.effect in chosen]
+    for term in later:
+        model = model.without(term.name)
     near = without_outliers(model, splits, MOST_OUT)
     for effect in chosen:
         if effect.starts_from_data and model.term(effect.name) is None:
@@ -69,8 +80,21 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
             values = effect.null if first is None else effect.first_values(first)
             if values is not None:
                 model = model.with_effect(effect, effect.clipped(values))
+    return model, later
+
+
+def _fitted(
+    model: Model,
+    later: Sequence[Term],
+    splits: Splits,
+    noise: Sequence[str],
+    error: float,
+) -> FullStart:
+    """Return the fit of a model that has no maps yet.
+
+    later : terms that are fitted after maps are known. noise : names of what rests
+    until then. error : of readings of the temperature."""
     shown = splits
-    error = reading_error(splits.frames, "temperature" in baseline.free)
     for _ in range(ROUNDS):
         model = fit_patterns(model, shown.fit)
         splits = warmed(model, splits, error)
@@ -81,9 +105,20 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
     model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
     shown = without_outliers(model, splits, MOST_OUT)
     for term in later:
-        assert term is not None
         model, _ = fit_transform(model.with_term(term), term.name, shown.fit)
     model = fit(model, shown.fit)
+    shown = without_outliers(model, splits, MOST_OUTLIERS)
+    return FullStart(fit(model, shown.fit), shown, light)
+
+
+def _on_all_tiles(start: FullStart, splits: Splits, error: float) -> FullStart:
+    """Return what was fitted to a few tiles fitted to all. error : as above."""
+    light = fit_patterns(start.light.without_maps(), splits.fit)
+    splits = as_lit(light, warmed(light, splits, error))
+    model = start.model
+    for term, _, _ in light.maps:
+        model = model.with_term(term)
+    model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
     return FullStart(fit(model, shown.fit), shown, light)
 

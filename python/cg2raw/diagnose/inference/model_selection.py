@@ -18,15 +18,20 @@ from dataclasses import replace
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.catalogue import confusable
+from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.inference import pruning
 from cg2raw.diagnose.inference.baseline import Baseline
-from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
-from cg2raw.diagnose.inference.fitting import TURNS, first_guess, fit
+from cg2raw.diagnose.inference.candidates import Candidates
+from cg2raw.diagnose.inference.fitting import TURNS, fit
 from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
-from cg2raw.diagnose.inference.pruning import is_missed, pruned, restarted
+from cg2raw.diagnose.inference.pruning import (
+    TURNS_WITHOUT,
+    missed_beside,
+    missed_by_few,
+    pruned,
+    restarted,
+)
 from cg2raw.diagnose.inference.steps import (
     CALIBRATED,
     Step,
@@ -34,12 +39,10 @@ from cg2raw.diagnose.inference.steps import (
     mean_first,
     rule_of,
 )
+from cg2raw.diagnose.inference.swaps import best_swap
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
-MOST_FITTED = 6  # candidates that are fitted in full, of those screened
-WORTH_FITTING = 0.05  # of the best screening score
-LEAST_SCORE = 2.0  # nats that screening finds, beyond one for every parameter
 CLEAR = 5.0  # nats between two names: an e-value ratio of 150
 CLEAR_SHARE = 0.05  # of the gain
 MOST_SWAPS = 3
@@ -71,7 +74,8 @@ class Search:
         self.light: Model | None = None  # beside which flats showed theirs
         self._reached = baseline.model
         self._swapped: set[tuple[str, str]] = set()
-        self._given: set[str] = set()  # effects that were there before any was added
+        # Effects that were there before any was added, and what is lost without them.
+        self._given: dict[str, float] = {}
 
     @property
     def threshold(self) -> float:
@@ -104,7 +108,7 @@ class Search:
         if not 0 < len(self._reached.found_names) <= FEW_EFFECTS:
             return
         full, steps = self._reached, self.steps
-        self.steps, self._reached, self._given = [], bare, set()
+        self.steps, self._reached, self._given = [], bare, {}
         self._swapped = set()
         self._climb(bare)
         lead = float((self._select(full) - self._select(self._reached)).sum())
@@ -125,7 +129,7 @@ class Search:
             step = Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
             self.steps.append(step)
         self.steps += [Step("dropped", n, -loss) for n, loss in left.dropped.items()]
-        self._reached, self._given = left.model, set(left.losses)
+        self._reached, self._given = left.model, left.losses
         return True
 
     def _climb(self, model: Model) -> None:
@@ -135,7 +139,7 @@ class Search:
             steps = len(self.steps)
             changed = self._add(model)
             if changed is None:
-                changed = self._swap(model)
+                changed = self._swap(self._reached)
             if changed is None:
                 return
             before, height = height, float(self._select(changed).sum())
@@ -154,14 +158,14 @@ class Search:
         if len(model.found_names) - len(self._given) >= self.most:
             return None
         self.report(f"looking for effect {len(model.found_names) + 1}")
-        current = self._select(model)
-        trials = self._trials(model, current)
-        if not trials:
-            return None
-        null_gain = self._null_gain(model)
-        trials = [self._weighed(trial, null_gain) for trial in trials]
-        sure = [trial for trial in trials if trial.evidence >= self.threshold]
+        turns = TURNS_WITHOUT if self._given else TURNS
+        candidates = Candidates(
+            model, self.effects, self.splits, turns, self.threshold, self.report
+        )
+        trials = candidates.trials()
+        sure = [trial for trial in trials if self._may_be_added(trial)]
         if not sure:
+            self._reached = candidates.null
             return None
         first = mean_first(sure, self.effects)
         best, ambiguous = self._decide(first, trials)
@@ -179,12 +183,15 @@ class Search:
         self._reached = best.model
         return self._settled(best.model, best.name)
 
-    def _weighed(self, trial: Trial, null_gain: float) -> Trial:
-        """Return the trial with its evidence."""
-        evidence = trial.gain - null_gain
-        if evidence < self.threshold <= 2 * trial.gain:
-            evidence += self._null_gain(trial.model, trial.name)
-        return replace(trial, evidence=evidence)
+    def _may_be_added(self, trial: Trial) -> bool:
+        """Return whether an effect is sure, and more than what the model of one that
+        was there before does not describe."""
+        if trial.evidence < self.threshold:
+            return False
+        return effect(trial.name).shows_without_image or all(
+            trial.gain >= effect(larger).taken_up_by.get(trial.name, 0.0) * loss
+            for larger, loss in self._given.items()
+        )
 
     def _settled(self, model: Model, newest: str) -> Model:
         """Return the model after all that depends on it was looked at again."""
@@ -197,54 +204,6 @@ class Search:
             better = refitted(model, self.splits.of_nuisances)
             model = fit(replace(model, nuisance=better), self.splits.fit)
         return self._pruned(model, newest)
-
-    def _null_gain(self, model: Model, but: str = "") -> float:
-        """What the model gains on the select frames by fitting itself to them.
-
-        but : name of a term that stays as it is."""
-        smooth = [t for t in model.terms if t.effect.estimator == "smooth"]
-        if all(term.name == but for term in smooth):
-            return 0.0
-        base = Linearisation(model, self.splits.select)
-        return one_step(model, base, base.height, (but,))[1]
-
-    def _trials(self, model: Model, current: Array) -> list[Trial]:
-        """Screen all candidates, fit the best; sorted by gain on the select frames."""
-        screened = self._screened(model, current)
-        best = max((score for score, _, _ in screened), default=0.0)
-        trials = []
-        for rank, (score, candidate, start) in enumerate(screened[:MOST_FITTED]):
-            is_map = candidate.estimator == "fixed pattern"
-            chance = 0 if is_map else len(candidate.parameters)
-            if score < LEAST_SCORE + chance:
-                continue
-            if rank >= 3 and score < WORTH_FITTING * best:
-                continue
-            self.report(f"fitting {candidate.name}")
-            turns = pruning.TURNS_WITHOUT if self._given else TURNS
-            fitted = fit(start, self.splits.fit, turns)
-            blocks = self._select(fitted) - current
-            trials.append(Trial(candidate.name, float(blocks.sum()), blocks, fitted))
-        return sorted(trials, key=lambda trial: trial.gain, reverse=True)
-
-    def _screened(
-        self, model: Model, current: Array
-    ) -> list[tuple[float, Effect, Model]]:
-        """Return (score, candidate, first guess), best first."""
-        base = Linearisation(model, self.splits.fit)
-        found = []
-        for candidate in self.effects:
-            if candidate.name in model.names:
-                continue
-            self.report(f"screening {candidate.name}")
-            guess = first_guess(candidate, base)
-            if guess is None:
-                continue
-            start, score = guess
-            if candidate.estimator == "fixed pattern":
-                score = float(self._select(start).sum() - current.sum())
-            found.append((score, candidate, start))
-        return sorted(found, key=lambda item: item[0], reverse=True)
 
     def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
         """Return (the trial to accept, names that are as good); a tie goes to the one
@@ -283,15 +242,13 @@ class Search:
     def _pruned(self, model: Model, newest: str) -> Model:
         """Drop older effects that are not needed any more."""
         height = self._select(model).sum()
+        sure = self._sure(model, newest)
         for name in model.found_names:
-            if name == newest:
+            if name == newest or name in sure:
                 continue
             if len(model.found_names) < 2:
                 break
             self.report(f"is {name} still needed")
-            given = name in self._given
-            if given and is_missed(model, name, newest, self.splits, height):
-                continue
             rest = fit(model.without(name), self.splits.fit)
             without = self._select(rest).sum()
             if height - without < self.threshold:
@@ -303,48 +260,29 @@ class Search:
             height = self._select(model).sum()
         return model
 
+    def _sure(self, model: Model, newest: str) -> set[str]:
+        """Return which of the effects of a full start need no fit without them."""
+        names = [name for name in model.found_names if name in self._given]
+        sure = missed_beside(model, self.splits, names, newest)
+        left = [name for name in names if name not in sure]
+        return sure | set(missed_by_few(model, self.splits, left, self.threshold))
+
     def _swap(self, model: Model) -> Model | None:
         """Exchange an effect for one that looks alike, if held-out frames say so."""
         if len(model.found_names) < 2 or len(self._swapped) >= MOST_SWAPS:
             return None
-        height = self._select(model).sum()
-        best: tuple[float, str, str, Model] | None = None
-        for term in model.terms:
-            if term.calibration:
-                continue
-            rest = model.without(term.name)
-            loss = height - self._select(rest).sum()
-            base = Linearisation(rest, self.splits.fit)
-            for candidate in self.effects:
-                pair = (term.name, candidate.name)
-                known = pair in self._swapped or pair[::-1] in self._swapped
-                if candidate.name in model.names or known:
-                    continue
-                if not confusable(term.effect, candidate):
-                    continue
-                trial = self._swapped_model(base, candidate, height, loss)
-                if trial is None:
-                    continue
-                gain = float(self._select(trial).sum() - height)
-                if gain > CLEAR and (best is None or gain > best[0]):
-                    best = (gain, *pair, trial)
-        if best is None:
+        # What was there from the start had no rivals: one that was better in its place
+        # gains beside it, and then it is not needed any more.
+        names = [name for name in model.found_names if name not in self._given]
+        swap = best_swap(
+            model, self.effects, self.splits, names, self._swapped, self.report
+        )
+        if swap is None or swap.gain <= CLEAR:
             return None
-        gain, old, new, trial = best
-        self._swapped.add((old, new))
-        rule = f"With the other effects it explains {gain:.1f} nats more than {old}."
-        self.steps.append(Step("swapped", new, gain, gain, [(old, 0.0)], rule=rule))
-        self._reached = trial
-        return self._settled(trial, new)
-
-    def _swapped_model(
-        self, base: Linearisation, candidate: Effect, height: float, loss: float
-    ) -> Model | None:
-        """Return a model with a candidate fitted; None if it is nowhere near."""
-        self.report(f"would {candidate.name} do as well")
-        guess = first_guess(candidate, base)
-        if guess is None:
-            return None
-        if self._select(guess[0]).sum() < height - 0.5 * abs(loss) - 50:
-            return None
-        return fit(guess[0], self.splits.fit)
+        self._swapped.add((swap.old, swap.new))
+        gain, rivals = swap.gain, [(swap.old, 0.0)]
+        rule = f"With the other effects it explains {gain:.1f} nats more than "
+        rule += f"{swap.old}."
+        self.steps.append(Step("swapped", swap.new, gain, gain, rivals, rule=rule))
+        self._reached = swap.model
+        return self._settled(swap.model, swap.new)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from cg2raw.diagnose.effects.base import SensorMap
+from cg2raw.diagnose.effects.base import NORMAL_95, SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference.log_normal_map import (
@@ -34,6 +34,7 @@ from cg2raw.diagnose.likelihood.model import Term
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
 MOST_TURNS = 30  # of all maps, until they agree
+WARM_TURNS = 4  # of maps whose deviations are nearly known
 SLOW_RATES = (
     12  # the same of rates, whose maps may be far above noise: of their variance
 )
@@ -50,15 +51,20 @@ def pixel_maps(
     """Return terms with their maps and the maps' standard deviations."""
     count = len(terms)
     priors = [_Prior(float(term.values[0]) ** 2) for term in terms]
+    turns = WARM_TURNS if count > 1 else 1
     if count > 1 and not all(prior.variance for prior in priors):
         priors = [_prior(k, effects[k], evidence, None) for k in range(count)]
+        turns = MOST_TURNS
     slow: Slow = {}
-    for _ in range(MOST_TURNS if count > 1 else 1):
+    # Nearer than so many pixels tell a deviation they need not agree.
+    pixels = max(int(evidence.known(k).sum()) for k in range(count))
+    enough = max(AGREED, NORMAL_95 / np.sqrt(2 * max(pixels, 1)))
+    for _ in range(turns):
         before = [prior.variance for prior in priors]
         for k in range(count):
             priors[k] = _prior(k, effects[k], evidence, priors, slow)
         now = [prior.variance for prior in priors]
-        if np.allclose(np.sqrt(now), np.sqrt(before), rtol=AGREED, atol=0):
+        if np.allclose(np.sqrt(now), np.sqrt(before), rtol=enough, atol=0):
             break
     means = _means(effects, evidence, priors, slow)
     covariance = _covariance(evidence, priors)

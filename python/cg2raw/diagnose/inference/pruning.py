@@ -4,10 +4,11 @@
 """Pruning: what of a model of many effects the held-out frames need.
 
 One effect is dropped at a time, all others are fitted again without it, and the select
-frames say what that costs: the evidence for the effect, with all others in place.
+frames say what that costs: the evidence for the effect, with all others in place. What
+a few tiles of large frames miss by far is needed: all of them would miss it more.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
@@ -17,7 +18,8 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 BEYOND_DOUBT = 100.0  # thresholds, from where on the model without it need not move
-BY_FAR = 1000.0  # nats, of what is missed whatever else moves
+BY_FAR = 3.0  # thresholds that a few tiles lose, of what all are sure to miss
+MOST_DOUBTED = 1000.0  # nats, of what is missed whatever moves beside one effect
 TURNS_WITHOUT = 1  # of a fit without one effect, which starts at that with it
 
 
@@ -38,11 +40,13 @@ def pruned(
     report: Callable[[str], None] = lambda text: None,
 ) -> Pruned:
     """Return a model without the effects that gain less than a threshold, nats."""
-    losses: dict[str, float] = {}
+    losses = missed_by_few(model, splits, model.found_names, threshold, report)
     dropped: dict[str, float] = {}
     while True:
+        names = _least_first(model, splits.select, losses)
+        model = fit(model, splits.fit, TURNS_WITHOUT) if names else model
         height = splits.select.total(model)
-        for name in _least_first(model, splits.select, losses):
+        for name in names:
             report(f"is {name} needed")
             rest = fit(model.without(name), splits.fit, TURNS_WITHOUT)
             loss = height - splits.select.total(rest)
@@ -57,13 +61,44 @@ def pruned(
             return Pruned(model, losses, dropped)
 
 
-def is_missed(
-    model: Model, name: str, newest: str, splits: Splits, height: float
-) -> bool:
-    """Return whether the select frames miss an effect by far, though the newest one
-    does what it can in its place. height : their log-likelihood with both."""
-    rest = fit_alone(model.without(name), newest, splits.fit)
-    return height - splits.select.total(rest) > BY_FAR
+def missed_beside(
+    model: Model, splits: Splits, names: Collection[str], newest: str
+) -> set[str]:
+    """Return which of the effects the select frames miss by far, though the newest one
+    does what it can in their place."""
+    chosen = splits.few or splits
+    model = model.of_few_tiles(splits.frames)
+    height = chosen.select.total(model)
+    rests = {n: fit_alone(model.without(n), newest, chosen.fit) for n in names}
+    losses = {n: height - chosen.select.total(rest) for n, rest in rests.items()}
+    return {name for name, loss in losses.items() if loss > MOST_DOUBTED}
+
+
+def missed_by_few(
+    model: Model,
+    splits: Splits,
+    names: Collection[str],
+    threshold: float,
+    report: Callable[[str], None] = lambda text: None,
+) -> dict[str, float]:
+    """Return what the select frames would lose, nats, without each of the effects that
+    a few tiles miss by far, all others fitted again; nothing where frames are small.
+
+    names : of the effects that are looked at. threshold : nats that a name gains."""
+    few = splits.few
+    if few is None or not names:
+        return {}
+    share = few.select.pixels / splits.select.pixels
+    of_few = fit(model.of_few_tiles(splits.frames), few.fit, TURNS_WITHOUT)
+    height = few.select.total(of_few)
+    losses = {}
+    for name in names:
+        report(f"is {name} needed")
+        rest = fit(of_few.without(name), few.fit, TURNS_WITHOUT)
+        loss = height - few.select.total(rest)
+        if loss > BY_FAR * threshold:
+            losses[name] = loss / share
+    return losses
 
 
 def _least_first(

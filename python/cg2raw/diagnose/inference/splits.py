@@ -67,6 +67,14 @@ class Splits:
             for split, members in self.by_name.items()
         }
 
+    @cached_property
+    def few(self) -> "Splits | None":
+        """The corners and the middle of large frames, and small ones whole: what these
+        show by far, all show. None if all are small."""
+        if all(frame.tiles.few is None for frame in self.frames):
+            return None
+        return Splits([frame.of_few_tiles() for frame in self.frames], self.workers)
+
     def placed(self, registration: Registration) -> "Splits":
         """Return the same frames with their renders where a registration found them."""
         return Splits(self.workers.map(registration.placed, self.frames), self.workers)

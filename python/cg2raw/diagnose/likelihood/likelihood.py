@@ -4,6 +4,7 @@
 """Likelihood: log density of frames under a model, nats, with density in DN."""
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -34,6 +35,11 @@ class Likelihood:
     def __init__(self, frames: Sequence[Frame], workers: Workers) -> None:
         self.frames = tuple(frames)
         self.workers = workers
+
+    @cached_property
+    def pixels(self) -> int:
+        """How many pixels count."""
+        return sum(int(frame.counted.sum()) for frame in self.frames)
 
     def each(self, work: Callable[[Frame], Result]) -> list[Result]:
         """Return what a function returns of every frame, in order."""

@@ -3,7 +3,7 @@
 
 """Model: a sensor, effects on top of it, and what is wrong with the captures alone."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -108,6 +108,22 @@ class Model:
         if term is None or given is None:
             return given if term is None else term.values
         return effect.added(given, term.values)
+
+    def of_few_tiles(self, frames: Sequence[Frame]) -> "Model":
+        """Return the model with its maps where frames show a few of their tiles."""
+        few = {f.signal.shape: f.tiles.few for f in frames if f.tiles.few is not None}
+        model = self
+        for term, _, known in self.maps:
+            places = few.get(known.mean.shape)
+            if places is not None:
+                of_few = replace(term, sensor_map=known.of_tiles(places))
+                model = model.with_term(of_few)
+        return model
+
+    def without_maps(self) -> "Model":
+        """Return the model with its maps unknown, as strong as they are."""
+        terms = tuple(replace(term, sensor_map=None) for term in self.terms)
+        return replace(self, terms=terms)
 
     @property
     def profile_parameters(self) -> Mapping[str, Mapping[str, float]]:

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Candidates: effects that a model lacks, and what each would gain.
+
+All are screened by one step on the fit frames, the best are fitted there, and the
+select frames say what they gain. Of large frames a few tiles are asked first.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
+from cg2raw.diagnose.inference.fitting import first_guess, fit
+from cg2raw.diagnose.inference.pruning import TURNS_WITHOUT
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.inference.steps import Trial
+from cg2raw.diagnose.likelihood.model import Model
+
+MOST_FITTED = 6  # candidates that are fitted in full, of those screened
+WORTH_FITTING = 0.05  # of the best screening score
+LEAST_SCORE = 2.0  # nats that screening finds, beyond one for every parameter
+LUCK = 3.0  # standard errors of what a few tiles gain, that all may gain more
+SHOWN = 0.5  # of what all show, that a few tiles have to show of it in proportion
+
+
+@dataclass(frozen=True)
+class Screened:
+    """A candidate with its first guess, and what that gains."""
+
+    score: float
+    effect: Effect
+    start: Model
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """What might be added to a model.
+
+    turns : of a candidate's fit. threshold : nats that a name gains."""
+
+    model: Model
+    effects: Sequence[Effect]
+    splits: Splits
+    turns: int
+    threshold: float
+    report: Callable[[str], None]
+
+    @cached_property
+    def null(self) -> Model:
+        """The model without any, fitted as long as with one."""
+        return fit(self.model, self.splits.fit, self.turns)
+
+    @cached_property
+    def current(self) -> Array:
+        """The log-likelihood of the select frames without any, in blocks."""
+        return self.splits.select.in_blocks(self.null)
+
+    def trials(self) -> list[Trial]:
+        """Screen all, fit the best; sorted by gain on the select frames, with the
+        evidence for each."""
+        screened = self._screened()
+        best = max((one.score for one in screened), default=0.0)
+        found = []
+        for rank, one in enumerate(screened[:MOST_FITTED]):
+            is_map = one.effect.estimator == "fixed pattern"
+            chance = 0 if is_map else len(one.effect.parameters)
+            if one.score < LEAST_SCORE + chance:
+                continue
+            if rank >= 3 and one.score < WORTH_FITTING * best:
+                continue
+            self.report(f"fitting {one.effect.name}")
+            if self._is_hopeless(one):
+                continue
+            fitted = fit(one.start, self.splits.fit, self.turns)
+            blocks = self.splits.select.in_blocks(fitted) - self.current
+            found.append(Trial(one.effect.name, float(blocks.sum()), blocks, fitted))
+        trials = [self._weighed(trial) for trial in found]
+        return sorted(trials, key=lambda trial: trial.gain, reverse=True)
+
+    def _screened(self) -> list[Screened]:
+        """Return the candidates that frames show anything of, best first."""
+        base = Linearisation(self.model, self.splits.fit)
+        height = self.splits.select.total(self.model)
+        found = []
+        for candidate in self.effects:
+            if candidate.name in self.model.names:
+                continue
+            self.report(f"screening {candidate.name}")
+            guess = first_guess(candidate, base)
+            if guess is None:
+                continue
+            start, score = guess
+            if candidate.estimator == "fixed pattern":
+                score = self.splits.select.total(start) - height
+            found.append(Screened(score, candidate, start))
+        return sorted(found, key=lambda one: one.score, reverse=True)
+
+    @cached_property
+    def _of_few(self) -> tuple[Splits, Model] | None:
+        """A few tiles, and the model fitted to them; None where frames are small."""
+        few = self.splits.few
+        if few is None:
+            return None
+        model = self.model.of_few_tiles(self.splits.frames)
+        return few, fit(model, few.fit, TURNS_WITHOUT)
+
+    def _is_hopeless(self, one: Screened) -> bool:
+        """Return whether a few tiles show a candidate as well as all do, and that it
+        gains too little."""
+        if self._of_few is None:
+            return False
+        few, model = self._of_few
+        share = few.select.pixels / self.splits.select.pixels
+        start = one.start.of_few_tiles(self.splits.frames)
+        is_map = one.effect.estimator == "fixed pattern"
+        shown = few.select if is_map else few.fit
+        alone = self.model.of_few_tiles(self.splits.frames)
+        if shown.total(start) - shown.total(alone) < SHOWN * share * one.score:
+            return False
+        fitted = fit(start, few.fit, TURNS_WITHOUT)
+        blocks = few.select.in_blocks(fitted) - few.select.in_blocks(model)
+        most = blocks.sum() + LUCK * blocks.std() * np.sqrt(blocks.size)
+        return bool(most < share * self.threshold)
+
+    @cached_property
+    def _null_gain(self) -> float:
+        return null_gain(self.model, self.splits)
+
+    def _weighed(self, trial: Trial) -> Trial:
+        """Return the trial with its evidence."""
+        evidence = trial.gain - self._null_gain
+        if evidence < self.threshold <= 2 * trial.gain:
+            evidence += null_gain(trial.model, self.splits, trial.name)
+        return replace(trial, evidence=evidence)
+
+
+def null_gain(model: Model, splits: Splits, but: str = "") -> float:
+    """Return what a model gains on the select frames by fitting itself to them.
+
+    but : name of a term that stays as it is."""
+    smooth = [term for term in model.terms if term.effect.estimator == "smooth"]
+    if all(term.name == but for term in smooth):
+        return 0.0
+    base = Linearisation(model, splits.select)
+    return one_step(model, base, base.height, (but,))[1]
