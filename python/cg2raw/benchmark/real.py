@@ -18,6 +18,7 @@ from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.reader import divided, read_frames, stratum
 from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.inference.nameable import DISTINCT
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import strength_stream
 from cg2raw.synthetic.strengths import KINDS
@@ -25,7 +26,6 @@ from cg2raw.synthetic.synthetic_camera import stream
 
 MANIFEST = "captures.yaml"  # of a folder
 NEEDED = "its darks and flats by --captures captures.yaml, or a folder with one"
-DISTINCT = 1.2  # ratio of two flats' exposures that show a curve
 
 
 def manifest_of(captures: str | os.PathLike[str] | None) -> Path:

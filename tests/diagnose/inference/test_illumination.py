@@ -12,11 +12,20 @@ from cg2raw.diagnose.inference.illumination import (
     illumination,
     lit,
     unmeasured,
+    without_unsure_shading,
 )
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
-from diagnose.planted import ONE, SHAPE, capture_of, drawn, frames_of, sensor_of
+from diagnose.planted import (
+    ONE,
+    SHAPE,
+    capture_of,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
 
 SENSOR = sensor_of()
 ROWS, COLUMNS = np.mgrid[: SHAPE[0], : SHAPE[1]]
@@ -87,3 +96,16 @@ def test_one_flat_and_flats_of_known_light_are_as_they_were():
     frames = one + known
     lit_ones = as_lit(Model(SENSOR), Splits(frames, ONE)).frames
     assert all(a is b for a, b in zip(frames, lit_ones, strict=True))
+
+
+@pytest.mark.parametrize(("r2", "named"), [(-0.2, True), (-0.01, False)])
+def test_a_shading_as_weak_as_light_is_uneven_may_be_the_lamp_s(r2, named):
+    """Of light that nobody measured; where it is known, any shading shows."""
+    shading = model_of(SENSOR, lens_shading=[r2, 0, 0, 0, 0, 0, 0])
+    u, v = flats("fit", 1)[0].tiles.field()
+    frames = flats("fit", 4, light=STAIN * (1 + r2 * (u**2 + v**2)[0]))
+    left = without_unsure_shading(shading, frames)
+    assert (left.names == ["lens_shading"]) == named
+    known = [replace(frame, level_free=False) for frame in frames]
+    for others in (known, [*frames, *known]):
+        assert without_unsure_shading(shading, others) is shading

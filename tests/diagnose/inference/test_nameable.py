@@ -40,3 +40,19 @@ def test_dark_current_needs_times_and_some_time(times, shown):
 def test_a_bias_frame_has_no_time(time, seconds):
     [frame] = frames_of(SENSOR, [capture_of("dark", exposure_time=time)])
     assert frame.seconds == seconds
+
+
+@pytest.mark.parametrize(
+    ("levels", "measured", "exposure", "curve"),
+    [
+        ((0.3, 0.3), True, True, False),
+        ((0.3, 0.6), True, True, True),
+        ((0.3, 0.3), False, False, False),
+    ],
+)
+def test_what_light_tells_is_by_its_levels(levels, measured, exposure, curve):
+    """Of flats that nobody measured each may be as bright as it is."""
+    more = {} if measured else {"scene": None}
+    names = named([{"kind": "flat", "level": level, **more} for level in levels])
+    assert ("exposure" in names, "nonlinearity" in names) == (exposure, curve)
+    assert {"prnu", "lens_shading", "full_well"} <= names

@@ -52,6 +52,8 @@ NORMAL_95 = 1.96  # standard deviations to either side of a mean that hold 95 %
 LIGHT = frozenset({"light"})
 IMAGE = frozenset({"light", "image"})
 TIME = frozenset({"time"})
+LEVEL = frozenset({"light", "level"})
+LEVELS = frozenset({"light", "levels"})
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,8 @@ class Effect:
         discriminating_captures); told_apart : the same for one other effect.
     absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
     moves_mean : it explains a misfit of the mean.
-    needs : what some frames must have to show it: "light", an "image", a "time".
+    needs : what some frames must have to show it: "light", a "level" of it that is
+        known, several "levels", an "image", a "time".
     from_means : tables of patch means show it: neither pixels nor places are needed,
         nor does it look like errors of the chart's own colours, the same in all frames.
     taken_up_by : effects that take up what this one's model does not describe, and the

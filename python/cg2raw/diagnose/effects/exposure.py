@@ -5,7 +5,7 @@
 
 from cg2raw.diagnose.effects.base import (
     GAIN,
-    LIGHT,
+    LEVEL,
     Effect,
     Estimates,
     percent,
@@ -24,7 +24,7 @@ class Exposure(Effect):
     where = "in proportion to signal, all channels alike"
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
-    needs = LIGHT
+    needs = LEVEL
     from_means = True
     told_apart = {
         "white_balance": KNOWN_LIGHT,

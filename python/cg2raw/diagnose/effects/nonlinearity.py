@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import (
     GAIN,
-    LIGHT,
+    LEVELS,
     RESPONSE,
     Effect,
     Estimates,
@@ -32,7 +32,7 @@ class Nonlinearity(Effect):
     step = 2e-3
     families = frozenset({GAIN, RESPONSE})
     signature = frozenset({"gain"})
-    needs = LIGHT
+    needs = LEVELS
 
     def size(self, values: Estimates) -> str:
         loss = total(values, "quadratic", "cubic")

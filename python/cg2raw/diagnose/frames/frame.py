@@ -100,7 +100,7 @@ class Frame:
         return np.where(color == 0, inner[:, 0], green_or_blue)
 
     def of_few_tiles(self) -> "Frame":
-        """Return what its corners and its middle show; itself if it is small."""
+        """Return what a few of its tiles show; itself if it is small."""
         few = self.tiles.few
         if few is None:
             return self

@@ -16,8 +16,12 @@ Mask = NDArray[Any]  # of bool
 
 LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of them
 SMALLEST_TILE, STEP_OF_TILES = 18, 6  # a multiple of any CFA's repeat
-# Places of a few tiles, from one end to the other: the corners and the middle.
-FEW_PLACES = ((0, 0), (0, 1), (0.5, 0.5), (1, 0), (1, 1))
+# Places of a few tiles, from one end to the other: corners and middle, and between
+# them at distances that tell the terms of a shading from each other.
+FEW_PLACES = (
+    *((0, 0), (0, 1), (0.5, 0.5), (1, 0), (1, 1)),
+    *((0.25, 0.25), (0.75, 0.75), (0.25, 1), (0.75, 0)),
+)
 FEWEST_TILES = 5  # pieces along each side: both ends, the middle and between
 NARROW = 176  # pixels: a border of masked pixels is taken whole
 WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
@@ -64,7 +68,7 @@ class Tiling:
 
     @cached_property
     def few(self) -> NDArray[np.intp] | None:
-        """Which tiles lie in the corners and the middle; None if that is no less."""
+        """Which tiles lie at FEW_PLACES; None if they are no fewer."""
         if self.is_whole or len(self.origins) <= len(FEW_PLACES):
             return None
         first, last = self.origins.min(0), self.origins.max(0)

@@ -13,6 +13,8 @@ EMVA Standard 1288, release 4.0.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.frames.frame import Frame
@@ -20,15 +22,20 @@ from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.coordinate_search import fit_transform
 from cg2raw.diagnose.inference.fitting import fit, scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
-from cg2raw.diagnose.inference.illumination import as_lit
+from cg2raw.diagnose.inference.illumination import (
+    SHADING,
+    as_lit,
+    without_unsure_shading,
+)
 from cg2raw.diagnose.inference.moments import moments_of
 from cg2raw.diagnose.inference.outliers import without_outliers
 from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.inference.warmth import reading_error, warmed
+from cg2raw.diagnose.inference.warmth import as_warm, reading_error, warmed
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
 ROUNDS = 3  # of maps and what is smooth, by turns, before noise is fitted
+ROUNDS_MORE = 2  # of the same, of all tiles after a few
 MOST_OUT = 0.03  # of a frame's pixels, that may be far from a model that is half fitted
 MOST_OUTLIERS = 2e-3  # of a frame's pixels, that are set aside from the fitted one
 
@@ -58,14 +65,14 @@ def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | Non
     noise = [e.name for e in chosen if e.scales]
     error = reading_error(splits.frames, "temperature" in baseline.free)
     start = _fitted(model, later, splits.few or splits, noise, error)
-    return start if splits.few is None else _on_all_tiles(start, splits, error)
+    return start if splits.few is None else _on_all_tiles(start, splits, noise, error)
 
 
 def _begun(
     model: Model, chosen: Sequence[Effect], moments: Moments, splits: Splits
 ) -> tuple[Model, list[Term]]:
     """Return (model where moments and data say, terms that come later)."""
-    model = _with_all(model, chosen, moments)
+    model = _with_all(model, chosen, moments, splits.fit.frames)
     later = [term for term in model.terms if term.effect.estimator == "transform"]
     later = [term for term in later if term.effect in chosen]
     for term in later:
@@ -100,7 +107,7 @@ def _fitted(
         splits = warmed(model, splits, error)
         shown = without_outliers(model, splits, MOST_OUT)
         model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
-    light = model
+    light = model = without_unsure_shading(model, splits.fit.frames)
     splits = as_lit(light, splits)
     model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
     shown = without_outliers(model, splits, MOST_OUT)
@@ -111,26 +118,43 @@ def _fitted(
     return FullStart(fit(model, shown.fit), shown, light)
 
 
-def _on_all_tiles(start: FullStart, splits: Splits, error: float) -> FullStart:
-    """Return what was fitted to a few tiles fitted to all. error : as above."""
-    light = fit_patterns(start.light.without_maps(), splits.fit)
-    splits = as_lit(light, warmed(light, splits, error))
-    model = start.model
-    for term, _, _ in light.maps:
-        model = model.with_term(term)
+def _on_all_tiles(
+    start: FullStart, splits: Splits, noise: Sequence[str], error: float
+) -> FullStart:
+    """Return what was fitted to a few tiles fitted to all. noise, error : as above."""
+    light, shown = start.light.without_maps(), splits
+    splits = as_warm(splits, start.splits)
+    for _ in range(ROUNDS_MORE):
+        light = fit_patterns(light, shown.fit)
+        splits = warmed(light, splits, error)
+        shown = without_outliers(light, splits, MOST_OUT)
+        light, _ = scored(light, shown.fit.total(light), shown.fit, noise)
+    # What flats show beside a model is their light: it has to be the best of all tiles.
+    light = without_unsure_shading(light, splits.fit.frames)
+    splits = as_lit(light, splits)
+    model = start.model if light.term(SHADING) else start.model.without(SHADING)
+    for term in light.terms:
+        if term.name not in noise:
+            model = model.with_term(term)
     model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
+    model = fit(model, without_outliers(model, splits, MOST_OUT).fit, 1)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
-    return FullStart(fit(model, shown.fit), shown, light)
+    return FullStart(fit(model, shown.fit, 1), shown, light)
 
 
 def uniform_of(likelihood: Likelihood) -> list[Frame]:
     return [f for f in likelihood.frames if not f.capture.shows.image]
 
 
-def _with_all(model: Model, effects: Sequence[Effect], moments: Moments) -> Model:
+def _with_all(
+    model: Model, effects: Sequence[Effect], moments: Moments, frames: Sequence[Frame]
+) -> Model:
     """Return the model with effects where moments say; what calibrates it stays so."""
     for effect in effects:
         values = effect.clipped(effect.from_moments(moments))
+        drawn = [frame.noise.drawn.get(effect.name) for frame in frames]
+        if drawn and drawn[0] is not None:  # by the profile: it is near to that
+            values = effect.clipped(np.array(drawn[0], float))
         if model.term(effect.name) is None and not effect.starts_from_data:
             model = model.with_effect(effect, values)
         elif effect.scales and not effect.starts_from_data:

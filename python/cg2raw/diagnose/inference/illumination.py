@@ -26,6 +26,8 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
 FEWEST_FLATS = 2  # that show the same light
+SHADING = "lens_shading"
+SURE_SHADING = 2.0  # of how uneven the light is, from where on a shading is none of it
 
 
 def of_unmeasured_light(frame: Frame) -> bool:
@@ -67,6 +69,36 @@ def illumination(model: Model, flats: Sequence[Frame]) -> Array:
     if len(np.unique(first.color)) == 1:
         found[:] = found[:, first.color.flat[0], None]
     return found
+
+
+def without_unsure_shading(model: Model, frames: Sequence[Frame]) -> Model:
+    """Return a model without its shading, if that is hardly more than how uneven light
+    is beside it, and nobody measured the light of any frame: it may be the lamp's."""
+    lights = unmeasured(frames)
+    free = sum(len(flats) for flats in lights)
+    if model.term(SHADING) is None or not free:
+        return model
+    if free < sum(frame.capture.shows.light for frame in frames):
+        return model
+    rest = model.without(SHADING)
+    for flats in lights:
+        first = flats[0]
+        shown, flat = (predict(one, first).exposed for one in (model, rest))
+        colors = illumination(model, flats)
+        light = np.log(np.take_along_axis(colors, first.color[None, None], 1)[:, 0])
+        shading = np.log(shown / flat)
+        if _spread(shading, first) > SURE_SHADING * _spread(light, first):
+            return model
+    return rest
+
+
+def _spread(image: Array, frame: Frame) -> float:
+    """Return the standard deviation of an image about the means of its colours."""
+    squares = [
+        np.var(image[:, of_color][frame.keep[:, of_color]])
+        for of_color in (frame.color == c for c in np.unique(frame.color))
+    ]
+    return float(np.sqrt(np.mean(squares)))
 
 
 def lit(frame: Frame, light: Array) -> Frame:

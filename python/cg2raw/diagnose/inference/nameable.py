@@ -11,6 +11,8 @@ from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.splits import Splits
 
+DISTINCT = 1.2  # ratio of two flats' levels that show a curve
+
 
 def nameable(
     capture_set: CaptureSet,
@@ -40,15 +42,24 @@ def nameable(
     )
 
 
+def _is_even(frame: Frame) -> bool:
+    return frame.capture.shows.light and not frame.capture.shows.image
+
+
 def _shown_by(frames: Sequence[Frame]) -> list[tuple[set[str], bool]]:
     """Return of each frame what it has of what effects need to be seen, and whether it
     has pixels."""
     times = [frame.capture.exposure_time for frame in frames]
     timed = all(time is not None for time in times) and any(times)
+    levels = [frame.camera.mean() for frame in frames if _is_even(frame)]
+    differ = bool(levels) and max(levels) > DISTINCT * min(levels)
     found = []
     for frame in frames:
         shown = {"time"} if timed else set()
         shown |= {"light"} if frame.capture.shows.light else set()
         shown |= {"image"} if frame.capture.shows.image else set()
+        is_free = frame.level_free and frame.samples is None
+        shown |= {"level"} if "light" in shown and not is_free else set()
+        shown |= {"levels"} if differ or "image" in shown else set()
         found.append((shown, frame.samples is None))
     return found

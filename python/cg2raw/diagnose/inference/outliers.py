@@ -19,12 +19,18 @@ from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.model import Model
 
 FARTHEST = 6.0  # standard deviations; of normal pixels one in 500 million lies beyond
+# Such bounds, one after the other: what is far out moves the mean of its row, by which
+# all the row is whitened, and its neighbours.
+BOUNDS = (100.0, 25.0, FARTHEST)
 
 
 def outliers(model: Model, frame: Frame, most: float) -> Mask:
     """Return (T, h, w), True in a frame's outliers under a model; nowhere if they are
     more than a share of its pixels: then it is the model that is wrong."""
-    far: Mask = (np.abs(log_density(model, frame)[1]) > FARTHEST) & frame.keep
+    far: Mask = np.zeros_like(frame.keep)
+    for bound in BOUNDS:
+        rest = replace(frame, keep=frame.keep & ~far)
+        far = far | (np.abs(log_density(model, rest)[1]) > bound) & rest.keep
     if far.sum() > most * max(int(frame.keep.sum()), 1):
         return np.zeros_like(far)
     return far

@@ -69,8 +69,8 @@ class Splits:
 
     @cached_property
     def few(self) -> "Splits | None":
-        """The corners and the middle of large frames, and small ones whole: what these
-        show by far, all show. None if all are small."""
+        """A few tiles of large frames, and small ones whole: what these show by far,
+        all show. None if all are small."""
         if all(frame.tiles.few is None for frame in self.frames):
             return None
         return Splits([frame.of_few_tiles() for frame in self.frames], self.workers)

@@ -60,6 +60,13 @@ def warmed(model: Model, splits: Splits, error: float) -> Splits:
     return Splits(frames, splits.workers)
 
 
+def as_warm(splits: Splits, others: Splits) -> Splits:
+    """Return the frames as warm as the same frames among others."""
+    pairs = zip(splits.frames, others.frames, strict=True)
+    frames = [replace(frame, warmth=other.warmth) for frame, other in pairs]
+    return Splits(frames, splits.workers)
+
+
 def _factor(model: Model, frame: Frame, error: float) -> float:
     """Return by how much a dark's charge exceeds what is predicted."""
     charge = _sure_charge(model, frame)
