@@ -23,7 +23,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
-LEVELS = 8  # points of a pair of frames with light
+POINTS = 8  # points of a pair of frames with light
 FEWEST_OF_POINT = 200  # pixels; its variance is then known to 10 %
 SAME_LIGHT = 0.05  # relative; flats that differ more are no repeats
 
@@ -120,7 +120,7 @@ def _points(models: tuple[Model, Model], pair: Pair) -> list[tuple[float, ...]]:
     level = 0.5 * (dn[0] + dn[1])
     scale = level.sum() / dn[1].sum() if first.capture.shows.light else 1.0
     difference = dn[0] * (2 - scale) - dn[1] * scale
-    count = LEVELS if first.capture.shows.light else 1
+    count = POINTS if first.capture.shows.light else 1
     parts = np.array_split(np.argsort(predicted, kind="stable"), count)
     return [
         (

@@ -18,15 +18,15 @@ from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
 from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.pruning import TURNS_WITHOUT
-from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.inference.splits import LUCK, Splits
 from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
 
 MOST_FITTED = 6  # candidates that are fitted in full, of those screened
 WORTH_FITTING = 0.05  # of the best screening score
 LEAST_SCORE = 2.0  # nats that screening finds, beyond one for every parameter
-LUCK = 3.0  # standard errors of what a few tiles gain, that all may gain more
-SHOWN = 0.5  # of what all show, that a few tiles have to show of it in proportion
+# Of what all tiles show, that a few have to show of it in proportion.
+SHOWN_BY_FEW = 0.5
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class Candidates:
         is_map = one.effect.estimator == "fixed pattern"
         shown = few.select if is_map else few.fit
         alone = self.model.of_few_tiles(self.splits.frames)
-        if shown.total(start) - shown.total(alone) < SHOWN * share * one.score:
+        if shown.total(start) - shown.total(alone) < SHOWN_BY_FEW * share * one.score:
             return False
         fitted = fit(start, few.fit, TURNS_WITHOUT)
         blocks = few.select.in_blocks(fitted) - few.select.in_blocks(model)

@@ -44,11 +44,13 @@ MOST_OUTLIERS = 2e-3  # of a frame's pixels, that are set aside from the fitted 
 class FullStart:
     """A model of all effects, and the frames without what it sets aside.
 
-    light : the model beside which flats showed their light."""
+    light : the model beside which flats showed their light. light_gain : nats that the
+    select frames gain by that light."""
 
     model: Model
     splits: Splits
     light: Model
+    light_gain: float
 
 
 def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | None:
@@ -108,14 +110,15 @@ def _fitted(
         shown = without_outliers(model, splits, MOST_OUT)
         model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
     light = model = without_unsure_shading(model, splits.fit.frames)
-    splits = as_lit(light, splits)
+    dim, splits = splits, as_lit(light, splits)
     model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
     shown = without_outliers(model, splits, MOST_OUT)
     for term in later:
         model, _ = fit_transform(model.with_term(term), term.name, shown.fit)
     model = fit(model, shown.fit)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
-    return FullStart(fit(model, shown.fit), shown, light)
+    gain = splits.select.total(light) - dim.select.total(light)
+    return FullStart(fit(model, shown.fit), shown, light, gain)
 
 
 def _on_all_tiles(
@@ -131,7 +134,7 @@ def _on_all_tiles(
         light, _ = scored(light, shown.fit.total(light), shown.fit, noise)
     # What flats show beside a model is their light: it has to be the best of all tiles.
     light = without_unsure_shading(light, splits.fit.frames)
-    splits = as_lit(light, splits)
+    dim, splits = splits, as_lit(light, splits)
     model = start.model if light.term(SHADING) else start.model.without(SHADING)
     for term in light.terms:
         if term.name not in noise:
@@ -139,7 +142,8 @@ def _on_all_tiles(
     model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
     model = fit(model, without_outliers(model, splits, MOST_OUT).fit, 1)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
-    return FullStart(fit(model, shown.fit, 1), shown, light)
+    gain = splits.select.total(light) - dim.select.total(light)
+    return FullStart(fit(model, shown.fit, 1), shown, light, gain)
 
 
 def uniform_of(likelihood: Likelihood) -> list[Frame]:

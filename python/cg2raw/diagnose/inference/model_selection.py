@@ -48,6 +48,8 @@ CLEAR_SHARE = 0.05  # of the gain
 MOST_SWAPS = 3
 MAP_COST = 1000  # parameters that a map counts as
 FEW_EFFECTS = 3  # effects, up to which both ways of the search are gone
+# Of what flats gain by the light that they show: a lamp drifts, and is not quite slow.
+LIGHT_LEAVES = 0.02
 LEAST_GAIN = 0.3  # nats, of a change after all that depends on it was looked at again
 
 
@@ -72,6 +74,7 @@ class Search:
         self.timed_out = baseline.ended is TimeIsUp
         self.most_outliers = 0.0  # share of a frame that is set aside
         self.light: Model | None = None  # beside which flats showed theirs
+        self._light_gain = 0.0  # nats, by that
         self._reached = baseline.model
         self._swapped: set[tuple[str, str]] = set()
         # Effects that were there before any was added, and what is lost without them.
@@ -122,7 +125,7 @@ class Search:
         if start is None:
             return False
         self.splits, self.most_outliers = start.splits, MOST_OUTLIERS
-        self.light = start.light
+        self.light, self._light_gain = start.light, start.light_gain
         left = pruned(start.model, start.splits, self.threshold, self.report)
         ranking = sorted(left.losses.items(), key=lambda one: -one[1])
         for name, loss in ranking:
@@ -185,8 +188,9 @@ class Search:
 
     def _may_be_added(self, trial: Trial) -> bool:
         """Return whether an effect is sure, and more than what the model of one that
-        was there before does not describe."""
-        if trial.evidence < self.threshold:
+        was there before does not describe, or that of a lamp that nobody measured."""
+        left = LIGHT_LEAVES * self._light_gain * effect(trial.name).acts_on_light
+        if trial.evidence < max(self.threshold, left):
             return False
         return effect(trial.name).shows_without_image or all(
             trial.gain >= effect(larger).taken_up_by.get(trial.name, 0.0) * loss

@@ -13,6 +13,9 @@ from cg2raw.diagnose.inference.registration import Registration
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.workers import Workers
 
+# Standard errors that all tiles may differ by from what a few of them show.
+LUCK = 3.0
+
 
 class Splits:
     """All frames of a diagnosis, in order, and the likelihood of each split."""

@@ -12,11 +12,10 @@ from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import confusable
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fitting import first_guess, fit
-from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.inference.splits import LUCK, Splits
 from cg2raw.diagnose.likelihood.model import Model
 
 NEAR, NEARBY_NATS = 0.5, 50.0  # of what is lost, and beyond it, that a fit may make up
-LUCK = 3.0  # standard errors of what a few tiles lose, that all may gain
 
 
 @dataclass(frozen=True)
