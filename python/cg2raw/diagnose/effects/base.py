@@ -165,6 +165,10 @@ class Effect:
         read : variance of the read noise."""
         return z, 0.0
 
+    def unfiltered(self, p: Prediction, values: Values) -> Prediction:
+        """Return what is predicted of residuals that it has whitened."""
+        return p
+
     def tails(self, values: Values) -> tuple[float, float] | None:
         """Return (share, variance ratio) of noise that it makes wider than the rest."""
         return None
@@ -214,6 +218,12 @@ class Effect:
 
     def variance_in_table(self, sensor: Sensor, row: Mapping[str, Any]) -> float:
         """Return the part of a noise table's beta2 that is its own."""
+        return 0.0
+
+    def share_beyond(
+        self, parameters: Mapping[str, float], signal: float, seconds: float
+    ) -> float:
+        """Return the share of a dark's pixels that a profile puts beyond a signal."""
         return 0.0
 
     def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:

@@ -3,6 +3,11 @@
 
 """Dark-current non-uniformity: charge gathers faster in some pixels than in others."""
 
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.stats import norm
+
 from cg2raw.diagnose.effects.base import (
     NORMAL_95,
     PEDESTAL,
@@ -51,6 +56,14 @@ class DarkCurrentNonuniformity(FixedPattern):
 
     def sensitivity(self, frame: Frame, photons: Array) -> float:
         return frame.seconds
+
+    def share_beyond(
+        self, parameters: Mapping[str, float], signal: float, seconds: float
+    ) -> float:
+        charge, spread = parameters["rate"] * seconds, parameters["log_sigma"]
+        if charge <= 0 or spread <= 0:
+            return 0.0
+        return float(norm.sf(np.log1p(signal / charge) / spread))
 
     def standard_error(self, value: float, sensor_map: SensorMap) -> float:
         low, high = self.interval(value, sensor_map)

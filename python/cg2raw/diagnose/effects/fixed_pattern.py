@@ -3,6 +3,7 @@
 
 """FixedPattern: the family of effects that are a map of the sensor."""
 
+from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -21,6 +22,7 @@ from cg2raw.diagnose.effects.base import (
     Whitened,
     value_of,
 )
+from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -53,6 +55,12 @@ class FixedPattern(Effect):
     is_charge: ClassVar[bool] = False
     lacks_slow_part: ClassVar[bool] = False
     has_long_tails: ClassVar[bool] = False
+
+    @cached_property
+    def fills_well(self) -> bool:
+        """Whether it acts before a full well is cut."""
+        stage = registered(self.cfa)[self.name]["stage"]
+        return self.acts_on_light or stage == "response"
 
     def sensitivity(self, frame: Frame, photons: Array) -> Array | float:
         """Return what the map is multiplied by in a frame."""

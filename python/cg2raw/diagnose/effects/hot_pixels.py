@@ -3,6 +3,8 @@
 
 """Hot pixels: few pixels leak charge."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Estimate
@@ -43,6 +45,12 @@ class HotPixels(FixedPattern):
 
     def sensitivity(self, frame: Frame, photons: Array) -> float:
         return frame.seconds
+
+    def share_beyond(
+        self, parameters: Mapping[str, float], signal: float, seconds: float
+    ) -> float:
+        charge = parameters["rate"] * seconds
+        return parameters["fraction"] * np.exp(-signal / charge) if charge > 0 else 0.0
 
     def standard_error(self, value: float, sensor_map: SensorMap) -> float:
         """Of a share of pixels, from their number."""

@@ -3,6 +3,8 @@
 
 """Noise reduction: the camera blended a pixel with its neighbours."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import fft
 
@@ -56,12 +58,16 @@ class NoiseReduction(Effect):
         cy = np.cos(4 * np.pi * np.fft.fftfreq(height))[:, None]
         cx = np.cos(4 * np.pi * np.fft.rfftfreq(width))[None]
         filter_ = centre + blend / 2 * (cy + cx) + diagonal * cy * cx
-        power = filter_**2 / (centre**2 + blend**2 / 4 + diagonal**2 / 4) + LEAST_POWER
+        power = filter_**2 / _variance_left(values) + LEAST_POWER
         log_sum = 2 * np.log(power).sum() - np.log(power[:, 0]).sum()
         if width % 2 == 0:
             log_sum -= np.log(power[:, -1]).sum()
         white = fft.irfft2(fft.rfft2(z) / np.sqrt(power), z.shape[-2:])
         return white, -0.5 * log_sum / (height * width)
+
+    def unfiltered(self, p: Prediction, values: Values) -> Prediction:
+        """With the variance that noise had before neighbours were blended."""
+        return replace(p, variance=p.variance / _variance_left(values))
 
     def expected_gain(
         self, selected: Predicted, fitted: Predicted, information: float
@@ -77,6 +83,12 @@ class NoiseReduction(Effect):
             return shared + 0.5 * information * blend**2
 
         return gain
+
+
+def _variance_left(values: Values) -> float:
+    """Return what the filter leaves of the variance of white noise."""
+    blend, diagonal = values
+    return float((1 - blend - diagonal) ** 2 + blend**2 / 4 + diagonal**2 / 4)
 
 
 EFFECT = NoiseReduction()

@@ -3,13 +3,14 @@
 
 """Baseline: the model that captures are compared with first, ready to be used."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.nuisance_fit import nuisance_of, without_highlights
 from cg2raw.diagnose.inference.registration import Registration
@@ -20,6 +21,7 @@ from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
 HIGHEST_COMPARED = 0.9  # of white, for that
+FEWEST_OF_MAPS = 2  # fit frames: what is the pixels' own does not differ in one
 FEWEST_COMPARED = 500  # pixels, for that
 
 
@@ -82,10 +84,15 @@ def _fitted(capture_set: CaptureSet, splits: Splits, model: Model) -> Model:
     measured = all(frame.noise.measured for frame in splits.frames)
     for effect in candidates(capture_set.sensor.cfa):
         is_own = effect.estimator == "fixed pattern" and effect.name in listed
-        is_own &= any(frame.samples is None for frame in splits.fit.frames)
+        is_own &= can_map(splits.fit.frames)
         if is_own or (effect.scales and not measured):
             model = model.with_term(Term(effect, effect.null, calibration=True))
     return fit(model, splits.fit) if model.terms else model
+
+
+def can_map(frames: Sequence[Frame]) -> bool:
+    """Return whether frames can tell what is each pixel's own from noise."""
+    return sum(frame.samples is None for frame in frames) >= FEWEST_OF_MAPS
 
 
 def check_correspondence(model: Model, splits: Splits) -> None:

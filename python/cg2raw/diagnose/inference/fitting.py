@@ -3,11 +3,12 @@
 
 """fit(): all terms of a model together, each by its own estimator."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.base import Effect, Values
+from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.coordinate_search import ENOUGH, fit_transform
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
@@ -69,6 +70,12 @@ def scored(
     return model, current
 
 
+def drawn_by_profile(effect: Effect, frames: Sequence[Frame]) -> Values | None:
+    """Return the values by which a profile draws an effect; None if it does not."""
+    drawn = [frame.noise.drawn.get(effect.name) for frame in frames]
+    return np.array(drawn[0], float) if drawn and drawn[0] is not None else None
+
+
 def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | None:
     """Return (model with a first guess of an effect, its gain when fitted, 0 of a fixed
     pattern); None if frames show nothing of it.
@@ -85,7 +92,11 @@ def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | No
     if effect.estimator == "smooth":
         return one_step(model.with_effect(effect), base, base.height)
     if effect.estimator == "transform":
-        start = model.with_effect(effect, np.array(effect.starts[0]))
-        start, score = fit_transform(start, effect.name, likelihood, quick=True)
+        drawn = drawn_by_profile(effect, likelihood.frames)
+        first = np.array(effect.starts[0]) if drawn is None else drawn
+        start = model.with_effect(effect, effect.clipped(first))
+        # Where a profile has it, nothing is gained before it is fitted.
+        is_new = drawn is None
+        start, score = fit_transform(start, effect.name, likelihood, quick=is_new)
         return start, score - base.height
     return fit_patterns(model.with_effect(effect), likelihood), 0.0

@@ -13,14 +13,12 @@ EMVA Standard 1288, release 4.0.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.coordinate_search import fit_transform
-from cg2raw.diagnose.inference.fitting import fit, scored
+from cg2raw.diagnose.inference.fitting import drawn_by_profile, fit, scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.illumination import (
     SHADING,
@@ -41,8 +39,8 @@ MOST_OUTLIERS = 2e-3  # of a frame's pixels, that are set aside from the fitted 
 
 
 @dataclass(frozen=True)
-class FullStart:
-    """A model of all effects, and the frames without what it sets aside.
+class Start:
+    """A model that a search starts from, and the frames without what it sets aside.
 
     light : the model beside which flats showed their light. light_gain : nats that the
     select frames gain by that light."""
@@ -53,7 +51,7 @@ class FullStart:
     light_gain: float
 
 
-def full_start(baseline: Baseline, effects: Sequence[Effect]) -> FullStart | None:
+def full_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | None:
     """Return the fit of all effects that uniform frames measure; None if too few of
     them repeat each other.
 
@@ -98,7 +96,7 @@ def _fitted(
     splits: Splits,
     noise: Sequence[str],
     error: float,
-) -> FullStart:
+) -> Start:
     """Return the fit of a model that has no maps yet.
 
     later : terms that are fitted after maps are known. noise : names of what rests
@@ -118,12 +116,12 @@ def _fitted(
     model = fit(model, shown.fit)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
     gain = splits.select.total(light) - dim.select.total(light)
-    return FullStart(fit(model, shown.fit), shown, light, gain)
+    return Start(fit(model, shown.fit), shown, light, gain)
 
 
 def _on_all_tiles(
-    start: FullStart, splits: Splits, noise: Sequence[str], error: float
-) -> FullStart:
+    start: Start, splits: Splits, noise: Sequence[str], error: float
+) -> Start:
     """Return what was fitted to a few tiles fitted to all. noise, error : as above."""
     light, shown = start.light.without_maps(), splits
     splits = as_warm(splits, start.splits)
@@ -143,7 +141,7 @@ def _on_all_tiles(
     model = fit(model, without_outliers(model, splits, MOST_OUT).fit, 1)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
     gain = splits.select.total(light) - dim.select.total(light)
-    return FullStart(fit(model, shown.fit, 1), shown, light, gain)
+    return Start(fit(model, shown.fit, 1), shown, light, gain)
 
 
 def uniform_of(likelihood: Likelihood) -> list[Frame]:
@@ -155,10 +153,10 @@ def _with_all(
 ) -> Model:
     """Return the model with effects where moments say; what calibrates it stays so."""
     for effect in effects:
-        values = effect.clipped(effect.from_moments(moments))
-        drawn = [frame.noise.drawn.get(effect.name) for frame in frames]
-        if drawn and drawn[0] is not None:  # by the profile: it is near to that
-            values = effect.clipped(np.array(drawn[0], float))
+        drawn = drawn_by_profile(effect, frames)  # a profile is near to that
+        values = effect.clipped(
+            effect.from_moments(moments) if drawn is None else drawn
+        )
         if model.term(effect.name) is None and not effect.starts_from_data:
             model = model.with_effect(effect, values)
         elif effect.scales and not effect.starts_from_data:

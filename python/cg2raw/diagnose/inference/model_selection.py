@@ -21,10 +21,15 @@ from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.calibrated_start import (
+    calibrated_start,
+    lost_without_maps,
+)
 from cg2raw.diagnose.inference.candidates import Candidates
 from cg2raw.diagnose.inference.fitting import TURNS, fit
-from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, full_start
+from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, Start, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
+from cg2raw.diagnose.inference.outliers import without_expected_outliers
 from cg2raw.diagnose.inference.pruning import (
     TURNS_WITHOUT,
     missed_beside,
@@ -79,6 +84,8 @@ class Search:
         self._swapped: set[tuple[str, str]] = set()
         # Effects that were there before any was added, and what is lost without them.
         self._given: dict[str, float] = {}
+        # Maps of what the profile states, and the same of them.
+        self._mapped: dict[str, float] = {}
 
     @property
     def threshold(self) -> float:
@@ -101,9 +108,14 @@ class Search:
     def _run(self) -> None:
         """Prune what starts full, and go on from there; where few effects are left, go
         up from the baseline too, and keep what the select frames like better."""
-        bare = self._reached
         if self.most == 0:
             return  # a profile is judged as it is
+        if start := calibrated_start(self.baseline, self.effects):
+            self._begin(start)
+            self._mapped = lost_without_maps(start.model, start.splits.select)
+            self._climb(start.model)
+            return
+        bare = self._reached
         if not self._start_full():
             self._climb(bare)
             return
@@ -123,9 +135,11 @@ class Search:
         self.report("fitting what darks and flats show, all together")
         start = full_start(self.baseline, self.effects)
         if start is None:
+            self.splits, self.most_outliers = without_expected_outliers(
+                self._reached, self.splits
+            )
             return False
-        self.splits, self.most_outliers = start.splits, MOST_OUTLIERS
-        self.light, self._light_gain = start.light, start.light_gain
+        self._begin(start)
         left = pruned(start.model, start.splits, self.threshold, self.report)
         ranking = sorted(left.losses.items(), key=lambda one: -one[1])
         for name, loss in ranking:
@@ -134,6 +148,11 @@ class Search:
         self.steps += [Step("dropped", n, -loss) for n, loss in left.dropped.items()]
         self._reached, self._given = left.model, left.losses
         return True
+
+    def _begin(self, start: Start) -> None:
+        self._reached, self.splits = start.model, start.splits
+        self.most_outliers = MOST_OUTLIERS
+        self.light, self._light_gain = start.light, start.light_gain
 
     def _climb(self, model: Model) -> None:
         """Add and swap as long as the select frames gain by it."""
@@ -194,7 +213,7 @@ class Search:
             return False
         return effect(trial.name).shows_without_image or all(
             trial.gain >= effect(larger).taken_up_by.get(trial.name, 0.0) * loss
-            for larger, loss in self._given.items()
+            for larger, loss in {**self._mapped, **self._given}.items()
         )
 
     def _settled(self, model: Model, newest: str) -> Model:

@@ -8,8 +8,12 @@ from collections.abc import Collection, Sequence
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.inference.baseline import can_map
+from cg2raw.diagnose.inference.outliers import expected_outliers
 from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model
 
 DISTINCT = 1.2  # ratio of two flats' levels that show a curve
 
@@ -28,8 +32,12 @@ def nameable(
         known = [effect for effect in known if effect.name in only]
     known = [effect for effect in known if effect.name not in capture_set.nuisances]
     groups = [_shown_by(split.frames) for split in (splits.fit, splits.select)]
+    by_defects = _has_unmapped_defects(capture_set, splits)
 
     def is_shown(effect: Effect) -> bool:
+        has_tails = effect.tails(effect.null) is not None
+        if by_defects and (has_tails or isinstance(effect, FixedPattern)):
+            return False
         return all(
             any(effect.needs <= shown and (pixels or effect.from_means)
                 for shown, pixels in group)
@@ -40,6 +48,15 @@ def nameable(
         [effect for effect in known if is_shown(effect)],
         [effect for effect in known if not is_shown(effect)],
     )
+
+
+def _has_unmapped_defects(capture_set: CaptureSet, splits: Splits) -> bool:
+    """Return whether a profile has defects, and no fit frames repeat to show which
+    pixels they are: then neither tails nor patterns are more than the profile says."""
+    if can_map(splits.fit.frames):
+        return False
+    model = Model(capture_set.sensor)
+    return any(expected_outliers(model, frame) for frame in splits.frames)
 
 
 def _is_even(frame: Frame) -> bool:

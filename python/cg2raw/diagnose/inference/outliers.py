@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.inference.splits import Splits
@@ -22,6 +23,7 @@ FARTHEST = 6.0  # standard deviations; of normal pixels one in 500 million lies 
 # Such bounds, one after the other: what is far out moves the mean of its row, by which
 # all the row is whitened, and its neighbours.
 BOUNDS = (100.0, 25.0, FARTHEST)
+MOST_EXPECTED = 2.0  # times what a profile says: a sensor 6 K warmer has as many
 
 
 def outliers(model: Model, frame: Frame, most: float) -> Mask:
@@ -47,7 +49,29 @@ def without_outliers(model: Model, splits: Splits, most: float) -> Splits:
     return Splits(splits.workers.map(cleaned, splits.frames), splits.workers)
 
 
-def share_set_aside(before: Splits, after: Splits) -> float:
-    """Return the share of pixels that count before and not after."""
-    kept = [sum(int(f.keep.sum()) for f in one.frames) for one in (before, after)]
-    return 1 - kept[1] / max(kept[0], 1)
+def expected_outliers(model: Model, frame: Frame) -> float:
+    """Return the share of a dark's pixels that lie far out by the profile's own laws of
+    defects: which pixels these are, no profile can say, but as many are no noise."""
+    if frame.capture.shows.light:
+        return 0.0
+    far = FARTHEST * float(np.sqrt(np.median(frame.beta2)))
+    shares = [
+        every()[name].share_beyond(parameters, far, frame.seconds)
+        for name, parameters in model.profile_parameters.items()
+    ]
+    return min(MOST_EXPECTED * sum(shares), 1.0)
+
+
+def without_expected_outliers(model: Model, splits: Splits) -> tuple[Splits, float]:
+    """Return the frames without the outliers that the profile's defects leave where no
+    repeats map them, and the largest share of a frame that may be set aside."""
+    shares = [expected_outliers(model, frame) for frame in splits.frames]
+    if not any(shares):
+        return splits, 0.0
+
+    def cleaned(one: tuple[Frame, float]) -> Frame:
+        frame, most = one
+        return replace(frame, keep=frame.keep & ~outliers(model, frame, most))
+
+    pairs = list(zip(splits.frames, shares, strict=True))
+    return Splits(splits.workers.map(cleaned, pairs), splits.workers), max(shares)

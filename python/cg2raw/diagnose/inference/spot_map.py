@@ -47,15 +47,26 @@ def fit_spot_map(term: Term, evidence: Evidence) -> Term:
 
 
 def _found(score: Array, information: Array) -> tuple[Array, Mask]:
-    """Return (score without what is slow beside the spots, where these are)."""
+    """Return (score without what is slow beside the spots, and what rows share, as of a
+    lamp that flickers; where spots are)."""
     rest, spots = score, np.zeros(score.shape, bool)
     for _ in range(TURNS_OF_SPOTS):
         slow, _ = _smoothed(score * ~spots, information * ~spots, SHADING_WIDTH)
         rest = score - information * slow
+        rest = rest - information * _of_rows(rest, information * ~spots)
         before, spots = spots, _spots_in(rest, information)
         if (spots == before).all():
             break
     return rest, spots
+
+
+def _of_rows(score: Array, information: Array) -> Array:
+    """Return what each row's pixels share: their median, which a spot does not move."""
+    told = np.where(information > 0, information, np.nan)
+    empty = ~np.isfinite(told).any(2)
+    told[empty] = 1.0
+    shared = np.nanmedian(score / told, axis=2) * ~empty
+    return np.broadcast_to(shared[:, :, None], score.shape)
 
 
 def _smoothed(score: Array, information: Array, width: float) -> tuple[Array, Array]:

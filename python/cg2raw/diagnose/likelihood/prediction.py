@@ -3,9 +3,11 @@
 
 """predict(): what a model says of a frame, effects by the registry, then maps."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import ndtr
 
 from cg2raw import _core
 from cg2raw.cfa import sites_of
@@ -57,11 +59,12 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
 
 def predict(model: Model, frame: Frame) -> Prediction:
     """Return what a model predicts of a frame."""
+    values = registry_values(model, frame)
     mean, variance, exposed = (
         part.astype(float)
         for part in _core.predict_blocks(
             model.sensor.profile,
-            registry_values(model, frame),
+            values,
             frame.camera,
             frame.tiles.origins,
             frame.tiles.shape,
@@ -76,7 +79,8 @@ def predict(model: Model, frame: Frame) -> Prediction:
     if len(sites_of(model.sensor.cfa)) not in (BAYER, MONO):
         read_variance = model.noise_gain("beta2") * frame.beta2
         variance = variance + photon_variance + read_variance
-    mean, variance = _with_maps(model, frame, mean, variance, exposed, gain)
+    below = _below_full_well(dict(values), exposed, photon_variance)
+    mean, variance = _with_maps(model, frame, mean, variance, exposed, gain, below)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
@@ -95,6 +99,16 @@ def predict(model: Model, frame: Frame) -> Prediction:
     )
 
 
+def _below_full_well(
+    values: Mapping[str, Sequence[float]], exposed: Array, photon_variance: Array
+) -> Array | float:
+    """Return the chance that charge stays below the full well; 1 without one."""
+    if "full_well" not in values:
+        return 1.0
+    left = 1 - values["full_well"][0] - exposed
+    return np.asarray(ndtr(left / np.sqrt(np.maximum(photon_variance, LEAST_VARIANCE))))
+
+
 def _with_maps(
     model: Model,
     frame: Frame,
@@ -102,15 +116,21 @@ def _with_maps(
     variance: Array,
     exposed: Array,
     gain: Array,
+    below: Array | float,
 ) -> tuple[Array, Array]:
     """Return (mean, variance) with the maps of fixed patterns.
+
+    below : the chance that a pixel is not full: what acts before that shows then alone.
 
     The fit frames made the maps: their residuals are too small by the maps' variance.
     Of a hot pixel it is mostly not known whether it is one, which makes nothing
     smaller."""
     photons = np.maximum(exposed, 0)
     fitted = frame.capture.group == "fit"
-    slopes = {t.name: e.sensitivity(frame, photons) for t, e, _ in model.maps}
+    slopes = {
+        t.name: e.sensitivity(frame, photons) * (below if e.fills_well else 1.0)
+        for t, e, _ in model.maps
+    }
     doubt: Array | float = 0.0
     charge = exposed
     for term, effect, sensor_map in model.maps:

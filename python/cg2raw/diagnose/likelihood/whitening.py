@@ -29,13 +29,15 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     Offsets in frames that the ADC cuts are in the prediction (censored_offsets)."""
     read = frame.beta2 * model.noise_gain("beta2")
     cost: Array | float = 0.0
+    within = p  # the camera, before what of its processing is whitened
     for effect, values in _steps(model, frame):
         if effect is None:
             z, more = p.shrinkage.apply(z, frame.keep)
         elif isinstance(effect, FixedPattern):
-            z, more = effect.whiten_by_map(z, p, model.map_on(effect, frame))
+            z, more = effect.whiten_by_map(z, within, model.map_on(effect, frame))
         elif not isinstance(effect, SharedOffset):
-            z, more = effect.whiten(z, p, values, frame, read)
+            z, more = effect.whiten(z, within, values, frame, read)
+            within = effect.unfiltered(within, values)
         elif cut_offsets(model, frame) is None:
             along = _along(effect, p, values, model, frame)
             z, more = effect.to_power(z, along, frame, -0.5)
@@ -50,6 +52,7 @@ def whiten_linearly(
 ) -> Array:
     """Return z whitened by what is linear and Gaussian; derivatives of a mean are
     whitened alike. offsets : with those that pixels share."""
+    within = p
     for effect, values in _steps(model, frame):
         if effect is None:
             z = p.shrinkage.apply(z, frame.keep)[0]
@@ -58,7 +61,8 @@ def whiten_linearly(
                 along = _along(effect, p, values, model, frame)
                 z = effect.to_power(z, along, frame, -0.5)[0]
         elif effect.linear:
-            z = effect.whiten(z, p, values, frame, frame.beta2)[0]
+            z = effect.whiten(z, within, values, frame, frame.beta2)[0]
+            within = effect.unfiltered(within, values)
     return z
 
 
@@ -95,14 +99,14 @@ def _along(
 ) -> Array:
     """Return the direction of an offset in residuals that what comes before it has
     whitened: of the frame's, the rows have taken some already."""
-    along = effect.along(p, values, frame)
-    if effect.shares_offset != "frame":
-        return along
+    along, within = effect.along(p, values, frame), p
     for other, of_other in _steps(model, frame):
         if other is effect:
             break
         if other is not None and other.linear:
-            along = other.whiten(along, p, of_other, frame, frame.beta2)[0]
+            of = p if isinstance(other, SharedOffset) else within
+            along = other.whiten(along, of, of_other, frame, frame.beta2)[0]
+            within = other.unfiltered(within, of_other)
     return along
 
 
