@@ -76,6 +76,20 @@ def test_a_map_has_spots_and_nothing_else():
     assert (found[loss < 1e-4] != 0).mean() < 0.01
 
 
+def test_a_lamp_that_flickers_hides_no_spot():
+    """Rows differ by 1 %, otherwise in each frame; the spot is 5 % deep."""
+    loss = spot(40, 50, 0.05, 5)
+
+    def flickering(frame, rng):
+        bands = 0.014 * np.sin(np.arange(SHAPE[0]) / 8 + rng.uniform(0, 6.28))
+        light = bands[:, None] - loss
+        return light[None] * frame.of_site(frame.camera.astype(float))
+
+    found = -fitted(flickering).sensor_map.mean[0]
+    near = loss > 0.02
+    assert np.sqrt(np.mean((found - loss)[near] ** 2)) < 0.01
+
+
 @pytest.mark.parametrize("sign", [1.0, 0.0])
 def test_what_is_no_dark_spot_leaves_no_map(sign):
     """A bright spot, and nothing at all."""

@@ -13,15 +13,18 @@ from diagnose.planted import capture_of, frames_of, sensor_of
 SENSOR = sensor_of()
 
 
-def named(captures):
+HOT = {"name": "hot_pixels", "parameters": {"fraction": 0.02, "rate": 0.01}}
+
+
+def named(captures, sensor=SENSOR):
     """Return the names that a fit and a select frame of each capture allow."""
     every = [
         capture_of(name=f"{n}{group}", group=group, **capture)
         for n, capture in enumerate(captures)
         for group in ("fit", "select")
     ]
-    splits = Splits(frames_of(SENSOR, every), Workers(1))
-    effects, unseen = nameable(CaptureSet(SENSOR, every), splits, (), ())
+    splits = Splits(frames_of(sensor, every), Workers(1))
+    effects, unseen = nameable(CaptureSet(sensor, every), splits, (), ())
     assert not {e.name for e in effects} & {e.name for e in unseen}
     return {effect.name for effect in effects}
 
@@ -56,3 +59,12 @@ def test_what_light_tells_is_by_its_levels(levels, measured, exposure, curve):
     names = named([{"kind": "flat", "level": level, **more} for level in levels])
     assert ("exposure" in names, "nonlinearity" in names) == (exposure, curve)
     assert {"prnu", "lens_shading", "full_well"} <= names
+
+
+@pytest.mark.parametrize(("darks", "shown"), [(1, False), (2, True)])
+def test_one_dark_does_not_tell_tails_from_the_defects_of_a_profile(darks, shown):
+    captures = [{"kind": "dark", "exposure_time": 10.0}] * darks
+    names = named(captures, sensor_of(effects=[HOT]))
+    assert ({"heavy_tailed_noise", "dsnu", "hot_pixels"} <= names) == shown
+    assert ("heavy_tailed_noise" in names) == shown
+    assert "dark_current" in names and "heavy_tailed_noise" in named(captures)

@@ -10,7 +10,8 @@ from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm, poisson
 
 from cg2raw.diagnose.frames.prediction import Prediction
-from diagnose.planted import BY_NAME, capture_of, frames_of, sensor_of
+from cg2raw.diagnose.likelihood.whitening import whiten
+from diagnose.planted import BY_NAME, capture_of, frames_of, model_of, sensor_of
 
 SHAPE = (1, 24, 20)
 
@@ -284,3 +285,26 @@ def test_a_density_of_photons_integrates_to_one(frame):
         return float((np.exp(cost) * norm.pdf(white))[0, 0, 0])
 
     assert quad(density, -6.9, 6.9, limit=200)[0] == pytest.approx(1, abs=0.003)
+
+
+@pytest.mark.parametrize("name", ["row_noise", "black_level_drift"])
+def test_what_pixels_share_is_blended_too(frame, name):
+    """Noise and an offset of as many standard deviations, blended by a camera: what is
+    left is white, as it is without noise reduction."""
+    blend, diagonal, sigma, read = 0.33, 0.02, 0.6, np.sqrt(frame.beta2.mean())
+    rng = np.random.default_rng(4)
+    shared = (1, SHAPE[1], 1) if name == "row_noise" else (1, 1, 1)
+    model = model_of(sensor_of(), noise_reduction=[blend, diagonal], **{name: [sigma]})
+    cos = [np.cos(4 * np.pi * np.fft.fftfreq(n)) for n in SHAPE[1:]]
+    cy, cx = cos[0][:, None], cos[1][None]
+    response = 1 - blend - diagonal + blend / 2 * (cy + cx) + diagonal * cy * cx
+    left = (1 - blend - diagonal) ** 2 + blend**2 / 4 + diagonal**2 / 4
+    p = prediction(mean=0.0, variance=left * read**2, photon_variance=0.0)
+    squares = []
+    for _ in range(400):
+        noise = rng.standard_normal(SHAPE) + sigma * rng.standard_normal(shared)
+        shown = np.fft.ifft2(np.fft.fft2(noise) * response).real
+        white = whiten(shown / np.sqrt(left), p, model, frame)[0]
+        squares.append(np.mean(white, axis=(1, 2) if shared[1] == 1 else 2) ** 2)
+    pixels = SHAPE[1] * SHAPE[2] if shared[1] == 1 else SHAPE[2]
+    assert np.mean(squares) * pixels == pytest.approx(1, rel=0.15)

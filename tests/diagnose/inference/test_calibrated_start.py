@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A profile that states what its sensor has is believed, until captures disagree."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.benchmark.suites import cases
+from cg2raw.diagnose import diagnose
+from cg2raw.diagnose.inference.calibrated_start import (
+    is_calibrated,
+    without_transients,
+)
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model, Term
+from diagnose.planted import BY_NAME, ONE, captures_of, drawn, frames_of, sensor_of
+
+PATTERNS = [e for e in BY_NAME.values() if e.estimator == "fixed pattern"]
+
+
+def dense(faults):
+    """Return captures of a camera that has all effects; faults : factors of its
+    profile's values, by name."""
+    [case] = cases("dense-1", 77, 1)
+    return replace(case, strengths=faults).captures()[0]
+
+
+def test_a_profile_that_is_right_in_all_effects_is_left_alone():
+    found = diagnose(dense({}), details=False)
+    assert [effect.name for effect in found.effects] == []
+    assert found.gap.chi2_after == pytest.approx(1, abs=0.01)
+
+
+@pytest.mark.slow
+def test_what_it_is_wrong_in_is_named_alone():
+    found = diagnose(dense({"amplifier_glow": 0.5}), details=False)
+    assert [effect.name for effect in found.effects] == ["amplifier_glow"]
+
+
+@pytest.mark.parametrize(("stated", "calibrated"), [(0, False), (1, False), (7, True)])
+def test_most_fixed_patterns_have_to_be_stated(stated, calibrated):
+    model = Model(sensor_of())
+    for effect in PATTERNS[:stated]:
+        model = model.with_term(Term(effect, effect.null, calibration=True))
+    assert is_calibrated(model, list(BY_NAME.values())) == calibrated
+    assert not is_calibrated(model, [BY_NAME["exposure"]])
+
+
+@pytest.mark.parametrize(
+    ("fraction", "often", "left"),
+    [(0.0, False, False), (0.0, True, True), (0.02, True, False)],
+)
+def test_outliers_that_a_dark_has_are_set_aside(fraction, often, left):
+    """Of one frame alone, or by a profile that states hot pixels, of all frames."""
+    hot = {"name": "hot_pixels", "parameters": {"fraction": fraction, "rate": 0.05}}
+    sensor = sensor_of(effects=[hot] if fraction else [])
+    frames = frames_of(sensor, captures_of(("dark",) * 3))
+    place = (0, 30, 40)
+
+    def ray(frame, _):
+        signal = np.zeros(frame.signal.shape)
+        signal[place] = 0.05 * (often or frame is frames[0])
+        return signal
+
+    splits = Splits(drawn(frames, Model(sensor), 1, ray), ONE)
+    shown = without_transients(Model(sensor), splits)
+    assert [frame.keep[place] for frame in shown.frames][0] == left
+    counts = [
+        f.keep.sum() - g.keep.sum() for f, g in zip(frames, shown.frames, strict=True)
+    ]
+    assert max(counts) <= 1

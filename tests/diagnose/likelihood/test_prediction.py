@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Maps come where a sensor has them: a full pixel shows nothing of what filled it."""
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.effects.base import SensorMap
+from cg2raw.diagnose.likelihood.model import Term
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import BY_NAME, SHAPE, capture_of, frames_of, model_of, sensor_of
+
+WELL = 0.55
+
+
+@pytest.mark.parametrize(
+    ("name", "fills"),
+    [
+        ("prnu", True),
+        ("dust", True),
+        ("dark_current_nonuniformity", True),
+        ("hot_pixels", True),
+        ("dsnu", False),
+        ("column_fixed_pattern", False),
+    ],
+)
+def test_a_full_pixel_shows_no_map_of_what_fills_it(name, fills):
+    dim, bright = frames_of(
+        sensor_of(), [capture_of("flat", level=level, seed=n) for n, level in
+                      enumerate((0.1, 1.5))]
+    )  # fmt: skip
+    known = SensorMap(np.full((1, *SHAPE), 0.01), np.zeros((1, *SHAPE)))
+    bare = model_of(sensor_of(), full_well=[1 - WELL])
+    model = bare.with_term(Term(BY_NAME[name], np.array([0.01]), sensor_map=known))
+    shift = {}
+    for frame in (dim, bright):
+        at = predict(model, frame).mean - predict(bare, frame).mean
+        exposed = predict(bare, frame).exposed
+        shift[frame is bright] = np.abs(
+            at[exposed > 0.7 if frame is bright else at < 1]
+        )
+    assert shift[False].min() > 1e-4
+    assert (shift[True].max() < 1e-6) == fills
