@@ -9,13 +9,26 @@ import pytest
 
 from cg2raw.benchmark.suites import cases
 from cg2raw.diagnose import diagnose
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.calibrated_start import (
+    calibrated_start,
     is_calibrated,
     without_transients,
 )
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model, Term
-from diagnose.planted import BY_NAME, ONE, captures_of, drawn, frames_of, sensor_of
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import (
+    BY_NAME,
+    ONE,
+    SHAPE,
+    captures_of,
+    drawn,
+    frames_of,
+    model_of,
+    sensor_of,
+)
 
 PATTERNS = [e for e in BY_NAME.values() if e.estimator == "fixed pattern"]
 
@@ -46,6 +59,31 @@ def test_most_fixed_patterns_have_to_be_stated(stated, calibrated):
         model = model.with_term(Term(effect, effect.null, calibration=True))
     assert is_calibrated(model, list(BY_NAME.values())) == calibrated
     assert not is_calibrated(model, [BY_NAME["exposure"]])
+
+
+@pytest.mark.parametrize(("loss", "found"), [(-0.3, True), (0.0, False)])
+def test_shading_that_no_lamp_has_is_there_from_the_start(loss, found):
+    """Flats that nobody measured, of a lamp with a stain of 3 %."""
+    sensor = sensor_of()
+    rows, columns = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    stain = 0.03 * np.exp(-((rows - 30) ** 2 + (columns - 50) ** 2) / 800)
+    shading = model_of(sensor, lens_shading=[loss, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+    def stained(frame, _):
+        return -stain * predict(shading, frame).exposed
+
+    kinds = ("dark",) * 3 + ("flat",) * 3
+    captures = [c for group in GROUPS for c in captures_of(kinds, group, level=0.5)]
+    frames = [
+        replace(frame, level_free=frame.capture.kind == "flat")
+        for frame in frames_of(sensor, [replace(c, set=c.name) for c in captures])
+    ]
+    splits = Splits(drawn(frames, shading, 3, stained), ONE)
+    model = Model(sensor)
+    for effect in PATTERNS:
+        model = model.with_term(Term(effect, effect.null, calibration=True))
+    start = calibrated_start(Baseline(model, splits), list(BY_NAME.values()))
+    assert start.model.found_names == (["lens_shading"] if found else [])
 
 
 @pytest.mark.parametrize(

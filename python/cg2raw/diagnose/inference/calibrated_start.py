@@ -18,9 +18,15 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.fitting import scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.full_start import MOST_OUT, MOST_OUTLIERS, Start
-from cg2raw.diagnose.inference.illumination import as_lit
+from cg2raw.diagnose.inference.illumination import (
+    SHADING,
+    as_lit,
+    unmeasured,
+    without_unsure_shading,
+)
 from cg2raw.diagnose.inference.outliers import (
     expected_outliers,
     outliers,
@@ -50,10 +56,24 @@ def calibrated_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | N
         model = fit_patterns(model, shown.fit)
         splits = warmed(model, splits, error)
         shown = without_outliers(model, splits, MOST_OUT)
+    model = _with_sure_shading(model, effects, shown)
     dim, splits = splits, as_lit(model, splits)
     light, gain = model, splits.select.total(model) - dim.select.total(model)
     model = fit_patterns(model, without_transients(model, splits).fit)
     return Start(model, without_transients(model, splits), light, gain)
+
+
+def _with_sure_shading(
+    model: Model, effects: Sequence[Effect], splits: Splits
+) -> Model:
+    """Return the model with shading beside its profile's, if flats whose light nobody
+    measured have more of it than that light is uneven."""
+    shadings = [effect for effect in effects if effect.name == SHADING]
+    if not shadings or not unmeasured(splits.fit.frames):
+        return model
+    shaded = model.with_effect(shadings[0])
+    shaded, _ = scored(shaded, splits.fit.total(shaded), splits.fit)
+    return without_unsure_shading(shaded, splits.fit.frames)
 
 
 def is_calibrated(model: Model, effects: Sequence[Effect]) -> bool:
@@ -63,11 +83,11 @@ def is_calibrated(model: Model, effects: Sequence[Effect]) -> bool:
     return len(patterns & stated) > len(patterns - stated)
 
 
-def lost_without_maps(model: Model, likelihood: Likelihood) -> dict[str, float]:
-    """Return the nats that frames lose without each map of what a profile states."""
+def lost_without_each(model: Model, likelihood: Likelihood) -> dict[str, float]:
+    """Return the nats that frames lose without each of a model's effects, of which most
+    are maps of what a profile states."""
     whole = likelihood.total(model)
-    names = [term.name for term in model.terms if term.calibration]
-    return {name: whole - likelihood.total(model.without(name)) for name in names}
+    return {name: whole - likelihood.total(model.without(name)) for name in model.names}
 
 
 def without_transients(model: Model, splits: Splits) -> Splits:

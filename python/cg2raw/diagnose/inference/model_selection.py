@@ -23,7 +23,7 @@ from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.calibrated_start import (
     calibrated_start,
-    lost_without_maps,
+    lost_without_each,
 )
 from cg2raw.diagnose.inference.candidates import Candidates
 from cg2raw.diagnose.inference.fitting import TURNS, fit
@@ -112,7 +112,12 @@ class Search:
             return  # a profile is judged as it is
         if start := calibrated_start(self.baseline, self.effects):
             self._begin(start)
-            self._mapped = lost_without_maps(start.model, start.splits.select)
+            self._mapped = lost_without_each(start.model, start.splits.select)
+            for name in start.model.found_names:
+                self._given[name] = loss = self._mapped[name]
+                self.steps.append(
+                    Step("calibrated", name, loss, loss, [], rule=CALIBRATED)
+                )
             self._climb(start.model)
             return
         bare = self._reached
