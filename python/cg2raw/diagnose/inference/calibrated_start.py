@@ -23,7 +23,7 @@ from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.full_start import MOST_OUT, MOST_OUTLIERS, Start
 from cg2raw.diagnose.inference.illumination import (
     SHADING,
-    as_lit,
+    as_lit_with_gain,
     unmeasured,
     without_unsure_shading,
 )
@@ -57,8 +57,8 @@ def calibrated_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | N
         splits = warmed(model, splits, error)
         shown = without_outliers(model, splits, MOST_OUT)
     model = _with_sure_shading(model, effects, shown)
-    dim, splits = splits, as_lit(model, splits)
-    light, gain = model, splits.select.total(model) - dim.select.total(model)
+    light = model
+    splits, gain = as_lit_with_gain(light, splits)
     model = fit_patterns(model, without_transients(model, splits).fit)
     return Start(model, without_transients(model, splits), light, gain)
 

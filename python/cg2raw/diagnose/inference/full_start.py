@@ -22,7 +22,7 @@ from cg2raw.diagnose.inference.fitting import drawn_by_profile, fit, scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.illumination import (
     SHADING,
-    as_lit,
+    as_lit_with_gain,
     without_unsure_shading,
 )
 from cg2raw.diagnose.inference.moments import moments_of
@@ -108,14 +108,13 @@ def _fitted(
         shown = without_outliers(model, splits, MOST_OUT)
         model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
     light = model = without_unsure_shading(model, splits.fit.frames)
-    dim, splits = splits, as_lit(light, splits)
+    splits, gain = as_lit_with_gain(light, splits)
     model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
     shown = without_outliers(model, splits, MOST_OUT)
     for term in later:
         model, _ = fit_transform(model.with_term(term), term.name, shown.fit)
     model = fit(model, shown.fit)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
-    gain = splits.select.total(light) - dim.select.total(light)
     return Start(fit(model, shown.fit), shown, light, gain)
 
 
@@ -132,7 +131,7 @@ def _on_all_tiles(
         light, _ = scored(light, shown.fit.total(light), shown.fit, noise)
     # What flats show beside a model is their light: it has to be the best of all tiles.
     light = without_unsure_shading(light, splits.fit.frames)
-    dim, splits = splits, as_lit(light, splits)
+    splits, gain = as_lit_with_gain(light, splits)
     model = start.model if light.term(SHADING) else start.model.without(SHADING)
     for term in light.terms:
         if term.name not in noise:
@@ -140,7 +139,6 @@ def _on_all_tiles(
     model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
     model = fit(model, without_outliers(model, splits, MOST_OUT).fit, 1)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
-    gain = splits.select.total(light) - dim.select.total(light)
     return Start(fit(model, shown.fit, 1), shown, light, gain)
 
 

@@ -132,6 +132,14 @@ def as_lit(model: Model, splits: Splits) -> Splits:
     return splits
 
 
+def as_lit_with_gain(model: Model, splits: Splits) -> tuple[Splits, float]:
+    """Return the frames as lit, and the nats that the select frames gain by that."""
+    found = as_lit(model, splits)
+    if found is splits:  # no light is unmeasured
+        return splits, 0.0
+    return found, found.select.total(model) - splits.select.total(model)
+
+
 def _is_alike(frame: Frame, flat: Frame) -> bool:
     return (
         of_unmeasured_light(frame)

@@ -106,21 +106,15 @@ class Search:
         return self._reached
 
     def _run(self) -> None:
-        """Prune what starts full, and go on from there; where few effects are left, go
-        up from the baseline too, and keep what the select frames like better."""
+        """Go on from a calibrated profile, or prune what starts full, and go on from
+        there; where few effects are left, go up from the baseline too, and keep what
+        the select frames like better."""
         if self.most == 0:
             return  # a profile is judged as it is
-        if start := calibrated_start(self.baseline, self.effects):
-            self._begin(start)
-            self._mapped = lost_without_each(start.model, start.splits.select)
-            for name in start.model.found_names:
-                self._given[name] = loss = self._mapped[name]
-                self.steps.append(
-                    Step("calibrated", name, loss, loss, [], rule=CALIBRATED)
-                )
-            self._climb(start.model)
-            return
         bare = self._reached
+        if self._start_calibrated():
+            self._climb(self._reached)
+            return
         if not self._start_full():
             self._climb(bare)
             return
@@ -134,6 +128,19 @@ class Search:
         lead = float((self._select(full) - self._select(self._reached)).sum())
         if lead > CLEAR:
             self._reached, self.steps = full, steps
+
+    def _start_calibrated(self) -> bool:
+        """Take a profile that states its fixed patterns, with the maps of these."""
+        start = calibrated_start(self.baseline, self.effects)
+        if start is None:
+            return False
+        self._begin(start)
+        self._mapped = lost_without_each(start.model, start.splits.select)
+        for name in start.model.found_names:
+            self._given[name] = loss = self._mapped[name]
+            step = Step("calibrated", name, loss, loss, [], rule=CALIBRATED)
+            self.steps.append(step)
+        return True
 
     def _start_full(self) -> bool:
         """Take all effects that uniform frames measure, and of them what is needed."""

@@ -8,6 +8,7 @@ Gaussian would give its nats to whatever widens the noise. Where nearly all pixe
 model, those few that are far out count neither for it nor against it.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,9 +31,14 @@ def outliers(model: Model, frame: Frame, most: float) -> Mask:
     """Return (T, h, w), True in a frame's outliers under a model; nowhere if they are
     more than a share of its pixels: then it is the model that is wrong."""
     far: Mask = np.zeros_like(frame.keep)
+    rest, away = frame, None
     for bound in BOUNDS:
-        rest = replace(frame, keep=frame.keep & ~far)
-        far = far | (np.abs(log_density(model, rest)[1]) > bound) & rest.keep
+        if away is None:
+            away = np.abs(log_density(model, rest)[1])
+        more = (away > bound) & rest.keep
+        if more.any():  # else nothing has moved
+            far = far | more
+            rest, away = replace(frame, keep=frame.keep & ~far), None
     if far.sum() > most * max(int(frame.keep.sum()), 1):
         return np.zeros_like(far)
     return far
@@ -42,11 +48,7 @@ def without_outliers(model: Model, splits: Splits, most: float) -> Splits:
     """Return the frames without their outliers under a model.
 
     most : share of a frame's pixels."""
-
-    def cleaned(frame: Frame) -> Frame:
-        return replace(frame, keep=frame.keep & ~outliers(model, frame, most))
-
-    return Splits(splits.workers.map(cleaned, splits.frames), splits.workers)
+    return _without(model, splits, [most] * len(splits.frames))
 
 
 def expected_outliers(model: Model, frame: Frame) -> float:
@@ -68,10 +70,16 @@ def without_expected_outliers(model: Model, splits: Splits) -> tuple[Splits, flo
     shares = [expected_outliers(model, frame) for frame in splits.frames]
     if not any(shares):
         return splits, 0.0
+    return _without(model, splits, shares), max(shares)
+
+
+def _without(model: Model, splits: Splits, shares: Sequence[float]) -> Splits:
+    """Return the frames without their outliers, if these are no more than its share of
+    each."""
 
     def cleaned(one: tuple[Frame, float]) -> Frame:
         frame, most = one
         return replace(frame, keep=frame.keep & ~outliers(model, frame, most))
 
     pairs = list(zip(splits.frames, shares, strict=True))
-    return Splits(splits.workers.map(cleaned, pairs), splits.workers), max(shares)
+    return Splits(splits.workers.map(cleaned, pairs), splits.workers)
