@@ -13,7 +13,7 @@ from cg2raw.diagnose import diagnose, read_captures
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import candidates
-from cg2raw.diagnose.inference.pixel_maps import _high_pass
+from cg2raw.diagnose.inference.slow_part import high_pass
 from diagnose.planted import FULL_WELL, READ, capture_of
 from oracles import cameras
 
@@ -170,10 +170,10 @@ def test_a_map_is_of_single_pixels():
     rows, columns = np.indices(SHAPE)
     board = ((rows + columns) % 2 - 0.5)[None]
     known = np.ones(board.shape, bool)
-    np.testing.assert_allclose(_high_pass(board, known, 2), 0, atol=1e-6)
+    np.testing.assert_allclose(high_pass(board, known, 2), 0, atol=1e-6)
     inner = np.s_[:, 20:-20, 20:-20]
     np.testing.assert_allclose(
-        _high_pass(board, known, 1)[inner], board[inner], atol=1e-3
+        high_pass(board, known, 1)[inner], board[inner], atol=1e-3
     )
 
 

@@ -9,7 +9,7 @@ import pytest
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.intervals import estimates
-from cg2raw.diagnose.inference.log_normal_map import LogNormal
+from cg2raw.diagnose.inference.log_normal_law import LogNormal
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (

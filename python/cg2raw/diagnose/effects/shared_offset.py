@@ -70,6 +70,11 @@ class SharedOffset(Effect):
         cost = power * np.log1p(square) / count * frame.keep
         return z - (1 - (1 + square) ** power) * part, cost
 
+    def leverage(self, along: Array, frame: Frame) -> Array:
+        """Return the share of a pixel's variance that the likeliest offset of its group
+        has of it."""
+        return np.asarray(along**2 / (1 + self.summed(frame.tiles, along**2)))
+
     def whiten(
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:

@@ -17,7 +17,8 @@ class Prediction:
 
     exposed : the mean before noise. photon_variance : of the light, by its photons.
     light_variance : of light that nobody measured, part of the variance.
-    shrinking : what integrates a nuisance out of residuals of a prediction."""
+    shrinking : what integrates a nuisance out of residuals of a prediction.
+    below : the chance that the charge of a pixel stays below the full well."""
 
     mean: Array
     variance: Array
@@ -25,6 +26,7 @@ class Prediction:
     photon_variance: Array
     light_variance: Array | float = 0.0
     shrinking: Callable[["Prediction"], Any] | None = None
+    below: Array | float = 1.0
 
     @cached_property
     def shrinkage(self) -> Any:

@@ -16,6 +16,7 @@ from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.frame_offsets import without_shared_offsets
 from cg2raw.diagnose.inference.map_evidence import (
     LEAST_INFORMATION,
     Evidence,
@@ -51,14 +52,17 @@ def fit_patterns(
         return model
     chosen = likelihood.of(_of_common_shape(likelihood.frames))
     apart = [effect for effect in effects if effect.layout != "pixels"]
-    parts = [[effect.name] for effect in apart]
+    spots = [[effect.name] for effect in apart if effect.layout == "spots"]
+    parts = [[effect.name] for effect in apart if effect.layout != "spots"]
     if of_pixels := [e.name for e in effects if e.layout == "pixels"]:
         first = any(effect.is_log_normal for effect in effects)
         parts.insert(0 if first else len(parts), of_pixels)
+    parts = spots + parts
     is_new = any(_is_new(term) for term in model.terms)
     for _ in range(TURNS_OF_MAPS if is_new and len(parts) > 1 else 1):
+        shown = without_shared_offsets(model, chosen)
         for together in parts:
-            for term in _fitted(model, together, chosen):
+            for term in _fitted(model, together, shown):
                 model = model.with_term(term)
     return model
 
@@ -79,16 +83,24 @@ def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[
     if any(effect.is_log_normal for effect in effects):
         for term, effect, _ in model.maps:
             rest = rest.without(term.name) if effect.layout == "sparse" else rest
+    if effects[0].layout == "spots":  # gains of pixels would take its edges
+        for term, effect, _ in model.maps:
+            of_pixels = effect.layout == "pixels" and effect.acts_on_light
+            rest = rest.without(term.name) if of_pixels else rest
     if effects[0].layout == "sparse":
         return [fit_sparse_map(terms[0], effects[0], rest, likelihood)]
     if effects[0].layout == "jumps":
         return [fit_variance_map(terms[0], rest, likelihood)]
-    evidence = evidence_of(effects, rest, likelihood)
+    maps = [term.sensor_map for term in terms]
+    evidence = evidence_of(effects, rest, likelihood, maps)
     if effects[0].layout == "spots":
         return [fit_spot_map(terms[0], evidence)]
+    stated = [
+        rest.profile_parameters.get(t.name) if t.calibration else None for t in terms
+    ]
     if effects[0].layout == "columns":
         return [_columns(terms[0], evidence, likelihood.frames[0])]
-    return pixel_maps(terms, effects, evidence)
+    return pixel_maps(terms, effects, evidence, stated)
 
 
 def _of_common_shape(frames: Sequence[Frame]) -> list[Frame]:

@@ -20,7 +20,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.shrinkage import shown_light
 from cg2raw.diagnose.frames.tiling import Array, Tiling
 from cg2raw.diagnose.inference.map_evidence import mean_around
-from cg2raw.diagnose.inference.pixel_maps import SMOOTH
+from cg2raw.diagnose.inference.slow_part import SMOOTH
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict

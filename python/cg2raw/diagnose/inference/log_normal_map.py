@@ -9,22 +9,21 @@ those of maximum likelihood over all pixels. Source: M. Stephens, Biostatistics 
 2017 (empirical Bayes by a mixture of normals).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 from scipy.special import expit, logit
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Values
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference import exponential_rates
+from cg2raw.diagnose.inference.log_normal_law import LogNormal, Rates, log_sum
+from cg2raw.diagnose.inference.map_prior import NEARLY, Stated
 
-STEP = 0.25  # of n, between the narrow normals and of each
-LARGEST_N = 5.5  # n beyond which no pixel is
 CLASSES = 400  # of pixels alike that the law is fitted to; the outermost are single
 LOG_SIGMAS = (0.2, 0.7, 1.5)  # that the fit starts from
 # log_sigma; a wider law is one of few pixels that are hot, and says nothing of most.
@@ -38,80 +37,6 @@ HOT_SHARES = (1e-7, 0.2)
 HOT = 6.0  # such deviations above the median, from which on pixels may be hot
 FIRST_STEPS, NEXT_STEPS = 0.3, 0.03  # of all numbers of the law, in units or logs
 SEARCH = {"maxiter": 500, "xatol": 1e-3, "fatol": 0.01}
-LEAST_ERROR = 0.05  # of a variance, that is left where a rate is below the median
-
-
-def log_sum(logs: Array) -> Array:
-    """Return the log of sums over the first axis, of finite logs."""
-    top = logs.max(0)
-    return np.asarray(top + np.log(np.exp(logs - top).sum(0)))
-
-
-@dataclass(frozen=True)
-class LogNormal:
-    """The law of rate (e^(log_sigma n) - 1), beside a common shift of all estimates."""
-
-    shift: float
-    rate: float
-    log_sigma: float
-
-    @property
-    def sigma(self) -> float:
-        """Half of the range that the middle 68.3 % of the pixels have."""
-        return float(self.rate * np.sinh(self.log_sigma))
-
-    def normals(self) -> tuple[Values, Values, Values]:
-        """Return (log weights, means, variances) of the sum of normals, without the
-        shift; each has the moments of its part of the law."""
-        n = np.arange(-LARGEST_N, LARGEST_N + STEP / 2, STEP)
-        weights = -0.5 * n**2 / (1 - STEP**2)
-        part = (self.log_sigma * STEP) ** 2
-        size = self.rate * np.exp(self.log_sigma * n + part / 2)
-        return weights - log_sum(weights), size - self.rate, size**2 * np.expm1(part)
-
-    def log_parts(self, rates: "Rates") -> Array:
-        """Return (k, ...) log density of estimates by each normal."""
-        weights, means, variances = (
-            part.reshape(-1, *[1] * rates.estimate.ndim) for part in self.normals()
-        )
-        total = variances + rates.error_at(means)
-        away = rates.estimate - self.shift - means
-        return np.asarray(weights - 0.5 * (away**2 / total + np.log(2 * np.pi * total)))
-
-    def posterior(self, rates: "Rates") -> tuple[Array, Array]:
-        """Return (mean, variance) of each pixel's value, given its estimate."""
-        mean, square = np.zeros((2, *rates.estimate.shape))
-        logs = self.log_parts(rates)
-        share = np.exp(logs - log_sum(logs))
-        for part, middle, variance in zip(share, *self.normals()[1:], strict=True):
-            error = rates.error_at(middle)
-            kept = variance / (variance + error)
-            value = middle + kept * (rates.estimate - self.shift - middle)
-            mean += part * value
-            square += part * (value**2 + kept * error)
-        return mean, np.maximum(square - mean**2, 0)
-
-
-@dataclass(frozen=True)
-class Rates:
-    """Estimates of pixels, with their variance where the rate is 0, and what a rate
-    adds to it by the shot noise of its charge."""
-
-    estimate: Array
-    error: Array
-    per_rate: Array
-
-    def error_at(self, rate: Array | float) -> Array:
-        """Return the variance of estimates of a rate."""
-        least = LEAST_ERROR * self.error
-        return np.asarray(np.maximum(self.error + self.per_rate * rate, least))
-
-    @property
-    def columns(self) -> tuple[Array, Array, Array]:
-        return self.estimate, self.error, self.per_rate
-
-    def at(self, places: Any) -> "Rates":
-        return Rates(*(column[places] for column in self.columns))
 
 
 @dataclass(frozen=True)
@@ -162,18 +87,24 @@ class LogNormalMap:
 
 
 def fit_log_normal_map(
-    rates: Rates, known: Mask, start: "Mixture | None" = None
+    rates: Rates,
+    known: Mask,
+    start: "Mixture | None" = None,
+    stated: Stated = None,
 ) -> LogNormalMap | None:
     """Return the map of rates (T, h, w); None if pixels do not differ.
 
     What is not known of a pixel is as wide as the law. start : where the search for it
-    begins, if one is known."""
+    begins, if one is known. stated : numbers of a law, which holds if it is nearly as
+    likely."""
     if not known.any():
         return None
     classes, count = _classes(rates.at(known))
     mixture = _most_likely(classes, count, start)
     if mixture is None:
         return None
+    if stated is not None:
+        mixture = _nearly_stated(mixture, stated, classes, count)
     return LogNormalMap(mixture, rates, known, (classes, count))
 
 
@@ -287,6 +218,28 @@ def _most_likely(
         return plain
     mixed, with_hot = best([[*shape, *hot] for shape in shapes])
     return mixed if with_hot - height > np.log(count.sum()) else plain
+
+
+def _nearly_stated(
+    found: Mixture, stated: Mapping[str, float], classes: Rates, count: Values
+) -> Mixture:
+    """Return the most likely law that has a profile's numbers, if that is nearly as
+    likely as the one that was found; else that one."""
+    if stated["rate"] <= 0 or stated["log_sigma"] <= 0:
+        return found
+
+    def moved(shift: float) -> Mixture:
+        law = LogNormal(shift, stated["rate"], stated["log_sigma"])
+        return replace(found, law=law)
+
+    middle, around = found.law.shift, 4 * max(found.law.sigma, moved(0.0).law.sigma)
+    best = minimize_scalar(
+        lambda shift: -moved(shift).height(classes, count),
+        bounds=(middle - around, middle + around),
+        method="bounded",
+    )
+    lost = found.height(classes, count) + float(best.fun)
+    return moved(float(best.x)) if lost < NEARLY * count.sum() else found
 
 
 def _hot_start(

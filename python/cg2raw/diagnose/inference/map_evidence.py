@@ -4,19 +4,22 @@
 """What frames say of maps of the sensor, pixel by pixel."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from cg2raw.cfa import repeat_of
+from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jumps
+from cg2raw.diagnose.likelihood.tails import tails_in
 
 LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
 LEAST_INFORMATION = 1e-200
@@ -48,22 +51,31 @@ class Evidence:
 
 
 def evidence_of(
-    effects: Sequence[FixedPattern], rest: Model, likelihood: Likelihood
+    effects: Sequence[FixedPattern],
+    rest: Model,
+    likelihood: Likelihood,
+    known: Sequence[SensorMap | None] | None = None,
 ) -> Evidence:
     """Return what frames of one shape say of the maps of some effects.
 
     Of offsets and rates darks say so much more than flats that these would add but what
-    is wrong with their light. rest : the model without them."""
+    is wrong with their light. rest : the model without them. known : the maps as far as
+    they are, beside which tails of the noise are seen."""
+    known = known or [None] * len(effects)
     count = len(effects)
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
 
     def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
         p = predict_with_jumps(rest, frame)
         photons = np.maximum(p.exposed, 0)
+        given = [
+            e.sensitivity(frame, photons) * (p.below if e.fills_well else 1.0)
+            for e in effects
+        ]
+        p = _beside_tails(p, rest, frame, given, known)
         z, _, weight = scores(p, frame)
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)
         spread = np.sqrt(p.variance)
-        given = [e.sensitivity(frame, photons) for e in effects]
         slopes = np.array([sensitivity * weight / spread for sensitivity in given])
         lit = frame.capture.shows.light
         told = slopes * ~np.array(by_darks)[:, None, None, None] if lit else slopes
@@ -82,6 +94,25 @@ def evidence_of(
         score += scored
         noisier += more
     return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier)
+
+
+def _beside_tails(
+    p: Prediction,
+    rest: Model,
+    frame: Frame,
+    given: Sequence[Array | float],
+    known: Sequence[SensorMap | None],
+) -> Prediction:
+    """Return a prediction whose noise has no tails: pixels that are likely of them
+    have their variance. given : sensitivities to the maps."""
+    tails = tails_in(rest, frame, p)
+    if tails is None:
+        return p
+    left = frame.signal - p.mean
+    for sensitivity, one in zip(given, known, strict=True):
+        if one is not None and one.mean.shape == left.shape:
+            left = left - sensitivity * one.mean
+    return replace(p, variance=tails.variance_of(left))
 
 
 def mean_around(score: Array, information: Array, width: float) -> tuple[Array, Array]:

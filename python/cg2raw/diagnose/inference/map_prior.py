@@ -3,6 +3,7 @@
 
 """The prior of a map: its variance, from estimates of all pixels and their errors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,11 @@ LONGEST_TAIL = 6.0  # standard deviations, from where on a pixel is of the tail
 FEWEST_WIDE = 5  # pixels of a tail
 MIXING_ROUNDS = 30  # of expectation and maximisation
 MOST_MIXED = 65536  # that they go by
+NEARLY = 1e-3  # nats per pixel, that a profile's law of a map may lose to the best
 LEAST_NARROW = 1e-200
+
+# Numbers that a profile states of a map's law, by the registry's names.
+Stated = Mapping[str, float] | None
 
 
 def prior_of(square: Array, error: Array) -> float:
@@ -50,6 +55,14 @@ def bounded_tail(square: Array, error: Array) -> float:
     weight = 1 / (error + prior + 1e-300)
     mean = ((bounded - error) * weight).sum() / max(weight.sum(), 1e-300)
     return max(prior, 0.5 * float(mean))
+
+
+def is_as_good(stated: float, found: float, error: Array) -> bool:
+    """Return whether a stated variance of a map is nearly as likely as that which was
+    found, for estimates with errors of these variances."""
+    ratio = (error + found) / (error + stated)
+    lost = 0.5 * (ratio - 1 - np.log(ratio))
+    return bool(np.median(lost) < NEARLY)
 
 
 @dataclass(frozen=True)

@@ -10,50 +10,52 @@ with its estimate, has the mean and variance of its posterior. Source of that: T
 Minka, UAI 17, 2001 (expectation propagation).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
-from typing import Any
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
 from cg2raw.diagnose.effects.base import NORMAL_95, SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.inference.log_normal_map import (
-    LogNormalMap,
-    Rates,
-    fit_log_normal_map,
-)
+from cg2raw.diagnose.inference.log_normal_law import Rates
+from cg2raw.diagnose.inference.log_normal_map import LogNormalMap, fit_log_normal_map
 from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, Evidence
-from cg2raw.diagnose.inference.map_prior import bounded_tail, mixed_prior_of
+from cg2raw.diagnose.inference.map_prior import (
+    Stated,
+    bounded_tail,
+    is_as_good,
+    mixed_prior_of,
+)
+from cg2raw.diagnose.inference.slow_part import KEPT, high_pass, slow_part
 from cg2raw.diagnose.likelihood.model import Term
 
-SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
-KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
 MOST_TURNS = 30  # of all maps, until they agree
 WARM_TURNS = 4  # of maps whose deviations are nearly known
-SLOW_RATES = (
-    12  # the same of rates, whose maps may be far above noise: of their variance
-)
-SLOW_TURNS = 6  # a smoothing over so many pixels takes but a 2000th
-FAR_OUT = 3.0  # standard deviations from its surroundings, of a pixel that stands out
 LEAST_TOLD = 1e-6  # of what frames tell of a pixel, that is left of it
 LEAST_MAP_VARIANCE = 1e-200
 AGREED = 1e-3  # relative change of their deviations, from where on they do
 
 
 def pixel_maps(
-    terms: Sequence[Term], effects: Sequence[FixedPattern], evidence: Evidence
+    terms: Sequence[Term],
+    effects: Sequence[FixedPattern],
+    evidence: Evidence,
+    stated: Sequence[Stated] | None = None,
 ) -> list[Term]:
-    """Return terms with their maps and the maps' standard deviations."""
+    """Return terms with their maps and the maps' standard deviations.
+
+    stated : of each map, a profile's numbers of its law, which hold where pixels do not
+    contradict them; None without."""
+    stated = stated or [None] * len(terms)
     count = len(terms)
     priors = [_Prior(float(term.values[0]) ** 2) for term in terms]
     turns = WARM_TURNS if count > 1 else 1
     if count > 1 and not all(prior.variance for prior in priors):
-        priors = [_prior(k, effects[k], evidence, None) for k in range(count)]
+        priors = [
+            _prior(k, effects[k], evidence, stated[k], None) for k in range(count)
+        ]
         turns = MOST_TURNS
     slow: Slow = {}
     # Nearer than so many pixels tell a deviation they need not agree.
@@ -62,7 +64,7 @@ def pixel_maps(
     for _ in range(turns):
         before = [prior.variance for prior in priors]
         for k in range(count):
-            priors[k] = _prior(k, effects[k], evidence, priors, slow)
+            priors[k] = _prior(k, effects[k], evidence, stated[k], priors, slow)
         now = [prior.variance for prior in priors]
         if np.allclose(np.sqrt(now), np.sqrt(before), rtol=enough, atol=0):
             break
@@ -143,11 +145,14 @@ def _prior(
     one: int,
     effect: FixedPattern,
     evidence: Evidence,
+    stated: Stated,
     priors: Sequence[_Prior] | None,
     slow: "Slow | None" = None,
 ) -> _Prior:
     """Return the prior of one map, where the others are as unsure as their priors; None
-    for others that are 0. slow : the slow parts of log-normal maps, once they are
+    for others that are 0.
+
+    stated : by a profile. slow : the slow parts of log-normal maps, once they are
     known: they change little."""
     known = evidence.known(one)
     information, score = _marginal(one, evidence, priors)
@@ -159,13 +164,15 @@ def _prior(
         estimate = _own_part(one, effect, estimate, known, evidence.repeat, slow)
         before = None if priors is None else _law_of(priors[one])
         rates = Rates(estimate, 1 / information, noisier)
-        return _of_rates(rates, known, before)
+        return _of_rates(rates, known, stated, before)
     kept = 1.0
     if effect.lacks_slow_part:
-        estimate, kept = _high_pass(estimate, known, evidence.repeat), KEPT
+        estimate, kept = high_pass(estimate, known, evidence.repeat), KEPT
     square, error = estimate**2 / kept, 1 / information
     of_known = square[known], error[known]
     variance = bounded_tail(*of_known)
+    if stated is not None and is_as_good(stated["sigma"] ** 2, variance, error[known]):
+        return _Prior(stated["sigma"] ** 2)
     mixed = mixed_prior_of(*of_known) if effect.has_long_tails else None
     if mixed is None:
         return _Prior(variance)
@@ -180,9 +187,12 @@ def _law_of(prior: _Prior) -> LogNormalMap | None:
     return prior.rates if isinstance(prior, _RatePrior) else None
 
 
-def _of_rates(rates: Rates, known: Mask, before: LogNormalMap | None) -> _Prior:
+def _of_rates(
+    rates: Rates, known: Mask, stated: Stated, before: LogNormalMap | None
+) -> _Prior:
     """Return the prior that a log-normal law gives to the rate of each pixel."""
-    found = fit_log_normal_map(rates, known, None if before is None else before.mixture)
+    start = None if before is None else before.mixture
+    found = fit_log_normal_map(rates, known, start, stated)
     if found is None:
         return _Prior(0.0)
     return _RatePrior(found.mixture.law.sigma**2, rates=found)
@@ -283,7 +293,7 @@ def _means(
                 rates = _law_of(priors[k])
                 estimate = np.where(known, estimate - (rates.shift if rates else 0), 0)
             elif effect.lacks_slow_part:
-                estimate = _high_pass(estimate, known, evidence.repeat)
+                estimate = high_pass(estimate, known, evidence.repeat)
             means[k] = (estimate * own + priors[k].pull) * (prior / (own * prior + 1))
         if np.abs(means - before).max() <= AGREED * np.abs(means).max():
             break
@@ -300,45 +310,3 @@ def _covariance(evidence: Evidence, priors: Sequence[_Prior]) -> Array:
         return np.where(known, error * (prior / (prior + error)), prior)[None, None]
     inverse = np.linalg.inv(_with_priors(evidence, priors, list(every)))
     return np.moveaxis(inverse, (-2, -1), (0, 1))
-
-
-def _high_pass(image: Array, known: Mask, repeat: int) -> Array:
-    """What is left of each CFA site's plane without its smooth part, where known.
-
-    repeat : side of the CFA's, px; 1 without filters. Larger ones than Bayer's have
-    sites of one colour everywhere, and go by his."""
-    rest = np.zeros_like(image)
-    for at in _planes(repeat):
-        rest[at] = image[at] - _smoothed(image[at], known[at])
-    return np.where(known, rest, 0)
-
-
-def slow_part(image: Array, known: Mask, repeat: int) -> Array:
-    """The smooth part of each CFA site's plane, in which pixels that stand out leave no
-    trace: smoothed are deviations from it, none by more than those of the many."""
-    slow = np.zeros_like(image)
-    for at in _planes(repeat):
-        where = known[at]
-        if not where.any():
-            continue
-        found = np.full(where.shape, np.median(image[at][where]))
-        for _ in range(SLOW_TURNS):
-            rest = image[at] - found
-            bound = FAR_OUT * 1.4826 * np.median(np.abs(rest[where]))
-            found = found + _smoothed(np.clip(rest, -bound, bound), where, SLOW_RATES)
-        slow[at] = found
-    return slow
-
-
-def _planes(repeat: int) -> Iterator[Any]:
-    """Yield the indices of the pixels of each site of the CFA."""
-    step = min(repeat, 2)
-    for row, col in product(range(step), repeat=2):
-        yield np.s_[:, row::step, col::step]
-
-
-def _smoothed(plane: Array, known: Mask, size: int = SMOOTH) -> Array:
-    width = (0, size, size)
-    weight = gaussian_filter(known.astype(float), width)
-    slow = gaussian_filter(np.where(known, plane, 0), width)
-    return np.asarray(slow / np.maximum(weight, 1e-9))

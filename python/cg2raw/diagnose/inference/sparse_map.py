@@ -14,15 +14,14 @@ import numpy as np
 from scipy.special import expit
 
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
-from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
-from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference import exponential_rates
 from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, told_by_darks
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jumps
+from cg2raw.diagnose.likelihood.tails import tails_of
 
 STANDS_OUT = 3.0  # standard deviations above the others that a pixel must lie
 UNLIKELY = 0.02  # probability below which a pixel counts as any other
@@ -67,7 +66,7 @@ def fit_sparse_map(
     leak = _leak(effect, rest, predicted, np.maximum(first.rate, 0))
     if not leak.known.any():
         return replace(term, values=np.zeros(1), sensor_map=SensorMap(cold, cold))
-    hot, rate, variance = _posterior(leak, first, _tails(rest, likelihood.frames[0]))
+    hot, rate, variance = _posterior(leak, first, tails_of(rest, likelihood.frames[0]))
     mean = hot * rate
     doubt = hot * (variance + rate**2) - mean**2
     share = float(hot[leak.known].mean())
@@ -97,16 +96,6 @@ def _leak(
     z = np.where(known, (found - middle) / deviation, 0.0)
     spread = 1.4826 * np.median(np.abs(z[known])) if known.any() else 1.0
     return _Leak(found - middle, deviation * max(1.0, spread), known, chi2, count - 1)
-
-
-def _tails(rest: Model, frame: Frame) -> tuple[float, float]:
-    """Return (share, variance ratio) of noise that is wider than the rest."""
-    for effect in every().values():
-        values = rest.values_of(effect, frame) if effect.whitening else None
-        tails = None if values is None else effect.tails(values)
-        if tails is not None:
-            return tails
-    return 0.0, 1.0
 
 
 def _posterior(

@@ -23,6 +23,7 @@ SEARCHED = 4.0  # px: standard deviation of what spots are looked for in
 SHADING_WIDTH = 32.0  # px: a slower map is shading, and no spot
 DARKEST, EDGE = 5.0, 1.5  # standard deviations below the rest, of a spot and its edge
 TURNS_OF_SPOTS = 3  # of spots and what is slow beside them
+LEAST_FREE = 0.25  # of a row's pixels, without spots, for what they share to be told
 
 
 def fit_spot_map(term: Term, evidence: Evidence) -> Term:
@@ -34,36 +35,42 @@ def fit_spot_map(term: Term, evidence: Evidence) -> Term:
     nothing = replace(term, values=np.zeros(1), sensor_map=SensorMap(none, none))
     if not known.any():
         return nothing
-    rest, spots = _found(score, information)
+    rest, spots, cores = _found(score, information)
     estimate, error = _smoothed(rest, information, SPOT_WIDTH)
     prior = float((estimate**2 - error)[spots].mean()) if spots.any() else 0.0
     if prior <= 0:
         return nothing
     share = np.where(spots, prior / (prior + error), 0.0)
     mean = np.minimum(estimate, 0) * share  # dust does not add light
+    mean = mean * _pieces_with(cores, mean < 0)  # noise has cut their edges up
     sigma = float(np.sqrt(np.mean(mean[known] ** 2)))
     sensor_map = SensorMap(mean, share * error)
     return replace(term, values=np.array([sigma]), sensor_map=sensor_map)
 
 
-def _found(score: Array, information: Array) -> tuple[Array, Mask]:
+def _found(score: Array, information: Array) -> tuple[Array, Mask, Mask]:
     """Return (score without what is slow beside the spots, and what rows share, as of a
-    lamp that flickers; where spots are)."""
-    rest, spots = score, np.zeros(score.shape, bool)
+    lamp that flickers; where spots are; where they are far below the rest).
+
+    The more spots are known the less is left that varies beside them, and the farther
+    down their edges are seen."""
+    rest = score
+    spots = cores = np.zeros(score.shape, bool)
     for _ in range(TURNS_OF_SPOTS):
         slow, _ = _smoothed(score * ~spots, information * ~spots, SHADING_WIDTH)
         rest = score - information * slow
         rest = rest - information * _of_rows(rest, information * ~spots)
-        before, spots = spots, _spots_in(rest, information)
+        before = spots
+        spots, cores = _spots_in(rest, information, ~spots)
         if (spots == before).all():
             break
-    return rest, spots
+    return rest, spots, cores
 
 
 def _of_rows(score: Array, information: Array) -> Array:
     """Return what each row's pixels share: their median, which a spot does not move."""
     told = np.where(information > 0, information, np.nan)
-    empty = ~np.isfinite(told).any(2)
+    empty = np.isfinite(told).mean(2) < LEAST_FREE
     told[empty] = 1.0
     shared = np.nanmedian(score / told, axis=2) * ~empty
     return np.broadcast_to(shared[:, :, None], score.shape)
@@ -77,15 +84,25 @@ def _smoothed(score: Array, information: Array, width: float) -> tuple[Array, Ar
     return estimate, squares / (4 * np.pi * width**2) / told**2
 
 
-def _spots_in(score: Array, information: Array) -> Mask:
-    """Return where the averages lie below, in pieces that are far below somewhere."""
+def _spots_in(score: Array, information: Array, free: Mask) -> tuple[Mask, Mask]:
+    """Return where the averages lie below, in pieces that are far below somewhere, and
+    where they are that.
+
+    free : of spots, as far as is known."""
     known = information > 0
     estimate, _ = _smoothed(score, information, SEARCHED)
-    middle = np.median(estimate[known])
-    spread = 1.4826 * np.median(np.abs(estimate[known] - middle))
+    beside = estimate[known & free]
+    middle = np.median(beside)
+    spread = 1.4826 * np.median(np.abs(beside - middle))
     below = np.where(known, (middle - estimate) / max(float(spread), 1e-300), 0)
+    cores = below > DARKEST
+    return _pieces_with(cores, below > EDGE), cores
+
+
+def _pieces_with(cores: Mask, mask: Mask) -> Mask:
+    """Return the connected pieces of a mask that have a core."""
     touching = np.zeros((3, 3, 3))
     touching[1] = 1  # not from tile to tile
-    pieces, _ = label(below > EDGE, touching)
-    spots: Mask = np.isin(pieces, np.unique(pieces[below > DARKEST])) & (pieces > 0)
-    return spots
+    pieces, _ = label(mask, touching)
+    found: Mask = np.isin(pieces, np.unique(pieces[cores])) & (pieces > 0)
+    return found

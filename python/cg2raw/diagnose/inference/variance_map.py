@@ -5,8 +5,10 @@
 
 A few pixels jump between two levels by steps of an exponential law, the others do not.
 Of each pixel, the frames' residuals beside its own mean say how likely every step is;
-share and mean of the steps are found by expectation and maximisation. Source: A. P.
-Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39(1), 1977.
+share and mean of the steps are found by expectation and maximisation. Read noise with
+long tails leaves pixels of which one frame is far out: as likely as that is, they do
+not jump. Source: A. P. Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39(1),
+1977.
 """
 
 from collections.abc import Iterable
@@ -17,10 +19,15 @@ from scipy.special import logsumexp
 from scipy.stats import chi2
 
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.inference.map_prior import prior_of
 from cg2raw.diagnose.inference.sparse_map import CLOSE, EM_ROUNDS
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
+from cg2raw.diagnose.likelihood.prediction import photon_gain
+from cg2raw.diagnose.likelihood.tails import tails_in, tails_of
 
 FEWEST_FRAMES = 3  # of a pixel, for what is left of them beside its mean
 JUMPS_WEIGHED = 24  # of a jump that are weighed
@@ -28,17 +35,40 @@ SHORTEST_JUMP, LONGEST_JUMP = 0.7, 200.0  # of them, in noises of a dim frame
 FIRST_SHARE, FIRST_STEP = 0.01, 6.0
 RAREST_JUMPS = 1e-7
 LARGEST_LOG_RATIO = 300.0
+NO_ERROR = 1e-9  # of variances that are 1
 
 
 @dataclass(frozen=True)
 class _Group:
     """Of frames of one light, (T, h, w): noise variance, and of their residuals the
-    number, sum and sum of squares."""
+    number, sum and sum of squares.
+
+    outlying : chance of a residual to be of the noise's tail. wider : what the variance
+    is then more. residuals : of every frame, if noise has tails."""
 
     variance: Array
     count: Array
     total: Array
     squares: Array
+    outlying: float = 0.0
+    wider: Array | float = 0.0
+    residuals: tuple[Array, ...] = ()
+
+    @property
+    def inflation(self) -> float:
+        """What makes most pixels as noisy as they are about their own mean: noise that
+        all have more of is no jump. 1 where frames do not repeat each other."""
+        repeated = self.count > 1
+        if not repeated.any():
+            return 1.0
+        count, total = self.count[repeated], self.total[repeated]
+        about_mean = self.squares[repeated] - total**2 / count
+        scaled = about_mean / (count - 1) / self.variance[repeated]
+        return prior_of(scaled, np.full_like(scaled, NO_ERROR)) or 1.0
+
+    def inflated(self, factor: float) -> "_Group":
+        variance, wider = factor * self.variance, factor * self.wider
+        return replace(self, variance=variance, wider=wider)
 
 
 def fit_variance_map(term: Term, rest: Model, likelihood: Likelihood) -> Term:
@@ -46,19 +76,20 @@ def fit_variance_map(term: Term, rest: Model, likelihood: Likelihood) -> Term:
     that this adds to it on average.
 
     rest : all but this term. likelihood : of frames of one shape."""
-    groups = list(_groups(likelihood.predicted(rest)))
+    groups = list(_groups(likelihood.predicted(rest), rest))
     none = np.zeros(likelihood.frames[0].signal.shape)
     count = np.sum([group.count for group in groups], 0)
     known = count >= FEWEST_FRAMES
     if not known.any():
         nothing = SensorMap(none, none, chance=none)
         return replace(term, values=np.zeros(2), sensor_map=nothing)
+    groups = [group.inflated(group.inflation) for group in groups]
     inflation = _inflation(groups, count, known)
-    groups = [replace(g, variance=inflation * g.variance) for g in groups]
+    groups = [group.inflated(inflation) for group in groups]
     noise = float(np.sqrt(min(np.median(g.variance[known]) for g in groups)))
     steps = noise * np.geomspace(SHORTEST_JUMP, LONGEST_JUMP, JUMPS_WEIGHED)
-    logs = np.array([_log_likelihood(groups, known, (d / 2) ** 2) for d in steps])
-    logs -= _log_likelihood(groups, known, 0.0)
+    jumps = [_sums(groups, known, (d / 2) ** 2).log_likelihood for d in steps]
+    logs = np.array(jumps) - _without_jumps(groups, known)
     values, chances = _posterior(logs, steps, noise)
     # Of a pixel that no frames tell of, what is known of all.
     extra = np.full(none.shape, values[0] * values[1] ** 2 / 2)
@@ -68,29 +99,82 @@ def fit_variance_map(term: Term, rest: Model, likelihood: Likelihood) -> Term:
     return replace(term, values=values, sensor_map=sensor_map)
 
 
-def _groups(predicted: Predicted) -> Iterable[_Group]:
+def _groups(predicted: Predicted, rest: Model) -> Iterable[_Group]:
     """Yield the frames of each set together: their variances are nearly the same."""
     sets: dict[tuple[str, float], list[int]] = {}
     for number, (frame, _) in enumerate(predicted):
         key = (frame.capture.set, frame.seconds)
         sets.setdefault(key, []).append(number)
     for numbers in sets.values():
-        variance, count, total, squares = np.zeros((4, *predicted[0][1].mean.shape))
-        for frame, p in (predicted[number] for number in numbers):
-            used = frame.keep & ~frame.censored
-            residual = np.where(used, frame.signal - p.mean, 0)
-            variance += p.variance / len(numbers)
-            count += used
-            total += residual
-            squares += residual**2
-        yield _Group(variance, count, total, squares)
+        yield _group([predicted[number] for number in numbers], rest)
 
 
-def _beside_mean(
-    groups: Iterable[_Group], known: Mask, extra: float
-) -> tuple[Array, Array, Array]:
-    """Return (chi-square of a pixel's residuals about their own mean, log of the
-    product of their variances, weight of the mean); extra : is added to variances."""
+def _group(predicted: Predicted, rest: Model) -> _Group:
+    variance, count, total, squares = np.zeros((4, *predicted[0][1].mean.shape))
+    wider: Array | float = 0.0
+    residuals = []
+    for frame, p in predicted:
+        used = frame.keep & ~frame.censored
+        residual = np.where(used, frame.signal - p.mean, 0)
+        tails = tails_in(rest, frame, p)
+        variance += p.variance if tails is None else tails.narrow
+        variance += _shot_noise_of_maps(rest, frame, p)
+        count += used
+        total += residual
+        squares += residual**2
+        if tails is not None:
+            wider = wider + tails.wide - tails.narrow
+            residuals.append(residual.astype(np.float32))
+    shares = variance / len(predicted), np.asarray(wider / len(predicted))
+    outlying = tails_of(rest, predicted[0][0])[0] if residuals else 0.0
+    return _Group(
+        shares[0], count, total, squares, outlying, shares[1], tuple(residuals)
+    )
+
+
+def _shot_noise_of_maps(rest: Model, frame: Frame, p: Prediction) -> Array:
+    """Return the variance that the charge of log-normal maps has in each pixel, which
+    the prediction of frames that made them takes as alike in all."""
+    charge = np.zeros_like(p.mean)
+    for _, effect, known in rest.maps:
+        if effect.is_log_normal and known.mean.shape == charge.shape:
+            charge += effect.sensitivity(frame, np.maximum(p.exposed, 0)) * known.mean
+    return photon_gain(rest, frame) * np.maximum(charge, 0)
+
+
+@dataclass(frozen=True)
+class _Sums:
+    """Of a pixel's residuals: chi-square, log of the product of their variances,
+    weight of their mean, and weight times mean."""
+
+    chi: Array
+    logs: Array
+    weight: Array
+    pull: Array
+
+    @property
+    def chi_beside_mean(self) -> Array:
+        return self.chi - self.pull**2 / self.weight
+
+    @property
+    def log_likelihood(self) -> Array:
+        """Whatever the mean is."""
+        return -0.5 * (self.chi_beside_mean + self.logs + np.log(self.weight))
+
+    def with_outlier(self, residual: Array, variance: Array, wider: Array) -> "_Sums":
+        """Return the sums where one residual's variance is wider; those of frames that
+        do not count are 0."""
+        more = np.where(residual != 0, 1 / (variance + wider) - 1 / variance, 0)
+        return _Sums(
+            self.chi + more * residual**2,
+            self.logs + np.log1p(wider / variance),
+            self.weight + more,
+            self.pull + more * residual,
+        )
+
+
+def _sums(groups: Iterable[_Group], known: Mask, extra: float) -> _Sums:
+    """extra : is added to variances."""
     chi, logs, weight, pull = np.zeros((4, int(known.sum())))
     for group in groups:
         variance, count = group.variance[known] + extra, group.count[known]
@@ -98,22 +182,32 @@ def _beside_mean(
         pull += group.total[known] / variance
         chi += group.squares[known] / variance
         logs += count * np.log(variance)
-    return chi - pull**2 / weight, logs, weight
+    return _Sums(chi, logs, weight, pull)
 
 
 def _inflation(groups: Iterable[_Group], count: Array, known: Mask) -> float:
-    """Return what makes the median pixel as noisy as it is, 1 at least: noise that all
-    pixels have more of is no jump."""
-    chi = _beside_mean(groups, known, 0.0)[0]
+    """Return the same of frames of all groups, for the median pixel, 1 at least: what
+    is wrong with the light of one is no jump."""
+    chi = _sums(groups, known, 0.0).chi_beside_mean
     expected = chi2.ppf(0.5, count[known] - 1)
     return max(1.0, float(np.median(chi / expected)))
 
 
-def _log_likelihood(groups: Iterable[_Group], known: Mask, extra: float) -> Array:
-    """Return that of each known pixel, whatever its mean is."""
-    chi, logs, weight = _beside_mean(groups, known, extra)
-    log: Array = -0.5 * (chi + logs + np.log(weight))
-    return log
+def _without_jumps(groups: Iterable[_Group], known: Mask) -> Array:
+    """Return the log likelihood of each known pixel that does not jump: none of its
+    residuals, or one of them, is of the noise's tail."""
+    sums = _sums(groups, known, 0.0)
+    found = sums.log_likelihood
+    chance = np.zeros_like(found)
+    for group in groups:
+        chance += group.count[known] * np.log1p(-group.outlying)
+        wider = np.broadcast_to(group.wider, known.shape)[known]
+        for residual in (each[known] for each in group.residuals):
+            one = sums.with_outlier(residual, group.variance[known], wider)
+            odds = np.log(group.outlying) - np.log1p(-group.outlying)
+            log = np.where(residual != 0, one.log_likelihood + odds, -np.inf)
+            found = np.logaddexp(found, log)
+    return found + chance
 
 
 def _posterior(logs: Array, steps: Array, noise: float) -> tuple[Array, Array]:

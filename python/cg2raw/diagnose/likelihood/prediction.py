@@ -3,11 +3,10 @@
 
 """predict(): what a model says of a frame, effects by the registry, then maps."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import ndtr
 
 from cg2raw import _core
 from cg2raw.cfa import sites_of
@@ -17,6 +16,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.likelihood.full_well import FullWell
 from cg2raw.diagnose.likelihood.model import Model
 
 LEAST_VARIANCE_LEFT = (
@@ -79,15 +79,16 @@ def predict(model: Model, frame: Frame) -> Prediction:
     if len(sites_of(model.sensor.cfa)) not in (BAYER, MONO):
         read_variance = model.noise_gain("beta2") * frame.beta2
         variance = variance + photon_variance + read_variance
-    below = _below_full_well(dict(values), exposed, photon_variance)
-    mean, variance = _with_maps(model, frame, mean, variance, exposed, gain, below)
+    well = FullWell.of(dict(values), exposed, photon_variance)
+    of_maps = _with_maps(model, frame, mean, variance, exposed, gain, well)
+    mean, variance, below = of_maps
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
     nuisance = model.nuisance
     if nuisance is None:
-        return Prediction(mean, variance, exposed, photon_variance)
+        return Prediction(mean, variance, exposed, photon_variance, below=below)
     unknown = nuisance.pixel_variance(frame, variance)
     return Prediction(
         mean,
@@ -96,17 +97,8 @@ def predict(model: Model, frame: Frame) -> Prediction:
         photon_variance,
         unknown,
         shrinking=lambda p: nuisance.shrinkage(p, frame),
+        below=below,
     )
-
-
-def _below_full_well(
-    values: Mapping[str, Sequence[float]], exposed: Array, photon_variance: Array
-) -> Array | float:
-    """Return the chance that charge stays below the full well; 1 without one."""
-    if "full_well" not in values:
-        return 1.0
-    left = 1 - values["full_well"][0] - exposed
-    return np.asarray(ndtr(left / np.sqrt(np.maximum(photon_variance, LEAST_VARIANCE))))
 
 
 def _with_maps(
@@ -116,21 +108,22 @@ def _with_maps(
     variance: Array,
     exposed: Array,
     gain: Array,
-    below: Array | float,
-) -> tuple[Array, Array]:
-    """Return (mean, variance) with the maps of fixed patterns.
-
-    below : the chance that a pixel is not full: what acts before that shows then alone.
+    well: FullWell | None,
+) -> tuple[Array, Array, Array | float]:
+    """Return (mean, variance) with the maps of fixed patterns, and the chance that a
+    pixel is not full, with which alone what acts before that shows.
 
     The fit frames made the maps: their residuals are too small by the maps' variance.
     Of a hot pixel it is mostly not known whether it is one, which makes nothing
     smaller."""
     photons = np.maximum(exposed, 0)
     fitted = frame.capture.group == "fit"
-    slopes = {
-        t.name: e.sensitivity(frame, photons) * (below if e.fills_well else 1.0)
-        for t, e, _ in model.maps
-    }
+    slopes = {t.name: e.sensitivity(frame, photons) for t, e, _ in model.maps}
+    fuller = None if well is None else _filled(well, model, slopes, gain)
+    below = 1.0 if fuller is None else fuller.below
+    if well is not None and fuller is not None:
+        mean = mean + well.cut_mean - fuller.cut_mean
+        variance = variance + well.cut_variance - fuller.cut_variance
     doubt: Array | float = 0.0
     charge = exposed
     for term, effect, sensor_map in model.maps:
@@ -142,6 +135,7 @@ def _with_maps(
             continue
         shift = sensitivity * sensor_map.mean
         mean = mean + shift
+        sensitivity = sensitivity * (below if effect.fills_well else 1.0)
         unsure = sensitivity**2 * sensor_map.variance
         for name, covariance in sensor_map.covariance.items():
             unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
@@ -160,7 +154,21 @@ def _with_maps(
         elif not fitted:
             variance = variance + unsure
     sign = -1.0 if fitted else 1.0
-    return mean, np.maximum(variance + sign * doubt, LEAST_VARIANCE_LEFT * variance)
+    least = LEAST_VARIANCE_LEFT * variance
+    return mean, np.maximum(variance + sign * doubt, least), below
+
+
+def _filled(
+    well: FullWell, model: Model, slopes: Mapping[str, Array | float], gain: Array
+) -> FullWell:
+    """Return the full well with what maps of known pixels fill it with."""
+    more, noisier = np.zeros((2, *well.charge.shape))
+    for term, effect, known in model.maps:
+        if effect.fills_well and known.mean.shape == more.shape:
+            shift = slopes[term.name] * known.mean
+            more += shift
+            noisier += gain * shift * effect.is_charge
+    return well.with_more(more, noisier)
 
 
 def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Array:

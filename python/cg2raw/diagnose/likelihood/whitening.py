@@ -4,7 +4,9 @@
 """Whitening: a model's effects turn structured noise into white noise, stage by stage,
 and each says what that costs."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import TypeGuard
 
 import numpy as np
 
@@ -74,6 +76,40 @@ def colour_offsets(z: Array, p: Prediction, model: Model, frame: Frame) -> Array
             along = _along(effect, p, values, model, frame)
             z = effect.to_power(z, along, frame, 0.5)[0]
     return z
+
+
+def shares_structure(effect: Effect | None) -> TypeGuard[Effect]:
+    """Return whether an effect is what pixels of one frame share, new in each."""
+    return effect is not None and effect.whitens_variance and effect.linear
+
+
+def has_shared_structure(model: Model, frame: Frame) -> bool:
+    """Return whether pixels of a frame share anything by a model."""
+    return any(shares_structure(effect) for effect, _ in _steps(model, frame))
+
+
+def without_shared(z: Array, p: Prediction, model: Model, frame: Frame) -> Array:
+    """Return residuals z (T, h, w), that nothing whitened, without what pixels of a
+    frame most likely share, and with the variance that this takes from them."""
+    stages: list[Callable[[Array], Whitened]] = []
+    left: Array | float = 1.0
+    for effect, values in _steps(model, frame):
+        if isinstance(effect, SharedOffset):
+            along = effect.along(p, values, frame)
+            left = left - effect.leverage(along, frame)
+            for before in stages:
+                along = before(along)[0]
+            stages.append(
+                partial(effect.to_power, along=along, frame=frame, power=-0.5)
+            )
+        elif shares_structure(effect):
+            read = frame.beta2
+            stages.append(
+                partial(effect.whiten, p=p, values=values, frame=frame, read=read)
+            )
+    for whiten_once in [*stages, *reversed(stages)]:  # by the inverse covariance
+        z = whiten_once(z)[0]
+    return z / np.sqrt(left)
 
 
 def cut_offsets(model: Model, frame: Frame) -> OffsetVariances | None:

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""The slow part of a map of pixels, and what is left without it."""
+
+from collections.abc import Iterator
+from itertools import product
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from cg2raw.diagnose.frames.tiling import Array, Mask
+
+SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
+KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
+SLOW_RATES = (
+    12  # the same of rates, whose maps may be far above noise: of their variance
+)
+SLOW_TURNS = 6  # a smoothing over so many pixels takes but a 2000th
+FAR_OUT = 3.0  # standard deviations from its surroundings, of a pixel that stands out
+
+
+def high_pass(image: Array, known: Mask, repeat: int) -> Array:
+    """What is left of each CFA site's plane without its smooth part, where known.
+
+    repeat : side of the CFA's, px; 1 without filters. Larger ones than Bayer's have
+    sites of one colour everywhere, and go by his."""
+    rest = np.zeros_like(image)
+    for at in _planes(repeat):
+        rest[at] = image[at] - _smoothed(image[at], known[at])
+    return np.where(known, rest, 0)
+
+
+def slow_part(image: Array, known: Mask, repeat: int) -> Array:
+    """The smooth part of each CFA site's plane, in which pixels that stand out leave no
+    trace: smoothed are deviations from it, none by more than those of the many."""
+    slow = np.zeros_like(image)
+    for at in _planes(repeat):
+        where = known[at]
+        if not where.any():
+            continue
+        found = np.full(where.shape, np.median(image[at][where]))
+        for _ in range(SLOW_TURNS):
+            rest = image[at] - found
+            bound = FAR_OUT * 1.4826 * np.median(np.abs(rest[where]))
+            found = found + _smoothed(np.clip(rest, -bound, bound), where, SLOW_RATES)
+        slow[at] = found
+    return slow
+
+
+def _planes(repeat: int) -> Iterator[Any]:
+    """Yield the indices of the pixels of each site of the CFA."""
+    step = min(repeat, 2)
+    for row, col in product(range(step), repeat=2):
+        yield np.s_[:, row::step, col::step]
+
+
+def _smoothed(plane: Array, known: Mask, size: int = SMOOTH) -> Array:
+    width = (0, size, size)
+    weight = gaussian_filter(known.astype(float), width)
+    slow = gaussian_filter(np.where(known, plane, 0), width)
+    return np.asarray(slow / np.maximum(weight, 1e-9))
