@@ -8,7 +8,17 @@ import pytest
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.model import Model
-from diagnose.planted import READ, capture_of, drawn, frames_of, model_of, on, sensor_of
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import (
+    READ,
+    capture_of,
+    drawn,
+    frames_of,
+    model_of,
+    on,
+    sensor_of,
+    shown,
+)
 
 SENSOR = sensor_of()
 SHAPE = (96, 128)
@@ -75,6 +85,36 @@ def test_noise_that_all_pixels_have_more_of_is_no_jump():
 
     frames = drawn(darks(6), Model(SENSOR), 6, extra=louder)
     assert fitted(frames).term("random_telegraph_noise").values[0] < 2e-3
+
+
+def test_noise_that_darks_alone_have_more_of_is_no_jump():
+    """Four darks that are twice as noisy as the profile says, and eight flats."""
+
+    def louder(frame, rng):
+        of_darks = not frame.capture.shows.light
+        return of_darks * READ * rng.standard_normal((1, *SHAPE))
+
+    lit = [capture_of("flat", 1, name=f"f{n}", shape=SHAPE) for n in range(8)]
+    frames = drawn([*darks(4), *frames_of(SENSOR, lit)], Model(SENSOR), 7, louder)
+    assert fitted(frames).term("random_telegraph_noise").values[0] < 2e-3
+
+
+@pytest.mark.parametrize("count", [4, 10])
+def test_tails_of_the_noise_are_no_jumps(count):
+    """One residual in thirty is four times as wide."""
+    share, ratio = 0.03, 16.0
+    core = READ / np.sqrt(1 + share * (ratio - 1))
+    rng = np.random.default_rng(count)
+    frames = []
+    for frame in darks(count):
+        wide = rng.random((1, *SHAPE)) < share
+        noise = core * rng.standard_normal((1, *SHAPE)) * np.where(wide, 4.0, 1.0)
+        frames.append(shown(frame, predict(Model(SENSOR), frame).mean + noise))
+    model = model_of(
+        SENSOR, heavy_tailed_noise=[share, ratio], random_telegraph_noise=[0.0, 0.0]
+    )
+    found = fit_patterns(model, on(frames)).term("random_telegraph_noise")
+    assert found.values[0] < 2e-3
 
 
 def test_the_map_makes_other_frames_likelier():

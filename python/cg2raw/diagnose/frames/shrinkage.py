@@ -12,7 +12,6 @@ from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
 
 LEAST_EIGENVALUE = 1e-6  # of the largest
-CLIPPED = 3.0  # standard deviations below its light that a pixel is clipped
 
 
 @dataclass(frozen=True)
@@ -50,10 +49,10 @@ class Shrinkage:
 
 
 def shown_light(frame: Frame, p: Prediction) -> Array:
-    """Return the light (T, h, w) whose change pixels show: 0 where they are clipped, or
-    do not count, and in darks, whose charge is none of light."""
+    """Return the light (T, h, w) whose change pixels show: none where they are clipped,
+    or do not count, and in darks, whose charge is none of light."""
     if not frame.capture.shows.light:
         return np.zeros_like(p.exposed)
-    clipped = frame.censored | (p.exposed > p.mean + CLIPPED * np.sqrt(p.variance))
-    light: Array = np.where(frame.keep & ~clipped, np.maximum(p.exposed, 0), 0)
+    shows = frame.keep & ~frame.censored
+    light: Array = np.where(shows, p.below * np.maximum(p.exposed, 0), 0)
     return light

@@ -22,6 +22,11 @@ from cg2raw.diagnose.likelihood.model import Term
 SEARCHED = 4.0  # px: standard deviation of what spots are looked for in
 SHADING_WIDTH = 32.0  # px: a slower map is shading, and no spot
 DARKEST, EDGE = 5.0, 1.5  # standard deviations below the rest, of a spot and its edge
+# Shares of the frame, up to the brightest: no spot is there. How many standard
+# deviations of what is free of spots these are apart, and above its middle, within
+# 10 % and 0.2 of them if spots cover no more than half of the frame.
+BRIGHTEST = (0.90, 0.98)
+BETWEEN, BELOW = 0.84, 1.06
 TURNS_OF_SPOTS = 3  # of spots and what is slow beside them
 LEAST_FREE = 0.25  # of a row's pixels, without spots, for what they share to be told
 
@@ -91,12 +96,21 @@ def _spots_in(score: Array, information: Array, free: Mask) -> tuple[Mask, Mask]
     free : of spots, as far as is known."""
     known = information > 0
     estimate, _ = _smoothed(score, information, SEARCHED)
-    beside = estimate[known & free]
-    middle = np.median(beside)
-    spread = 1.4826 * np.median(np.abs(beside - middle))
-    below = np.where(known, (middle - estimate) / max(float(spread), 1e-300), 0)
+    middle, spread = _of_rest(estimate[known & free], bool(free.all()))
+    below = np.where(known, (middle - estimate) / max(spread, 1e-300), 0)
     cores = below > DARKEST
     return _pieces_with(cores, below > EDGE), cores
+
+
+def _of_rest(averages: Array, with_spots: bool) -> tuple[float, float]:
+    """Return the middle and the standard deviation of averages beside spots; of those
+    where spots may be, by the brightest."""
+    if with_spots:
+        low, high = np.quantile(averages, BRIGHTEST)
+        spread = float(high - low) / BETWEEN
+        return float(low) - BELOW * spread, spread
+    middle = float(np.median(averages))
+    return middle, 1.4826 * float(np.median(np.abs(averages - middle)))
 
 
 def _pieces_with(cores: Mask, mask: Mask) -> Mask:

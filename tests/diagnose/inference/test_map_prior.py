@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What a profile states of a map holds until pixels contradict it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.inference.log_normal_law import Rates
+from cg2raw.diagnose.inference.log_normal_map import fit_log_normal_map
+from cg2raw.diagnose.inference.map_prior import is_as_good
+from cg2raw.diagnose.likelihood.model import Model
+from diagnose.planted import (
+    READ,
+    SHAPE,
+    capture_of,
+    drawn,
+    frames_of,
+    model_of,
+    on,
+    sensor_of,
+)
+
+SENSOR = sensor_of()
+
+
+@pytest.mark.parametrize(
+    ("stated", "found", "good"),
+    [(0.04, 0.04, True), (0.04, 0.0, True), (0.0, 0.04, True), (0.0, 0.2, False)],
+)
+def test_a_variance_that_changes_estimates_little_is_as_good(stated, found, good):
+    assert is_as_good(stated, found, np.ones(9)) == good
+
+
+def test_what_pixels_lose_by_a_variance_is_its_divergence_from_theirs():
+    """Of normal numbers, by the mean of what they lose."""
+    x = 1.3 * np.random.default_rng(3).standard_normal(400_000)
+    lost = 0.5 * (x**2 - x**2 / 1.69 - np.log(1.69)).mean()
+    nearly = [s for s in np.linspace(1.0, 1.69, 70) if is_as_good(s - 1, 0.69, 1.0)]
+    assert lost > 1e-3 and nearly and min(nearly) > 1.5
+
+
+@pytest.mark.parametrize(("truth", "holds"), [(0.2, True), (1.0, False)])
+def test_the_profile_s_deviation_holds_unless_pixels_contradict_it(truth, holds):
+    stated = 0.2 * READ
+    profile = [{"name": "dsnu", "parameters": {"sigma": stated}}]
+    sensor = sensor_of(effects=profile)
+    offsets = truth * READ * np.random.default_rng(2).standard_normal((1, *SHAPE))
+    captures = [capture_of("dark", n, name=f"d{n}") for n in range(2)]
+    frames = drawn(frames_of(sensor, captures), Model(sensor_of()), 4, offsets)
+    model = model_of(sensor, dsnu=[0.0])
+    model = model.with_term(replace(model.term("dsnu"), calibration=True))
+    found = fit_patterns(model, on(frames)).term("dsnu").values[0]
+    assert (found == stated) == holds
+    if not holds:
+        assert found == pytest.approx(truth * READ, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("rate", "log_sigma", "holds"), [(1.0, 1.0, True), (1.1, 1.0, False)]
+)
+def test_a_stated_law_of_rates_holds_unless_pixels_contradict_it(
+    rate, log_sigma, holds
+):
+    rng = np.random.default_rng(5)
+    shape = (1, 150, 200)
+    values = np.expm1(log_sigma * rng.standard_normal(shape)) * rate
+    estimates = values + 0.3 * rng.standard_normal(shape)
+    rates = Rates(estimates, np.full(shape, 0.09), np.zeros(shape))
+    known = np.ones(shape, bool)
+    stated = {"rate": 1.0, "log_sigma": 1.0}
+    law = fit_log_normal_map(rates, known, None, stated).mixture.law
+    assert ((law.rate, law.log_sigma) == (1.0, 1.0)) == holds
+    assert law.rate == pytest.approx(rate, rel=0.05)
