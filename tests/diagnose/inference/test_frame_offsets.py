@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """What pixels of one frame share is no map of the sensor."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -86,3 +88,14 @@ def test_gains_of_pixels_do_not_have_the_waves_of_a_lamp():
     start = model_of(SENSOR, mains_flicker=[AMPLITUDE, PERIOD], prnu=[0.0])
     found = fit_patterns(start, on(frames)).term("prnu").values[0]
     assert found == pytest.approx(0.01, rel=0.05)
+
+
+def test_a_row_of_one_pixel_leaves_that_a_number():
+    """All it shows may be what it shares with the frame."""
+    [frame] = darks(1, 8)
+    keep = frame.keep.copy()
+    keep[:, 20:30] = False
+    keep[:, 25, 40] = True
+    model = model_of(SENSOR, row_noise=[4.0], black_level_drift=[4.0])
+    [shown] = without_shared_offsets(model, on([replace(frame, keep=keep)])).frames
+    assert np.isfinite(shown.signal).all()

@@ -96,7 +96,7 @@ def without_shared(z: Array, p: Prediction, model: Model, frame: Frame) -> Array
     for effect, values in _steps(model, frame):
         if isinstance(effect, SharedOffset):
             along = effect.along(p, values, frame)
-            left = left - effect.leverage(along, frame)
+            left = left * (1 - effect.leverage(along, frame))
             for before in stages:
                 along = before(along)[0]
             stages.append(
