@@ -22,6 +22,7 @@ from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.well import Well
 
 LEAST_TAIL = 1e-15
 NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
@@ -47,14 +48,16 @@ class FullWell(Effect):
         """The exact density of min(photons, well) + read noise near the well, and the
         normal score of what was measured."""
         well = 1 - values[0]
+        charge = p.exposed if p.well is None else p.well.charge
         light = np.broadcast_to(p.light_variance, z.shape)
-        below = (well - p.exposed) / np.sqrt(p.photon_variance + light + 1e-14)
+        below = (well - charge) / np.sqrt(p.photon_variance + light + 1e-14)
         near = below < NEAR_WELL
         extra = np.zeros_like(z)
         if values[0] <= 0 or not near.any():
             return z, extra
-        x, s2, light = p.exposed[near], p.photon_variance[near] + 1e-14, light[near]
-        mean, clipped = _clipped_photons(x, s2, well)
+        x, s2, light = charge[near], p.photon_variance[near] + 1e-14, light[near]
+        filled = Well(well, x, s2)
+        mean, clipped = x - filled.cut_mean, s2 - filled.cut_variance
         known = p.variance[near] - light
         least = 0.2 * np.broadcast_to(read, z.shape)[near]
         rest = np.maximum(known - clipped, least)
@@ -117,17 +120,6 @@ def _low_pixels(frame: Frame, p: Prediction) -> Array:
     low = p.mean - frame.signal > 6 * np.sqrt(p.variance - p.light_variance)
     used = frame.counted & ~frame.censored & low & (frame.signal > 0.25)
     return np.asarray(frame.signal[used])
-
-
-def _clipped_photons(x: Array, variance: Array, well: float) -> tuple[Array, Array]:
-    """Return mean and variance of min(N(x, variance), well)."""
-    sd = np.sqrt(variance)
-    a = (well - x) / sd
-    density = np.exp(-0.5 * np.minimum(a * a, 1400)) / np.sqrt(2 * np.pi)
-    inside = ndtr(a)
-    mean = x - sd * (density - a * (1 - inside))
-    moment = variance * (inside - a * density) + (a * sd) ** 2 * (1 - inside)
-    return mean, np.maximum(moment - (mean - x) ** 2, 0)
 
 
 def _both_below(h: Array, k: Array, correlation: Array) -> Array:

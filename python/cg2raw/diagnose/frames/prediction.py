@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.well import Well
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Prediction:
     exposed : the mean before noise. photon_variance : of the light, by its photons.
     light_variance : of light that nobody measured, part of the variance.
     shrinking : what integrates a nuisance out of residuals of a prediction.
-    below : the chance that the charge of a pixel stays below the full well."""
+    well : what fills a full well; None without one."""
 
     mean: Array
     variance: Array
@@ -26,7 +27,12 @@ class Prediction:
     photon_variance: Array
     light_variance: Array | float = 0.0
     shrinking: Callable[["Prediction"], Any] | None = None
-    below: Array | float = 1.0
+    well: Well | None = None
+
+    @property
+    def below(self) -> Array | float:
+        """The chance that the charge of a pixel stays below the full well."""
+        return 1.0 if self.well is None else self.well.below
 
     @cached_property
     def shrinkage(self) -> Any:

@@ -16,7 +16,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.likelihood.full_well import FullWell
+from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model
 
 LEAST_VARIANCE_LEFT = (
@@ -79,16 +79,16 @@ def predict(model: Model, frame: Frame) -> Prediction:
     if len(sites_of(model.sensor.cfa)) not in (BAYER, MONO):
         read_variance = model.noise_gain("beta2") * frame.beta2
         variance = variance + photon_variance + read_variance
-    well = FullWell.of(dict(values), exposed, photon_variance)
+    well = Well.of(dict(values), exposed, photon_variance)
     of_maps = _with_maps(model, frame, mean, variance, exposed, gain, well)
-    mean, variance, below = of_maps
+    mean, variance, well = of_maps
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
     nuisance = model.nuisance
     if nuisance is None:
-        return Prediction(mean, variance, exposed, photon_variance, below=below)
+        return Prediction(mean, variance, exposed, photon_variance, well=well)
     unknown = nuisance.pixel_variance(frame, variance)
     return Prediction(
         mean,
@@ -97,7 +97,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
         photon_variance,
         unknown,
         shrinking=lambda p: nuisance.shrinkage(p, frame),
-        below=below,
+        well=well,
     )
 
 
@@ -108,10 +108,10 @@ def _with_maps(
     variance: Array,
     exposed: Array,
     gain: Array,
-    well: FullWell | None,
-) -> tuple[Array, Array, Array | float]:
-    """Return (mean, variance) with the maps of fixed patterns, and the chance that a
-    pixel is not full, with which alone what acts before that shows.
+    well: Well | None,
+) -> tuple[Array, Array, Well | None]:
+    """Return (mean, variance, full well) with the maps of fixed patterns: what acts
+    before a pixel is full shows as likely as it is not.
 
     The fit frames made the maps: their residuals are too small by the maps' variance.
     Of a hot pixel it is mostly not known whether it is one, which makes nothing
@@ -155,12 +155,12 @@ def _with_maps(
             variance = variance + unsure
     sign = -1.0 if fitted else 1.0
     least = LEAST_VARIANCE_LEFT * variance
-    return mean, np.maximum(variance + sign * doubt, least), below
+    return mean, np.maximum(variance + sign * doubt, least), fuller
 
 
 def _filled(
-    well: FullWell, model: Model, slopes: Mapping[str, Array | float], gain: Array
-) -> FullWell:
+    well: Well, model: Model, slopes: Mapping[str, Array | float], gain: Array
+) -> Well:
     """Return the full well with what maps of known pixels fill it with."""
     more, noisier = np.zeros((2, *well.charge.shape))
     for term, effect, known in model.maps:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Full well: what it cuts of charge, as maps of the sensor fill it more or less.
+"""Well: what a full one cuts of charge, as maps of the sensor fill it more or less.
 
 A normal charge is cut at a level: the registry predicts that without maps, and a map
 that takes a tenth of the light moves pixels from above the level to below it.
@@ -23,7 +23,7 @@ ROOT_2_PI = np.sqrt(2 * np.pi)
 
 
 @dataclass(frozen=True)
-class FullWell:
+class Well:
     """A level, and what fills up to it: charge and its variance, (T, h, w)."""
 
     level: float
@@ -33,14 +33,14 @@ class FullWell:
     @classmethod
     def of(
         cls, values: Mapping[str, Sequence[float]], charge: Array, variance: Array
-    ) -> "FullWell | None":
+    ) -> "Well | None":
         """Return that of the registry's values; None if they have none."""
         below_white = values.get("full_well", [0.0])[0]
         return cls(1 - below_white, charge, variance) if below_white else None
 
-    def with_more(self, charge: Array, variance: Array) -> "FullWell":
+    def with_more(self, charge: Array, variance: Array) -> "Well":
         more = np.maximum(self.variance + variance, 0)
-        return FullWell(self.level, self.charge + charge, more)
+        return Well(self.level, self.charge + charge, more)
 
     @property
     def _deviation(self) -> Array:
@@ -69,8 +69,13 @@ class FullWell:
     @property
     def cut_variance(self) -> Array:
         """What is lost of the variance."""
+        return np.asarray(self.variance * (1 - self.share_left))
+
+    @property
+    def share_left(self) -> Array:
+        """The share of the variance that is left."""
         above, below = self._above, self.below
         density = np.exp(-0.5 * above**2) / ROOT_2_PI
         square = (1 + above**2) * below - above * density
         left = square - (density - above * below) ** 2
-        return np.asarray(self.variance * (1 - np.clip(left, 0, 1)))
+        return np.asarray(np.clip(left, 0, 1))

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Full well: charge is cut after maps have filled it."""
+"""Well: charge is cut after maps have filled it."""
 
 import numpy as np
 import pytest
 
 from cg2raw.diagnose.effects.base import SensorMap
-from cg2raw.diagnose.likelihood.full_well import FullWell
+from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import BY_NAME, capture_of, frames_of, model_of, sensor_of
@@ -19,7 +19,7 @@ def test_what_is_cut_is_that_of_the_smaller_of_charge_and_level(above):
     charge = LEVEL + above * DEVIATION
     drawn = np.random.default_rng(4).normal(charge, DEVIATION, 400_000)
     cut = np.minimum(drawn, LEVEL)
-    well = FullWell(LEVEL, np.array(charge), np.array(DEVIATION**2))
+    well = Well(LEVEL, np.array(charge), np.array(DEVIATION**2))
     assert charge - well.cut_mean == pytest.approx(cut.mean(), abs=2e-4)
     left = DEVIATION**2 - well.cut_variance
     assert left == pytest.approx(cut.var(), abs=0.01 * DEVIATION**2)
@@ -28,7 +28,7 @@ def test_what_is_cut_is_that_of_the_smaller_of_charge_and_level(above):
 
 @pytest.mark.parametrize("values", [{}, {"full_well": [0.0]}])
 def test_a_profile_without_one_cuts_nothing(values):
-    assert FullWell.of(values, np.ones(3), np.ones(3)) is None
+    assert Well.of(values, np.ones(3), np.ones(3)) is None
 
 
 def test_dust_moves_pixels_from_above_the_level_to_below_it():
