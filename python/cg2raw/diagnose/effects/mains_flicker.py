@@ -11,21 +11,20 @@ import numpy as np
 from cg2raw.diagnose.effects.base import (
     LIGHT,
     TEMPORAL,
-    Effect,
     Estimates,
     Gain,
     Parameter,
     Predicted,
     Values,
-    Whitened,
     percent,
     value_of,
 )
 from cg2raw.diagnose.effects.profile_entries import listed_values
+from cg2raw.diagnose.effects.shared_fields import SharedFields
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
-from cg2raw.diagnose.frames.shrinkage import Shrinkage, shown_light
+from cg2raw.diagnose.frames.shrinkage import shown_light
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
 
@@ -36,7 +35,7 @@ SLOPES = 2  # degree of what is no wave
 FEWEST_ALIKE = 3  # frames from which on what they share is no wave
 
 
-class MainsFlicker(Effect):
+class MainsFlicker(SharedFields):
     """Its phase is no parameter: it is even over a turn, which a Gaussian wave of the
     same variance is nearly, and that is integrated out."""
 
@@ -55,8 +54,6 @@ class MainsFlicker(Effect):
     moves_mean = False
     needs = LIGHT
     whitening = WhiteningStage.NUISANCE
-    linear = True
-    whitens_variance = True
     starts_from_data = True
     told_apart = {
         "row_noise": "Darks beside flats: flicker is in proportion to light and has a "
@@ -65,19 +62,14 @@ class MainsFlicker(Effect):
         "flicker moves from frame to frame.",
     }
 
-    def whiten(
-        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
-    ) -> Whitened:
-        """Shrink a frame's cosine and sine: a covariance of rank two a frame."""
+    def fields(self, p: Prediction, values: Values, frame: Frame) -> list[Array]:
         amplitude, period = values
-        if amplitude <= 0:
-            return z, 0.0
+        if amplitude <= 0 or not frame.capture.shows.light:
+            return []
         rows = frame.tiles.rows_and_columns()[0]
         turns = 2 * np.pi * rows / period
         light = amplitude / np.sqrt(2) * shown_light(frame, p) / np.sqrt(p.variance)
-        columns = np.array([light * np.cos(turns), light * np.sin(turns)])
-        shrinkage = Shrinkage.along(columns.reshape(2, -1), frame.keep)
-        return shrinkage.apply(z, frame.keep)
+        return [light * np.cos(turns), light * np.sin(turns)]
 
     def first_values(self, predicted: Predicted) -> Values | None:
         """Return the highest wave of the rows' light over all frames.

@@ -3,6 +3,7 @@
 
 """Shrinkage: what is Gaussian of few dimensions is integrated out of residuals."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +47,18 @@ class Shrinkage:
         along = self.shrink @ (self.columns @ flat.astype(kind))
         shrunk = flat - along.astype(kind) @ self.columns
         return shrunk.reshape(z.shape), self.cost * keep
+
+
+def whiten_along(
+    z: Array, fields: Sequence[Array], frame: Frame
+) -> tuple[Array, Array | float]:
+    """Return residuals (T, h, w) without fields of the same shape, in standard
+    deviations of a pixel, that a frame has by normal numbers, and the cost per
+    pixel."""
+    if not fields:
+        return z, 0.0
+    columns = np.reshape(fields, (len(fields), -1))
+    return Shrinkage.along(columns, frame.keep).apply(z, frame.keep)
 
 
 def shown_light(frame: Frame, p: Prediction) -> Array:

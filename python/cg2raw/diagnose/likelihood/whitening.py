@@ -13,10 +13,12 @@ import numpy as np
 from cg2raw.diagnose.effects.base import Effect, Values, Whitened
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.effects.shared_fields import SharedFields
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.shrinkage import whiten_along
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
@@ -37,6 +39,10 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
             z, more = p.shrinkage.apply(z, frame.keep)
         elif isinstance(effect, FixedPattern):
             z, more = effect.whiten_by_map(z, within, model.map_on(effect, frame))
+        elif isinstance(effect, SharedFields):
+            fields = effect.fields(p, values, frame)
+            seen = [_whitened_before(effect, one, p, model, frame) for one in fields]
+            z, more = whiten_along(z, seen, frame)
         elif not isinstance(effect, SharedOffset):
             z, more = effect.whiten(z, within, values, frame, read)
             within = effect.unfiltered(within, values)
@@ -62,6 +68,10 @@ def whiten_linearly(
             if offsets:
                 along = _along(effect, p, values, model, frame)
                 z = effect.to_power(z, along, frame, -0.5)[0]
+        elif isinstance(effect, SharedFields):
+            fields = effect.fields(p, values, frame)
+            seen = [_whitened_before(effect, one, p, model, frame) for one in fields]
+            z = whiten_along(z, seen, frame)[0]
         elif effect.linear:
             z = effect.whiten(z, within, values, frame, frame.beta2)[0]
             within = effect.unfiltered(within, values)
@@ -135,15 +145,23 @@ def _along(
 ) -> Array:
     """Return the direction of an offset in residuals that what comes before it has
     whitened: of the frame's, the rows have taken some already."""
-    along, within = effect.along(p, values, frame), p
+    along = effect.along(p, values, frame)
+    return _whitened_before(effect, along, p, model, frame)
+
+
+def _whitened_before(
+    effect: Effect, image: Array, p: Prediction, model: Model, frame: Frame
+) -> Array:
+    """Return an image as what is linear and comes before an effect whitens it."""
+    within = p
     for other, of_other in _steps(model, frame):
         if other is effect:
             break
         if other is not None and other.linear:
             of = p if isinstance(other, SharedOffset) else within
-            along = other.whiten(along, of, of_other, frame, frame.beta2)[0]
+            image = other.whiten(image, of, of_other, frame, frame.beta2)[0]
             within = other.unfiltered(within, of_other)
-    return along
+    return image
 
 
 def _steps(model: Model, frame: Frame) -> Iterator[tuple[Effect | None, Values]]:
