@@ -74,6 +74,32 @@ def test_the_density_of_a_frame_is_the_dense_normal(terms):
     assert found == pytest.approx(normal.logpdf(z[keep]), abs=1e-8)
 
 
+def test_the_wave_of_a_lamp_is_seen_as_rows_and_frame_left_it():
+    """A dim flat, of which rows differ as much as its pixels: the density is that of
+    one normal with the covariance of all three."""
+    amplitude, period = 0.4, 7.0
+    [frame] = frames_of(SENSOR, [capture_of("flat", 3, shape=SHAPE, level=0.02)])
+    frame = drawn([frame], Model(SENSOR), 3)[0]
+    frame = replace(frame, keep=np.random.default_rng(1).random((1, *SHAPE)) < 0.8)
+    model = model_of(SENSOR, **BOTH, mains_flicker=[amplitude, period])
+    p = predict(model, frame)
+    keep, spread = frame.keep, np.sqrt(p.variance)
+    z = (frame.signal - p.mean) / spread
+    white, cost = whiten(z, p, model, frame)
+    found = (-0.5 * white**2 - 0.5 * np.log(2 * np.pi) + cost)[keep].sum()
+    at = np.broadcast_to(np.arange(SHAPE[0])[:, None], SHAPE)[keep[0]]
+    turns = 2 * np.pi * (at[:, None] - at) / period
+    light = p.exposed[keep]
+    shared = 0.5 * amplitude**2 * np.outer(light, light) * np.cos(turns)
+    offsets = {name: values[0] ** 2 for name, values in BOTH.items()}
+    read = frame.beta2.mean()
+    shared += read * offsets["black_level_drift"]
+    shared += read * offsets["row_noise"] * (at[:, None] == at)
+    unit = np.outer(spread[keep], spread[keep])
+    normal = multivariate_normal(cov=np.eye(at.size) + shared / unit)
+    assert found == pytest.approx(normal.logpdf(z[keep]), abs=1e-6)
+
+
 def test_all_tiles_share_the_offset_of_their_frame():
     frame = dark()
     quarters = [(0, 0), (0, 8), (6, 0), (6, 8)]

@@ -157,9 +157,11 @@ def _whitened_before(
     for other, of_other in _steps(model, frame):
         if other is effect:
             break
-        if other is not None and other.linear:
-            of = p if isinstance(other, SharedOffset) else within
-            image = other.whiten(image, of, of_other, frame, frame.beta2)[0]
+        if isinstance(other, SharedOffset):
+            along = _along(other, p, of_other, model, frame)
+            image = other.to_power(image, along, frame, -0.5)[0]
+        elif other is not None and other.linear:
+            image = other.whiten(image, within, of_other, frame, frame.beta2)[0]
             within = other.unfiltered(within, of_other)
     return image
 
