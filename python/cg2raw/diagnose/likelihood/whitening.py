@@ -31,26 +31,20 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     of the determinant of that, per pixel.
 
     Offsets in frames that the ADC cuts are in the prediction (censored_offsets)."""
-    read = frame.beta2 * model.noise_gain("beta2")
+    stages = _Stages(p, frame, frame.beta2 * model.noise_gain("beta2"))
+    cut = cut_offsets(model, frame) is not None
     cost: Array | float = 0.0
-    within = p  # the camera, before what of its processing is whitened
     for effect, values in _steps(model, frame):
         if effect is None:
             z, more = p.shrinkage.apply(z, frame.keep)
         elif isinstance(effect, FixedPattern):
-            z, more = effect.whiten_by_map(z, within, model.map_on(effect, frame))
-        elif isinstance(effect, SharedFields):
-            fields = effect.fields(p, values, frame)
-            seen = [_whitened_before(effect, one, p, model, frame) for one in fields]
-            z, more = whiten_along(z, seen, frame)
-        elif not isinstance(effect, SharedOffset):
-            z, more = effect.whiten(z, within, values, frame, read)
-            within = effect.unfiltered(within, values)
-        elif cut_offsets(model, frame) is None:
-            along = _along(effect, p, values, model, frame)
-            z, more = effect.to_power(z, along, frame, -0.5)
-        else:
+            z, more = effect.whiten_by_map(
+                z, stages.within, model.map_on(effect, frame)
+            )
+        elif isinstance(effect, SharedOffset) and cut:
             continue
+        else:
+            z, more = stages.next(effect, values)(z)
         cost = cost + more
     return z, cost
 
@@ -60,31 +54,24 @@ def whiten_linearly(
 ) -> Array:
     """Return z whitened by what is linear and Gaussian; derivatives of a mean are
     whitened alike. offsets : with those that pixels share."""
-    within = p
+    stages = _Stages(p, frame, frame.beta2)
     for effect, values in _steps(model, frame):
         if effect is None:
             z = p.shrinkage.apply(z, frame.keep)[0]
-        elif isinstance(effect, SharedOffset):
-            if offsets:
-                along = _along(effect, p, values, model, frame)
-                z = effect.to_power(z, along, frame, -0.5)[0]
-        elif isinstance(effect, SharedFields):
-            fields = effect.fields(p, values, frame)
-            seen = [_whitened_before(effect, one, p, model, frame) for one in fields]
-            z = whiten_along(z, seen, frame)[0]
-        elif effect.linear:
-            z = effect.whiten(z, within, values, frame, frame.beta2)[0]
-            within = effect.unfiltered(within, values)
+        elif effect.linear and (offsets or not isinstance(effect, SharedOffset)):
+            z = stages.next(effect, values)(z)[0]
     return z
 
 
 def colour_offsets(z: Array, p: Prediction, model: Model, frame: Frame) -> Array:
     """Return z such that its product with what `whiten_linearly` makes of an image is
     that of z with the image: the offsets that pixels share drop out."""
+    stages = _Stages(p, frame, frame.beta2)
     for effect, values in _steps(model, frame):
-        if isinstance(effect, SharedOffset):
-            along = _along(effect, p, values, model, frame)
-            z = effect.to_power(z, along, frame, 0.5)[0]
+        if effect is not None and effect.linear:
+            stage = stages.next(effect, values)
+            if isinstance(effect, SharedOffset):
+                z = effect.to_power(z, stage.keywords["along"], frame, 0.5)[0]
     return z
 
 
@@ -140,30 +127,43 @@ def cut_offsets(model: Model, frame: Frame) -> OffsetVariances | None:
     return OffsetVariances(shared.get("row", 0.0), shared.get("frame", 0.0))
 
 
-def _along(
-    effect: SharedOffset, p: Prediction, values: Values, model: Model, frame: Frame
-) -> Array:
-    """Return the direction of an offset in residuals that what comes before it has
-    whitened: of the frame's, the rows have taken some already."""
-    along = effect.along(p, values, frame)
-    return _whitened_before(effect, along, p, model, frame)
+class _Stages:
+    """What whitens residuals of a prediction, one after the other: the direction of an
+    offset or a field is that in residuals which those before have whitened.
 
+    within : the prediction before what of its processing is whitened."""
 
-def _whitened_before(
-    effect: Effect, image: Array, p: Prediction, model: Model, frame: Frame
-) -> Array:
-    """Return an image as what is linear and comes before an effect whitens it."""
-    within = p
-    for other, of_other in _steps(model, frame):
-        if other is effect:
-            break
-        if isinstance(other, SharedOffset):
-            along = _along(other, p, of_other, model, frame)
-            image = other.to_power(image, along, frame, -0.5)[0]
-        elif other is not None and other.linear:
-            image = other.whiten(image, within, of_other, frame, frame.beta2)[0]
-            within = other.unfiltered(within, of_other)
-    return image
+    def __init__(self, p: Prediction, frame: Frame, read: Array) -> None:
+        self._p, self._frame, self._read = p, frame, read
+        self._linear: list[partial[Whitened]] = []
+        self.within = p
+
+    def next(self, effect: Effect, values: Values) -> "partial[Whitened]":
+        """Return what whitens by an effect, of residuals alone."""
+        p, frame = self._p, self._frame
+        if isinstance(effect, SharedOffset):
+            along = self._seen(effect.along(p, values, frame))
+            stage = partial(effect.to_power, along=along, frame=frame, power=-0.5)
+        elif isinstance(effect, SharedFields):
+            fields = [self._seen(one) for one in effect.fields(p, values, frame)]
+            stage = partial(whiten_along, fields=fields, frame=frame)
+        else:
+            stage = partial(
+                effect.whiten,
+                p=self.within,
+                values=values,
+                frame=frame,
+                read=self._read,
+            )
+            self.within = effect.unfiltered(self.within, values)
+        if effect.linear:
+            self._linear.append(stage)
+        return stage
+
+    def _seen(self, image: Array) -> Array:
+        for stage in self._linear:
+            image = stage(image)[0]
+        return image
 
 
 def _steps(model: Model, frame: Frame) -> Iterator[tuple[Effect | None, Values]]:
