@@ -3,9 +3,11 @@
 
 #include "cg2raw/prediction.h"
 
+#include "digitise.h"
 #include "run_stages.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace cg2raw {
 namespace {
@@ -17,10 +19,10 @@ std::string text_of(Size size)
 
 Size size_of(const Plane<const float>& plane) { return { plane.width, plane.height }; }
 
-void check_inside(const PredictedBlock& block, Size frame)
+void check_inside(const FrameBlock& block, Size frame)
 {
     const auto [row, col] = block.origin;
-    const Size size { block.mean.width, block.mean.height };
+    const Size size = block.size;
     const Size given = size_of(block.camera[0]);
     if (row < 0 || col < 0 || row + size.height > frame.height
         || col + size.width > frame.width || given.height > frame.height
@@ -33,7 +35,7 @@ void check_inside(const PredictedBlock& block, Size frame)
 
 /// Where the frame ends with the block, effects mirror as they do in the whole frame;
 /// elsewhere the margin has what they reach.
-void check_margin(const PredictedBlock& block, Size frame, int margin, int reach)
+void check_margin(const FrameBlock& block, Size frame, int margin, int reach)
 {
     const Size size = size_of(block.camera[0]);
     const Site first = first_of_block(block.origin, size, margin, frame);
@@ -43,9 +45,9 @@ void check_margin(const PredictedBlock& block, Size frame, int margin, int reach
             = begin + length < whole && begin + length - inner - count < reach;
         return before || after;
     };
-    if (is_short(block.origin.row, first.row, block.mean.height, size.height,
+    if (is_short(block.origin.row, first.row, block.size.height, size.height,
                  frame.height)
-        || is_short(block.origin.col, first.col, block.mean.width, size.width,
+        || is_short(block.origin.col, first.col, block.size.width, size.width,
                     frame.width))
         throw Error("margin " + std::to_string(margin) + " is less than the "
                     + std::to_string(reach)
@@ -61,29 +63,51 @@ void copy_inner(const Plane<float>& from, Site first, const Plane<float>& to)
         std::copy_n(from.row(first.row + row) + first.col, to.width, to.row(row));
 }
 
-void predict(const Stages& stages, const Exposure& exposure,
-             const PredictedBlock& block, int margin)
+/// All stages on a block with its margin. Calls done(band, first pixel of the block in
+/// the band); the band's first plane holds the signal before its noise.
+template <class Done>
+void pass(const Stages& stages, const Exposure& exposure, const FrameBlock& block,
+          int margin, Purpose purpose, const Done& done)
 {
-    const auto& [predicted, camera, mean, variance, exposed] = block;
-    const Site origin
-        = first_of_block(predicted, size_of(camera[0]), margin, exposure.frame);
-    const Site inner { predicted.row - origin.row, predicted.col - origin.col };
-    const int width = camera[0].width, height = camera[0].height;
+    const Size size = size_of(block.camera[0]);
+    const Site origin = first_of_block(block.origin, size, margin, exposure.frame);
     thread_local Band kept;
     Band large;
-    Band& band = std::ptrdiff_t(width) * height > most_kept ? large : kept;
-    band.resize(width, height);
+    Band& band = std::ptrdiff_t(size.width) * size.height > most_kept ? large : kept;
+    band.resize(size.width, size.height);
     for (std::size_t plane = 0; plane < 3; ++plane)
-        for (int row = 0; row < height; ++row)
-            std::copy_n(camera[plane].row(row), width, band.camera[plane].row(row));
-    stages.on_camera(band.camera, origin, exposure, Purpose::prediction);
+        for (int row = 0; row < size.height; ++row)
+            std::copy_n(block.camera[plane].row(row), size.width,
+                        band.camera[plane].row(row));
+    stages.on_camera(band.camera, origin, exposure, purpose);
     band.to_mosaic(stages.cfa, origin);
     // The plane of red is free from here on.
-    stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure,
-                     Purpose::prediction, &band.camera[0]);
-    copy_inner(band.mosaic, inner, mean);
-    copy_inner(band.variance, inner, variance);
-    copy_inner(band.camera[0], inner, exposed);
+    stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure, purpose,
+                     &band.camera[0]);
+    done(band, Site { block.origin.row - origin.row, block.origin.col - origin.col });
+}
+
+/// Calls pass_one(block, exposure with the glare context that the optics see) for all.
+template <class Block, class PassOne>
+void pass_all(const Stages& stages, const Exposure& given,
+              const std::vector<Block>& blocks, int margin, const ParallelFor& parallel,
+              const PassOne& pass_one)
+{
+    check_needs(stages.active, given);
+    Exposure exposure = given;
+    std::optional<GlareContext> glare_context;
+    if (given.glare_context && stages.needs_glare_context()) {
+        glare_context = *given.glare_context;
+        stages.pass_color(*glare_context, given);
+        exposure.glare_context = &*glare_context;
+    }
+    const int reach = reach_of(stages.active, Stage::color, Stage::processing);
+    for (const Block& block : blocks) {
+        check_inside(block, exposure.frame);
+        check_margin(block, exposure.frame, margin, reach);
+    }
+    parallel(int(blocks.size()),
+             [&](int i) { pass_one(blocks[std::size_t(i)], exposure); });
 }
 
 } // namespace
@@ -97,26 +121,39 @@ Site first_of_block(Site origin, Size block, int margin, Size frame)
 }
 
 void predict_blocks(const SensorProfile& profile,
-                    const std::vector<NamedValues>& settings, const Exposure& given,
+                    const std::vector<NamedValues>& settings, const Exposure& exposure,
                     const std::vector<PredictedBlock>& blocks, int margin,
                     const ParallelFor& parallel)
 {
     const Stages stages(profile, active_effects(profile, settings));
-    check_needs(stages.active, given);
-    Exposure exposure = given;
-    std::optional<GlareContext> glare_context;
-    if (given.glare_context && stages.needs_glare_context()) {
-        glare_context = *given.glare_context;
-        stages.pass_color(*glare_context, given);
-        exposure.glare_context = &*glare_context;
-    }
-    const int reach = reach_of(stages.active, Stage::color, Stage::processing);
-    for (const PredictedBlock& block : blocks) {
-        check_inside(block, exposure.frame);
-        check_margin(block, exposure.frame, margin, reach);
-    }
-    parallel(int(blocks.size()),
-             [&](int i) { predict(stages, exposure, blocks[std::size_t(i)], margin); });
+    const auto predict = [&](const PredictedBlock& block, const Exposure& seen) {
+        pass(stages, seen, block, margin, Purpose::prediction,
+             [&](const Band& band, Site first) {
+                 copy_inner(band.mosaic, first, block.mean);
+                 copy_inner(band.variance, first, block.variance);
+                 copy_inner(band.camera[0], first, block.exposed);
+             });
+    };
+    pass_all(stages, exposure, blocks, margin, parallel, predict);
+}
+
+void draw_blocks(const SensorProfile& profile, const Run& run, const Exposure& exposure,
+                 const std::vector<DrawnBlock>& blocks, int margin,
+                 const ParallelFor& parallel)
+{
+    Stages stages(profile, run, active_effects(profile, run, noise_of(profile, run)));
+    stages.noise_ceiling = std::numeric_limits<float>::max();
+    const Levels levels = levels_of(profile);
+    const auto draw = [&](const DrawnBlock& block, const Exposure& seen) {
+        pass(stages, seen, block, margin, Purpose::drawing,
+             [&](const Band& band, Site first) {
+                 for (int row = 0; row < block.size.height; ++row)
+                     digitise(band.mosaic.row(first.row + row) + first.col, levels,
+                              { block.origin.row + row, block.origin.col },
+                              block.size.width, block.dn.row(row));
+             });
+    };
+    pass_all(stages, exposure, blocks, margin, parallel, draw);
 }
 
 } // namespace cg2raw

@@ -2,25 +2,40 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file What effects are predicted to do to blocks of a frame, without a scene: for
-/// fits, which ask it thousands of times.
+/// fits, which ask it thousands of times; and the same drawn, as captures would be.
 #pragma once
 
 #include "cg2raw/effect.h"
 #include "cg2raw/parallel.h"
+#include "cg2raw/run.h"
+
+#include <cstdint>
 
 namespace cg2raw {
 
-/// A block of a frame, and where its prediction goes.
-struct PredictedBlock {
-    Site origin; ///< of the first pixel that is predicted, in the active area
+/// A block of a frame, without its margin.
+struct FrameBlock {
+    Site origin; ///< of the first pixel, in the active area
+    Size size;
     /// As it enters stage color: the block with its margin, moved into the frame where
     /// that would leave it.
     std::array<Plane<const float>, 3> camera;
-    /// Without the margin: the signal before quantisation, 0..1 above black and beyond;
-    /// its variance over frames, in the square of that; and the signal before its
-    /// noise.
+};
+
+/// Where the prediction of a block goes: the signal before quantisation, 0..1 above
+/// black and beyond; its variance over frames, in the square of that; and the signal
+/// before its noise.
+struct PredictedBlock : FrameBlock {
     Plane<float> mean, variance, exposed;
 };
+
+/// Where the DN of a block go.
+struct DrawnBlock : FrameBlock {
+    Plane<std::uint16_t> dn;
+};
+
+/// First pixel of the camera RGB of a block whose first pixel is @p origin.
+Site first_of_block(Site origin, Size block, int margin, Size frame);
 
 /// Predicts every block as a physical sensor takes it: nothing is clipped that no
 /// effect clips, and noise falls on every site. Fixed patterns are those of the
@@ -34,11 +49,16 @@ struct PredictedBlock {
 /// within them, effects mirror there as they do in the whole frame. Throws Error for
 /// bad settings, for blocks that leave the frame, if an effect needs what @p exposure
 /// lacks, and if effects reach beyond the margin on a side where the frame goes on.
-/// First pixel of the camera RGB of a block whose first predicted pixel is @p origin.
-Site first_of_block(Site origin, Size block, int margin, Size frame);
 void predict_blocks(const SensorProfile& profile,
                     const std::vector<NamedValues>& settings, const Exposure& exposure,
                     const std::vector<PredictedBlock>& blocks, int margin,
                     const ParallelFor& parallel);
+
+/// Draws every block as the same sensor takes it, by the effects of its profile and the
+/// noise of the run's ISO: pixels are those of the whole frame. Of the run, what makes
+/// camera RGB of a scene is not looked at; the exposure's time is that of the run.
+void draw_blocks(const SensorProfile& profile, const Run& run, const Exposure& exposure,
+                 const std::vector<DrawnBlock>& blocks, int margin,
+                 const ParallelFor& parallel);
 
 } // namespace cg2raw
