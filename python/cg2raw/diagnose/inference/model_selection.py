@@ -21,6 +21,7 @@ from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.bootstrap import Bootstrap
 from cg2raw.diagnose.inference.calibrated_start import (
     calibrated_start,
     lost_without_each,
@@ -196,13 +197,11 @@ class Search:
         candidates = Candidates(
             model, self.effects, self.splits, turns, self.threshold, self.report
         )
-        trials = candidates.trials()
-        sure = [trial for trial in trials if self._may_be_added(trial)]
-        if not sure:
+        chosen = self._chosen(candidates)
+        if chosen is None:
             self._reached = candidates.null
             return None
-        first = mean_first(sure, self.effects)
-        best, ambiguous = self._decide(first, trials)
+        best, first, ambiguous, trials = chosen
         self.steps.append(
             Step(
                 "added",
@@ -216,6 +215,24 @@ class Search:
         )
         self._reached = best.model
         return self._settled(best.model, best.name)
+
+    def _chosen(
+        self, candidates: Candidates
+    ) -> tuple[Trial, Trial, list[str], list[Trial]] | None:
+        """Return (the trial to accept, the one that comes first without a tie, names
+        that are as good, all trials); None if none is sure."""
+        trials = candidates.trials()
+        bootstrap = Bootstrap(candidates, self.baseline, self.report)
+        sure = [trial for trial in trials if self._may_be_added(trial)]
+        while sure:
+            first = mean_first(sure, self.effects)
+            best, ambiguous = self._decide(first, trials)
+            by_chance = bootstrap.most_by_chance(best)
+            if best.evidence >= self.threshold + by_chance:
+                return best, first, ambiguous, trials
+            trials = [trial for trial in trials if trial is not best]
+            sure = [trial for trial in sure if trial is not best]
+        return None
 
     def _may_be_added(self, trial: Trial) -> bool:
         """Return whether an effect is sure, and more than what the model of one that

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Model profile: a sensor with a model's effects in it, as the registry draws them."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cg2raw.cfa import sites_of
+from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.effects.base import EstimatesByEffect
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.likelihood.model import Model
+
+
+def model_profile(
+    model: Model, frames: Sequence[Frame], estimates: EstimatesByEffect
+) -> dict[str, Any]:
+    """Return the JSON object of the baseline's profile with a model's effects in it,
+    but those that calibrate it: of these the profile says how strong they are."""
+    profile: dict[str, Any] = json.loads(model.sensor.to_json())
+    _add_estimated_noise(profile, frames)
+    effects = {effect["name"]: effect for effect in profile.get("effects", [])}
+    listed = model.profile_parameters
+    for term in model.terms:
+        effect = term.effect
+        if effect.change_noise_table(profile, term.values) or term.calibration:
+            continue
+        # What moves the prediction was fitted on top of the profile's, all else whole.
+        old = listed.get(term.name, {}) if effect.predicted else {}
+        found = effect.registry_estimates(estimates[term.name], term.sensor_map)
+        values = np.array([estimate.value for estimate in found.values()])
+        if old:
+            values = effect.added(np.array([old[name] for name in found]), values)
+        bounded = effect.within_registry_bounds(values)
+        parameters = dict(zip(found, map(float, bounded), strict=True))
+        effects[term.name] = {"name": term.name, "parameters": parameters}
+    if effects:
+        profile["effects"] = list(effects.values())
+    return profile
+
+
+def values_alone(model: Model, frames: Sequence[Frame]) -> EstimatesByEffect:
+    """Return the values of every term in the registry's units, each its own interval:
+    how sure they are is not asked."""
+    result = {}
+    for term in model.terms:
+        scaled = term.values * term.effect.unit_scale(frames)
+        result[term.name] = {
+            name: Estimate(float(value), unit, (float(value), float(value)))
+            for name, unit, value in zip(
+                term.effect.parameters, term.effect.units, scaled, strict=True
+            )
+        }
+    return result
+
+
+def _add_estimated_noise(profile: dict[str, Any], frames: Sequence[Frame]) -> None:
+    """A profile without noise takes what was measured of the captures."""
+    if profile.get("noise"):
+        return
+    rows = {}
+    for frame in frames:
+        iso = frame.capture.iso
+        if iso is not None and not frame.noise.measured:
+            sites = len(sites_of(profile["cfa"]))
+            rows[iso] = {
+                "iso": iso,
+                "beta1": _for_profile(frame.noise.beta1, sites),
+                "beta2": _for_profile(frame.noise.beta2, sites),
+            }
+    if rows:
+        profile["noise"] = [rows[iso] for iso in sorted(rows)]
+
+
+def _for_profile(betas: Sequence[float], sites: int) -> list[float]:
+    return list(betas) if len(betas) > 1 else [betas[0]] * sites
