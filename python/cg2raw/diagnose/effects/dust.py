@@ -82,9 +82,8 @@ def _mean_of(values: Array, unit: str) -> Estimate:
 
 @dataclass(frozen=True)
 class Spots:
-    """Of a map: how many spots there are; depths and radii of those that lie within, as
-    they were before the map was smoothed. A spot is Gaussian, its radius where half of
-    its loss is left."""
+    """Of a map: how many spots there are; depths and radii of those that lie within. A
+    spot is Gaussian, its radius where half of its loss is left."""
 
     count: int
     depths: Array
@@ -107,10 +106,10 @@ class Spots:
         deepest[numbers] = ndimage.maximum(loss, spots, numbers)
         half = loss > 0.5 * deepest[spots]
         seen = np.asarray(ndimage.sum_labels(half, spots, numbers), float) / np.pi
-        # Smoothing adds its variance to that of a spot, and takes as much of its depth.
-        own = np.maximum(seen - 2 * np.log(2) * SPOT_WIDTH**2, 1.0)
-        depths = deepest[numbers] * np.maximum(seen / own, 1.0)
-        return cls(count, depths, np.sqrt(own))
+        # The map's kernel is 2 g - g * g, of a Gaussian g: it takes some of the top.
+        squared, width = seen / (2 * np.log(2)), SPOT_WIDTH**2
+        left = 2 * squared / (squared + width) - squared / (squared + 2 * width)
+        return cls(count, deepest[numbers] / left, np.sqrt(seen))
 
 
 EFFECT = Dust()

@@ -18,7 +18,7 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.inference.baseline import Baseline
-from cg2raw.diagnose.inference.fitting import scored
+from cg2raw.diagnose.inference.fitting import fit_alone, scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.full_start import MOST_OUT, MOST_OUTLIERS, Start
 from cg2raw.diagnose.inference.illumination import (
@@ -52,11 +52,13 @@ def calibrated_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | N
         return None
     error = reading_error(splits.frames, "temperature" in baseline.free)
     shown = splits
+    model = _with_sure_shading(model, effects, shown)  # or spots would take it
     for _ in range(TURNS_OF_LIGHT):
         model = fit_patterns(model, shown.fit)
         splits = warmed(model, splits, error)
         shown = without_outliers(model, splits, MOST_OUT)
-    model = _with_sure_shading(model, effects, shown)
+        if model.term(SHADING):
+            model = fit_alone(model, SHADING, shown.fit)
     light = model
     splits, gain = as_lit_with_gain(light, splits)
     model = fit_patterns(model, without_transients(model, splits).fit)

@@ -16,10 +16,15 @@ from scipy.ndimage import gaussian_filter, label
 from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.dust import SPOT_WIDTH
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.inference.map_evidence import Evidence, mean_around
+from cg2raw.diagnose.inference.map_evidence import (
+    LEAST_TOLD_AROUND,
+    Evidence,
+    mean_around,
+)
 from cg2raw.diagnose.likelihood.model import Term
 
 SEARCHED = 4.0  # px: standard deviation of what spots are looked for in
+WEIGHED = 3.0  # px: the same of what tells how strong a spot is at a pixel
 SHADING_WIDTH = 32.0  # px: a slower map is shading, and no spot
 DARKEST, EDGE = 5.0, 1.5  # standard deviations below the rest, of a spot and its edge
 # Shares of the frame, up to the brightest: no spot is there. How many standard
@@ -28,6 +33,9 @@ DARKEST, EDGE = 5.0, 1.5  # standard deviations below the rest, of a spot and it
 BRIGHTEST = (0.90, 0.98)
 BETWEEN, BELOW = 0.84, 1.06
 TURNS_OF_SPOTS = 3  # of spots and what is slow beside them
+# Of a mean by a Gaussian g, if what is left is smoothed once more: the integral of the
+# square of 2 g - g * g over that of g.
+VARIANCE_OF_TWICE = 11 / 6
 LEAST_FREE = 0.25  # of a row's pixels, without spots, for what they share to be told
 
 
@@ -41,16 +49,25 @@ def fit_spot_map(term: Term, evidence: Evidence) -> Term:
     if not known.any():
         return nothing
     rest, spots, cores = _found(score, information)
-    estimate, error = _smoothed(rest, information, SPOT_WIDTH)
-    prior = float((estimate**2 - error)[spots].mean()) if spots.any() else 0.0
-    if prior <= 0:
+    estimate, error = _twiced(rest, information)
+    prior = _prior_of(estimate, error, spots)
+    if not prior.any():
         return nothing
-    share = np.where(spots, prior / (prior + error), 0.0)
+    share = prior / np.maximum(prior + error, LEAST_TOLD_AROUND)
     mean = np.minimum(estimate, 0) * share  # dust does not add light
     mean = mean * _pieces_with(cores, mean < 0)  # noise has cut their edges up
     sigma = float(np.sqrt(np.mean(mean[known] ** 2)))
     sensor_map = SensorMap(mean, share * error)
     return replace(term, values=np.array([sigma]), sensor_map=sensor_map)
+
+
+def _prior_of(estimate: Array, error: Array, spots: Mask) -> Array:
+    """Return how strong the spots are at each pixel, squared, by what is around it:
+    beside their edges they are weak, and 0 where there are none."""
+    around = (0, WEIGHED, WEIGHED)
+    strong = gaussian_filter(np.where(spots, estimate**2 - error, 0), around)
+    share = gaussian_filter(spots.astype(float), around)
+    return np.where(spots, np.maximum(strong, 0) / np.maximum(share, 1e-9), 0)
 
 
 def _found(score: Array, information: Array) -> tuple[Array, Mask, Mask]:
@@ -87,6 +104,15 @@ def _smoothed(score: Array, information: Array, width: float) -> tuple[Array, Ar
     narrower = (0, width / np.sqrt(2), width / np.sqrt(2))
     squares = gaussian_filter(information, narrower, mode="constant")
     return estimate, squares / (4 * np.pi * width**2) / told**2
+
+
+def _twiced(score: Array, information: Array) -> tuple[Array, Array]:
+    """Return the same of means as wide as the smallest spot, with what these lose of
+    peaks: that of a slope and of a curve is none. Source: J. W. Tukey, Exploratory Data
+    Analysis, 1977."""
+    once, error = _smoothed(score, information, SPOT_WIDTH)
+    lost, _ = _smoothed(score - information * once, information, SPOT_WIDTH)
+    return once + lost, VARIANCE_OF_TWICE * error
 
 
 def _spots_in(score: Array, information: Array, free: Mask) -> tuple[Mask, Mask]:
