@@ -20,8 +20,8 @@ def test_what_is_cut_is_that_of_the_smaller_of_charge_and_level(above):
     drawn = np.random.default_rng(4).normal(charge, DEVIATION, 400_000)
     cut = np.minimum(drawn, LEVEL)
     well = Well(LEVEL, np.array(charge), np.array(DEVIATION**2))
-    assert charge - well.cut_mean == pytest.approx(cut.mean(), abs=2e-4)
-    left = DEVIATION**2 - well.cut_variance
+    assert charge - well.cut[0] == pytest.approx(cut.mean(), abs=2e-4)
+    left = DEVIATION**2 - well.cut[1]
     assert left == pytest.approx(cut.var(), abs=0.01 * DEVIATION**2)
     assert well.below == pytest.approx((drawn < LEVEL).mean(), abs=3e-3)
 

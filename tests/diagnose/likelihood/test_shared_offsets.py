@@ -22,8 +22,10 @@ from cg2raw.diagnose.likelihood.whitening import (
     colour_offsets,
     whiten,
     whiten_linearly,
+    without_shared,
 )
 from diagnose.planted import (
+    BY_NAME,
     READ,
     capture_of,
     cut_at_zero,
@@ -74,9 +76,9 @@ def test_the_density_of_a_frame_is_the_dense_normal(terms):
     assert found == pytest.approx(normal.logpdf(z[keep]), abs=1e-8)
 
 
-def test_the_wave_of_a_lamp_is_seen_as_rows_and_frame_left_it():
-    """A dim flat, of which rows differ as much as its pixels: the density is that of
-    one normal with the covariance of all three."""
+def lit_by_a_lamp():
+    """Return (model, a dim flat, of which rows differ as much as its pixels, its
+    covariance in standard deviations of the pixels that count)."""
     amplitude, period = 0.4, 7.0
     [frame] = frames_of(SENSOR, [capture_of("flat", 3, shape=SHAPE, level=0.02)])
     frame = drawn([frame], Model(SENSOR), 3)[0]
@@ -84,9 +86,6 @@ def test_the_wave_of_a_lamp_is_seen_as_rows_and_frame_left_it():
     model = model_of(SENSOR, **BOTH, mains_flicker=[amplitude, period])
     p = predict(model, frame)
     keep, spread = frame.keep, np.sqrt(p.variance)
-    z = (frame.signal - p.mean) / spread
-    white, cost = whiten(z, p, model, frame)
-    found = (-0.5 * white**2 - 0.5 * np.log(2 * np.pi) + cost)[keep].sum()
     at = np.broadcast_to(np.arange(SHAPE[0])[:, None], SHAPE)[keep[0]]
     turns = 2 * np.pi * (at[:, None] - at) / period
     light = p.exposed[keep]
@@ -96,8 +95,30 @@ def test_the_wave_of_a_lamp_is_seen_as_rows_and_frame_left_it():
     shared += read * offsets["black_level_drift"]
     shared += read * offsets["row_noise"] * (at[:, None] == at)
     unit = np.outer(spread[keep], spread[keep])
-    normal = multivariate_normal(cov=np.eye(at.size) + shared / unit)
-    assert found == pytest.approx(normal.logpdf(z[keep]), abs=1e-6)
+    return model, frame, np.eye(at.size) + shared / unit
+
+
+def test_the_wave_of_a_lamp_is_seen_as_rows_and_frame_left_it():
+    """The density is that of one normal with the covariance of all three."""
+    model, frame, covariance = lit_by_a_lamp()
+    p = predict(model, frame)
+    z = (frame.signal - p.mean) / np.sqrt(p.variance)
+    white, cost = whiten(z, p, model, frame)
+    found = (-0.5 * white**2 - 0.5 * np.log(2 * np.pi) + cost)[frame.keep].sum()
+    normal = multivariate_normal(cov=covariance)
+    assert found == pytest.approx(normal.logpdf(z[frame.keep]), abs=1e-6)
+
+
+def test_what_is_most_likely_shared_is_that_of_the_covariance():
+    model, frame, covariance = lit_by_a_lamp()
+    p, keep = predict(model, frame), frame.keep
+    z = np.random.default_rng(5).standard_normal(keep.shape) * keep
+    left = 1.0
+    for name, values in BOTH.items():
+        along = BY_NAME[name].along(p, np.array(values), frame)
+        left = left * (1 - BY_NAME[name].leverage(along, frame))
+    own = without_shared(z, p, model, frame) * np.sqrt(left)
+    assert own[keep] == pytest.approx(np.linalg.solve(covariance, z[keep]), abs=1e-6)
 
 
 def test_all_tiles_share_the_offset_of_their_frame():

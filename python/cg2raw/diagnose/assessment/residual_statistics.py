@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cg2raw.diagnose.assessment.fixed_sums import FixedSums, shown_maps
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
@@ -51,18 +52,6 @@ class MapDoubt:
 
     of_pixels: Array
     of_columns: Array
-
-
-@dataclass
-class FixedSums:
-    """Per pixel, of frames of one shape: sums of residuals and of their squares, number
-    of frames; and what uncertain maps add to the products, by map: sums of shares and
-    of their squares."""
-
-    residuals: Any = 0.0
-    squares: Any = 0.0
-    counts: Any = 0
-    posterior: dict[str, tuple[Any, Any]] = field(default_factory=dict)
 
 
 @dataclass
@@ -175,12 +164,7 @@ def _collect(
     fixed.residuals = fixed.residuals + np.where(used, z, 0)
     fixed.squares = fixed.squares + np.where(used, z * z, 0)
     fixed.counts = fixed.counts + used
-    for term, effect, sensor_map in model.maps:
-        if sensor_map.mean.shape == z.shape:
-            sensitivity = effect.sensitivity(frame, np.maximum(p.exposed, 0))
-            share = sensitivity * np.sqrt(sensor_map.variance / p.variance) * used
-            linear, square = fixed.posterior.get(term.name, (0.0, 0.0))
-            fixed.posterior[term.name] = (linear + share, square + share**2)
+    fixed.count_maps(shown_maps(model, frame, p, used))
 
 
 def _means(c: Statistics, frame: Frame, p: Prediction, z: Array, used: Mask) -> None:
@@ -258,8 +242,8 @@ def _doubt(model: Model, frame: Frame, p: Prediction, used: Mask) -> MapDoubt:
         if effect.layout == "columns":
             of_columns = np.sqrt(sensor_map.variance / p.variance)[used]
         elif effect.lacks_slow_part:
-            sensitivity = effect.sensitivity(frame, np.maximum(p.exposed, 0))
-            size = np.abs(sensitivity) * float(term.values[0]) / np.sqrt(p.variance)
+            shown = np.abs(effect.shown(frame, p))
+            size = shown * float(term.values[0]) / np.sqrt(p.variance)
             of_pixels = np.hypot(of_pixels, size[used])
     return MapDoubt(of_pixels, of_columns)
 

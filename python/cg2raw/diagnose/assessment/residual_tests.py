@@ -90,10 +90,9 @@ def _fixed(c: Statistics) -> ResidualTest:
     """The product of a pixel's residuals over frames, without what a map explains."""
     excess, variance = 0.0, 0.0
     for one in c.fixed.values():
-        known = sum(a * a - b for a, b in one.posterior.values())
         counts = np.asarray(one.counts, float)
         used = counts > 1
-        excess += float((one.residuals**2 - one.squares - known)[used].sum())
+        excess += float((one.residuals**2 - one.squares - one.of_maps)[used].sum())
         variance += float((2 * counts[used] * (counts[used] - 1)).sum())
     size = excess / np.sqrt(max(variance, 1.0))
     p_value, nats = float(2 * norm.sf(abs(size))), 0.5 * (size**2 - 1)

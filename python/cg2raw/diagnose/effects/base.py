@@ -90,11 +90,9 @@ class Effect:
     from_means : tables of patch means show it: neither pixels nor places are needed,
         nor does it look like errors of the chart's own colours, the same in all frames.
     taken_up_by : effects that take up what this one's model does not describe, and the
-        share of its gain up to which they are no finding: about twice the largest that
-        single hidden effects and measured lenses left.
+        share of its gain up to which they are none.
     shows_without_image : darks and flats show it; then nothing takes it up.
-    bayer_only : other CFAs have none of it, or none that the registry simulates.
-    nameable : False for what a profile may have and no diagnosis looks for.
+    bayer_only : other CFAs have none. nameable : False for what is never looked for.
     cfa : that of the sensor, where it has other parameters there; see `of_cfa`."""
 
     name: ClassVar[str] = ""
@@ -129,7 +127,7 @@ class Effect:
 
     # Of the noise model: its values are the log of a factor of these betas.
     scales: ClassVar[Literal["", "beta1", "beta2"]] = ""
-    # Its offset, drawn in every frame, is shared by the pixels of a row, or by all.
+    # The offset of a frame is shared by the pixels of a row, or by all.
     shares_offset: ClassVar[Literal["", "row", "frame"]] = ""
     # Its variance is its whitening's, and no prediction's.
     whitens_variance: ClassVar[bool] = False
@@ -165,9 +163,13 @@ class Effect:
         read : variance of the read noise."""
         return z, 0.0
 
-    def unfiltered(self, p: Prediction, values: Values) -> Prediction:
-        """Return what is predicted of residuals that it has whitened."""
-        return p
+    def blended(self, image: Array, values: Values) -> Array:
+        """Return what it makes of an image (T, h, w), if it blends neighbours."""
+        return image
+
+    def variance_left(self, values: Values) -> float:
+        """Return what that leaves of the variance of white noise."""
+        return 1.0
 
     def tails(self, values: Values) -> tuple[float, float] | None:
         """Return (share, variance ratio) of noise that it makes wider than the rest."""

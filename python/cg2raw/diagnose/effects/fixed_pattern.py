@@ -66,6 +66,11 @@ class FixedPattern(Effect):
         """Return what the map is multiplied by in a frame."""
         return 1.0
 
+    def shown(self, frame: Frame, p: Prediction) -> Array | float:
+        """Return the same as far as pixels show it, which a full well hides."""
+        sensitivity = self.sensitivity(frame, np.maximum(p.exposed, 0))
+        return sensitivity * (p.below if self.fills_well else 1.0)
+
     def whiten_by_map(
         self, z: Array, p: Prediction, sensor_map: SensorMap | None
     ) -> Whitened:

@@ -56,8 +56,8 @@ class FullWell(Effect):
         if values[0] <= 0 or not near.any():
             return z, extra
         x, s2, light = charge[near], p.photon_variance[near] + 1e-14, light[near]
-        filled = Well(well, x, s2)
-        mean, clipped = x - filled.cut_mean, s2 - filled.cut_variance
+        lost, less_varied = Well(well, x, s2).cut
+        mean, clipped = x - lost, s2 - less_varied
         known = p.variance[near] - light
         least = 0.2 * np.broadcast_to(read, z.shape)[near]
         rest = np.maximum(known - clipped, least)

@@ -3,8 +3,6 @@
 
 """Noise reduction: the camera blended a pixel with its neighbours."""
 
-from dataclasses import replace
-
 import numpy as np
 from scipy import fft
 
@@ -52,22 +50,24 @@ class NoiseReduction(Effect):
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:
         """Divide by the filter that a camera blended its noise with, in frequency."""
-        blend, diagonal = values
-        centre = 1 - blend - diagonal
         height, width = z.shape[-2:]
-        cy = np.cos(4 * np.pi * np.fft.fftfreq(height))[:, None]
-        cx = np.cos(4 * np.pi * np.fft.rfftfreq(width))[None]
-        filter_ = centre + blend / 2 * (cy + cx) + diagonal * cy * cx
-        power = filter_**2 / _variance_left(values) + LEAST_POWER
+        response = _response(height, width, values)
+        power = response**2 / self.variance_left(values) + LEAST_POWER
         log_sum = 2 * np.log(power).sum() - np.log(power[:, 0]).sum()
         if width % 2 == 0:
             log_sum -= np.log(power[:, -1]).sum()
         white = fft.irfft2(fft.rfft2(z) / np.sqrt(power), z.shape[-2:])
         return white, -0.5 * log_sum / (height * width)
 
-    def unfiltered(self, p: Prediction, values: Values) -> Prediction:
-        """With the variance that noise had before neighbours were blended."""
-        return replace(p, variance=p.variance / _variance_left(values))
+    def blended(self, image: Array, values: Values) -> Array:
+        height, width = image.shape[-2:]
+        response = _response(height, width, values)
+        return np.asarray(fft.irfft2(fft.rfft2(image) * response, (height, width)))
+
+    def variance_left(self, values: Values) -> float:
+        blend, diagonal = values
+        own = (1 - blend - diagonal) ** 2
+        return float(own + blend**2 / 4 + diagonal**2 / 4)
 
     def expected_gain(
         self, selected: Predicted, fitted: Predicted, information: float
@@ -85,10 +85,13 @@ class NoiseReduction(Effect):
         return gain
 
 
-def _variance_left(values: Values) -> float:
-    """Return what the filter leaves of the variance of white noise."""
+def _response(height: int, width: int, values: Values) -> Array:
+    """Return the filter, which has no phase, at the frequencies of a real image."""
     blend, diagonal = values
-    return float((1 - blend - diagonal) ** 2 + blend**2 / 4 + diagonal**2 / 4)
+    cy = np.cos(4 * np.pi * np.fft.fftfreq(height))[:, None]
+    cx = np.cos(4 * np.pi * np.fft.rfftfreq(width))[None]
+    centre = 1 - blend - diagonal
+    return np.asarray(centre + blend / 2 * (cy + cx) + diagonal * cy * cx)
 
 
 EFFECT = NoiseReduction()

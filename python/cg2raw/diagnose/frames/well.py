@@ -43,39 +43,24 @@ class Well:
         return Well(self.level, self.charge + charge, more)
 
     @property
-    def _deviation(self) -> Array:
-        return np.sqrt(np.maximum(self.variance, LEAST_VARIANCE))
-
-    @property
-    def _above(self) -> Array:
-        return np.clip(
-            (self.charge - self.level) / self._deviation,
-            -FAR_FROM_LEVEL,
-            FAR_FROM_LEVEL,
-        )
-
-    @property
     def below(self) -> Array:
         """The chance that charge stays below the level."""
-        return np.asarray(ndtr(-self._above))
+        return np.asarray(ndtr(-self._above()[0]))
 
     @property
-    def cut_mean(self) -> Array:
-        """What is lost of the mean."""
-        short = np.exp(-0.5 * self._above**2) / ROOT_2_PI - self._above * self.below
-        lost = self.charge - self.level + self._deviation * short
-        return np.asarray(np.maximum(lost, 0))
-
-    @property
-    def cut_variance(self) -> Array:
-        """What is lost of the variance."""
-        return np.asarray(self.variance * (1 - self.share_left))
-
-    @property
-    def share_left(self) -> Array:
-        """The share of the variance that is left."""
-        above, below = self._above, self.below
+    def cut(self) -> Array:
+        """What is lost of the mean, and of the variance, (2, T, h, w)."""
+        above, deviation = self._above()
+        below = ndtr(-above)
         density = np.exp(-0.5 * above**2) / ROOT_2_PI
-        square = (1 + above**2) * below - above * density
-        left = square - (density - above * below) ** 2
-        return np.asarray(np.clip(left, 0, 1))
+        short = density - above * below
+        lost = self.charge - self.level + deviation * short
+        left = (1 + above**2) * below - above * density - short**2
+        varied_less = self.variance * (1 - np.clip(left, 0, 1))
+        return np.stack([np.maximum(lost, 0), varied_less])
+
+    def _above(self) -> tuple[Array, Array]:
+        """Return (how far charge is above the level, in standard deviations; these)."""
+        deviation = np.sqrt(np.maximum(self.variance, LEAST_VARIANCE))
+        above = (self.charge - self.level) / deviation
+        return np.clip(above, -FAR_FROM_LEVEL, FAR_FROM_LEVEL), deviation

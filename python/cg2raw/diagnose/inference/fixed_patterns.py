@@ -26,6 +26,7 @@ from cg2raw.diagnose.inference.map_prior import prior_of
 from cg2raw.diagnose.inference.pixel_maps import pixel_maps
 from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
 from cg2raw.diagnose.inference.spot_map import fit_spot_map
+from cg2raw.diagnose.inference.unblended_frames import unblended
 from cg2raw.diagnose.inference.variance_map import fit_variance_map
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
@@ -50,7 +51,8 @@ def fit_patterns(
     ]
     if not effects:
         return model
-    chosen = likelihood.of(_of_common_shape(likelihood.frames))
+    common = likelihood.of(_of_common_shape(likelihood.frames))
+    known, chosen = unblended(model, common)
     apart = [effect for effect in effects if effect.layout != "pixels"]
     spots = [[effect.name] for effect in apart if effect.layout == "spots"]
     parts = [[effect.name] for effect in apart if effect.layout != "spots"]
@@ -60,10 +62,10 @@ def fit_patterns(
     parts = spots + parts
     is_new = any(_is_new(term) for term in model.terms)
     for _ in range(TURNS_OF_MAPS if is_new and len(parts) > 1 else 1):
-        shown = without_shared_offsets(model, chosen)
+        shown = without_shared_offsets(known, chosen)
         for together in parts:
-            for term in _fitted(model, together, shown):
-                model = model.with_term(term)
+            for term in _fitted(known, together, shown):
+                known, model = known.with_term(term), model.with_term(term)
     return model
 
 
@@ -76,17 +78,10 @@ def _is_new(term: Term) -> bool:
 def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[Term]:
     """Return some terms of a model with their maps, estimated together."""
     terms = [term for term in model.terms if term.name in names]
-    rest = model
-    for name in names:
-        rest = rest.without(name)
     effects = [term.effect for term in terms if isinstance(term.effect, FixedPattern)]
-    if any(effect.is_log_normal for effect in effects):
-        for term, effect, _ in model.maps:
-            rest = rest.without(term.name) if effect.layout == "sparse" else rest
-    if effects[0].layout == "spots":  # gains of pixels would take its edges
-        for term, effect, _ in model.maps:
-            of_pixels = effect.layout == "pixels" and effect.acts_on_light
-            rest = rest.without(term.name) if of_pixels else rest
+    rest = model
+    for name in [*names, *_would_take_of(effects, model)]:
+        rest = rest.without(name)
     if effects[0].layout == "sparse":
         return [fit_sparse_map(terms[0], effects[0], rest, likelihood)]
     if effects[0].layout == "jumps":
@@ -95,12 +90,24 @@ def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[
     evidence = evidence_of(effects, rest, likelihood, maps)
     if effects[0].layout == "spots":
         return [fit_spot_map(terms[0], evidence)]
-    stated = [
-        rest.profile_parameters.get(t.name) if t.calibration else None for t in terms
-    ]
     if effects[0].layout == "columns":
         return [_columns(terms[0], evidence, likelihood.frames[0])]
+    of_profile = rest.profile_parameters
+    stated = [of_profile.get(t.name) if t.calibration else None for t in terms]
     return pixel_maps(terms, effects, evidence, stated)
+
+
+def _would_take_of(effects: Sequence[FixedPattern], model: Model) -> list[str]:
+    """Return the maps of a model that would take what belongs to others: few hot pixels
+    those of a log-normal law, gains of pixels the edges of spots."""
+    log_normal = any(effect.is_log_normal for effect in effects)
+    spots = effects[0].layout == "spots"
+    return [
+        term.name
+        for term, effect, _ in model.maps
+        if (log_normal and effect.layout == "sparse")
+        or (spots and effect.layout == "pixels" and effect.acts_on_light)
+    ]
 
 
 def _of_common_shape(frames: Sequence[Frame]) -> list[Frame]:

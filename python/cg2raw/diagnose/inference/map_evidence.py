@@ -67,11 +67,7 @@ def evidence_of(
 
     def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
         p = predict_with_jumps(rest, frame)
-        photons = np.maximum(p.exposed, 0)
-        given = [
-            e.sensitivity(frame, photons) * (p.below if e.fills_well else 1.0)
-            for e in effects
-        ]
+        given = [effect.shown(frame, p) for effect in effects]
         p = _beside_tails(p, rest, frame, given, known)
         z, _, weight = scores(p, frame)
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)

@@ -27,7 +27,7 @@ from cg2raw.diagnose.inference.sparse_map import CLOSE, EM_ROUNDS
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import photon_gain
-from cg2raw.diagnose.likelihood.tails import tails_in, tails_of
+from cg2raw.diagnose.likelihood.tails import tails_in
 
 FEWEST_FRAMES = 3  # of a pixel, for what is left of them beside its mean
 JUMPS_WEIGHED = 24  # of a jump that are weighed
@@ -43,15 +43,15 @@ class _Group:
     """Of frames of one light, (T, h, w): noise variance, and of their residuals the
     number, sum and sum of squares.
 
-    outlying : chance of a residual to be of the noise's tail. wider : what the variance
-    is then more. residuals : of every frame, if noise has tails."""
+    wider : what the variance of a residual of the noise's tail is more. outlying :
+    chance of one. residuals : of every frame, if noise has tails."""
 
     variance: Array
     count: Array
     total: Array
     squares: Array
+    wider: Array
     outlying: float = 0.0
-    wider: Array | float = 0.0
     residuals: tuple[Array, ...] = ()
 
     @property
@@ -110,8 +110,8 @@ def _groups(predicted: Predicted, rest: Model) -> Iterable[_Group]:
 
 
 def _group(predicted: Predicted, rest: Model) -> _Group:
-    variance, count, total, squares = np.zeros((4, *predicted[0][1].mean.shape))
-    wider: Array | float = 0.0
+    variance, count, total, squares, wider = np.zeros((5, *predicted[0][1].mean.shape))
+    outlying = 0.0
     residuals = []
     for frame, p in predicted:
         used = frame.keep & ~frame.censored
@@ -123,13 +123,12 @@ def _group(predicted: Predicted, rest: Model) -> _Group:
         total += residual
         squares += residual**2
         if tails is not None:
-            wider = wider + tails.wide - tails.narrow
+            outlying = tails.outlying
+            wider += tails.wide - tails.narrow
             residuals.append(residual.astype(np.float32))
-    shares = variance / len(predicted), np.asarray(wider / len(predicted))
-    outlying = tails_of(rest, predicted[0][0])[0] if residuals else 0.0
-    return _Group(
-        shares[0], count, total, squares, outlying, shares[1], tuple(residuals)
-    )
+    frames = len(predicted)
+    variance, wider = variance / frames, wider / frames
+    return _Group(variance, count, total, squares, wider, outlying, tuple(residuals))
 
 
 def _shot_noise_of_maps(rest: Model, frame: Frame, p: Prediction) -> Array:
@@ -201,9 +200,9 @@ def _without_jumps(groups: Iterable[_Group], known: Mask) -> Array:
     chance = np.zeros_like(found)
     for group in groups:
         chance += group.count[known] * np.log1p(-group.outlying)
-        wider = np.broadcast_to(group.wider, known.shape)[known]
+        variance, wider = group.variance[known], group.wider[known]
         for residual in (each[known] for each in group.residuals):
-            one = sums.with_outlier(residual, group.variance[known], wider)
+            one = sums.with_outlier(residual, variance, wider)
             odds = np.log(group.outlying) - np.log1p(-group.outlying)
             log = np.where(residual != 0, one.log_likelihood + odds, -np.inf)
             found = np.logaddexp(found, log)

@@ -3,15 +3,17 @@
 
 """predict(): what a model says of a frame, effects by the registry, then maps."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from cg2raw import _core
 from cg2raw.cfa import sites_of
+from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
+from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -80,14 +82,14 @@ def predict(model: Model, frame: Frame) -> Prediction:
         read_variance = model.noise_gain("beta2") * frame.beta2
         variance = variance + photon_variance + read_variance
     well = Well.of(dict(values), exposed, photon_variance)
-    of_maps = _with_maps(model, frame, mean, variance, exposed, gain, well)
-    mean, variance, well = of_maps
+    without = mean, variance
+    *with_maps, well = _with_maps(model, frame, *without, exposed, gain, well)
+    mean, variance = _blended(model, frame, without, with_maps)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
-    nuisance = model.nuisance
-    if nuisance is None:
+    if (nuisance := model.nuisance) is None:
         return Prediction(mean, variance, exposed, photon_variance, well=well)
     unknown = nuisance.pixel_variance(frame, variance)
     return Prediction(
@@ -119,11 +121,11 @@ def _with_maps(
     photons = np.maximum(exposed, 0)
     fitted = frame.capture.group == "fit"
     slopes = {t.name: e.sensitivity(frame, photons) for t, e, _ in model.maps}
-    fuller = None if well is None else _filled(well, model, slopes, gain)
-    below = 1.0 if fuller is None else fuller.below
-    if well is not None and fuller is not None:
-        mean = mean + well.cut_mean - fuller.cut_mean
-        variance = variance + well.cut_variance - fuller.cut_variance
+    below: Array | float = 1.0
+    if well is not None:
+        before, well = well.cut, _filled(well, model, slopes, gain)
+        mean, variance = np.stack([mean, variance]) + before - well.cut
+        below = well.below
     doubt: Array | float = 0.0
     charge = exposed
     for term, effect, sensor_map in model.maps:
@@ -155,7 +157,31 @@ def _with_maps(
             variance = variance + unsure
     sign = -1.0 if fitted else 1.0
     least = LEAST_VARIANCE_LEFT * variance
-    return mean, np.maximum(variance + sign * doubt, least), fuller
+    return mean, np.maximum(variance + sign * doubt, least), well
+
+
+def _blended(
+    model: Model,
+    frame: Frame,
+    without: tuple[Array, Array],
+    with_maps: Sequence[Array],
+) -> tuple[Array, Array]:
+    """Return (mean, variance) with maps, whose part a camera blends as it does all."""
+    mean, variance = without
+    more, noisier = with_maps[0] - mean, with_maps[1] - variance
+    for effect, values in blending(model, frame):
+        more = effect.blended(more, values)
+        noisier = effect.variance_left(values) * noisier
+    return mean + more, variance + noisier
+
+
+def blending(model: Model, frame: Frame) -> Iterator[tuple[Effect, Values]]:
+    """Yield the effects of a model that blend neighbours, with their values."""
+    for effect in every().values():
+        if effect.whitening is WhiteningStage.FILTER:
+            values = model.values_of(effect, frame)
+            if values is not None and np.any(values):
+                yield effect, values
 
 
 def _filled(

@@ -4,7 +4,8 @@
 """Whitening: a model's effects turn structured noise into white noise, stage by stage,
 and each says what that costs."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import TypeGuard
 
@@ -32,7 +33,6 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
 
     Offsets in frames that the ADC cuts are in the prediction (censored_offsets)."""
     stages = _Stages(p, frame, frame.beta2 * model.noise_gain("beta2"))
-    cut = cut_offsets(model, frame) is not None
     cost: Array | float = 0.0
     for effect, values in _steps(model, frame):
         if effect is None:
@@ -41,7 +41,7 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
             z, more = effect.whiten_by_map(
                 z, stages.within, model.map_on(effect, frame)
             )
-        elif isinstance(effect, SharedOffset) and cut:
+        elif isinstance(effect, SharedOffset) and cut_offsets(model, frame):
             continue
         else:
             z, more = stages.next(effect, values)(z)
@@ -88,24 +88,16 @@ def has_shared_structure(model: Model, frame: Frame) -> bool:
 def without_shared(z: Array, p: Prediction, model: Model, frame: Frame) -> Array:
     """Return residuals z (T, h, w), that nothing whitened, without what pixels of a
     frame most likely share, and with the variance that this takes from them."""
-    stages: list[Callable[[Array], Whitened]] = []
+    stages = _Stages(p, frame, frame.beta2)
+    chain: list[partial[Whitened]] = []
     left: Array | float = 1.0
     for effect, values in _steps(model, frame):
+        if shares_structure(effect):
+            chain.append(stages.next(effect, values))
         if isinstance(effect, SharedOffset):
-            along = effect.along(p, values, frame)
-            left = left * (1 - effect.leverage(along, frame))
-            for before in stages:
-                along = before(along)[0]
-            stages.append(
-                partial(effect.to_power, along=along, frame=frame, power=-0.5)
-            )
-        elif shares_structure(effect):
-            read = frame.beta2
-            stages.append(
-                partial(effect.whiten, p=p, values=values, frame=frame, read=read)
-            )
-    for whiten_once in [*stages, *reversed(stages)]:  # by the inverse covariance
-        z = whiten_once(z)[0]
+            left = left * (1 - effect.leverage(effect.along(p, values, frame), frame))
+    for stage in [*chain, *reversed(chain)]:  # by the inverse covariance
+        z = stage(z)[0]
     return z / np.sqrt(left)
 
 
@@ -155,7 +147,8 @@ class _Stages:
                 frame=frame,
                 read=self._read,
             )
-            self.within = effect.unfiltered(self.within, values)
+            before = self.within.variance / effect.variance_left(values)
+            self.within = replace(self.within, variance=before)
         if effect.linear:
             self._linear.append(stage)
         return stage
