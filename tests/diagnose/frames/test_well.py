@@ -19,7 +19,7 @@ def test_what_is_cut_is_that_of_the_smaller_of_charge_and_level(above):
     charge = LEVEL + above * DEVIATION
     drawn = np.random.default_rng(4).normal(charge, DEVIATION, 400_000)
     cut = np.minimum(drawn, LEVEL)
-    well = Well(LEVEL, np.array(charge), np.array(DEVIATION**2))
+    well = Well(LEVEL, np.array([charge]), np.array([DEVIATION**2]))
     assert charge - well.cut[0] == pytest.approx(cut.mean(), abs=2e-4)
     left = DEVIATION**2 - well.cut[1]
     assert left == pytest.approx(cut.var(), abs=0.01 * DEVIATION**2)

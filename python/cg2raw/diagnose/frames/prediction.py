@@ -4,7 +4,7 @@
 """Prediction: what a model says of the pixels of one frame."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +19,8 @@ class Prediction:
     exposed : the mean before noise. photon_variance : of the light, by its photons.
     light_variance : of light that nobody measured, part of the variance.
     shrinking : what integrates a nuisance out of residuals of a prediction.
-    well : what fills a full well; None without one."""
+    well : what fills a full well; None without one. memo : what was last made of it,
+    for whoever asks again (likelihood.whitening)."""
 
     mean: Array
     variance: Array
@@ -28,6 +29,9 @@ class Prediction:
     light_variance: Array | float = 0.0
     shrinking: Callable[["Prediction"], Any] | None = None
     well: Well | None = None
+    memo: dict[str, Any] = field(
+        init=False, default_factory=dict, compare=False, repr=False
+    )
 
     @property
     def below(self) -> Array | float:

@@ -9,12 +9,13 @@ that takes a tenth of the light moves pixels from above the level to below it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import ndtr
 
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
-from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.tiling import Array, Mask
 
 FAR_FROM_LEVEL = (
     8.0  # standard deviations from the level, beyond which all or nothing is cut
@@ -45,22 +46,35 @@ class Well:
     @property
     def below(self) -> Array:
         """The chance that charge stays below the level."""
-        return np.asarray(ndtr(-self._above()[0]))
+        chance = np.ones(self.charge.shape)
+        near = self._near
+        chance[near] = ndtr(-self._above(near)[0])
+        return chance
 
     @property
     def cut(self) -> Array:
         """What is lost of the mean, and of the variance, (2, T, h, w)."""
-        above, deviation = self._above()
+        lost = np.zeros((2, *self.charge.shape))
+        near = self._near
+        above, deviation = self._above(near)
         below = ndtr(-above)
         density = np.exp(-0.5 * above**2) / ROOT_2_PI
         short = density - above * below
-        lost = self.charge - self.level + deviation * short
         left = (1 + above**2) * below - above * density - short**2
-        varied_less = self.variance * (1 - np.clip(left, 0, 1))
-        return np.stack([np.maximum(lost, 0), varied_less])
+        mean = self.charge[near] - self.level + deviation * short
+        lost[0][near] = np.maximum(mean, 0)
+        lost[1][near] = self.variance[near] * (1 - np.clip(left, 0, 1))
+        return lost
 
-    def _above(self) -> tuple[Array, Array]:
+    @cached_property
+    def _near(self) -> Mask:
+        """Where any charge is lost at all."""
+        least = np.maximum(self.level - self.charge, 0) / FAR_FROM_LEVEL
+        found: Mask = least**2 < np.maximum(self.variance, LEAST_VARIANCE)
+        return found
+
+    def _above(self, near: Mask) -> tuple[Array, Array]:
         """Return (how far charge is above the level, in standard deviations; these)."""
-        deviation = np.sqrt(np.maximum(self.variance, LEAST_VARIANCE))
-        above = (self.charge - self.level) / deviation
-        return np.clip(above, -FAR_FROM_LEVEL, FAR_FROM_LEVEL), deviation
+        deviation = np.sqrt(np.maximum(self.variance[near], LEAST_VARIANCE))
+        above = (self.charge[near] - self.level) / deviation
+        return np.minimum(above, FAR_FROM_LEVEL), deviation

@@ -24,6 +24,7 @@ from cg2raw.diagnose.likelihood.whitening import cut_offsets, whiten
 from cg2raw.diagnose.likelihood.workers import Workers
 
 LEAST_LOG = -200.0  # of a censored pixel, so that one cannot outweigh all
+RESIDUALS = "residuals"  # in the memo of a prediction
 BLOCK = 16  # pixels; sums over such squares are taken as independent
 
 Result = TypeVar("Result")
@@ -96,7 +97,9 @@ def _density(
     shared = cut_offsets(model, frame)
     cut = None if shared is None else censored_offsets(p, shared, frame)
     p = p if cut is None else cut.likeliest
-    z, cost = whiten(residuals(p, frame), p, model, frame)
+    if RESIDUALS not in p.memo:
+        p.memo[RESIDUALS] = residuals(p, frame)
+    z, cost = whiten(p.memo[RESIDUALS], p, model, frame)
     density = -0.5 * z * z - 0.5 * LOG_2PI + cost - 0.5 * np.log(p.variance)
     density = density - np.log(frame.range)
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):

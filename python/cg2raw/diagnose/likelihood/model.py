@@ -5,6 +5,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.sensor import Sensor
+
+SENSORS_KNOWN = 8  # whose parameters are at hand
 
 
 @dataclass(frozen=True)
@@ -129,13 +132,18 @@ class Model:
     def profile_parameters(self) -> Mapping[str, Mapping[str, float]]:
         """Parameters of the effects that the sensor's profile has, in the order of the
         registry."""
-        return {
-            effect["name"]: {
-                p["name"]: effect["parameters"][p["name"]]
-                for p in registered(self.sensor.cfa)[effect["name"]]["parameters"]
-            }
-            for effect in self.sensor.effects or ()
+        return _parameters_of(self.sensor)
+
+
+@lru_cache(maxsize=SENSORS_KNOWN)
+def _parameters_of(sensor: Sensor) -> Mapping[str, Mapping[str, float]]:
+    return {
+        effect["name"]: {
+            p["name"]: effect["parameters"][p["name"]]
+            for p in registered(sensor.cfa)[effect["name"]]["parameters"]
         }
+        for effect in sensor.effects or ()
+    }
 
 
 def _anywhere(sensor_map: SensorMap) -> SensorMap:

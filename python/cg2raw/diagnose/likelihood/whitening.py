@@ -5,13 +5,13 @@
 and each says what that costs."""
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeGuard
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Effect, Values, Whitened
+from cg2raw.diagnose.effects.base import Effect, SensorMap, Values, Whitened
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.shared_fields import SharedFields
@@ -25,28 +25,67 @@ from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
 
 NO_VALUES: Values = np.zeros(0)
+LINKS = "links"  # of the stages that residuals passed, in the memo of a prediction
 
 
 def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     """Return residuals (T, h, w) without the structure that a model has, and the log
     of the determinant of that, per pixel.
 
-    Offsets in frames that the ADC cuts are in the prediction (censored_offsets)."""
-    stages = _Stages(p, frame, frame.beta2 * model.noise_gain("beta2"))
-    cost: Array | float = 0.0
+    Offsets in frames that the ADC cuts are in the prediction (censored_offsets). Stages
+    that the same residuals of the same prediction passed the last time, in a search
+    along the values of a later one, are not passed again."""
+    read = frame.beta2 * model.noise_gain("beta2")
+    stages = _Stages(p, frame, read)
+    start = _Link((id(z), read.tobytes()), z)
+    before: list[_Link] = p.memo.get(LINKS, [])
+    links = before[:1] if before and before[0].key == start.key else [start]
     for effect, values in _steps(model, frame):
-        if effect is None:
-            z, more = p.shrinkage.apply(z, frame.keep)
-        elif isinstance(effect, FixedPattern):
-            z, more = effect.whiten_by_map(
-                z, stages.within, model.map_on(effect, frame)
-            )
-        elif isinstance(effect, SharedOffset) and cut_offsets(model, frame):
+        if isinstance(effect, SharedOffset) and cut_offsets(model, frame):
             continue
+        known = model.map_on(effect, frame) if effect else None
+        key = effect and effect.name, values.tobytes(), id(known)
+        old = before[len(links)] if len(links) < len(before) else None
+        if old and old.key == key and links[-1] is before[len(links) - 1]:
+            links.append(old)
+            if effect and old.stage:
+                stages.resume(effect, old.stage, values)
         else:
-            z, more = stages.next(effect, values)(z)
-        cost = cost + more
-    return z, cost
+            links.append(_passed(links[-1], key, effect, values, stages, known))
+    p.memo[LINKS] = links
+    return links[-1].z, links[-1].cost
+
+
+@dataclass(frozen=True)
+class _Link:
+    """What a stage has left of residuals and added to the cost.
+
+    key : what it is of. stage : that of an effect without a map. known : its map."""
+
+    key: tuple[object, ...]
+    z: Array
+    cost: Array | float = 0.0
+    stage: "partial[Whitened] | None" = None
+    known: SensorMap | None = None
+
+
+def _passed(
+    before: _Link,
+    key: tuple[object, ...],
+    effect: Effect | None,
+    values: Values,
+    stages: "_Stages",
+    known: SensorMap | None,
+) -> _Link:
+    stage = None
+    if effect is None:
+        z, more = stages.p.shrinkage.apply(before.z, stages.frame.keep)
+    elif isinstance(effect, FixedPattern):
+        z, more = effect.whiten_by_map(before.z, stages.within, known)
+    else:
+        stage = stages.next(effect, values)
+        z, more = stage(before.z)
+    return _Link(key, z, before.cost + more, stage, known)
 
 
 def whiten_linearly(
@@ -126,13 +165,13 @@ class _Stages:
     within : the prediction before what of its processing is whitened."""
 
     def __init__(self, p: Prediction, frame: Frame, read: Array) -> None:
-        self._p, self._frame, self._read = p, frame, read
+        self.p, self.frame, self._read = p, frame, read
         self._linear: list[partial[Whitened]] = []
         self.within = p
 
     def next(self, effect: Effect, values: Values) -> "partial[Whitened]":
         """Return what whitens by an effect, of residuals alone."""
-        p, frame = self._p, self._frame
+        p, frame = self.p, self.frame
         if isinstance(effect, SharedOffset):
             along = self._seen(effect.along(p, values, frame))
             stage = partial(effect.to_power, along=along, frame=frame, power=-0.5)
@@ -147,11 +186,18 @@ class _Stages:
                 frame=frame,
                 read=self._read,
             )
+        self.resume(effect, stage, values)
+        return stage
+
+    def resume(
+        self, effect: Effect, stage: "partial[Whitened]", values: Values
+    ) -> None:
+        """Go on after a stage."""
+        if effect.whitening is WhiteningStage.FILTER:
             before = self.within.variance / effect.variance_left(values)
             self.within = replace(self.within, variance=before)
         if effect.linear:
             self._linear.append(stage)
-        return stage
 
     def _seen(self, image: Array) -> Array:
         for stage in self._linear:
