@@ -5,8 +5,9 @@
 import numpy as np
 import pytest
 
+from cg2raw.diagnose.inference import bootstrap as module
 from cg2raw.diagnose.inference.baseline import Baseline
-from cg2raw.diagnose.inference.bootstrap import Bootstrap
+from cg2raw.diagnose.inference.bootstrap import Bootstrap, most_of_next
 from cg2raw.diagnose.inference.candidates import Candidates
 from cg2raw.diagnose.inference.drawn_frames import drawn_frames
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
@@ -32,35 +33,36 @@ def bootstrap_of(sensor):
         model = fit_patterns(model.with_effect(BY_NAME["prnu"]), splits.fit)
     effects = [BY_NAME["exposure"], BY_NAME["read_noise"]]
     null = Candidates(model, effects, splits, 1, 8.0, lambda text: None)
-    return Bootstrap(null, Baseline(model, splits), lambda text: None), null.null
+    baseline = Baseline(model, splits)
+    return Bootstrap(null, baseline, 0.01, lambda text: None), null.null
 
 
-def trial_of(model, **terms):
+def trial_of(model, evidence=20.0, **terms):
     [name] = terms
     with_it = model.with_effect(BY_NAME[name], np.array(terms[name], float))
-    return Trial(name, 20.0, np.ones(4), with_it, 20.0)
+    return Trial(name, evidence, np.ones(4), with_it, evidence)
 
 
-def test_a_likelihood_without_maps_is_exact():
+def test_a_likelihood_without_maps_is_exact(monkeypatch):
     plain = sensor_of()
     bootstrap, model = bootstrap_of(plain)
-    assert bootstrap.most_by_chance(trial_of(model, exposure=[1e-5])) == 0
+    monkeypatch.setattr(bootstrap, "_draw", None)  # none are asked for
+    assert not bootstrap.explains(trial_of(model, exposure=[1e-5]))
 
 
-def test_what_is_far_from_the_truth_gains_nothing():
+@pytest.mark.parametrize("value", [1e-4, 1e-3, 0.02])
+def test_where_the_likelihood_is_right_it_explains_nothing(value):
     bootstrap, model = bootstrap_of(SENSOR)
-    assert bootstrap.most_by_chance(trial_of(model, exposure=[0.02])) == 0
+    assert not bootstrap.explains(trial_of(model, exposure=[value]))
 
 
 def test_what_makes_up_for_a_wrong_likelihood_gains_on_drawn_frames(monkeypatch):
-    """Photons of a fifth more variance than the registry draws: less of them gains
-    what another fifth of noise would, on drawn frames as on measured ones."""
-    gain = prediction.photon_gain
-    wrong = lambda model, frame: 1.2 * gain(model, frame)  # noqa: E731
-    right, model = bootstrap_of(SENSOR)
-    trial = trial_of(model, shot_noise=[-0.1])
-    assert right.most_by_chance(trial) == 0
-    predict_blocks = prediction._core.predict_blocks
+    """A variance of a fifth more than the registry draws: less light's noise gains
+    a hundred nats, on drawn frames as on measured ones."""
+    bootstrap, model = bootstrap_of(SENSOR)
+    trial = trial_of(model, evidence=100.0, shot_noise=[-0.1])
+    assert not bootstrap.explains(trial)
+    gain, predict_blocks = prediction.photon_gain, prediction._core.predict_blocks
 
     class Wrong:
         @staticmethod
@@ -69,19 +71,28 @@ def test_what_makes_up_for_a_wrong_likelihood_gains_on_drawn_frames(monkeypatch)
             return mean, 1.2 * variance, exposed
 
     monkeypatch.setattr(prediction, "_core", Wrong)
-    monkeypatch.setattr(prediction, "photon_gain", wrong)
+    monkeypatch.setattr(prediction, "photon_gain", lambda *given: 1.2 * gain(*given))
     bootstrap, model = bootstrap_of(SENSOR)
-    assert bootstrap.most_by_chance(trial_of(model, shot_noise=[-0.1])) > 50
+    assert bootstrap.explains(trial_of(model, evidence=100.0, shot_noise=[-0.1]))
+    assert not bootstrap.explains(trial_of(model, evidence=3e4, shot_noise=[-0.1]))
 
 
-def test_captures_that_cannot_be_drawn_leave_a_name_to_its_evidence():
+def test_captures_that_cannot_be_drawn_leave_a_name_to_its_evidence(monkeypatch):
     bootstrap, model = bootstrap_of(SENSOR)
-    bootstrap.__dict__["_drawn"] = []
-    assert bootstrap.most_by_chance(trial_of(model, exposure=[1e-5])) == 0
+    monkeypatch.setattr(module, "drawn_frames", lambda *given: None)
+    assert not bootstrap.explains(trial_of(model, exposure=[1e-5]))
 
 
-@pytest.mark.parametrize("value", [1e-4, 1e-3])
-def test_the_bound_is_small_where_the_model_is_right(value):
-    """Of 49,000 pixels."""
-    bootstrap, model = bootstrap_of(SENSOR)
-    assert bootstrap.most_by_chance(trial_of(model, exposure=[value])) < 12
+def test_more_draws_are_surer():
+    """Of gains about 10 with a spread of 2: the interval of Student's t."""
+    rng = np.random.default_rng(1)
+    for count, far in ((2, 39.0), (4, 5.1), (6, 3.6)):
+        gains = rng.normal(10, 2, count)
+        expected = gains.mean() + far * gains.std(ddof=1)
+        assert most_of_next(gains, 0.01) == pytest.approx(expected, rel=0.02)
+    held = [
+        most_of_next(draws[:4], 0.05) > draws[4]
+        for draws in rng.normal(10, 2, (4000, 5))
+    ]
+    assert np.mean(held) == pytest.approx(0.95, abs=0.012)
+    assert most_of_next([-50.0, -51.0, -49.0], 0.01) == 0

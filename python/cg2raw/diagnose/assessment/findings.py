@@ -65,8 +65,11 @@ def without_shapes(
 
     An effect's model has a shape; what the true one has beside it is taken up by
     another. That stays in the model, and is not called an effect of its own. What is
-    shown by frames on which the larger effect does not act is none of its shape."""
+    shown by frames on which the larger effect does not act is none of its shape.
+
+    What was found all together has gained beside all others what it would lose."""
     gains = {finding.name: finding.gain_nats for finding in findings}
+    together = all(step.action in ("calibrated", "dropped") for step in search.steps)
     quick, whole = (DropOne(model, search.splits, quick) for quick in (True, False))
     kept, notes = [], []
     for finding in findings:
@@ -75,6 +78,9 @@ def without_shapes(
             for larger in gains
             if finding.name in effect(larger).taken_up_by
         }
+        if together:
+            gained = finding.gain_nats
+            least = {name: nats for name, nats in least.items() if gained < nats}
         larger = _taken_up(finding.name, least, quick, search.threshold)
         if larger and search.splits.few:
             larger = _taken_up(finding.name, least, whole, search.threshold)

@@ -5,8 +5,9 @@
 
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,7 @@ class Frame:
     repeats : tables of its chart in its group, which share the errors of its colours.
     warmth : how much faster charge gathers in it without light than in other frames,
         since it is warmer.
+    memo : what was last predicted of it, which copies with another signal share.
     """
 
     capture: Capture
@@ -70,6 +72,7 @@ class Frame:
     samples: Array | None = None
     repeats: int = 1
     warmth: float = 1.0
+    memo: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def seconds(self) -> float:

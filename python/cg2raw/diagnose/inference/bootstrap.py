@@ -6,16 +6,15 @@
 Maps are estimated from few frames, light from what they show, and a likelihood is a
 formula: what is not exact of these gains nats by an effect that is not there. So the
 core draws the captures a few times more by the model that lacks the effect, maps are
-made of them as of the measured ones, and only what an effect gains there beyond what it
-gains on drawn ones counts.
+made of them as of the measured ones, and an effect has to gain more than it does there.
 Source: G. J. McLachlan, J. R. Stat. Soc. C 36(3), 1987.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
 
 import numpy as np
+from scipy.stats import t
 
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.calibrated_start import calibrated_start
@@ -24,53 +23,95 @@ from cg2raw.diagnose.inference.drawn_frames import drawn_frames
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS
 from cg2raw.diagnose.inference.outliers import without_outliers
-from cg2raw.diagnose.inference.splits import LUCK, Splits
+from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
 
-DRAWS = 4  # of all captures, by which what is not exact is known
-TURNS_OF_MAPS_ANEW = 2  # with an effect, beside the maps that others have
+FEWEST_DRAWS, MOST_DRAWS = 2, 6  # of all captures
+TURNS_OF_MAPS_ANEW = 2  # with a candidate, and without it
 
 
 class Bootstrap:
-    """Captures drawn by the model without any of its candidates."""
+    """Captures drawn by the model without any of its candidates.
+
+    alpha : chance that a candidate which gains as on drawn ones is not found out."""
 
     def __init__(
-        self, null: Candidates, baseline: Baseline, report: Callable[[str], None]
+        self,
+        null: Candidates,
+        baseline: Baseline,
+        alpha: float,
+        report: Callable[[str], None],
     ) -> None:
-        self._null, self._baseline, self._report = null, baseline, report
+        self._null, self._baseline, self._alpha = null, baseline, alpha
+        self._report = report
+        self._drawn: list[tuple[Model, Splits]] = []
 
-    def most_by_chance(self, trial: Trial) -> float:
-        """Return the nats that a candidate may gain by its values where the model
-        without it is true; 0 of models without maps, whose likelihood is exact."""
-        if not any(True for _ in trial.model.maps) or not self._drawn:
-            return 0.0
-        gains = []
-        for model, splits in self._drawn:
-            with_it = trial.model.of_few_tiles(self._null.splits.frames).without_maps()
-            for _ in range(TURNS_OF_MAPS_ANEW):
-                with_it = fit_patterns(with_it, splits.fit)
-            gains.append(splits.select.total(with_it) - splits.select.total(model))
-        share = self._drawn[0][1].select.pixels / self._null.splits.select.pixels
-        return max(float(np.mean(gains) + LUCK * np.std(gains, ddof=1)) / share, 0.0)
+    def explains(self, trial: Trial) -> bool:
+        """Return whether a candidate's gain may be one of drawn captures, by the
+        interval that holds another one: as many are drawn as it takes to know. False of
+        models without maps, whose likelihood is exact.
 
-    @cached_property
-    def _drawn(self) -> list[tuple[Model, Splits]]:
-        """Models with the maps of drawn captures, and these."""
-        return list(self._begun())
-
-    def _begun(self) -> Iterator[tuple[Model, Splits]]:
-        splits = self._null.splits.few or self._null.splits
-        model = self._null.null.without_maps()
-        for number in range(DRAWS):
-            self._report(f"drawing captures without it, {number + 1} of {DRAWS}")
-            drawn = drawn_frames(self._null.null, splits, number)
+        Source of the interval: G. J. Hahn, J. Am. Stat. Assoc. 64, 1969."""
+        gains: list[float] = []
+        least = trial.evidence - self._null.threshold
+        if not any(True for _ in trial.model.maps):
+            return False
+        while len(gains) < MOST_DRAWS:
+            drawn = self._draw(len(gains))
             if drawn is None:
-                return
-            baseline = replace(self._baseline, model=model, splits=drawn)
-            start = calibrated_start(baseline, self._null.effects)
-            if start is not None:
-                yield start.model, start.splits
+                return False
+            gains.append(self._gain(trial, *drawn))
+            if len(gains) < FEWEST_DRAWS:
                 continue
+            if least > most_of_next(gains, self._alpha):
+                return False
+            if least < np.mean(gains):
+                return True
+        return True
+
+    def _gain(self, trial: Trial, model: Model, splits: Splits) -> float:
+        """Return the nats that a candidate gains on drawn captures by its values,
+        scaled to as many pixels as there are."""
+        null = self._null.splits
+        with_it = _with_maps_anew(trial.model.of_few_tiles(null.frames), splits)
+        gain = splits.select.total(with_it) - splits.select.total(model)
+        return gain * null.select.pixels / splits.select.pixels
+
+    def _draw(self, number: int) -> tuple[Model, Splits] | None:
+        """Return (the model with maps of captures that are drawn, these), begun as a
+        search begins; None if they cannot be drawn."""
+        if number < len(self._drawn):
+            return self._drawn[number]
+        self._report(f"drawing captures without it, set {number + 1}")
+        null = self._null.null
+        splits = self._null.splits.few or self._null.splits
+        drawn = drawn_frames(null, splits, number)
+        if drawn is None:
+            return None
+        model = null.without_maps()
+        baseline = replace(self._baseline, model=model, splits=drawn)
+        start = calibrated_start(baseline, self._null.effects)
+        if start is None:
             begun = fit_patterns(model, drawn.fit)
-            yield begun, without_outliers(begun, drawn, MOST_OUTLIERS)
+            shown = without_outliers(begun, drawn, MOST_OUTLIERS)
+        else:
+            begun, shown = start.model, start.splits
+        self._drawn.append((_with_maps_anew(begun, shown), shown))
+        return self._drawn[number]
+
+
+def _with_maps_anew(model: Model, splits: Splits) -> Model:
+    """Return a model with maps of captures that are those of no other model."""
+    model = model.without_maps()
+    for _ in range(TURNS_OF_MAPS_ANEW):
+        model = fit_patterns(model, splits.fit)
+    return model
+
+
+def most_of_next(gains: Sequence[float], alpha: float) -> float:
+    """Return what one more gain does not exceed, but with a chance of alpha, if gains
+    are normal; 0 at least."""
+    count, spread = len(gains), np.std(gains, ddof=1)
+    far = t.ppf(1 - alpha, count - 1) * np.sqrt(1 + 1 / count)
+    return float(max(np.mean(gains) + far * spread, 0.0))

@@ -222,13 +222,12 @@ class Search:
         """Return (the trial to accept, the one that comes first without a tie, names
         that are as good, all trials); None if none is sure."""
         trials = candidates.trials()
-        bootstrap = Bootstrap(candidates, self.baseline, self.report)
+        bootstrap = Bootstrap(candidates, self.baseline, self.alpha, self.report)
         sure = [trial for trial in trials if self._may_be_added(trial)]
         while sure:
             first = mean_first(sure, self.effects)
             best, ambiguous = self._decide(first, trials)
-            by_chance = bootstrap.most_by_chance(best)
-            if best.evidence >= self.threshold + by_chance:
+            if not bootstrap.explains(best):
                 return best, first, ambiguous, trials
             trials = [trial for trial in trials if trial is not best]
             sure = [trial for trial in sure if trial is not best]

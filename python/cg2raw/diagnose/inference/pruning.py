@@ -49,9 +49,12 @@ def pruned(
         for name in names:
             report(f"is {name} needed")
             rest = fit(model.without(name), splits.fit, TURNS_WITHOUT)
-            loss = height - splits.select.total(rest)
-            if loss < BEYOND_DOUBT * threshold:
-                loss -= _gain_there(rest, splits.select)
+            loss = _lost(height, rest, splits, threshold)
+            if loss < threshold:
+                again = restarted(model, name, rest, splits, threshold)
+                above = splits.select.total(again) if again is not model else height
+                loss = _lost(above, rest, splits, threshold)
+                model, height = again, above
             if loss < threshold:
                 dropped[name] = loss
                 model = rest
@@ -59,6 +62,17 @@ def pruned(
             losses[name] = loss
         else:
             return Pruned(model, losses, dropped)
+
+
+def _lost(height: float, rest: Model, splits: Splits, threshold: float) -> float:
+    """Return what the select frames lose by a model without an effect, less what it
+    gains by moving there, where that may decide.
+
+    height : nats with the effect."""
+    loss = height - splits.select.total(rest)
+    if loss < BEYOND_DOUBT * threshold:
+        loss -= _gain_there(rest, splits.select)
+    return loss
 
 
 def missed_beside(
