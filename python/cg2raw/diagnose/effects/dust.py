@@ -54,7 +54,7 @@ class Dust(FixedPattern):
     ) -> Estimates:
         """Number, depth and radius of the spots that the map has."""
         assert sensor_map is not None
-        spots = Spots.of(-np.asarray(sensor_map.mean))
+        spots = Spots.of(np.maximum(-sensor_map.mean * sensor_map.share, 0))
         share = MEGAPIXEL / sensor_map.mean.size
         low, high = share_interval(spots.count, 1.0)
         return {

@@ -25,6 +25,7 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.response import Response
 from cg2raw.diagnose.frames.tiling import Array
 
 MEDIAN_SQUARE = 0.4549  # of a normal value of variance 1
@@ -63,13 +64,21 @@ class FixedPattern(Effect):
         return self.acts_on_light or stage == "response"
 
     def sensitivity(self, frame: Frame, photons: Array) -> Array | float:
-        """Return what the map is multiplied by in a frame."""
+        """Return what the map is multiplied by to be charge, in a frame."""
         return 1.0
+
+    def slope(
+        self, frame: Frame, exposed: Array, response: Response | None
+    ) -> Array | float:
+        """Return the same for the signal, which a response may bend."""
+        if response is None or not self.fills_well:
+            return self.sensitivity(frame, np.maximum(exposed, 0))
+        return response.slope * self.sensitivity(frame, response.charge)
 
     def shown(self, frame: Frame, p: Prediction) -> Array | float:
         """Return the same as far as pixels show it, which a full well hides."""
-        sensitivity = self.sensitivity(frame, np.maximum(p.exposed, 0))
-        return sensitivity * (p.below if self.fills_well else 1.0)
+        slope = self.slope(frame, p.exposed, p.response)
+        return slope * (p.below if self.fills_well else 1.0)
 
     def whiten_by_map(
         self, z: Array, p: Prediction, sensor_map: SensorMap | None

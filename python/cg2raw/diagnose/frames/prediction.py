@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from cg2raw.diagnose.frames.response import Response
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 
@@ -19,7 +20,8 @@ class Prediction:
     exposed : the mean before noise. photon_variance : of the light, by its photons.
     light_variance : of light that nobody measured, part of the variance.
     shrinking : what integrates a nuisance out of residuals of a prediction.
-    well : what fills a full well; None without one. memo : what was last made of it,
+    well : what fills a full well; None without one. response : None of one that is
+    straight. memo : what was last made of it,
     for whoever asks again (likelihood.whitening)."""
 
     mean: Array
@@ -29,6 +31,7 @@ class Prediction:
     light_variance: Array | float = 0.0
     shrinking: Callable[["Prediction"], Any] | None = None
     well: Well | None = None
+    response: Response | None = None
     memo: dict[str, Any] = field(
         init=False, default_factory=dict, compare=False, repr=False
     )

@@ -54,10 +54,10 @@ def fit_spot_map(term: Term, evidence: Evidence) -> Term:
     if not prior.any():
         return nothing
     share = prior / np.maximum(prior + error, LEAST_TOLD_AROUND)
-    mean = np.minimum(estimate, 0) * share  # dust does not add light
-    mean = mean * _pieces_with(cores, mean < 0)  # noise has cut their edges up
+    mean = estimate * share  # also where noise has left it above 0: its mean is right
+    chance = _pieces_with(cores, mean < 0).astype(float)
     sigma = float(np.sqrt(np.mean(mean[known] ** 2)))
-    sensor_map = SensorMap(mean, share * error)
+    sensor_map = SensorMap(mean, share * error, chance=chance)
     return replace(term, values=np.array([sigma]), sensor_map=sensor_map)
 
 

@@ -19,6 +19,7 @@ from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.response import Response
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model
@@ -74,15 +75,19 @@ def predict(model: Model, frame: Frame) -> Prediction:
         read_variance = model.noise_gain("beta2") * frame.beta2
         variance = variance + photon_variance + read_variance
     well = Well.of(dict(values), exposed, photon_variance)
+    response = Response.of(dict(values), exposed)
+    slopes = {t.name: e.slope(frame, exposed, response) for t, e, _ in model.maps}
     without = mean, variance
-    *with_maps, well = _with_maps(model, frame, *without, exposed, gain, well)
+    *with_maps, well = _with_maps(model, frame, *without, exposed, gain, well, slopes)
     mean, variance = _blended(model, frame, without, with_maps)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
     if (nuisance := model.nuisance) is None:
-        return Prediction(mean, variance, exposed, photon_variance, well=well)
+        return Prediction(
+            mean, variance, exposed, photon_variance, well=well, response=response
+        )
     unknown = nuisance.pixel_variance(frame, variance)
     return Prediction(
         mean,
@@ -92,6 +97,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
         unknown,
         shrinking=lambda p: nuisance.shrinkage(p, frame),
         well=well,
+        response=response,
     )
 
 
@@ -129,6 +135,7 @@ def _with_maps(
     exposed: Array,
     gain: Array,
     well: Well | None,
+    slopes: Mapping[str, Array | float],
 ) -> tuple[Array, Array, Well | None]:
     """Return (mean, variance, full well) with the maps of fixed patterns: what acts
     before a pixel is full shows as likely as it is not.
@@ -136,9 +143,7 @@ def _with_maps(
     The fit frames made the maps: their residuals are too small by the maps' variance.
     Of a hot pixel it is mostly not known whether it is one, which makes nothing
     smaller."""
-    photons = np.maximum(exposed, 0)
     fitted = frame.capture.group == "fit"
-    slopes = {t.name: e.sensitivity(frame, photons) for t, e, _ in model.maps}
     below: Array | float = 1.0
     if well is not None:
         before, well = well.cut, _filled(well, model, slopes, gain)
