@@ -11,6 +11,7 @@ from cg2raw.diagnose.inference.bootstrap import Bootstrap, most_of_next
 from cg2raw.diagnose.inference.candidates import Candidates
 from cg2raw.diagnose.inference.drawn_frames import drawn_frames
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.inference.model_selection import Search
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood import prediction
@@ -96,3 +97,15 @@ def test_more_draws_are_surer():
     ]
     assert np.mean(held) == pytest.approx(0.95, abs=0.012)
     assert most_of_next([-50.0, -51.0, -49.0], 0.01) == 0
+
+
+def test_a_search_names_nothing_that_drawn_captures_explain(monkeypatch):
+    """The name is kept with what it gains, for the report."""
+    bootstrap, model = bootstrap_of(SENSOR)
+    monkeypatch.setattr(Bootstrap, "explains", lambda *given: True)
+    null = bootstrap._null
+    trial = trial_of(model, exposure=[1e-3])
+    monkeypatch.setattr(Candidates, "trials", lambda self: [trial])
+    search = Search(bootstrap._baseline, null.effects, 0.01, 6)
+    assert search._add(model) is None
+    assert search.refused == {"exposure": 20.0}

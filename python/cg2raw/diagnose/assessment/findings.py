@@ -96,6 +96,16 @@ def without_shapes(
     return kept, notes
 
 
+def notes_on_refused(refused: Mapping[str, float]) -> list[str]:
+    """Return a sentence on each effect that gains on drawn captures what it does on
+    measured ones. refused : nats that these gain, by name."""
+    return [
+        f"{heading(name)} gains {nats:.3g} nats and is not named: captures that are "
+        "drawn without it may gain as much by it."
+        for name, nats in refused.items()
+    ]
+
+
 def _taken_up(
     name: str, least: Mapping[str, float], drop_one: DropOne, threshold: float
 ) -> str:

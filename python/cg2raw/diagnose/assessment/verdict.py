@@ -20,6 +20,7 @@ from cg2raw.diagnose.assessment.curves import curves_of
 from cg2raw.diagnose.assessment.figures import histogram
 from cg2raw.diagnose.assessment.findings import (
     findings_of,
+    notes_on_refused,
     refused_rung,
     rung_of,
     with_losses,
@@ -137,7 +138,7 @@ def assessed(
             held.model, search.effects, splits.select, splits.fit, search.alpha
         ),
         next_captures=_next_captures(findings),
-        notes=[*notes, *shapes, *held.notes],
+        notes=[*notes, *shapes, *notes_on_refused(search.refused), *held.notes],
         groups=splits.names,
         pictures=list(held.look.pictures),
         histogram_before=histogram(baseline.model, report),

@@ -85,6 +85,8 @@ class Search:
         self._swapped: set[tuple[str, str]] = set()
         # Effects that were there before any was added, and what is lost without them.
         self._given: dict[str, float] = {}
+        # Nats that effects gain on captures that are drawn without them, too.
+        self.refused: dict[str, float] = {}
         # Maps of what the profile states, and the same of them.
         self._mapped: dict[str, float] = {}
 
@@ -229,6 +231,7 @@ class Search:
             best, ambiguous = self._decide(first, trials)
             if not bootstrap.explains(best):
                 return best, first, ambiguous, trials
+            self.refused[best.name] = best.evidence
             trials = [trial for trial in trials if trial is not best]
             sure = [trial for trial in sure if trial is not best]
         return None
