@@ -126,6 +126,43 @@ def test_a_single_frame_is_divided_by_pixels(tmp_path):
     assert any("only darks" in note for note in captures.notes)
 
 
+@pytest.mark.parametrize(
+    ("sets", "expected"),
+    [
+        ("aaaa", "fit select report fit"),
+        ("aabb", "fit select report fit"),
+        ("abca", "fit select report fit"),
+    ],
+)
+def test_flats_of_fewer_than_three_sets_are_divided_one_by_one(
+    tmp_path, sets, expected
+):
+    """What pixels have in common from frame to frame only other frames tell."""
+    lines = []
+    for index, name in enumerate(sets):
+        files.frame(tmp_path, f"{index}.npy", frame=index)
+        lines.append(
+            f"{{file: {index}.npy, kind: flat, scene: 0.2, illuminant: D65, set: {name}}}"
+        )
+    captures = read_captures(files.manifest(tmp_path, lines))
+    assert " ".join(capture.group for capture in captures.captures) == expected
+    assert not any("divided by pixels" in note for note in captures.notes)
+
+
+def test_a_group_is_that_of_all_frames_of_its_set(tmp_path):
+    lines = []
+    for index, group in enumerate(("", ", group: report", "", "", "")):
+        files.frame(tmp_path, f"{index}.npy", frame=index)
+        name = "a" if index < 2 else "b"
+        lines.append(
+            f"{{file: {index}.npy, kind: flat, scene: 0.2, illuminant: D65, "
+            f"set: {name}{group}}}"
+        )
+    captures = read_captures(files.manifest(tmp_path, lines)).captures
+    groups = [capture.group for capture in captures]
+    assert groups == ["report", "report", "fit", "select", "fit"]
+
+
 def test_thirds_of_a_chart_are_of_its_patches(tmp_path):
     files.frame(tmp_path, "a.dng", files.picture())
     patch = "{area: [8, 8, 32, 40], rgb: [1, 1, 1]}"

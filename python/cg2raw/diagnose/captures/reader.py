@@ -270,16 +270,18 @@ def divided(frames: Sequence[Frame]) -> tuple[list[Capture], list[str]]:
     notes = []
     tables = [frame for frame in frames if frame.capture.means is not None]
     if tables:
-        groups |= {table.capture.set: table.entry.group for table in tables}
+        groups |= {table.capture.name: table.entry.group for table in tables}
         notes.append(DIVIDED_TABLES)
     with_pixels = [frame for frame in frames if frame.capture.means is None]
     for kind in dict.fromkeys(frame.capture.kind for frame in with_pixels):
         ours = [frame for frame in with_pixels if frame.capture.kind == kind]
-        strata = {frame.capture.set: stratum(frame) for frame in reversed(ours)}
-        strata = {frame.capture.set: strata[frame.capture.set] for frame in ours}
-        declared = {f.capture.set: f.entry.group for f in ours if f.entry.group}
+        unit = _what_stays_together(ours)
+        strata = {unit(frame): stratum(frame) for frame in reversed(ours)}
+        strata = {unit(frame): strata[unit(frame)] for frame in ours}
+        said = {f.capture.set: f.entry.group for f in ours if f.entry.group}
+        declared = {unit(f): said[f.capture.set] for f in ours if f.capture.set in said}
         found = groups_of_sets(strata, declared)
-        groups |= found
+        groups |= {frame.capture.name: found[unit(frame)] for frame in ours}
         if None in found.values():
             notes.append(
                 f"{kind}: {len(strata)} of the three sets that groups need, so these "
@@ -289,9 +291,19 @@ def divided(frames: Sequence[Frame]) -> tuple[list[Capture], list[str]]:
     captures: list[Capture] = []
     for frame in frames:
         for capture in (frame.capture, *frame.borders):
-            captures += in_groups(capture, groups[frame.capture.set])
+            captures += in_groups(capture, groups[frame.capture.name])
     consistency.check_groups(frames, captures)
     return captures, notes
+
+
+def _what_stays_together(frames: Sequence[Frame]) -> Callable[[Frame], str]:
+    """Return which frames of a kind are of one group: those of a set; each for itself
+    where sets are too few and frames have no image, whose pixels only other frames
+    tell from noise."""
+    sets = {frame.capture.set for frame in frames}
+    if len(sets) >= len(GROUPS) or any(f.capture.shows.image for f in frames):
+        return lambda frame: frame.capture.set
+    return lambda frame: frame.capture.name
 
 
 def stratum(frame: Frame) -> tuple[float, ...]:
