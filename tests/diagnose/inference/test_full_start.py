@@ -17,6 +17,7 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     BY_NAME,
+    FULL_WELL,
     ONE,
     READ,
     SHAPE,
@@ -151,3 +152,46 @@ def test_cosmic_rays_are_set_aside_and_a_wrong_model_is_not():
     assert (outliers(Model(SENSOR), struck, 0.01) == hit).all()
     shifted = replace(frame, signal=frame.signal + 20 * READ)
     assert not outliers(Model(SENSOR), shifted, 0.01).any()
+
+
+def test_of_a_model_that_is_half_fitted_the_farthest_are_set_aside():
+    frame = frames_with(9, planted=False)[0]
+    hit = np.zeros(TILE, bool)
+    hit[0, 20:22, 30:34] = True
+    wrong = frame.signal + 20 * READ + np.where(hit, 0.2, 0)
+    far = outliers(Model(SENSOR), replace(frame, signal=wrong), 0.01, trimmed=True)
+    assert far[hit].all()
+    assert 0.008 < far.sum() / frame.keep.sum() <= 0.01
+
+
+LONG = 100.0  # s, of one dark that has no repeat
+CHARGE, SPREAD = 0.1 * READ, 0.7  # per second: median, and of the log of pixels
+
+
+def frames_with_one_long_dark(seed):
+    """Return frames whose pixels differ in dark current, of which one dark tells more
+    than all others together; a cosmic ray hit it."""
+    rates = np.random.default_rng([10, seed]).lognormal(np.log(CHARGE), SPREAD, TILE)
+
+    def extra(frame, rng):
+        charge = rates * frame.seconds
+        noise = np.sqrt(charge / FULL_WELL) * rng.standard_normal(TILE)
+        hit = np.zeros(TILE)
+        hit[0, 5, 5:9] = 0.5 * (frame.seconds == LONG)
+        return charge + noise + hit
+
+    long = capture_of("dark", 99, name="long", group="fit", exposure_time=LONG)
+    frames = frames_of(SENSOR, [*captures("fit"), long, *captures("select")])
+    model = model_of(SENSOR, read_noise=[np.log(READ_FACTOR)])
+    return drawn(frames, model, seed, extra)
+
+
+@pytest.mark.parametrize("seed", [11, 12])
+def test_a_frame_that_makes_its_own_map_does_not_say_how_large_noise_is(seed):
+    start = started(frames_with_one_long_dark(seed))
+    found = {term.name: term.values for term in start.model.terms}
+    assert found["read_noise"] == pytest.approx(np.log(READ_FACTOR), abs=0.03)
+    assert found["shot_noise"] == pytest.approx(0, abs=0.04)
+    # Half of what the law's middle 68 % span.
+    spread = CHARGE * np.sinh(SPREAD)
+    assert found["dark_current_nonuniformity"] == pytest.approx(spread, rel=0.1)

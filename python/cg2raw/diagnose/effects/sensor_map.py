@@ -23,6 +23,7 @@ class SensorMap:
     covariance : with maps of other effects, by name, whose errors came from the same
         frames: what is wrong with an offset cancels in a rate that it was taken off.
     law : numbers of the distribution of its values, where these are not normal.
+    noise_gains : what multiplied beta1 and beta2 of the noise that it was made under.
     chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
         then the mean over both."""
 
@@ -31,6 +32,7 @@ class SensorMap:
     covariance: Mapping[str, Array] = field(default_factory=dict)
     law: Mapping[str, Estimate] = field(default_factory=dict)
     chance: Array | None = None
+    noise_gains: tuple[float, float] | None = None
 
     def of_tiles(self, places: NDArray[np.intp]) -> "SensorMap":
         """Return the map on some of its tiles."""

@@ -21,8 +21,9 @@ class Prediction:
     light_variance : of light that nobody measured, part of the variance.
     shrinking : what integrates a nuisance out of residuals of a prediction.
     well : what fills a full well; None without one. response : None of one that is
-    straight. memo : what was last made of it,
-    for whoever asks again (likelihood.whitening)."""
+    straight. kept : of the variance of noise, in residuals of a frame that maps were
+    made of. memo : what was last made of it, for whoever asks again
+    (likelihood.whitening)."""
 
     mean: Array
     variance: Array
@@ -32,6 +33,7 @@ class Prediction:
     shrinking: Callable[["Prediction"], Any] | None = None
     well: Well | None = None
     response: Response | None = None
+    kept: Array | float = 1.0
     memo: dict[str, Any] = field(
         init=False, default_factory=dict, compare=False, repr=False
     )

@@ -23,6 +23,7 @@ from cg2raw.diagnose.inference.map_evidence import (
     evidence_of,
 )
 from cg2raw.diagnose.inference.map_prior import prior_of
+from cg2raw.diagnose.inference.outliers import FARTHEST
 from cg2raw.diagnose.inference.pixel_maps import pixel_maps
 from cg2raw.diagnose.inference.sparse_map import fit_sparse_map
 from cg2raw.diagnose.inference.spot_map import fit_spot_map
@@ -66,6 +67,16 @@ def fit_patterns(
         for together in parts:
             for term in _fitted(known, together, shown):
                 known, model = known.with_term(term), model.with_term(term)
+    return _made_under_its_noise(model, [effect.name for effect in effects])
+
+
+def _made_under_its_noise(model: Model, names: Sequence[str]) -> Model:
+    """Return the model with its noise written down in the maps of some names."""
+    gains = model.noise_gain("beta1"), model.noise_gain("beta2")
+    for term in model.terms:
+        if term.name in names and term.sensor_map is not None:
+            known = replace(term.sensor_map, noise_gains=gains)
+            model = model.with_term(replace(term, sensor_map=known))
     return model
 
 
@@ -126,8 +137,8 @@ def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
     """One offset per column of the frame. What columns of one site of the CFA have in
     common is its black level, and not theirs."""
     tiles = frame.tiles
-    a = tiles.over_columns(evidence.information[0, 0])
-    b = tiles.over_columns(evidence.score[0])
+    information, score = _without_far_pixels(evidence)
+    a, b = tiles.over_columns(information), tiles.over_columns(score)
     used = a > 0
     estimate = np.where(used, b / np.maximum(a, LEAST_INFORMATION), 0)
     repeat = round(np.sqrt(int(frame.site.max()) + 1))
@@ -143,6 +154,18 @@ def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
         np.broadcast_to(np.where(used, error * share, prior), shape),
     )
     return replace(term, values=np.array([np.sqrt(prior)]), sensor_map=sensor_map)
+
+
+def _without_far_pixels(evidence: Evidence) -> tuple[Array, Array]:
+    """Return (information, score) of columns without pixels that lie far from the rest
+    of theirs: what a cosmic ray left of them in other maps is no column's."""
+    information, score = evidence.information[0, 0], evidence.score[0]
+    known = evidence.known(0)
+    estimate = np.where(known, score / np.where(known, information, 1), np.nan)
+    empty = ~known.any(1, keepdims=True)
+    middle = np.nanmedian(np.where(empty, 0, estimate), axis=1, keepdims=True)
+    near = known & ((estimate - middle) ** 2 * information < FARTHEST**2)
+    return information * near, score * near
 
 
 def _take_common_part(estimate: Array, information: Array) -> None:

@@ -13,7 +13,7 @@ EMVA Standard 1288, release 4.0.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
@@ -34,7 +34,8 @@ from cg2raw.diagnose.likelihood.model import Model, Term
 
 ROUNDS = 3  # of maps and what is smooth, by turns, before noise is fitted
 ROUNDS_MORE = 2  # of the same, of all tiles after a few
-MOST_OUT = 0.03  # of a frame's pixels, that may be far from a model that is half fitted
+# Of a frame's pixels, that are set aside of those far from a model that is half fitted.
+MOST_OUT = 0.03
 MOST_OUTLIERS = 2e-3  # of a frame's pixels, that are set aside from the fitted one
 
 
@@ -77,17 +78,48 @@ def _begun(
     later = [term for term in later if term.effect in chosen]
     for term in later:
         model = model.without(term.name)
-    near = without_outliers(model, splits, MOST_OUT)
+    near = trimmed(model, splits)
     for effect in chosen:
         if effect.starts_from_data and model.term(effect.name) is None:
-            likelihood = near.fit.of(uniform_of(near.fit))
             # What a profile has is there already, and moves from where it is.
             in_profile = effect.name in model.profile_parameters
-            first = None if in_profile else likelihood.predicted(model)
-            values = effect.null if first is None else effect.first_values(first)
-            if values is not None:
-                model = model.with_effect(effect, effect.clipped(values))
+            first = effect.null if in_profile else _first(effect, model, near.fit)
+            if first is not None:
+                model = model.with_effect(effect, first)
     return model, later
+
+
+def _first(effect: Effect, model: Model, likelihood: Likelihood) -> Values | None:
+    """Return where an effect that starts from data does, beside a model without it."""
+    uniform = likelihood.of(uniform_of(likelihood))
+    values = effect.first_values(uniform.predicted(model))
+    return None if values is None else effect.clipped(values)
+
+
+def _begun_again(
+    model: Model, likelihood: Likelihood, noise: Sequence[str]
+) -> Model:
+    """Return the model with what starts from data started anew beside all others, where
+    that is better: what it was found in was not understood then, and columns have
+    taken what it left.
+
+    noise : names of what rests."""
+    height = likelihood.total(model)
+    columns = [t.name for t, effect, _ in model.maps if effect.layout == "columns"]
+    for term in model.terms:
+        listed = term.name in model.profile_parameters
+        if listed or not term.effect.starts_from_data:
+            continue
+        rest = model.without(term.name).without_maps(columns)
+        first = _first(term.effect, rest, likelihood)
+        if first is None:
+            continue
+        again = rest.with_effect(term.effect, first)
+        again = fit_patterns(again, likelihood, columns) if columns else again
+        again, higher = scored(again, likelihood.total(again), likelihood, noise)
+        if higher > height:
+            model, height = again, higher
+    return model
 
 
 def _fitted(
@@ -102,15 +134,17 @@ def _fitted(
     later : terms that are fitted after maps are known. noise : names of what rests
     until then. error : of readings of the temperature."""
     shown = splits
-    for _ in range(ROUNDS):
+    for number in range(ROUNDS):
         model = fit_patterns(model, shown.fit)
         splits = warmed(model, splits, error)
-        shown = without_outliers(model, splits, MOST_OUT)
+        shown = trimmed(model, splits)
         model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
+        if number == ROUNDS - 2:
+            model = _begun_again(model, shown.fit, noise)
     light = model = without_unsure_shading(model, splits.fit.frames)
     splits, gain = as_lit_with_gain(light, splits)
-    model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
-    shown = without_outliers(model, splits, MOST_OUT)
+    model = fit_patterns(model, trimmed(model, splits).fit)
+    shown = trimmed(model, splits)
     for term in later:
         model, _ = fit_transform(model.with_term(term), term.name, shown.fit)
     model = fit(model, shown.fit)
@@ -124,11 +158,13 @@ def _on_all_tiles(
     """Return what was fitted to a few tiles fitted to all. noise, error : as above."""
     light, shown = start.light.without_maps(), splits
     splits = as_warm(splits, start.splits)
-    for _ in range(ROUNDS_MORE):
+    for number in range(ROUNDS_MORE):
         light = fit_patterns(light, shown.fit)
         splits = warmed(light, splits, error)
-        shown = without_outliers(light, splits, MOST_OUT)
+        shown = trimmed(light, splits)
         light, _ = scored(light, shown.fit.total(light), shown.fit, noise)
+        if number == 0:
+            light = _begun_again(light, shown.fit, noise)
     # What flats show beside a model is their light: it has to be the best of all tiles.
     light = without_unsure_shading(light, splits.fit.frames)
     splits, gain = as_lit_with_gain(light, splits)
@@ -136,10 +172,15 @@ def _on_all_tiles(
     for term in light.terms:
         if term.name not in noise:
             model = model.with_term(term)
-    model = fit_patterns(model, without_outliers(model, splits, MOST_OUT).fit)
-    model = fit(model, without_outliers(model, splits, MOST_OUT).fit, 1)
+    model = fit_patterns(model, trimmed(model, splits).fit)
+    model = fit(model, trimmed(model, splits).fit, 1)
     shown = without_outliers(model, splits, MOST_OUTLIERS)
     return Start(fit(model, shown.fit, 1), shown, light, gain)
+
+
+def trimmed(model: Model, splits: Splits) -> Splits:
+    """Return the frames without what is farthest from a model that is half fitted."""
+    return without_outliers(model, splits, MOST_OUT, trimmed=True)
 
 
 def uniform_of(likelihood: Likelihood) -> list[Frame]:

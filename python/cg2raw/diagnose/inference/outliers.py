@@ -27,28 +27,41 @@ BOUNDS = (100.0, 25.0, FARTHEST)
 MOST_EXPECTED = 2.0  # times what a profile says: a sensor 6 K warmer has as many
 
 
-def outliers(model: Model, frame: Frame, most: float) -> Mask:
+def outliers(
+    model: Model, frame: Frame, most: float, trimmed: bool = False
+) -> Mask:
     """Return (T, h, w), True in a frame's outliers under a model; nowhere if they are
-    more than a share of its pixels: then it is the model that is wrong."""
+    more than a share of its pixels: then it is the model that is wrong.
+
+    trimmed : then the farthest of them are, up to that share. What is fitted to the
+        rest may lead to a model that is right, where a single cosmic ray outweighs a
+        frame. Source: P. J. Rousseeuw, J. Am. Stat. Assoc. 79(388), 1984 (least trimmed
+        squares)."""
     far: Mask = np.zeros_like(frame.keep)
-    rest, away = frame, None
+    rest, away, farness = frame, None, np.zeros(frame.keep.shape)
     for bound in BOUNDS:
         if away is None:
             away = np.abs(log_density(model, rest)[1])
+            farness = np.where(far, farness, away)
         more = (away > bound) & rest.keep
         if more.any():  # else nothing has moved
             far = far | more
             rest, away = replace(frame, keep=frame.keep & ~far), None
-    if far.sum() > most * max(int(frame.keep.sum()), 1):
+    allowed = int(most * max(int(frame.keep.sum()), 1))
+    if far.sum() <= allowed:
+        return far
+    if not (trimmed and allowed):
         return np.zeros_like(far)
-    return far
+    return far & (farness > np.partition(farness[far], -allowed)[-allowed])
 
 
-def without_outliers(model: Model, splits: Splits, most: float) -> Splits:
+def without_outliers(
+    model: Model, splits: Splits, most: float, trimmed: bool = False
+) -> Splits:
     """Return the frames without their outliers under a model.
 
-    most : share of a frame's pixels."""
-    return _without(model, splits, [most] * len(splits.frames))
+    most, trimmed : see outliers()."""
+    return _without(model, splits, [most] * len(splits.frames), trimmed)
 
 
 def expected_outliers(model: Model, frame: Frame) -> float:
@@ -73,13 +86,15 @@ def without_expected_outliers(model: Model, splits: Splits) -> tuple[Splits, flo
     return _without(model, splits, shares), max(shares)
 
 
-def _without(model: Model, splits: Splits, shares: Sequence[float]) -> Splits:
-    """Return the frames without their outliers, if these are no more than its share of
-    each."""
+def _without(
+    model: Model, splits: Splits, shares: Sequence[float], trimmed: bool = False
+) -> Splits:
+    """Return the frames without their outliers, of each by its share."""
 
     def cleaned(one: tuple[Frame, float]) -> Frame:
         frame, most = one
-        return replace(frame, keep=frame.keep & ~outliers(model, frame, most))
+        far = outliers(model, frame, most, trimmed)
+        return replace(frame, keep=frame.keep & ~far)
 
     pairs = list(zip(splits.frames, shares, strict=True))
     return Splits(splits.workers.map(cleaned, pairs), splits.workers)

@@ -123,9 +123,15 @@ class Model:
                 model = model.with_term(of_few)
         return model
 
-    def without_maps(self) -> "Model":
-        """Return the model with its maps unknown, as strong as they are."""
-        terms = tuple(replace(term, sensor_map=None) for term in self.terms)
+    def without_maps(self, names: Sequence[str] | None = None) -> "Model":
+        """Return the model with its maps, or those of some names, unknown, as strong as
+        they are."""
+        terms = tuple(
+            replace(term, sensor_map=None)
+            if names is None or term.name in names
+            else term
+            for term in self.terms
+        )
         return replace(self, terms=terms)
 
     @property

@@ -5,6 +5,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from operator import is_
 
 import numpy as np
@@ -20,9 +21,11 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.response import Response
+from cg2raw.diagnose.frames.shrinkage import Shrinkage
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.nuisance import Nuisance
 
 LEAST_VARIANCE_LEFT = (
     0.15  # of a variance, that is left without what fit frames made of a map
@@ -78,27 +81,34 @@ def predict(model: Model, frame: Frame) -> Prediction:
     response = Response.of(dict(values), exposed)
     slopes = {t.name: e.slope(frame, exposed, response) for t, e, _ in model.maps}
     without = mean, variance
-    *with_maps, well = _with_maps(model, frame, *without, exposed, gain, well, slopes)
+    *with_maps, kept, well = _with_maps(
+        model, frame, *without, exposed, gain, well, slopes
+    )
     mean, variance = _blended(model, frame, without, with_maps)
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
-    if (nuisance := model.nuisance) is None:
-        return Prediction(
-            mean, variance, exposed, photon_variance, well=well, response=response
-        )
-    unknown = nuisance.pixel_variance(frame, variance)
+    unknown: Array | float = 0.0
+    shrinking = None
+    if (nuisance := model.nuisance) is not None:
+        unknown = nuisance.pixel_variance(frame, variance)
+        shrinking = partial(_shrinkage, nuisance, frame)
     return Prediction(
         mean,
         variance + unknown,
         exposed,
         photon_variance,
         unknown,
-        shrinking=lambda p: nuisance.shrinkage(p, frame),
-        well=well,
-        response=response,
+        shrinking,
+        well,
+        response,
+        kept,
     )
+
+
+def _shrinkage(nuisance: Nuisance, frame: Frame, p: Prediction) -> Shrinkage:
+    return nuisance.shrinkage(p, frame)
 
 
 def _by_registry(
@@ -136,9 +146,9 @@ def _with_maps(
     gain: Array,
     well: Well | None,
     slopes: Mapping[str, Array | float],
-) -> tuple[Array, Array, Well | None]:
-    """Return (mean, variance, full well) with the maps of fixed patterns: what acts
-    before a pixel is full shows as likely as it is not.
+) -> tuple[Array, Array, Array | float, Well | None]:
+    """Return (mean, variance, what is kept of noise, full well) with the maps of fixed
+    patterns: what acts before a pixel is full shows as likely as it is not.
 
     The fit frames made the maps: their residuals are too small by the maps' variance.
     Of a hot pixel it is mostly not known whether it is one, which makes nothing
@@ -178,9 +188,37 @@ def _with_maps(
             doubt = doubt + unsure
         elif not fitted:
             variance = variance + unsure
-    sign = -1.0 if fitted else 1.0
+    if fitted:
+        variance, kept = _of_makers(model, frame, charge, variance, doubt)
+        return mean, variance, kept, well
     least = LEAST_VARIANCE_LEFT * variance
-    return mean, np.maximum(variance + sign * doubt, least), well
+    return mean, np.maximum(variance + doubt, least), 1.0, well
+
+
+def _of_makers(
+    model: Model, frame: Frame, charge: Array, variance: Array, doubt: Array | float
+) -> tuple[Array, Array]:
+    """Return (variance of residuals of a frame that maps were made of, what is kept of
+    its noise there).
+
+    A map follows a frame's noise by a leverage, the map's variance over that of the
+    noise by which it was made: the residual is what is left of this noise, and of how
+    far the map would be off without this frame. That does not change with what the
+    noise is taken for afterwards; else a frame that made its own map would outweigh
+    those that tell noise. Source: R. D. Cook, S. Weisberg, Residuals and Influence in
+    Regression, 1982, section 2.2.
+
+    doubt : variance of the maps in the frame."""
+    made = variance
+    gains = [known.noise_gains for _, _, known in model.maps if known.noise_gains]
+    if gains:
+        now = model.noise_gain("beta1"), model.noise_gain("beta2")
+        of_light, of_readout = np.subtract(gains[0], now)
+        made = made + of_light * frame.beta1 * np.maximum(charge, 0)
+        made = made + of_readout * frame.beta2
+    leverage = np.clip(doubt / made, 0, 1 - LEAST_VARIANCE_LEFT)
+    left = 1 - leverage
+    return left * (left * variance + leverage * made), left**2
 
 
 def _blended(

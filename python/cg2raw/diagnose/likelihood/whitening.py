@@ -165,7 +165,7 @@ class _Stages:
     within : the prediction before what of its processing is whitened."""
 
     def __init__(self, p: Prediction, frame: Frame, read: Array) -> None:
-        self.p, self.frame, self._read = p, frame, read
+        self.p, self.frame, self._read = p, frame, read * p.kept
         self._linear: list[partial[Whitened]] = []
         self.within = p
 
