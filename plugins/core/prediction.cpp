@@ -54,6 +54,22 @@ void check_margin(const FrameBlock& block, Size frame, int margin, int reach)
                     + " pixels that the effects reach together: give at least that");
 }
 
+/// The block with no more of its margin than effects reach.
+template <class Block> Block narrowed(Block block, Size frame, int margin, int reach)
+{
+    const Size given = size_of(block.camera[0]);
+    const Size size { std::min(block.size.width + 2 * reach, given.width),
+                      std::min(block.size.height + 2 * reach, given.height) };
+    const Site before = first_of_block(block.origin, given, margin, frame);
+    const Site first = first_of_block(block.origin, size, reach, frame);
+    for (Plane<const float>& plane : block.camera) {
+        plane.data = plane.row(first.row - before.row) + first.col - before.col;
+        plane.width = size.width;
+        plane.height = size.height;
+    }
+    return block;
+}
+
 /// Blocks up to this have room that their thread keeps from call to call.
 constexpr int most_kept = 1 << 18;
 
@@ -87,7 +103,8 @@ void pass(const Stages& stages, const Exposure& exposure, const FrameBlock& bloc
     done(band, Site { block.origin.row - origin.row, block.origin.col - origin.col });
 }
 
-/// Calls pass_one(block, exposure with the glare context that the optics see) for all.
+/// Calls pass_one(block, its margin, exposure with the glare context that the optics
+/// see) for all.
 template <class Block, class PassOne>
 void pass_all(const Stages& stages, const Exposure& given,
               const std::vector<Block>& blocks, int margin, const ParallelFor& parallel,
@@ -106,8 +123,11 @@ void pass_all(const Stages& stages, const Exposure& given,
         check_inside(block, exposure.frame);
         check_margin(block, exposure.frame, margin, reach);
     }
-    parallel(int(blocks.size()),
-             [&](int i) { pass_one(blocks[std::size_t(i)], exposure); });
+    const int needed = std::min(margin, reach);
+    parallel(int(blocks.size()), [&](int i) {
+        const Block& block = blocks[std::size_t(i)];
+        pass_one(narrowed(block, exposure.frame, margin, needed), needed, exposure);
+    });
 }
 
 } // namespace
@@ -126,8 +146,9 @@ void predict_blocks(const SensorProfile& profile,
                     const ParallelFor& parallel)
 {
     const Stages stages(profile, active_effects(profile, settings));
-    const auto predict = [&](const PredictedBlock& block, const Exposure& seen) {
-        pass(stages, seen, block, margin, Purpose::prediction,
+    const auto predict = [&](const PredictedBlock& block, int needed,
+                             const Exposure& seen) {
+        pass(stages, seen, block, needed, Purpose::prediction,
              [&](const Band& band, Site first) {
                  copy_inner(band.mosaic, first, block.mean);
                  copy_inner(band.variance, first, block.variance);
@@ -144,8 +165,8 @@ void draw_blocks(const SensorProfile& profile, const Run& run, const Exposure& e
     Stages stages(profile, run, active_effects(profile, run, noise_of(profile, run)));
     stages.noise_ceiling = std::numeric_limits<float>::max();
     const Levels levels = levels_of(profile);
-    const auto draw = [&](const DrawnBlock& block, const Exposure& seen) {
-        pass(stages, seen, block, margin, Purpose::drawing,
+    const auto draw = [&](const DrawnBlock& block, int needed, const Exposure& seen) {
+        pass(stages, seen, block, needed, Purpose::drawing,
              [&](const Band& band, Site first) {
                  for (int row = 0; row < block.size.height; ++row)
                      digitise(band.mosaic.row(first.row + row) + first.col, levels,

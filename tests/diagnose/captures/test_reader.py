@@ -142,7 +142,8 @@ def test_flats_of_fewer_than_three_sets_are_divided_one_by_one(
     for index, name in enumerate(sets):
         files.frame(tmp_path, f"{index}.npy", frame=index)
         lines.append(
-            f"{{file: {index}.npy, kind: flat, scene: 0.2, illuminant: D65, set: {name}}}"
+            f"{{file: {index}.npy, kind: flat, scene: 0.2, illuminant: D65, "
+            f"set: {name}}}"
         )
     captures = read_captures(files.manifest(tmp_path, lines))
     assert " ".join(capture.group for capture in captures.captures) == expected

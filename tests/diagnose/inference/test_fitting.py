@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Fitting finds what was planted, and knows how well."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,7 @@ from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.intervals import estimates, standard_errors
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.diagnose.likelihood.prediction import predict
 from cg2raw.diagnose.likelihood.workers import Workers
 from diagnose.planted import (
@@ -86,6 +89,24 @@ def test_planted_values_are_found_within_their_errors(frames, name):
     )
     strongest = np.abs(true / sigma).max()
     assert strongest > 3, "the data show it"
+
+
+def test_what_a_light_of_free_colour_hides_rests():
+    """Both greens alike are green light: what flats tell of that is less than the sums
+    are exact to, and nothing follows it."""
+    captures = [
+        capture_of("flat", n, scene=None, raw=lambda: np.full(SHAPE, 8000, np.uint16))
+        for n in (1, 2, 3)
+    ]
+    frames = frames_of(SENSOR, captures)
+    light = Nuisance(0.005, 0.0, 0.0, 0.0, frozenset({"light"}))
+    true = model_of(SENSOR, gr_gb_imbalance=[0.01, -0.01])
+    shown = drawn(frames, replace(true, nuisance=light), 3)
+    start = replace(Model(SENSOR), nuisance=light)
+    found = fit(start.with_effect(BY_NAME["gr_gb_imbalance"]), on(shown))
+    gr, gb = found.terms[0].values
+    assert gr - gb == pytest.approx(0.02, abs=0.001)
+    assert abs(gr + gb) < 1e-3
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

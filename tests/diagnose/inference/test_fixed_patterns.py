@@ -112,6 +112,20 @@ def test_columns_are_recovered():
     assert error.std() < 0.35 * sigma
 
 
+def test_a_pixel_far_from_its_column_does_not_move_it():
+    """A cosmic ray of one long dark, as a hot pixel's rate would leave it."""
+    rng = np.random.default_rng(7)
+    sigma = 0.3 * READ
+    columns = sigma * rng.standard_normal((1, 1, SHAPE[1]))
+    hit = np.zeros(TILE)
+    hit[0, 20, 30:34] = -300 * READ
+    frames = planted(captures_of(count=4), 8, white, columns + hit)
+    term = fitted("column_fixed_pattern", frames)
+    assert term.values[0] == pytest.approx(sigma, rel=0.25)
+    error = (term.sensor_map.mean[0, 20] - columns[0, 0])[30:34]
+    assert np.abs(error).max() < 1.2 * sigma
+
+
 def test_pixels_that_do_not_count_tell_nothing():
     """Of a frame that is divided by pixels, those of the other groups."""
     rng = np.random.default_rng(12)

@@ -41,3 +41,24 @@ def test_a_full_pixel_shows_no_map_of_what_fills_it(name, fills):
         )
     assert shift[False].min() > 1e-4
     assert (shift[True].max() < 1e-6) == fills
+
+
+@pytest.mark.parametrize("kind", ["dark", "flat"])
+def test_a_frame_that_made_a_map_tells_of_noise_what_the_map_left(kind):
+    """Its residual is that of noise times one less its leverage."""
+    (frame,) = frames_of(sensor_of(), [capture_of(kind, group="fit")])
+    noise = predict(model_of(sensor_of()), frame).variance - 1 / 12 / frame.range**2
+    leverage = 0.7
+    none = np.zeros((1, *SHAPE))
+    known = SensorMap(none, leverage * noise, noise_gains=(1.0, 1.0))
+    term = Term(BY_NAME["dsnu"], np.array([0.01]), sensor_map=known)
+
+    def variance(**terms):
+        return predict(model_of(sensor_of(), **terms).with_term(term), frame).variance
+
+    now = variance() - 1 / 12 / frame.range**2
+    np.testing.assert_allclose(now, (1 - leverage) * noise, rtol=1e-5)
+    larger = variance(read_noise=[0.1], shot_noise=[0.1]) - variance()
+    np.testing.assert_allclose(
+        larger, (1 - leverage) ** 2 * np.expm1(0.1) * noise, rtol=1e-3
+    )

@@ -98,19 +98,18 @@ class Tiling:
     def over_rows(self, image: Array) -> Array:
         """Return sums over rows of tiles (T, h, w), as (T, h, 1); tiles beside each
         other share their rows."""
-        return self._shared(image.sum(2), self.origins[:, 0])[:, :, None]
+        return (self._same[0] @ image.sum(2))[:, :, None]
 
     def over_columns(self, image: Array) -> Array:
         """Return sums over columns of tiles (T, h, w), as (T, 1, w); tiles above each
         other share their columns."""
-        return self._shared(image.sum(1), self.origins[:, 1])[:, None]
+        return (self._same[1] @ image.sum(1))[:, None]
 
-    @staticmethod
-    def _shared(lines: Array, starts: NDArray[np.int32]) -> Array:
-        _, group = np.unique(starts, return_inverse=True)
-        sums = np.zeros((int(group.max()) + 1, lines.shape[1]))
-        np.add.at(sums, group, lines)
-        return np.asarray(sums[group])
+    @cached_property
+    def _same(self) -> Array:
+        """(2, T, T), 1 of two tiles in the same rows, and in the same columns."""
+        starts = self.origins.T
+        return (starts[:, :, None] == starts[:, None, :]).astype(float)
 
     def rows_and_columns(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the row (T, h, 1) and column (T, 1, w) of every pixel."""

@@ -13,6 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.diagnose.effects.base import TIME, Effect
+from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -20,7 +22,10 @@ from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import predict_with_jumps
+from cg2raw.diagnose.likelihood.prediction import (
+    mean_without_maps,
+    predict_with_jumps,
+)
 from cg2raw.diagnose.likelihood.whitening import (
     colour_offsets,
     cut_offsets,
@@ -29,6 +34,9 @@ from cg2raw.diagnose.likelihood.whitening import (
 
 FULL_STEP, SHORTER_STEPS = 1.0, (0.3, 0.1, 0.02)
 KEPT_PROMISE = 0.3  # of the gain that a step promises, from which on it is taken
+# Of what single parameters tell, that a direction of several has: of less, the sums
+# over pixels in float32 are as much by themselves.
+LEAST_CORRELATED = 1e-6
 Parameter = tuple[str, int]  # name of a term, index of its value
 
 
@@ -38,12 +46,13 @@ class _State:
 
     residual, square : scores of a pixel's mean, in standard deviations, and of the log
     of its variance. weight : root of its information on its mean, 1 but of pixels that
-    are cut at an end of the ADC."""
+    are cut at an end of the ADC. without_maps : the mean."""
 
     prediction: Prediction
     residual: Array
     square: Array
     weight: Array
+    without_maps: Array
     columns: dict[Parameter, tuple[NDArray[np.float32], NDArray[np.float32]]]
 
 
@@ -86,7 +95,8 @@ class Linearisation:
         # What pixels share is no variance of their own.
         own = (white * white - 1) * np.sqrt(0.5)
         square = np.where(frame.counted & ~frame.censored, own, square)
-        return _State(p, white, square, weight, {})
+        bare = mean_without_maps(self.model, frame)
+        return _State(p, white, square, weight, bare, {})
 
     def _column(
         self, state: _State, frame: Frame, parameter: Parameter, model: Model
@@ -103,15 +113,14 @@ class Linearisation:
             step = -step
         values[index] += step
         p = state.prediction
-        moved = predict_with_jumps(model.with_values(name, values), frame)
-        mean = (moved.mean - p.mean) / step / np.sqrt(p.variance)
-        mean = state.weight * np.where(frame.counted, mean, 0)
+        mean, spread = _moved_by(
+            state, frame, term.effect, model.with_values(name, values)
+        )
+        mean = state.weight * np.where(
+            frame.counted, mean / step / np.sqrt(p.variance), 0
+        )
         mean = whiten_linearly(mean, p, self.model, frame, True)
-        spread = (moved.variance - p.variance) / step * np.sqrt(0.5) / p.variance
-        if term.effect.moves_mean:
-            # A variance that is a percent off would else decide a mean of which a
-            # nuisance leaves little.
-            spread = np.zeros_like(spread)
+        spread = spread / step * np.sqrt(0.5) / p.variance
         return mean[frame.counted].astype("f4"), spread[frame.counted].astype("f4")
 
     def system(
@@ -149,6 +158,28 @@ class Linearisation:
         return parameters, score, np.sum([part[1] for part in parts], 0)
 
 
+def _moved_by(
+    state: _State, frame: Frame, effect: Effect, model: Model
+) -> tuple[Array, Array]:
+    """Return how far mean and variance of a frame move to those of a model with another
+    value of an effect.
+
+    Of an effect that moves the mean only that counts: a variance that is a percent off
+    would else decide a mean of which a nuisance leaves little."""
+    p = state.prediction
+    late = registered(effect.cfa)[effect.name]["stage"] == "readout"
+    if effect.moves_mean and (effect.acts_on_light or late or effect.needs == TIME):
+        # Alike whatever maps add, but for a share as small as a map, in pixels that a
+        # full well does not hide.
+        mean = mean_without_maps(model, frame) - state.without_maps
+        return mean * (1.0 if late else p.below), np.zeros_like(mean)
+    moved = predict_with_jumps(model, frame)
+    spread = (
+        np.zeros_like(moved.mean) if effect.moves_mean else moved.variance - p.variance
+    )
+    return moved.mean - p.mean, spread
+
+
 def free_parameters(model: Model) -> list[Parameter]:
     """Return what Fisher scoring moves."""
     return [
@@ -169,8 +200,9 @@ def solve(score: Array, information: Array) -> tuple[Array, float]:
     correlation = information / np.outer(scale, scale)
     correlation[np.diag_indices(len(scale))] = 1.0
     eigenvalues, vectors = np.linalg.eigh(correlation)
-    eigenvalues = np.maximum(eigenvalues, 1e-7)
-    step = vectors @ ((vectors.T @ (score / scale)) / eigenvalues)
+    told = eigenvalues > LEAST_CORRELATED
+    along = (vectors.T @ (score / scale)) / np.where(told, eigenvalues, np.inf)
+    step = vectors @ along
     return step / scale, 0.5 * float(step @ (score / scale))
 
 

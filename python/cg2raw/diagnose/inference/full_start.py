@@ -96,9 +96,7 @@ def _first(effect: Effect, model: Model, likelihood: Likelihood) -> Values | Non
     return None if values is None else effect.clipped(values)
 
 
-def _begun_again(
-    model: Model, likelihood: Likelihood, noise: Sequence[str]
-) -> Model:
+def _begun_again(model: Model, likelihood: Likelihood, noise: Sequence[str]) -> Model:
     """Return the model with what starts from data started anew beside all others, where
     that is better: what it was found in was not understood then, and columns have
     taken what it left.

@@ -85,6 +85,8 @@ class Search:
         self._swapped: set[tuple[str, str]] = set()
         # Effects that were there before any was added, and what is lost without them.
         self._given: dict[str, float] = {}
+        # The same, nats, of all effects of the model, while it is the pruned one.
+        self.losses: dict[str, float] = {}
         # Nats that effects gain on captures that are drawn without them, too.
         self.refused: dict[str, float] = {}
         # Maps of what the profile states, and the same of them.
@@ -124,13 +126,13 @@ class Search:
         self._climb(self._reached)
         if not 0 < len(self._reached.found_names) <= FEW_EFFECTS:
             return
-        full, steps = self._reached, self.steps
-        self.steps, self._reached, self._given = [], bare, {}
+        full, steps, losses = self._reached, self.steps, self.losses
+        self.steps, self._reached, self._given, self.losses = [], bare, {}, {}
         self._swapped = set()
         self._climb(bare)
         lead = float((self._select(full) - self._select(self._reached)).sum())
         if lead > CLEAR:
-            self._reached, self.steps = full, steps
+            self._reached, self.steps, self.losses = full, steps, losses
 
     def _start_calibrated(self) -> bool:
         """Take a profile that states its fixed patterns, with the maps of these."""
@@ -162,6 +164,7 @@ class Search:
             self.steps.append(step)
         self.steps += [Step("dropped", n, -loss) for n, loss in left.dropped.items()]
         self._reached, self._given = left.model, left.losses
+        self.losses = left.losses
         return True
 
     def _begin(self, start: Start) -> None:

@@ -27,9 +27,7 @@ BOUNDS = (100.0, 25.0, FARTHEST)
 MOST_EXPECTED = 2.0  # times what a profile says: a sensor 6 K warmer has as many
 
 
-def outliers(
-    model: Model, frame: Frame, most: float, trimmed: bool = False
-) -> Mask:
+def outliers(model: Model, frame: Frame, most: float, trimmed: bool = False) -> Mask:
     """Return (T, h, w), True in a frame's outliers under a model; nowhere if they are
     more than a share of its pixels: then it is the model that is wrong.
 
@@ -52,7 +50,8 @@ def outliers(
         return far
     if not (trimmed and allowed):
         return np.zeros_like(far)
-    return far & (farness > np.partition(farness[far], -allowed)[-allowed])
+    farthest: Mask = far & (farness > np.partition(farness[far], -allowed)[-allowed])
+    return farthest
 
 
 def without_outliers(

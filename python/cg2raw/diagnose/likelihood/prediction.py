@@ -111,6 +111,11 @@ def _shrinkage(nuisance: Nuisance, frame: Frame, p: Prediction) -> Shrinkage:
     return nuisance.shrinkage(p, frame)
 
 
+def mean_without_maps(model: Model, frame: Frame) -> Array:
+    """Return the mean that a model predicts of a frame but for its maps."""
+    return _by_registry(model, frame, registry_values(model, frame))[0].astype(float)
+
+
 def _by_registry(
     model: Model, frame: Frame, values: list[tuple[str, list[float]]]
 ) -> Sequence[NDArray[np.float32]]:

@@ -25,6 +25,7 @@ from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
 
 NO_VALUES: Values = np.zeros(0)
+LINEAR_STAGES = "linear stages"  # in the memo of a prediction, with what they are of
 LINKS = "links"  # of the stages that residuals passed, in the memo of a prediction
 
 
@@ -92,14 +93,27 @@ def whiten_linearly(
     z: Array, p: Prediction, model: Model, frame: Frame, offsets: bool
 ) -> Array:
     """Return z whitened by what is linear and Gaussian; derivatives of a mean are
-    whitened alike. offsets : with those that pixels share."""
+    whitened alike. offsets : with those that pixels share.
+
+    What whitens does not depend on z: it is kept for the next one."""
+    known = p.memo.get(LINEAR_STAGES)
+    if not known or known[0] is not model or known[1] != offsets:
+        known = model, offsets, list(_linear_stages(p, model, frame, offsets))
+        p.memo[LINEAR_STAGES] = known
+    for stage in known[2]:
+        z = stage(z)[0]
+    return z
+
+
+def _linear_stages(
+    p: Prediction, model: Model, frame: Frame, offsets: bool
+) -> "Iterator[partial[Whitened]]":
     stages = _Stages(p, frame, frame.beta2)
     for effect, values in _steps(model, frame):
         if effect is None:
-            z = p.shrinkage.apply(z, frame.keep)[0]
+            yield partial(p.shrinkage.apply, keep=frame.keep)
         elif effect.linear and (offsets or not isinstance(effect, SharedOffset)):
-            z = stages.next(effect, values)(z)[0]
-    return z
+            yield stages.next(effect, values)
 
 
 def colour_offsets(z: Array, p: Prediction, model: Model, frame: Frame) -> Array:

@@ -136,7 +136,7 @@ def image(
         picture = picture.convert("P")
         picture.putpalette(palette)
     png = io.BytesIO()
-    picture.save(png, "PNG", optimize=True)
+    picture.save(png, "PNG")
     height, width = pixels.shape[:2]
     return Image(file, png.getvalue(), width, height, alt, caption)
 
