@@ -71,7 +71,7 @@ def test_its_words_exist(name):
     assert effect.signature <= {"gain", "mixer", "softener", "offset", "noise", "map"}
     assert set(effect.taken_up_by) <= set(names()) - {name}
     assert set(effect.switches) <= set(effect.parameters)
-    assert effect.needs <= {"light", "level", "levels", "image", "time"}
+    assert effect.needs <= {"light", "level", "levels", "repeats", "image", "time"}
 
 
 @pytest.mark.parametrize("name", WHITENING)

@@ -5,10 +5,11 @@
 import pytest
 
 from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.splits import third
 from cg2raw.diagnose.inference.nameable import nameable
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.workers import Workers
-from diagnose.planted import capture_of, frames_of, sensor_of
+from diagnose.planted import SHAPE, capture_of, frames_of, sensor_of
 
 SENSOR = sensor_of()
 
@@ -68,3 +69,35 @@ def test_one_dark_does_not_tell_tails_from_the_defects_of_a_profile(darks, shown
     assert ({"heavy_tailed_noise", "dsnu", "hot_pixels"} <= names) == shown
     assert ("heavy_tailed_noise" in names) == shown
     assert "dark_current" in names and "heavy_tailed_noise" in named(captures)
+
+
+def named_by_pixels(flats, pixels):
+    """Return the names that flats of a level allow, whose frames are all in fit and in
+    select, with pixels of their own in each."""
+    every = [
+        capture_of(
+            "flat", n, name=f"{n}{group}", group=group, mask=mask, level=level
+        )
+        for n, level in enumerate(flats)
+        for group, mask in zip(("fit", "select"), pixels, strict=True)
+    ]  # fmt: skip
+    splits = Splits(frames_of(SENSOR, every), Workers(1))
+    return {e.name for e in nameable(CaptureSet(SENSOR, every), splits, (), ())[0]}
+
+
+@pytest.mark.parametrize(
+    ("flats", "divided", "shown"),
+    [
+        ((0.3,), True, False),
+        ((0.3, 0.3), True, True),
+        ((0.3,), False, True),
+        ((0.3, 0.6), True, True),
+    ],
+)
+def test_one_flat_does_not_tell_pixels_from_photons(flats, divided, shown):
+    thirds = [lambda group=g: third(SHAPE, group) for g in ("fit", "select")]
+    names = named_by_pixels(flats, thirds if divided else [None, None])
+    assert {"prnu", "shot_noise"} & names == (
+        {"prnu", "shot_noise"} if shown else set()
+    )
+    assert "lens_shading" in names

@@ -54,6 +54,7 @@ IMAGE = frozenset({"light", "image"})
 TIME = frozenset({"time"})
 LEVEL = frozenset({"light", "level"})
 LEVELS = frozenset({"light", "levels"})
+LIGHT_AGAIN = frozenset({"light", "repeats"})
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Effect:
     absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
     moves_mean : it explains a misfit of the mean.
     needs : what some frames must have to show it: "light", a "level" of it that is
-        known, several "levels", an "image", a "time".
+        known, several "levels", "repeats" of pixels or levels, an "image", a "time".
     from_means : tables of patch means show it: neither pixels nor places are needed,
         nor does it look like errors of the chart's own colours, the same in all frames.
     taken_up_by : effects that take up what this one's model does not describe, and the
@@ -129,8 +130,7 @@ class Effect:
     scales: ClassVar[Literal["", "beta1", "beta2"]] = ""
     # The offset of a frame is shared by the pixels of a row, or by all.
     shares_offset: ClassVar[Literal["", "row", "frame"]] = ""
-    # Its variance is its whitening's, and no prediction's.
-    whitens_variance: ClassVar[bool] = False
+    whitens_variance: ClassVar[bool] = False  # that is no prediction's
 
     @cached_property
     def acts_on_light(self) -> bool:

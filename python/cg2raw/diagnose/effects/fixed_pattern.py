@@ -90,12 +90,15 @@ class FixedPattern(Effect):
     def standard_error(self, value: float, sensor_map: SensorMap) -> float:
         """Return that of the map's standard deviation, from the number of its values
         and what is known of each."""
-        count = sensor_map.mean.size
+        prior = max(value, 1e-12) ** 2
+        known = ~np.isclose(sensor_map.variance, prior, rtol=1e-9, atol=0)
+        known |= not known.any()  # else pixels that no frame has tell nothing
+        count = int(known.sum())
         if self.layout == "columns":
-            count = sensor_map.mean[:, 0].size
-        unsure, prior = float(np.median(sensor_map.variance)), max(value, 1e-12) ** 2
+            count = int(known.any(1).sum())
+        unsure = float(np.median(sensor_map.variance[known]))
         if self.has_long_tails:  # of most values, whatever the few are
-            told = float(np.median(sensor_map.mean**2)) / MEDIAN_SQUARE
+            told = float(np.median(sensor_map.mean[known] ** 2)) / MEDIAN_SQUARE
             prior = max(told + unsure, prior)
         share = 1 - unsure / prior
         return float(value / np.sqrt(2 * count) / max(share, LEAST_SHARE))

@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import LIGHT
+from cg2raw.diagnose.effects.base import LIGHT_AGAIN
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
@@ -15,7 +15,7 @@ class Prnu(FixedPattern):
     name = "prnu"
     title = "PRNU"
     where = "the same pixels in all frames, in proportion to signal"
-    needs = LIGHT
+    needs = LIGHT_AGAIN  # else either passes for the other
     lacks_slow_part = True
     has_long_tails = True
     has_long_tails = True

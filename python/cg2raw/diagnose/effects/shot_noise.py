@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import LIGHT, Parameter, Values
+from cg2raw.diagnose.effects.base import LIGHT_AGAIN, Parameter, Values
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
@@ -16,7 +16,7 @@ class ShotNoise(NoiseGain):
     where = "variance in proportion to signal"
     search = (Parameter("log_gain", -1.5, 1.5),)
     scales = "beta1"
-    needs = LIGHT
+    needs = LIGHT_AGAIN  # else either passes for the other
     told_apart = {
         "prnu": "Several flats of one level: PRNU repeats in every frame and its "
         "variance grows with the square of the signal, that of shot noise with the "

@@ -98,18 +98,19 @@ class Tiling:
     def over_rows(self, image: Array) -> Array:
         """Return sums over rows of tiles (T, h, w), as (T, h, 1); tiles beside each
         other share their rows."""
-        return (self._same[0] @ image.sum(2))[:, :, None]
+        return np.asarray(self._same[0] @ image.sum(2))[:, :, None]
 
     def over_columns(self, image: Array) -> Array:
         """Return sums over columns of tiles (T, h, w), as (T, 1, w); tiles above each
         other share their columns."""
-        return (self._same[1] @ image.sum(1))[:, None]
+        return np.asarray(self._same[1] @ image.sum(1))[:, None]
 
     @cached_property
     def _same(self) -> Array:
         """(2, T, T), 1 of two tiles in the same rows, and in the same columns."""
         starts = self.origins.T
-        return (starts[:, :, None] == starts[:, None, :]).astype(float)
+        same: Mask = starts[:, :, None] == starts[:, None, :]
+        return same.astype(float)
 
     def rows_and_columns(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the row (T, h, 1) and column (T, 1, w) of every pixel."""

@@ -10,6 +10,7 @@ from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.inference.baseline import can_map
 from cg2raw.diagnose.inference.outliers import expected_outliers
 from cg2raw.diagnose.inference.splits import Splits
@@ -31,7 +32,9 @@ def nameable(
         candidates(capture_set.sensor.cfa, only)  # refuses unknown names
         known = [effect for effect in known if effect.name in only]
     known = [effect for effect in known if effect.name not in capture_set.nuisances]
-    groups = [_shown_by(split.frames) for split in (splits.fit, splits.select)]
+    fitted, selected = splits.fit.frames, splits.select.frames
+    again = _shows_light_again([*fitted, *selected])
+    groups = [_shown_by(frames, again) for frames in (fitted, selected)]
     by_defects = _has_unmapped_defects(capture_set, splits)
 
     def is_shown(effect: Effect) -> bool:
@@ -63,9 +66,26 @@ def _is_even(frame: Frame) -> bool:
     return frame.capture.shows.light and not frame.capture.shows.image
 
 
-def _shown_by(frames: Sequence[Frame]) -> list[tuple[set[str], bool]]:
+def _shows_light_again(frames: Sequence[Frame]) -> bool:
+    """Return whether light fell on any pixel in two frames. Frames that are divided by
+    their pixels have none in common."""
+    seen: dict[tuple[int, ...], Mask] = {}
+    for frame in frames:
+        if frame.capture.shows.light and frame.samples is None:
+            before = seen.get(frame.keep.shape)
+            if before is not None and (before & frame.keep).any():
+                return True
+            seen[frame.keep.shape] = (
+                frame.keep if before is None else before | frame.keep
+            )
+    return False
+
+
+def _shown_by(frames: Sequence[Frame], again: bool) -> list[tuple[set[str], bool]]:
     """Return of each frame what it has of what effects need to be seen, and whether it
-    has pixels."""
+    has pixels.
+
+    again : light fell on pixels in more than one frame."""
     times = [frame.capture.exposure_time for frame in frames]
     timed = all(time is not None for time in times) and any(times)
     levels = [frame.camera.mean() for frame in frames if _is_even(frame)]
@@ -78,5 +98,6 @@ def _shown_by(frames: Sequence[Frame]) -> list[tuple[set[str], bool]]:
         is_free = frame.level_free and frame.samples is None
         shown |= {"level"} if "light" in shown and not is_free else set()
         shown |= {"levels"} if differ or "image" in shown else set()
+        shown |= {"repeats"} if again or "levels" in shown else set()
         found.append((shown, frame.samples is None))
     return found

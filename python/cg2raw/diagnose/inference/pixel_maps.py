@@ -253,9 +253,7 @@ def _marginal(
         return information, score
     cross = evidence.information[one, others]
     wide = [prior.of_all for prior in priors]
-    inner = _with_priors(evidence, wide, others)
-    pull = np.linalg.solve(inner, np.moveaxis(cross, 0, -1)[..., None])[..., 0]
-    pull = np.moveaxis(pull, -1, 0)
+    pull = _solved(_with_priors(evidence, wide, others), cross)
     scores = np.stack([evidence.score[k] + wide[k].pull for k in others])
     return information - (pull * cross).sum(0), score - (pull * scores).sum(0)
 
@@ -263,12 +261,30 @@ def _marginal(
 def _with_priors(
     evidence: Evidence, priors: Sequence[_Prior], chosen: Sequence[int]
 ) -> Array:
-    """Return (T, h, w, k, k) information of some maps, with that of their priors."""
-    inner = np.moveaxis(evidence.information[np.ix_(chosen, chosen)], (0, 1), (-2, -1))
-    inner = inner.copy()
+    """Return (k, k, T, h, w) information of some maps, with that of their priors."""
+    inner = evidence.information[np.ix_(chosen, chosen)]
     for place, k in enumerate(chosen):
-        inner[..., place, place] += 1 / np.maximum(priors[k].each, LEAST_INFORMATION)
+        inner[place, place] += 1 / np.maximum(priors[k].each, LEAST_INFORMATION)
     return inner
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """Return (k, ...) solutions of positive definite systems (k, k, ...) of few
+    unknowns, of all pixels together: by elimination, which needs no pivots then.
+
+    right : (k, ...)."""
+    matrix, found = matrix.copy(), right.copy()
+    count = len(matrix)
+    for i in range(count):
+        for j in range(i + 1, count):
+            share = matrix[j, i] / matrix[i, i]
+            matrix[j, i:] -= share * matrix[i, i:]
+            found[j] -= share * found[i]
+    for i in reversed(range(count)):
+        for j in range(i + 1, count):
+            found[i] -= matrix[i, j] * found[j]
+        found[i] /= matrix[i, i]
+    return found
 
 
 def _means(
@@ -308,5 +324,7 @@ def _covariance(evidence: Evidence, priors: Sequence[_Prior]) -> Array:
         known, prior = evidence.known(0), priors[0].each
         error = 1 / np.where(known, own, LEAST_INFORMATION)
         return np.where(known, error * (prior / (prior + error)), prior)[None, None]
-    inverse = np.linalg.inv(_with_priors(evidence, priors, list(every)))
-    return np.moveaxis(inverse, (-2, -1), (0, 1))
+    inner = _with_priors(evidence, priors, list(every))
+    units = np.eye(len(every))[..., None, None, None]
+    ones = np.ones(inner.shape[2:])
+    return np.stack([_solved(inner, unit * ones) for unit in units], 1)
