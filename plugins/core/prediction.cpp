@@ -146,15 +146,15 @@ void predict_blocks(const SensorProfile& profile,
                     const ParallelFor& parallel)
 {
     const Stages stages(profile, active_effects(profile, settings));
-    const auto predict = [&](const PredictedBlock& block, int needed,
-                             const Exposure& seen) {
-        pass(stages, seen, block, needed, Purpose::prediction,
-             [&](const Band& band, Site first) {
-                 copy_inner(band.mosaic, first, block.mean);
-                 copy_inner(band.variance, first, block.variance);
-                 copy_inner(band.camera[0], first, block.exposed);
-             });
-    };
+    const auto predict
+        = [&](const PredictedBlock& block, int needed, const Exposure& seen) {
+              pass(stages, seen, block, needed, Purpose::prediction,
+                   [&](const Band& band, Site first) {
+                       copy_inner(band.mosaic, first, block.mean);
+                       copy_inner(band.variance, first, block.variance);
+                       copy_inner(band.camera[0], first, block.exposed);
+                   });
+          };
     pass_all(stages, exposure, blocks, margin, parallel, predict);
 }
 
