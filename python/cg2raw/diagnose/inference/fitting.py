@@ -76,6 +76,15 @@ def drawn_by_profile(effect: Effect, frames: Sequence[Frame]) -> Values | None:
     return np.array(drawn[0], float) if drawn and drawn[0] is not None else None
 
 
+def begun_from_data(
+    effect: Effect, model: Model, likelihood: Likelihood
+) -> Model | None:
+    """Return a model with an effect where frames say that its fit starts; None if they
+    show nothing of it."""
+    values = effect.first_values(likelihood.predicted(model))
+    return None if values is None else model.with_effect(effect, effect.clipped(values))
+
+
 def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | None:
     """Return (model with a first guess of an effect, its gain when fitted, 0 of a fixed
     pattern); None if frames show nothing of it.
@@ -84,10 +93,9 @@ def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | No
     model, likelihood = base.model, base.likelihood
     in_profile = effect.name in model.profile_parameters  # and has a slope there
     if effect.starts_from_data and (effect.held or not in_profile):
-        values = effect.first_values(likelihood.predicted(model))
-        if values is None:
+        start = begun_from_data(effect, model, likelihood)
+        if start is None:
             return None
-        start = model.with_effect(effect, effect.clipped(values))
         return start, likelihood.total(start) - base.height
     if effect.estimator == "smooth":
         return one_step(model.with_effect(effect), base, base.height)

@@ -13,12 +13,17 @@ EMVA Standard 1288, release 4.0.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cg2raw.diagnose.effects.base import Effect, Values
+from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.coordinate_search import fit_transform
-from cg2raw.diagnose.inference.fitting import drawn_by_profile, fit, scored
+from cg2raw.diagnose.inference.fitting import (
+    begun_from_data,
+    drawn_by_profile,
+    fit,
+    scored,
+)
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.illumination import (
     SHADING,
@@ -82,18 +87,12 @@ def _begun(
     for effect in chosen:
         if effect.starts_from_data and model.term(effect.name) is None:
             # What a profile has is there already, and moves from where it is.
-            in_profile = effect.name in model.profile_parameters
-            first = effect.null if in_profile else _first(effect, model, near.fit)
-            if first is not None:
-                model = model.with_effect(effect, first)
+            if effect.name in model.profile_parameters:
+                model = model.with_effect(effect)
+            else:
+                uniform = near.fit.of(uniform_of(near.fit))
+                model = begun_from_data(effect, model, uniform) or model
     return model, later
-
-
-def _first(effect: Effect, model: Model, likelihood: Likelihood) -> Values | None:
-    """Return where an effect that starts from data does, beside a model without it."""
-    uniform = likelihood.of(uniform_of(likelihood))
-    values = effect.first_values(uniform.predicted(model))
-    return None if values is None else effect.clipped(values)
 
 
 def _begun_again(model: Model, likelihood: Likelihood, noise: Sequence[str]) -> Model:
@@ -102,22 +101,43 @@ def _begun_again(model: Model, likelihood: Likelihood, noise: Sequence[str]) -> 
     taken what it left.
 
     noise : names of what rests."""
-    height = likelihood.total(model)
+    height, uniform = likelihood.total(model), likelihood.of(uniform_of(likelihood))
     columns = [t.name for t, effect, _ in model.maps if effect.layout == "columns"]
     for term in model.terms:
         listed = term.name in model.profile_parameters
         if listed or not term.effect.starts_from_data:
             continue
         rest = model.without(term.name).without_maps(columns)
-        first = _first(term.effect, rest, likelihood)
-        if first is None:
+        again = begun_from_data(term.effect, rest, uniform)
+        if again is None:
             continue
-        again = rest.with_effect(term.effect, first)
         again = fit_patterns(again, likelihood, columns) if columns else again
         again, higher = scored(again, likelihood.total(again), likelihood, noise)
         if higher > height:
             model, height = again, higher
     return model
+
+
+def _by_turns(
+    model: Model,
+    shown: Splits,
+    splits: Splits,
+    rounds: int,
+    noise: Sequence[str],
+    error: float,
+) -> tuple[Model, Splits]:
+    """Return (model after rounds of maps and of what is smooth, frames as warm as it
+    says they are). What starts from data is begun again before the last of them.
+
+    shown : what the first maps are made of. noise, error : see _fitted()."""
+    for number in range(rounds):
+        model = fit_patterns(model, shown.fit)
+        splits = warmed(model, splits, error)
+        shown = trimmed(model, splits)
+        model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
+        if number == rounds - 2:
+            model = _begun_again(model, shown.fit, noise)
+    return model, splits
 
 
 def _fitted(
@@ -131,14 +151,7 @@ def _fitted(
 
     later : terms that are fitted after maps are known. noise : names of what rests
     until then. error : of readings of the temperature."""
-    shown = splits
-    for number in range(ROUNDS):
-        model = fit_patterns(model, shown.fit)
-        splits = warmed(model, splits, error)
-        shown = trimmed(model, splits)
-        model, _ = scored(model, shown.fit.total(model), shown.fit, noise)
-        if number == ROUNDS - 2:
-            model = _begun_again(model, shown.fit, noise)
+    model, splits = _by_turns(model, splits, splits, ROUNDS, noise, error)
     light = model = without_unsure_shading(model, splits.fit.frames)
     splits, gain = as_lit_with_gain(light, splits)
     model = fit_patterns(model, trimmed(model, splits).fit)
@@ -154,15 +167,9 @@ def _on_all_tiles(
     start: Start, splits: Splits, noise: Sequence[str], error: float
 ) -> Start:
     """Return what was fitted to a few tiles fitted to all. noise, error : as above."""
-    light, shown = start.light.without_maps(), splits
-    splits = as_warm(splits, start.splits)
-    for number in range(ROUNDS_MORE):
-        light = fit_patterns(light, shown.fit)
-        splits = warmed(light, splits, error)
-        shown = trimmed(light, splits)
-        light, _ = scored(light, shown.fit.total(light), shown.fit, noise)
-        if number == 0:
-            light = _begun_again(light, shown.fit, noise)
+    warm = as_warm(splits, start.splits)
+    light = start.light.without_maps()
+    light, splits = _by_turns(light, splits, warm, ROUNDS_MORE, noise, error)
     # What flats show beside a model is their light: it has to be the best of all tiles.
     light = without_unsure_shading(light, splits.fit.frames)
     splits, gain = as_lit_with_gain(light, splits)

@@ -272,7 +272,7 @@ def _solved(matrix: Array, right: Array) -> Array:
     """Return (k, ...) solutions of positive definite systems (k, k, ...) of few
     unknowns, of all pixels together: by elimination, which needs no pivots then.
 
-    right : (k, ...)."""
+    right : (k, ...), or (k, n, ...) of n systems of one matrix."""
     matrix, found = matrix.copy(), right.copy()
     count = len(matrix)
     for i in range(count):
@@ -326,5 +326,4 @@ def _covariance(evidence: Evidence, priors: Sequence[_Prior]) -> Array:
         return np.where(known, error * (prior / (prior + error)), prior)[None, None]
     inner = _with_priors(evidence, priors, list(every))
     units = np.eye(len(every))[..., None, None, None]
-    ones = np.ones(inner.shape[2:])
-    return np.stack([_solved(inner, unit * ones) for unit in units], 1)
+    return _solved(inner, np.broadcast_to(units, inner.shape))

@@ -21,11 +21,9 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.response import Response
-from cg2raw.diagnose.frames.shrinkage import Shrinkage
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.nuisance import Nuisance
 
 LEAST_VARIANCE_LEFT = (
     0.15  # of a variance, that is left without what fit frames made of a map
@@ -93,22 +91,18 @@ def predict(model: Model, frame: Frame) -> Prediction:
     shrinking = None
     if (nuisance := model.nuisance) is not None:
         unknown = nuisance.pixel_variance(frame, variance)
-        shrinking = partial(_shrinkage, nuisance, frame)
+        shrinking = partial(nuisance.shrinkage, frame=frame)
     return Prediction(
         mean,
         variance + unknown,
         exposed,
         photon_variance,
         unknown,
-        shrinking,
-        well,
-        response,
-        kept,
+        shrinking=shrinking,
+        well=well,
+        response=response,
+        kept=kept,
     )
-
-
-def _shrinkage(nuisance: Nuisance, frame: Frame, p: Prediction) -> Shrinkage:
-    return nuisance.shrinkage(p, frame)
 
 
 def mean_without_maps(model: Model, frame: Frame) -> Array:
