@@ -186,6 +186,21 @@ def test_darks_of_two_times_are_in_each_group(tmp_path):
         assert {c.exposure_time for c in captures if c.group == group} == {0.1, 2.0}
 
 
+@pytest.mark.parametrize(
+    ("times", "parts"),
+    [((1, 9, 30), 9), ((9, 9, 9), 3), ((1, 9, 9, 30), 4), ((1, 9, 30, 90), 4)],
+)
+def test_darks_that_repeat_in_no_group_are_divided_by_pixels(tmp_path, times, parts):
+    """One exposure time alone does not tell charge from offsets."""
+    lines = []
+    for index, time in enumerate(times):
+        files.frame(tmp_path, f"{index}.npy", frame=index)
+        lines.append(f"{{file: {index}.npy, kind: dark, exposure_time: {time}}}")
+    read = read_captures(files.manifest(tmp_path, lines))
+    assert len(read.captures) == parts
+    assert any("exposure time" in note for note in read.notes) == (parts == 9)
+
+
 def test_darks_of_two_temperatures_are_in_each_group(tmp_path):
     lines = []
     for index in range(6):

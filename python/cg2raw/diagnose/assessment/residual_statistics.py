@@ -160,11 +160,14 @@ def _collect(
     if frame.capture.shows.render:
         _edges(c, frame, z, p, used)
     _count_outliers(c, model, z, used & ~frame.censored)
+    mapped = used.copy()  # what is not known of a pixel repeats, as any map of it would
+    for unknown, _ in model.rate_laws_on(frame):
+        mapped &= ~unknown
     fixed = c.fixed.setdefault(z.shape, FixedSums())
-    fixed.residuals = fixed.residuals + np.where(used, z, 0)
-    fixed.squares = fixed.squares + np.where(used, z * z, 0)
-    fixed.counts = fixed.counts + used
-    fixed.count_maps(shown_maps(model, frame, p, used))
+    fixed.residuals = fixed.residuals + np.where(mapped, z, 0)
+    fixed.squares = fixed.squares + np.where(mapped, z * z, 0)
+    fixed.counts = fixed.counts + mapped
+    fixed.count_maps(shown_maps(model, frame, p, mapped))
 
 
 def _means(c: Statistics, frame: Frame, p: Prediction, z: Array, used: Mask) -> None:

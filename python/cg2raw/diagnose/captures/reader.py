@@ -281,12 +281,16 @@ def divided(frames: Sequence[Frame]) -> tuple[list[Capture], list[str]]:
         said = {f.capture.set: f.entry.group for f in ours if f.entry.group}
         declared = {unit(f): said[f.capture.set] for f in ours if f.capture.set in said}
         found = groups_of_sets(strata, declared)
+        why = f"{len(strata)} of the three sets that groups need"
+        if not declared and _lack_times(ours, [found[unit(f)] for f in ours]):
+            found = dict.fromkeys(found)
+            why = "the frames that fit would have one exposure time alone"
         groups |= {frame.capture.name: found[unit(frame)] for frame in ours}
         if None in found.values():
             notes.append(
-                f"{kind}: {len(strata)} of the three sets that groups need, so these "
-                "frames are divided by pixels, a third each to fit, select and report; "
-                "what a frame's pixels share is then in all three"
+                f"{kind}: {why}, so these frames are divided by pixels, a third each "
+                "to fit, select and report; what a frame's pixels share is then in all "
+                "three"
             )
     captures: list[Capture] = []
     for frame in frames:
@@ -304,6 +308,17 @@ def _what_stays_together(frames: Sequence[Frame]) -> Callable[[Frame], str]:
     if len(sets) >= len(GROUPS) or any(f.capture.shows.image for f in frames):
         return lambda frame: frame.capture.set
     return lambda frame: frame.capture.name
+
+
+def _lack_times(frames: Sequence[Frame], groups: Sequence[Group | None]) -> bool:
+    """Return whether darks differ in their exposure times, and the group that fits has
+    one of these alone, which does not tell charge from offsets."""
+    if any(frame.capture.shows.light for frame in frames):
+        return False
+    pairs = list(zip(frames, groups, strict=True))
+    times = {frame.capture.exposure_time for frame in frames}
+    fitted = {f.capture.exposure_time for f, group in pairs if group in ("fit", None)}
+    return len(times) > 1 and len(fitted) == 1
 
 
 def stratum(frame: Frame) -> tuple[float, ...]:

@@ -5,8 +5,26 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import PEDESTAL, TIME, Effect, Values
+from cg2raw.diagnose.effects.base import (
+    PEDESTAL,
+    TIME,
+    Effect,
+    Estimates,
+    Values,
+    value_of,
+)
 from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.effects.profile_entries import listed_values
+from cg2raw.diagnose.frames.frame import DOUBLING
+from cg2raw.sensor import Sensor
+
+# What else a colder sensor has less of, by its parameter; an amplifier's glow, where it
+# is the warmth of the amplifier.
+RATES = {
+    "amplifier_glow": "per_second",
+    "dark_current_nonuniformity": "rate",
+    "hot_pixels": "rate",
+}
 
 
 class DarkCurrent(Effect):
@@ -21,6 +39,20 @@ class DarkCurrent(Effect):
 
     def from_moments(self, moments: Moments) -> Values:
         return np.array([moments.rate])
+
+    def size_on(self, values: Estimates, sensor: Sensor) -> str:
+        """With the profile's, if it states any: by how much the sensor is warmer."""
+        text = self.size(values)
+        listed = listed_values(sensor, self.name)
+        ratio = 1 + value_of(values, "per_second") / listed[0] if listed else 0.0
+        if ratio <= 0:
+            return text
+        kelvin = DOUBLING * np.log2(ratio)
+        side = "warmer" if kelvin > 0 else "colder"
+        return (
+            f"{text}: {ratio:.3g} times the profile's, as of a sensor "
+            f"{abs(kelvin):.1f} K {side} (twice as much every {DOUBLING:g} K)"
+        )
 
 
 EFFECT = DarkCurrent()

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.effects.rate_law import RateLaw
+from cg2raw.diagnose.frames.tiling import Array, Mask
 
 SMALLEST_CHANCE = 1e-12
 
@@ -24,6 +25,8 @@ class SensorMap:
         frames: what is wrong with an offset cancels in a rate that it was taken off.
     law : numbers of the distribution of its values, where these are not normal.
     noise_gains : what multiplied beta1 and beta2 of the noise that it was made under.
+    unknown, rate_law : (T, h, w), True where frames tell nothing of a pixel whose rate
+        is of a law with long tails: it has that of the law then, and 0 in the map.
     chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
         then the mean over both."""
 
@@ -32,6 +35,8 @@ class SensorMap:
     covariance: Mapping[str, Array] = field(default_factory=dict)
     law: Mapping[str, Estimate] = field(default_factory=dict)
     chance: Array | None = None
+    unknown: Mask | None = None
+    rate_law: RateLaw | None = None
     noise_gains: tuple[float, float] | None = None
 
     def of_tiles(self, places: NDArray[np.intp]) -> "SensorMap":
@@ -42,6 +47,7 @@ class SensorMap:
             variance=self.variance[places],
             covariance={name: one[places] for name, one in self.covariance.items()},
             chance=None if self.chance is None else self.chance[places],
+            unknown=None if self.unknown is None else self.unknown[places],
         )
 
     @property

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Values
+from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.frames.tiling import Array
 
 STEP = 0.25  # of n, between the narrow normals and of each
@@ -47,6 +48,12 @@ class LogNormal:
         part = (self.log_sigma * STEP) ** 2
         size = self.rate * np.exp(self.log_sigma * n + part / 2)
         return weights - log_sum(weights), size - self.rate, size**2 * np.expm1(part)
+
+    @property
+    def rate_law(self) -> RateLaw:
+        """The same, of pixels of which nothing is known."""
+        weights, means, variances = self.normals()
+        return RateLaw(np.exp(weights), means, variances)
 
     def log_parts(self, rates: "Rates") -> Array:
         """Return (k, ...) log density of estimates by each normal."""

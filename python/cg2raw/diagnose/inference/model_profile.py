@@ -12,6 +12,7 @@ import numpy as np
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
+from cg2raw.diagnose.effects.dark_current import RATES
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.model import Model
 
@@ -25,12 +26,16 @@ def model_profile(
     _add_estimated_noise(profile, frames)
     effects = {effect["name"]: effect for effect in profile.get("effects", [])}
     listed = model.profile_parameters
+    for name, rate in RATES.items():
+        if name in effects:
+            effects[name]["parameters"][rate] *= model.warmth
     for term in model.terms:
         effect = term.effect
         if effect.change_noise_table(profile, term.values) or term.calibration:
             continue
         # What moves the prediction was fitted on top of the profile's, all else whole.
-        old = listed.get(term.name, {}) if effect.predicted else {}
+        old = effects[term.name]["parameters"] if term.name in listed else {}
+        old = old if effect.predicted else {}
         found = effect.registry_estimates(estimates[term.name], term.sensor_map)
         values = np.array([estimate.value for estimate in found.values()])
         if old:

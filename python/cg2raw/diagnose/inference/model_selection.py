@@ -46,6 +46,7 @@ from cg2raw.diagnose.inference.steps import (
     rule_of,
 )
 from cg2raw.diagnose.inference.swaps import best_swap
+from cg2raw.diagnose.inference.warmth import by_temperature
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
@@ -260,7 +261,7 @@ class Search:
         if model.nuisance is not None:
             better = refitted(model, self.splits.of_nuisances)
             model = fit(replace(model, nuisance=better), self.splits.fit)
-        return self._pruned(model, newest)
+        return self._pruned(by_temperature(model, self.splits), newest)
 
     def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
         """Return (the trial to accept, names that are as good); a tie goes to the one

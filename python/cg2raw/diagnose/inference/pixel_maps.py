@@ -215,12 +215,15 @@ def _without_hot(sensor_map: SensorMap, rates: LogNormalMap) -> SensorMap:
     cold = 1 - rates.hot
     unsure = np.maximum(sensor_map.variance, rates.posterior[1])
     doubt = rates.hot * cold * sensor_map.mean**2
+    told = cold * rates.known
     return SensorMap(
-        cold * sensor_map.mean,
-        cold**2 * unsure + doubt,
-        {name: cold * one for name, one in sensor_map.covariance.items()},
+        told * sensor_map.mean,
+        rates.known * (cold**2 * unsure + doubt),
+        {name: told * one for name, one in sensor_map.covariance.items()},
         rates.law,
         cold,
+        ~rates.known,
+        rates.mixture.law.rate_law,
     )
 
 

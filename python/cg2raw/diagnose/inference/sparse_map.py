@@ -15,6 +15,7 @@ from scipy.special import expit
 
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference import exponential_rates
 from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, told_by_darks
@@ -70,7 +71,10 @@ def fit_sparse_map(
     mean = hot * rate
     doubt = hot * (variance + rate**2) - mean**2
     share = float(hot[leak.known].mean())
-    return replace(term, values=np.array([share]), sensor_map=SensorMap(mean, doubt))
+    middle = float(mean[leak.known].sum() / max(hot[leak.known].sum(), 1.0))
+    law = RateLaw.of_few(share, middle) if share > 0 else None
+    sensor_map = SensorMap(mean, doubt, unknown=~leak.known, rate_law=law)
+    return replace(term, values=np.array([share]), sensor_map=sensor_map)
 
 
 def _leak(

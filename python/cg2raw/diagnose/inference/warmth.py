@@ -15,10 +15,12 @@ import numpy as np
 
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.model import DARK_CURRENT, Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
+GLOW = "amplifier_glow"  # of a profile, which alone moves predictions besides
 SURE = 10.0  # standard deviations of a pixel's rate, from where on it is a thermometer
 FARTHEST_HOT = 6.0  # standard deviations of a residual that counts
 STEPS = 3  # until what counts stays
@@ -65,6 +67,19 @@ def as_warm(splits: Splits, others: Splits) -> Splits:
     pairs = zip(splits.frames, others.frames, strict=True)
     frames = [replace(frame, warmth=other.warmth) for frame, other in pairs]
     return Splits(frames, splits.workers)
+
+
+def by_temperature(model: Model, splits: Splits) -> Model:
+    """Return the model with dark current that goes with the temperature, as all does
+    that the profile says of charge without light, or alone: as the select frames say.
+    """
+    listed = model.profile_parameters
+    if DARK_CURRENT not in model.found_names or not {DARK_CURRENT, GLOW} <= set(listed):
+        return model
+    other = replace(model, by_temperature=not model.by_temperature)
+    other = fit(other, splits.fit)
+    gain = splits.select.total(other) - splits.select.total(model)
+    return other if gain > 0 else model
 
 
 def _factor(model: Model, frame: Frame, error: float) -> float:

@@ -11,11 +11,14 @@ import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect, SensorMap, Values
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.sensor import Sensor
 
+DARK_CURRENT = "dark_current"
 SENSORS_KNOWN = 8  # whose parameters are at hand
 
 
@@ -38,11 +41,15 @@ class Term:
 
 @dataclass(frozen=True)
 class Model:
-    """Effects on top of the baseline sensor; nuisances are of the captures alone."""
+    """Effects on top of the baseline sensor; nuisances are of the captures alone.
+
+    by_temperature : dark current that was found is that of another temperature, with
+        which all charge that the profile says goes that gathers without light."""
 
     sensor: Sensor
     terms: tuple[Term, ...] = ()
     nuisance: Nuisance | None = None
+    by_temperature: bool = False
 
     @property
     def names(self) -> list[str]:
@@ -68,6 +75,20 @@ class Model:
             return None
         known = term.sensor_map
         return known if known.mean.shape == frame.signal.shape else _anywhere(known)
+
+    def rate_laws_on(self, frame: Frame) -> list[tuple[Mask, RateLaw]]:
+        """Return (where no map says how fast charge gathers, how fast by its law) of
+        maps whose law has long tails, that which most pixels have first."""
+        return [
+            (known.unknown, known.rate_law)
+            for _, effect, known in sorted(
+                self.maps, key=lambda one: one[1].layout == "sparse"
+            )
+            if known.unknown is not None
+            and known.rate_law is not None
+            and known.unknown.shape == frame.signal.shape
+            and known.unknown.any()
+        ]
 
     def term(self, name: str) -> Term | None:
         return next((term for term in self.terms if term.name == name), None)
@@ -139,6 +160,17 @@ class Model:
         """Parameters of the effects that the sensor's profile has, in the order of the
         registry."""
         return _parameters_of(self.sensor)
+
+    @property
+    def warmth(self) -> float:
+        """How much faster charge gathers without light than the profile says, by the
+        temperature."""
+        dark = self.term(DARK_CURRENT)
+        listed = self.profile_parameters.get(DARK_CURRENT)
+        if not self.by_temperature or dark is None or listed is None:
+            return 1.0
+        (rate,) = listed.values()
+        return max(1 + float(dark.values[0]) / rate, 0.0) if rate else 1.0
 
 
 @lru_cache(maxsize=SENSORS_KNOWN)

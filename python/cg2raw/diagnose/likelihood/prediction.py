@@ -15,6 +15,7 @@ from cg2raw import _core
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.dark_current import RATES
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
@@ -39,9 +40,10 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
     filters; `predict` adds those of others. It draws maps of its own, and no sensor has
     those; offsets that pixels share are no variance, but whitened."""
     effects = every()
+    warmth = model.warmth
     listed = {
-        name: list(parameters.values())
-        for name, parameters in model.profile_parameters.items()
+        name: [v * (warmth if n == RATES.get(name) else 1.0) for n, v in stated.items()]
+        for name, stated in model.profile_parameters.items()
         if effects[name].estimator != "fixed pattern"
         and not effects[name].whitens_variance
     }
