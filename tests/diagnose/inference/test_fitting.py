@@ -227,6 +227,17 @@ def test_where_charge_clips_is_found(frames):
     assert guessed("full_well", clean) is None
 
 
+def test_charge_clips_above_where_a_profile_says(frames):
+    """The well is what its maker promised least, and the change has to be below 0."""
+    shown = planted(frames, 5, full_well=[0.4])
+    known = [{"name": "full_well", "parameters": {"below_white": 0.5}}]
+    doubted = sensor_of(effects=known)
+    base = Linearisation(Model(doubted), on(shown))
+    start, _ = first_guess(BY_NAME["full_well"], base)
+    found = fit(start, on(shown)).term("full_well").values[0]
+    assert found == pytest.approx(-0.1, abs=0.005)
+
+
 def test_row_noise_is_found(frames):
     shown = planted_rows(frames, 7, 0.4)
     start = model_of(SENSOR, row_noise=[0.03])

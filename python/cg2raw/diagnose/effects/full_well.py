@@ -34,7 +34,7 @@ class FullWell(Effect):
     name = "full_well"
     title = "full well below white"
     where = "levels pile up below white"
-    bounds = {"below_white": (0.0, 0.7)}
+    bounds = {"below_white": (-0.7, 0.7)}  # on top of what a profile has
     families = frozenset({RESPONSE})
     signature = frozenset({"gain"})
     needs = LIGHT
