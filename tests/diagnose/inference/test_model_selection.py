@@ -10,7 +10,7 @@ from cg2raw.diagnose.inference.candidates import Candidates, null_gain
 from cg2raw.diagnose.inference.model_selection import Search, Trial
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
-from diagnose.planted import BY_NAME, ONE, model_of
+from diagnose.planted import BY_NAME, ONE, captures_of, frames_of, model_of
 from diagnose.shaded import SENSOR, groups_of, shaded
 
 FAINT = 0.1  # of row noise, in read noises
@@ -85,3 +85,12 @@ def test_the_search_ends_when_it_stops_gaining(monkeypatch):
     search = search_of()
     assert search.run().names == ["exposure"]
     assert search.steps == ["exposure"]
+
+
+def test_an_effect_that_was_dropped_and_comes_back_is_no_older_one():
+    """It is the newest: nothing is fitted in its place."""
+    darks = frames_of(SENSOR, captures_of(("dark",) * 2, exposure_time=4.0))
+    search = search_of((darks, darks))
+    search._given = {"dark_current": 10.0, "black_level": 10.0}
+    model = model_of(SENSOR, black_level=[0.0] * 4, dark_current=[1e-4])
+    assert "dark_current" not in search._sure(model, "dark_current")

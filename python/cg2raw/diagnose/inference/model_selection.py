@@ -320,7 +320,7 @@ class Search:
 
     def _sure(self, model: Model, newest: str) -> set[str]:
         """Return which of the effects of a full start need no fit without them."""
-        names = [name for name in model.found_names if name in self._given]
+        names = [n for n in model.found_names if n in self._given and n != newest]
         sure = missed_beside(model, self.splits, names, newest)
         left = [name for name in names if name not in sure]
         return sure | set(missed_by_few(model, self.splits, left, self.threshold))
