@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Only what some frames can show may be named."""
 
+import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.capture import CaptureSet
@@ -38,6 +39,19 @@ def test_dark_current_needs_times_and_some_time(times, shown):
     names = named([{"kind": "dark", "exposure_time": time} for time in times])
     assert ("dark_current" in names) == shown
     assert {"read_noise", "black_level"} <= names and "prnu" not in names
+
+
+@pytest.mark.parametrize(("divided", "shown"), [(True, False), (False, True)])
+def test_pixels_of_the_same_frames_do_not_tell_what_frames_share(divided, shown):
+    """Its evidence would be of the offsets that it was fitted to."""
+
+    def raw():
+        return np.full(SHAPE, 300, np.uint16)
+
+    same = {"raw": raw} if divided else {}
+    names = named([{"kind": "dark", "exposure_time": 4.0, **same}] * 2)
+    assert ("black_level_drift" in names) == shown
+    assert "row_noise" in names
 
 
 @pytest.mark.parametrize(("time", "seconds"), [(0.0, 0.0), (None, 1.0), (2.5, 2.5)])

@@ -36,8 +36,12 @@ def nameable(
     again = _shows_light_again([*fitted, *selected])
     groups = [_shown_by(frames, again) for frames in (fitted, selected)]
     by_defects = _has_unmapped_defects(capture_set, splits)
+    shots = {id(frame.capture.raw) for frame in fitted}
+    held_out = any(id(frame.capture.raw) not in shots for frame in selected)
 
     def is_shown(effect: Effect) -> bool:
+        if effect.shares_offset == "frame" and not held_out:
+            return False  # what a frame shares is in all parts of its pixels
         has_tails = effect.tails(effect.null) is not None
         if by_defects and (has_tails or isinstance(effect, FixedPattern)):
             return False
