@@ -28,8 +28,10 @@ from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.inference.baseline import baseline_of
+from cg2raw.diagnose.inference.calibrated_start import calibrated_start
 from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import Workers
 from cg2raw.diagnose.pipeline import PIXELS
 from cg2raw.sensor import Sensor
@@ -123,19 +125,26 @@ class DenseCase:
 
     def evidence(self, names: Sequence[str]) -> dict[str, float]:
         """Return, per effect, the nats by which the true profile makes the select
-        frames likelier than one that is wrong in this effect alone. Maps of the sensor
-        come from the fit frames; a diagnosis, which has to fit all, can gain less."""
-        whole = self._select_nats({})
+        frames likelier than one that is wrong in this effect alone: both with their
+        maps, from the fit frames, which take up of a fault what looks like them. A
+        diagnosis, which has to fit all, can gain less."""
+        model, splits = self._begun({})
+        whole = splits.select.total(model)
         return {
-            name: whole - self._select_nats({name: self.strengths[name]})
+            name: whole
+            - splits.select.total(self._begun({name: self.strengths[name]})[0])
             for name in names
         }
 
-    def _select_nats(self, faults: Mapping[str, float | None]) -> float:
+    def _begun(self, faults: Mapping[str, float | None]) -> tuple[Model, Splits]:
+        """Return where the search of a profile with faults begins."""
         given = replace(self._true_captures, sensor=self.sensor(faults))
         frames = read_frames(given, noise_models(given), PIXELS, lambda *_: None)
         baseline = baseline_of(given, Splits(frames, Workers(1)), lambda *_: None)
-        return baseline.splits.select.total(baseline.model)
+        start = calibrated_start(baseline, candidates(CFA))
+        if start is None:
+            return baseline.model, baseline.splits
+        return start.model, start.splits
 
     def expected(self) -> dict[str, dict[str, float]]:
         """Return the values that estimates of hidden effects should hold: what is to be

@@ -11,11 +11,12 @@ Source: G. J. McLachlan, J. R. Stat. Soc. C 36(3), 1987.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import t
 
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.calibrated_start import calibrated_start
 from cg2raw.diagnose.inference.candidates import Candidates
@@ -27,8 +28,18 @@ from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
 
-FEWEST_DRAWS, MOST_DRAWS = 2, 6  # of all captures
+FEWEST_DRAWS, MOST_DRAWS = 2, 12  # of all captures
 TURNS_OF_MAPS_ANEW = 2  # with a candidate, and without it
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """Captures that were drawn: where a search of them begins, the same with maps that
+    are made of them, and they."""
+
+    begun: Model
+    null: Model
+    splits: Splits
 
 
 class Bootstrap:
@@ -45,7 +56,7 @@ class Bootstrap:
     ) -> None:
         self._null, self._baseline, self._alpha = null, baseline, alpha
         self._report = report
-        self._drawn: list[tuple[Model, Splits]] = []
+        self._drawn: list[_Drawn] = []
 
     def explains(self, trial: Trial) -> bool:
         """Return whether a candidate's gain may be one of drawn captures, by the
@@ -61,7 +72,7 @@ class Bootstrap:
             drawn = self._draw(len(gains))
             if drawn is None:
                 return False
-            gains.append(self._gain(trial, *drawn))
+            gains.append(self._gain(trial, drawn))
             if len(gains) < FEWEST_DRAWS:
                 continue
             if least > most_of_next(gains, self._alpha):
@@ -70,17 +81,23 @@ class Bootstrap:
                 return True
         return True
 
-    def _gain(self, trial: Trial, model: Model, splits: Splits) -> float:
+    def _gain(self, trial: Trial, drawn: _Drawn) -> float:
         """Return the nats that a candidate gains on drawn captures by its values,
-        scaled to as many pixels as there are."""
-        null = self._null.splits
-        with_it = _with_maps_anew(trial.model.of_few_tiles(null.frames), splits)
-        gain = splits.select.total(with_it) - splits.select.total(model)
-        return gain * null.select.pixels / splits.select.pixels
+        scaled to as many pixels as there are. Maps begin as those of the model without
+        it do: what differs else is not the candidate's."""
+        model = drawn.begun
+        for term in trial.model.terms:
+            is_map = isinstance(term.effect, FixedPattern)
+            if not is_map or model.term(term.name) is None:
+                model = model.with_term(replace(term, sensor_map=None))
+        with_it = _with_maps_anew(model, drawn.splits)
+        select, pixels = drawn.splits.select, self._null.splits.select.pixels
+        gain = select.total(with_it) - select.total(drawn.null)
+        return gain * pixels / select.pixels
 
-    def _draw(self, number: int) -> tuple[Model, Splits] | None:
-        """Return (the model with maps of captures that are drawn, these), begun as a
-        search begins; None if they cannot be drawn."""
+    def _draw(self, number: int) -> _Drawn | None:
+        """Return captures that are drawn, begun as a search begins; None if they cannot
+        be drawn."""
         if number < len(self._drawn):
             return self._drawn[number]
         self._report(f"drawing captures without it, set {number + 1}")
@@ -97,7 +114,7 @@ class Bootstrap:
             shown = without_outliers(begun, drawn, MOST_OUTLIERS)
         else:
             begun, shown = start.model, start.splits
-        self._drawn.append((_with_maps_anew(begun, shown), shown))
+        self._drawn.append(_Drawn(begun, _with_maps_anew(begun, shown), shown))
         return self._drawn[number]
 
 
