@@ -58,6 +58,23 @@ def test_the_profile_s_deviation_holds_unless_pixels_contradict_it(truth, holds)
         assert found == pytest.approx(truth * READ, rel=0.05)
 
 
+def test_pixels_far_out_are_so_beside_a_deviation_that_holds():
+    """What a hot pixel leaves while a frame is read is in all frames."""
+    profile = [{"name": "dsnu", "parameters": {"sigma": 0.2 * READ}}]
+    sensor = sensor_of(effects=profile)
+    rng = np.random.default_rng(2)
+    far = np.where(rng.random((1, *SHAPE)) < 0.003, 20 * READ, 0)
+    offsets = 0.2 * READ * rng.standard_normal(far.shape) + far
+    captures = [capture_of("dark", n, name=f"d{n}") for n in range(2)]
+    frames = drawn(frames_of(sensor, captures), Model(sensor_of()), 4, offsets)
+    model = model_of(sensor, dsnu=[0.0])
+    model = model.with_term(replace(model.term("dsnu"), calibration=True))
+    found = fit_patterns(model, on(frames)).term("dsnu")
+    assert found.values[0] == 0.2 * READ
+    away = (found.sensor_map.mean - offsets)[(far > 0) & frames[0].keep]
+    assert np.abs(away).max() < 4 * READ
+
+
 @pytest.mark.parametrize(
     ("rate", "log_sigma", "holds"), [(1.0, 1.0, True), (1.1, 1.0, False)]
 )
@@ -74,3 +91,36 @@ def test_a_stated_law_of_rates_holds_unless_pixels_contradict_it(
     law = fit_log_normal_map(rates, known, None, stated).mixture.law
     assert ((law.rate, law.log_sigma) == (1.0, 1.0)) == holds
     assert law.rate == pytest.approx(rate, rel=0.05)
+
+
+def test_beside_a_stated_law_pixels_are_hot_that_it_does_not_explain():
+    rng = np.random.default_rng(7)
+    shape = (1, 150, 200)
+    values = np.expm1(rng.standard_normal(shape))
+    values += np.where(rng.random(shape) < 0.004, rng.exponential(150.0, shape), 0)
+    rates = Rates(
+        values + 0.3 * rng.standard_normal(shape), np.full(shape, 0.09), np.zeros(shape)
+    )
+    stated = {"rate": 1.0, "log_sigma": 1.0}
+    found = fit_log_normal_map(rates, np.ones(shape, bool), None, stated).mixture
+    assert (found.law.rate, found.law.log_sigma) == (1.0, 1.0)
+    assert found.hot_share == pytest.approx(0.004, rel=0.25)
+    assert found.hot_rate == pytest.approx(150, rel=0.25)
+
+
+def test_hot_pixels_have_a_law_where_no_others_differ():
+    rng = np.random.default_rng(8)
+    shape = (1, 150, 200)
+    noise = 0.3 * rng.standard_normal(shape)
+    hot = np.where(rng.random(shape) < 1e-3, rng.exponential(60.0, shape), 0)
+    known = np.ones(shape, bool)
+
+    def law(values):
+        rates = Rates(values, np.full(shape, 0.09), np.zeros(shape))
+        found = fit_log_normal_map(rates, known)
+        return None if found is None else found.mixture
+
+    assert law(noise) is None
+    found = law(noise + hot)
+    assert found.hot_share == pytest.approx(1e-3, rel=0.35)
+    assert found.law.sigma < 0.05

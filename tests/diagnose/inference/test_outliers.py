@@ -36,6 +36,13 @@ def test_rates_of_the_others_are_log_normal():
     assert expected([SPREAD], 10.0) == pytest.approx(share, rel=0.02)
 
 
+def test_what_a_map_knows_is_not_expected():
+    sensor = sensor_of(effects=[HOT, SPREAD])
+    [frame] = frames_of(sensor, [capture_of("dark", exposure_time=10.0)])
+    without = expected_outliers(Model(sensor), frame, [SPREAD["name"]])
+    assert without / MOST_EXPECTED == pytest.approx(expected([HOT], 10.0))
+
+
 def test_nothing_is_expected_without_defects_charge_or_darkness():
     assert expected([], 10.0) == 0
     assert expected([HOT, SPREAD], 0.0) == 0

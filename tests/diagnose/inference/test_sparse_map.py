@@ -193,3 +193,18 @@ def test_pixels_that_tell_nothing_have_no_map(why):
     (term,) = model.terms
     assert term.values == 0 and not term.sensor_map.mean.any()
     assert np.isfinite(predict(model, frames[0]).variance).all()
+
+
+def test_what_a_hot_pixel_leaves_in_biases_is_no_contradiction():
+    """Charge that gathers while a frame is read: an offset, and no rate."""
+    rates = np.zeros((1, *SHAPE))
+    rates[0, 40:44, 60:64] = 300 * READ
+    frames = darks((0.0, 0.0, 0.0, LONG))
+
+    def extra(frame, rng):
+        offset = 15 * READ * (rates > 0)
+        return offset + leaking(rates)(frame, rng)
+
+    found = fitted(drawn(frames, Model(SENSOR), 4, extra)).term("hot_pixels")
+    mean = found.sensor_map.mean[rates > 0]
+    assert mean == pytest.approx(300 * READ, rel=0.1)

@@ -25,8 +25,8 @@ class SensorMap:
         frames: what is wrong with an offset cancels in a rate that it was taken off.
     law : numbers of the distribution of its values, where these are not normal.
     noise_gains : what multiplied beta1 and beta2 of the noise that it was made under.
-    unknown, rate_law : (T, h, w), True where frames tell nothing of a pixel whose rate
-        is of a law with long tails: it has that of the law then, and 0 in the map.
+    unknown, rate_law : (T, h, w), True in pixels that no frame was given, whose rate is
+        of a law with long tails: it has that of the law then, and 0 in the map.
     chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
         then the mean over both."""
 

@@ -34,7 +34,8 @@ class Frame:
 
     signal : measured, 0..1 above black.
     at_white, at_zero : the ADC's ends were reached: censored.
-    keep : pixels that count. highlights : others, that show what clips and little else.
+    keep : pixels that count. given : the same before any were set aside; None: none
+        were. highlights : others, that show what clips and little else.
     rendered : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens, of
         the tiles' blocks, with its glare context. camera, glare_context : the same
         where the capture shows it, and as bright.
@@ -68,6 +69,7 @@ class Frame:
     color: NDArray[np.int64]
     rendered: tuple[NDArray[np.float32], _core.GlareContext]
     level_free: bool = False
+    given: Mask | None = None
     highlights: Mask | None = None
     samples: Array | None = None
     repeats: int = 1
@@ -119,6 +121,7 @@ class Frame:
             camera=self.camera[few],
             uniform=self.uniform[few],
             rendered=(camera[few], context),
+            given=None if self.given is None else self.given[few],
             highlights=None if self.highlights is None else self.highlights[few],
         )
 
@@ -236,14 +239,15 @@ def frame_of(
     )
     place = "/".join(map(str, tiles.origins[0]))
     key = f"{capture.name}/{capture.set}/{capture.group}/{place}"
-    camera = _camera_tiles(source.camera, tiles)
+    camera, keep = _camera_tiles(source.camera, tiles), _keep(source, tiles)
     frame = Frame(
         capture=capture,
         tiles=tiles,
         signal=(cut.astype(float) - black) / range_,
         at_white=cut >= sensor.white_level,
         at_zero=cut == 0,
-        keep=_keep(source, tiles),
+        keep=keep,
+        given=keep,
         camera=camera,
         glare_context=source.glare_context,
         rendered=(camera, source.glare_context),

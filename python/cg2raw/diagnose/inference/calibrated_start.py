@@ -99,10 +99,11 @@ def without_transients(model: Model, splits: Splits) -> Splits:
     far = splits.workers.map(
         lambda frame: outliers(model, frame, MOST_OUTLIERS), splits.frames
     )
+    mapped = [term.name for term, effect, _ in model.maps if effect.layout == "pixels"]
     often: dict[tuple[int, ...], Mask] = {}
     defective: dict[tuple[int, ...], Mask] = {}
     for frame, mask in zip(splits.frames, far, strict=True):
-        one = mask & (mask.mean() <= expected_outliers(model, frame))
+        one = mask & (mask.mean() <= expected_outliers(model, frame, mapped))
         defective[mask.shape] = defective.get(mask.shape, False) | one
     for shape in defective:
         same = [mask for mask in far if mask.shape == shape]

@@ -18,7 +18,7 @@ from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import predict_with_jumps
+from cg2raw.diagnose.likelihood.prediction import predict_for_means
 from cg2raw.diagnose.likelihood.whitening import (
     cut_offsets,
     has_shared_structure,
@@ -40,7 +40,7 @@ def without_shared_offsets(model: Model, likelihood: Likelihood) -> Likelihood:
 
 
 def _without(model: Model, frame: Frame) -> Frame:
-    p = predict_with_jumps(model, frame)
+    p = predict_for_means(model, frame)
     cut = cut_offsets(model, frame)
     if cut is not None:
         offsets = censored_offsets(p, cut, frame).likeliest.mean - p.mean

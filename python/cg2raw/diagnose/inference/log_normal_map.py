@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import minimize, minimize_scalar
+from scipy.optimize import minimize
 from scipy.special import expit, logit
 
 from cg2raw.diagnose.diagnosis import Estimate
@@ -181,7 +181,8 @@ class Mixture:
 def _most_likely(
     classes: Rates, count: Values, start: Mixture | None
 ) -> Mixture | None:
-    """Return the law of maximum likelihood; None if noise alone is as likely.
+    """Return the law of maximum likelihood; None if noise alone is as likely: hot
+    pixels, which other maps would take, have a law too where no others differ.
 
     That pixels are hot besides has to gain what two numbers cost. Source: G. Schwarz,
     Ann. Stat. 6(2), 1978."""
@@ -211,35 +212,54 @@ def _most_likely(
     plain, height = best(shapes)
     level = (count / error) @ estimate / (count / error).sum()
     noise = -0.5 * (estimate - level) ** 2 / error - 0.5 * np.log(2 * np.pi * error)
-    if height < float(count @ noise) + len(shapes[0]) / 2:
-        return None
+    least = float(count @ noise) + len(shapes[0]) / 2
+    found, height = (plain, height) if height >= least else (None, least)
     hot = _hot_start(classes, count, middle, unit, start)
     if hot is None:
-        return plain
+        return found
     mixed, with_hot = best([[*shape, *hot] for shape in shapes])
-    return mixed if with_hot - height > np.log(count.sum()) else plain
+    return mixed if with_hot - height > np.log(count.sum()) else found
 
 
 def _nearly_stated(
     found: Mixture, stated: Mapping[str, float], classes: Rates, count: Values
 ) -> Mixture:
-    """Return the most likely law that has a profile's numbers, if that is nearly as
-    likely as the one that was found; else that one."""
+    """Return the most likely law that has a profile's numbers, and as many hot pixels
+    as it leaves, if that is nearly as likely as the one that was found; else that
+    one."""
     if stated["rate"] <= 0 or stated["log_sigma"] <= 0:
         return found
+    law = LogNormal(found.law.shift, stated["rate"], stated["log_sigma"])
+    unit = max(found.law.sigma, law.sigma)
+    _, log_rate, log_log_sigma, *_ = Mixture(law).numbers(unit)
 
-    def moved(shift: float) -> Mixture:
-        law = LogNormal(shift, stated["rate"], stated["log_sigma"])
-        return replace(found, law=law)
+    def of(free: Values) -> Mixture:
+        """free : shift and, where pixels may be hot, the numbers of these."""
+        free = np.array([free[0], log_rate, log_log_sigma, *free[1:]])
+        found = Mixture.of(free, unit)
+        return replace(found, law=replace(law, shift=found.law.shift))
 
-    middle, around = found.law.shift, 4 * max(found.law.sigma, moved(0.0).law.sigma)
-    best = minimize_scalar(
-        lambda shift: -moved(shift).height(classes, count),
-        bounds=(middle - around, middle + around),
-        method="bounded",
-    )
-    lost = found.height(classes, count) + float(best.fun)
-    return moved(float(best.x)) if lost < NEARLY * count.sum() else found
+    def best(start: Sequence[float]) -> tuple[Mixture, float]:
+        first = np.array(start, float)
+        simplex = first + FIRST_STEPS * np.eye(first.size + 1, first.size, -1)
+        how = {**SEARCH, "initial_simplex": simplex}
+        result = minimize(
+            lambda free: -of(free).height(classes, count),
+            first,
+            method="Nelder-Mead",
+            options=how,
+        )
+        return of(result.x), -float(result.fun)
+
+    shift = law.shift / unit
+    moved, height = best([shift])
+    hot = _hot_start(classes, count, law.shift, unit, found)
+    if found.hot_share and hot is not None:
+        mixed, with_hot = best([shift, *hot])
+        if with_hot - height > np.log(count.sum()):
+            moved, height = mixed, with_hot
+    lost = found.height(classes, count) - height
+    return moved if lost < NEARLY * count.sum() else found
 
 
 def _hot_start(

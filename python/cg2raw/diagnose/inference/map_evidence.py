@@ -18,7 +18,7 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jumps
+from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_for_means
 from cg2raw.diagnose.likelihood.tails import tails_in
 
 LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
@@ -36,12 +36,14 @@ class Evidence:
 
     repeat : side of the CFA's, px.
     noisier : (K, T, h, w), what a value of each map adds, by the shot noise of its
-        charge, to the variance of its estimate, times the square of the information."""
+        charge, to the variance of its estimate, times the square of the information.
+    unseen : (T, h, w), pixels that no frame was given."""
 
     information: Array
     score: Array
     repeat: int
     noisier: Array
+    unseen: Mask
 
     def known(self, one: int) -> Mask:
         """Return the pixels that any frame says anything about."""
@@ -66,7 +68,7 @@ def evidence_of(
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
 
     def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
-        p = predict_with_jumps(rest, frame)
+        p = predict_for_means(rest, frame)
         given = [effect.shown(frame, p) for effect in effects]
         p = _beside_tails(p, rest, frame, given, known)
         z, _, weight = scores(p, frame)
@@ -89,7 +91,15 @@ def evidence_of(
         information += products
         score += scored
         noisier += more
-    return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier)
+    unseen = unseen_by(likelihood.frames)
+    return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier, unseen)
+
+
+def unseen_by(frames: Sequence[Frame]) -> Mask:
+    """Return the pixels that no frame was given: not those that were set aside."""
+    given = [frame.keep if frame.given is None else frame.given for frame in frames]
+    unseen: Mask = ~np.logical_or.reduce(given)
+    return unseen
 
 
 def _beside_tails(

@@ -60,7 +60,7 @@ def bounded_tail(square: Array, error: Array) -> float:
 def is_as_good(stated: float, found: float, error: Array) -> bool:
     """Return whether a stated variance of a map is nearly as likely as that which was
     found, for estimates with errors of these variances."""
-    if not error.size:
+    if not np.size(error):
         return True
     ratio = (error + found) / (error + stated)
     lost = 0.5 * (ratio - 1 - np.log(ratio))

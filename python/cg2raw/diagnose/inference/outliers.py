@@ -8,7 +8,7 @@ Gaussian would give its nats to whatever widens the noise. Where nearly all pixe
 model, those few that are far out count neither for it nor against it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -63,15 +63,18 @@ def without_outliers(
     return _without(model, splits, [most] * len(splits.frames), trimmed)
 
 
-def expected_outliers(model: Model, frame: Frame) -> float:
+def expected_outliers(model: Model, frame: Frame, known: Collection[str] = ()) -> float:
     """Return the share of a dark's pixels that lie far out by the profile's own laws of
-    defects: which pixels these are, no profile can say, but as many are no noise."""
+    defects: which pixels these are, no profile can say, but as many are no noise.
+
+    known : effects that do not count, since a map says which pixels they are."""
     if frame.capture.shows.light:
         return 0.0
     far = FARTHEST * float(np.sqrt(np.median(frame.beta2)))
     shares = [
         every()[name].share_beyond(parameters, far, frame.seconds)
         for name, parameters in model.profile_parameters.items()
+        if name not in known
     ]
     return min(MOST_EXPECTED * sum(shares), 1.0)
 

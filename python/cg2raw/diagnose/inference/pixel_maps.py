@@ -76,7 +76,7 @@ def pixel_maps(
         sensor_map = SensorMap(means[k], covariance[k, k], others)
         values = np.array([np.sqrt(priors[k].variance)])
         if (rates := _law_of(priors[k])) is not None:
-            sensor_map = _without_hot(sensor_map, rates)
+            sensor_map = _without_hot(sensor_map, rates, evidence.unseen)
         found.append(replace(term, values=values, sensor_map=sensor_map))
     return found
 
@@ -171,12 +171,17 @@ def _prior(
     square, error = estimate**2 / kept, 1 / information
     of_known = square[known], error[known]
     variance = bounded_tail(*of_known)
-    if stated is not None and is_as_good(stated["sigma"] ** 2, variance, error[known]):
-        return _Prior(stated["sigma"] ** 2)
     mixed = mixed_prior_of(*of_known) if effect.has_long_tails else None
+    likely = [variance]
+    if mixed is not None:
+        variance = max(variance, mixed.half_of_tail(of_known[1]))
+        likely += [variance, mixed.narrow]  # with half of its tail, and without
+    if stated is not None and any(
+        is_as_good(stated["sigma"] ** 2, each, error[known]) for each in likely
+    ):
+        variance = stated["sigma"] ** 2
     if mixed is None:
         return _Prior(variance)
-    variance = max(variance, mixed.half_of_tail(of_known[1]))
     mean, spread = mixed.posterior(estimate, error)
     told = np.where(known, 1 / error, 0)
     own, pull = _as_normal(mean, spread, estimate, told)
@@ -208,21 +213,21 @@ def _as_normal(
     return own, mean * (own + told) - told * estimate
 
 
-def _without_hot(sensor_map: SensorMap, rates: LogNormalMap) -> SensorMap:
+def _without_hot(sensor_map: SensorMap, rates: LogNormalMap, unseen: Mask) -> SensorMap:
     """Return the map without pixels that are hot: these are of an effect of their own.
 
     The shot noise of its charge, that only its law knows of, makes it less sure."""
     cold = 1 - rates.hot
+    seen = ~unseen
     unsure = np.maximum(sensor_map.variance, rates.posterior[1])
     doubt = rates.hot * cold * sensor_map.mean**2
-    told = cold * rates.known
     return SensorMap(
-        told * sensor_map.mean,
-        rates.known * (cold**2 * unsure + doubt),
-        {name: told * one for name, one in sensor_map.covariance.items()},
+        seen * cold * sensor_map.mean,
+        seen * (cold**2 * unsure + doubt),
+        {name: seen * cold * one for name, one in sensor_map.covariance.items()},
         rates.law,
         cold,
-        ~rates.known,
+        unseen,
         rates.mixture.law.rate_law,
     )
 

@@ -18,10 +18,14 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference import exponential_rates
-from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, told_by_darks
+from cg2raw.diagnose.inference.map_evidence import (
+    LEAST_INFORMATION,
+    told_by_darks,
+    unseen_by,
+)
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_with_jumps
+from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_for_means
 from cg2raw.diagnose.likelihood.tails import tails_of
 
 STANDS_OUT = 3.0  # standard deviations above the others that a pixel must lie
@@ -58,7 +62,7 @@ def fit_sparse_map(
     """Return the term with its map: rates in signal per second, 0 of most pixels.
 
     rest : all but this term. likelihood : of frames of one shape."""
-    predictions = likelihood.each(lambda frame: predict_with_jumps(rest, frame))
+    predictions = likelihood.each(lambda frame: predict_for_means(rest, frame))
     predicted = list(zip(likelihood.frames, predictions, strict=True))
     if told_by_darks(effect, likelihood.frames):
         predicted = [one for one in predicted if not one[0].capture.shows.light]
@@ -73,7 +77,8 @@ def fit_sparse_map(
     share = float(hot[leak.known].mean())
     middle = float(mean[leak.known].sum() / max(hot[leak.known].sum(), 1.0))
     law = RateLaw.of_few(share, middle) if share > 0 else None
-    sensor_map = SensorMap(mean, doubt, unknown=~leak.known, rate_law=law)
+    unseen = unseen_by(likelihood.frames)
+    sensor_map = SensorMap(mean, doubt, unknown=unseen, rate_law=law)
     return replace(term, values=np.array([share]), sensor_map=sensor_map)
 
 
@@ -81,7 +86,7 @@ def _leak(
     effect: FixedPattern, rest: Model, predicted: Predicted, rate: Array
 ) -> _Leak:
     """Weighted least squares per pixel; a rate brings shot noise of its own."""
-    information, score, squares, count = np.zeros((4, *rate.shape))
+    information, score, squares, count, charged = np.zeros((5, *rate.shape))
     for frame, p in predicted:
         sensitivity = effect.sensitivity(frame, np.maximum(p.exposed, 0))
         used = frame.keep & ~frame.censored
@@ -91,10 +96,12 @@ def _leak(
         score += sensitivity * residual * weight
         squares += residual**2 * weight
         count += used
+        charged += used * (sensitivity > 0)
     known = information > LEAST_INFORMATION
     information = np.where(known, information, 1.0)
     found = np.where(known, score / information, 0.0)
-    chi2 = squares - found**2 * information
+    # One frame's rate nothing contradicts: a hot pixel leaves offsets in biases.
+    chi2 = np.where(charged > 1, squares - found**2 * information, 0)
     deviation = 1 / np.sqrt(information)
     middle = np.median(found[known]) if known.any() else 0.0
     z = np.where(known, (found - middle) / deviation, 0.0)

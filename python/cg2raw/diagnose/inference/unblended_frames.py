@@ -16,7 +16,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import blending, predict, predict_with_jumps
+from cg2raw.diagnose.likelihood.prediction import blending, predict, predict_for_means
 
 
 def unblended(model: Model, likelihood: Likelihood) -> tuple[Model, Likelihood]:
@@ -36,7 +36,7 @@ def unblended(model: Model, likelihood: Likelihood) -> tuple[Model, Likelihood]:
 
 
 def _unblended(model: Model, before: Model, frame: Frame) -> Frame:
-    p = predict_with_jumps(model, frame)
+    p = predict_for_means(model, frame)
     residual = scores(p, frame)[0] * frame.keep * np.sqrt(p.variance)
     for effect, values in blending(model, frame):
         white = effect.whiten(residual, p, values, frame, frame.beta2)[0]

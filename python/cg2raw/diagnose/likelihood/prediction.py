@@ -16,6 +16,7 @@ from cg2raw.cfa import sites_of
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.dark_current import RATES
+from cg2raw.diagnose.effects.sensor_map import SMALLEST_CHANCE
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
@@ -278,6 +279,20 @@ def predict_with_jumps(model: Model, frame: Frame) -> Prediction:
     for term, effect, _ in model.maps:
         if effect.whitens_variance and (known := model.map_on(term.effect, frame)):
             p = replace(p, variance=p.variance + known.mean)
+    return p
+
+
+def predict_for_means(model: Model, frame: Frame) -> Prediction:
+    """Return what a model predicts of a frame, with the variance by which residuals
+    tell of means: the harmonic mean over pixels that jump and that do not, of which few
+    that may jump far have little."""
+    p = predict(model, frame)
+    for term, effect, _ in model.maps:
+        if effect.whitens_variance and (known := model.map_on(term.effect, frame)):
+            steady = 1 - known.share
+            extra = known.mean / np.maximum(known.share, SMALLEST_CHANCE)
+            told = steady / p.variance + known.share / (p.variance + extra)
+            p = replace(p, variance=1 / told)
     return p
 
 
