@@ -3,8 +3,6 @@
 """A sensor that was calibrated warm, and is used cold: less charge of all kinds gathers
 without light, and dark current is what is named."""
 
-import json
-
 import pytest
 
 from cg2raw import Sensor
@@ -60,8 +58,7 @@ def test_a_colder_sensor_has_less_dark_current_and_no_other_effect(found):
 
 
 def test_the_updated_profile_is_that_of_the_colder_sensor(found):
-    profile = json.loads(found.profile_json)
-    for effect in Sensor.from_json(json.dumps(profile), "updated").effects:
+    for effect in Sensor.from_json(found.profile_json, "updated").effects:
         name = effect["name"]
         if name in RATES:
             rate = RATE_OF.get(name, "per_second")

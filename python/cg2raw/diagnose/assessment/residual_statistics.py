@@ -160,9 +160,9 @@ def _collect(
     if frame.capture.shows.render:
         _edges(c, frame, z, p, used)
     _count_outliers(c, model, z, used & ~frame.censored)
-    mapped = used.copy()  # what is not known of a pixel repeats, as any map of it would
-    for unknown, _ in model.rate_laws_on(frame):
-        mapped &= ~unknown
+    of_unknown = model.rate_law_on(frame)
+    # What is not known of a pixel repeats, as any map of it would.
+    mapped = used if of_unknown is None else used & ~of_unknown[0]
     fixed = c.fixed.setdefault(z.shape, FixedSums())
     fixed.residuals = fixed.residuals + np.where(mapped, z, 0)
     fixed.squares = fixed.squares + np.where(mapped, z * z, 0)

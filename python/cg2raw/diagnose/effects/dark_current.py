@@ -18,6 +18,7 @@ from cg2raw.diagnose.effects.profile_entries import listed_values
 from cg2raw.diagnose.frames.frame import DOUBLING
 from cg2raw.sensor import Sensor
 
+DARK_CURRENT = "dark_current"
 # What else a colder sensor has less of, by its parameter; an amplifier's glow, where it
 # is the warmth of the amplifier.
 RATES = {
@@ -28,7 +29,7 @@ RATES = {
 
 
 class DarkCurrent(Effect):
-    name = "dark_current"
+    name = DARK_CURRENT
     title = "dark current"
     where = "grows with exposure time, in darks too"
     measured_by_uniform_frames = True
@@ -44,8 +45,9 @@ class DarkCurrent(Effect):
         """With the profile's, if it states any: by how much the sensor is warmer."""
         text = self.size(values)
         listed = listed_values(sensor, self.name)
-        ratio = 1 + value_of(values, "per_second") / listed[0] if listed else 0.0
-        if ratio <= 0:
+        stated = listed[0] if listed else 0.0
+        ratio = ratio_to_stated(value_of(values, "per_second"), stated)
+        if not stated or not ratio:
             return text
         kelvin = DOUBLING * np.log2(ratio)
         side = "warmer" if kelvin > 0 else "colder"
@@ -53,6 +55,12 @@ class DarkCurrent(Effect):
             f"{text}: {ratio:.3g} times the profile's, as of a sensor "
             f"{abs(kelvin):.1f} K {side} (twice as much every {DOUBLING:g} K)"
         )
+
+
+def ratio_to_stated(found: float, stated: float) -> float:
+    """Return the ratio of dark current, of which so much was found on top of what a
+    profile states, to the profile's; 1 if that states none."""
+    return max(1 + found / stated, 0.0) if stated else 1.0
 
 
 EFFECT = DarkCurrent()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Mixture: the normal score of a residual that is either narrow or wide."""
+"""Mixture: residuals that are either narrow or wide."""
 
 import numpy as np
 from scipy.special import ndtr, ndtri
@@ -23,3 +23,9 @@ def normal_score(
     tail = tail + (1 - chance) * ndtr(-np.abs(z) / np.sqrt(narrow))
     white = -np.sign(z) * ndtri(np.maximum(tail, 1e-300))
     return white, np.logaddexp(log_wide, log_narrow) + 0.5 * white**2
+
+
+def harmonic_variance(chance: Array | float, narrow: Array, wide: Array) -> Array:
+    """Return the variance by which residuals tell of means: the harmonic mean of both
+    kinds'. chance : of being wide."""
+    return np.asarray(1 / ((1 - chance) / narrow + chance / wide))

@@ -31,13 +31,14 @@ class RateLaw:
     def of_few(share: float, mean: float) -> "RateLaw":
         """A share of the pixels has rates of an exponential law of a mean, others have
         none."""
-        low, high = np.array([0.0, *ENDS]), np.array([*ENDS, np.inf])
-        beyond = np.stack([np.exp(-low), np.append(np.exp(-high[:-1]), 0.0)])
-        a, b = low, np.append(high[:-1], 0.0)
-        weights = beyond[0] - beyond[1]
-        means = ((a + 1) * beyond[0] - (b + 1) * beyond[1]) / weights
-        squares = (a**2 + 2 * a + 2) * beyond[0] - (b**2 + 2 * b + 2) * beyond[1]
-        variances = squares / weights - means**2
+        ends = np.array([0.0, *ENDS])
+        beyond = np.exp(-ends)
+        weights, first, second = (
+            -np.diff(beyond * moment, append=0.0)
+            for moment in (1.0, ends + 1, ends**2 + 2 * ends + 2)
+        )
+        means = first / weights
+        variances = second / weights - means**2
         return RateLaw(
             np.append(1 - share, share * weights),
             np.append(0.0, mean * means),

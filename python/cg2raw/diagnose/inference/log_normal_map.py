@@ -9,7 +9,7 @@ those of maximum likelihood over all pixels. Source: M. Stephens, Biostatistics 
 2017 (empirical Bayes by a mixture of normals).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -199,17 +199,10 @@ def _most_likely(
     else:
         shapes, steps = [start.numbers(unit)[:3]], NEXT_STEPS
 
-    def best(starts: Sequence[Sequence[float]]) -> tuple[Mixture, float]:
-        def cost(numbers: Values) -> float:
-            return -Mixture.of(numbers, unit).height(classes, count)
+    def of(numbers: Values) -> Mixture:
+        return Mixture.of(numbers, unit)
 
-        first = min((np.array(one, float) for one in starts), key=cost)
-        simplex = first + steps * np.eye(first.size + 1, first.size, -1)
-        how = {**SEARCH, "initial_simplex": simplex}
-        found = minimize(cost, first, method="Nelder-Mead", options=how)
-        return Mixture.of(found.x, unit), -float(found.fun)
-
-    plain, height = best(shapes)
+    plain, height = _best(of, shapes, steps, classes, count)
     level = (count / error) @ estimate / (count / error).sum()
     noise = -0.5 * (estimate - level) ** 2 / error - 0.5 * np.log(2 * np.pi * error)
     least = float(count @ noise) + len(shapes[0]) / 2
@@ -217,7 +210,8 @@ def _most_likely(
     hot = _hot_start(classes, count, middle, unit, start)
     if hot is None:
         return found
-    mixed, with_hot = best([[*shape, *hot] for shape in shapes])
+    mixed_shapes = [[*shape, *hot] for shape in shapes]
+    mixed, with_hot = _best(of, mixed_shapes, steps, classes, count)
     return mixed if with_hot - height > np.log(count.sum()) else found
 
 
@@ -239,27 +233,35 @@ def _nearly_stated(
         found = Mixture.of(free, unit)
         return replace(found, law=replace(law, shift=found.law.shift))
 
-    def best(start: Sequence[float]) -> tuple[Mixture, float]:
-        first = np.array(start, float)
-        simplex = first + FIRST_STEPS * np.eye(first.size + 1, first.size, -1)
-        how = {**SEARCH, "initial_simplex": simplex}
-        result = minimize(
-            lambda free: -of(free).height(classes, count),
-            first,
-            method="Nelder-Mead",
-            options=how,
-        )
-        return of(result.x), -float(result.fun)
-
     shift = law.shift / unit
-    moved, height = best([shift])
-    hot = _hot_start(classes, count, law.shift, unit, found)
-    if found.hot_share and hot is not None:
-        mixed, with_hot = best([shift, *hot])
+    moved, height = _best(of, [[shift]], FIRST_STEPS, classes, count)
+    if found.hot_share:
+        start = [shift, *found.numbers(unit)[3:]]
+        mixed, with_hot = _best(of, [start], FIRST_STEPS, classes, count)
         if with_hot - height > np.log(count.sum()):
             moved, height = mixed, with_hot
     lost = found.height(classes, count) - height
     return moved if lost < NEARLY * count.sum() else found
+
+
+def _best(
+    law_of: Callable[[Values], Mixture],
+    starts: Sequence[Sequence[float]],
+    steps: float,
+    classes: Rates,
+    count: Values,
+) -> tuple[Mixture, float]:
+    """Return (most likely law of some numbers, its log-likelihood): from the best of
+    all starts."""
+
+    def cost(numbers: Values) -> float:
+        return -law_of(numbers).height(classes, count)
+
+    first = min((np.array(one, float) for one in starts), key=cost)
+    simplex = first + steps * np.eye(first.size + 1, first.size, -1)
+    how = {**SEARCH, "initial_simplex": simplex}
+    found = minimize(cost, first, method="Nelder-Mead", options=how)
+    return law_of(found.x), -float(found.fun)
 
 
 def _hot_start(

@@ -12,7 +12,6 @@ import numpy as np
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
-from cg2raw.diagnose.effects.dark_current import RATES
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.model import Model
 
@@ -25,10 +24,9 @@ def model_profile(
     profile: dict[str, Any] = json.loads(model.sensor.to_json())
     _add_estimated_noise(profile, frames)
     effects = {effect["name"]: effect for effect in profile.get("effects", [])}
-    listed = model.profile_parameters
-    for name, rate in RATES.items():
-        if name in effects:
-            effects[name]["parameters"][rate] *= model.warmth
+    listed = model.warm_parameters
+    for name, parameters in listed.items():
+        effects[name]["parameters"] = dict(parameters)
     for term in model.terms:
         effect = term.effect
         if effect.change_noise_table(profile, term.values) or term.calibration:

@@ -13,11 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from cg2raw.diagnose.effects.dark_current import DARK_CURRENT
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.model import DARK_CURRENT, Model
+from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
 GLOW = "amplifier_glow"  # of a profile, which alone moves predictions besides

@@ -11,7 +11,6 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from cg2raw.diagnose.effects.base import Whitened
-from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -117,11 +116,10 @@ def _residuals(model: Model, frame: Frame, p: Prediction) -> Whitened:
     """Return (standardised residuals, log of a determinant per pixel): of pixels whose
     rates no frame tells, they are normal scores by the law of these."""
     z = residuals(p, frame)
-    laws = model.rate_laws_on(frame)
-    if not laws or not frame.seconds:
+    of_unknown = model.rate_law_on(frame)
+    if of_unknown is None or not frame.seconds:
         return z, 0.0
-    unknown = np.logical_or.reduce([where for where, _ in laws])
-    law = RateLaw.together([law for _, law in laws])
+    unknown, law = of_unknown
     gain = np.broadcast_to(photon_gain(model, frame), z.shape)[unknown]
     scored = law.scores(z[unknown], p.variance[unknown], frame.seconds, gain)
     cost = np.zeros_like(z)

@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect, SensorMap, Values
+from cg2raw.diagnose.effects.dark_current import DARK_CURRENT, RATES, ratio_to_stated
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.effects.registry import registered
@@ -18,7 +19,6 @@ from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.sensor import Sensor
 
-DARK_CURRENT = "dark_current"
 SENSORS_KNOWN = 8  # whose parameters are at hand
 
 
@@ -76,10 +76,10 @@ class Model:
         known = term.sensor_map
         return known if known.mean.shape == frame.signal.shape else _anywhere(known)
 
-    def rate_laws_on(self, frame: Frame) -> list[tuple[Mask, RateLaw]]:
-        """Return (where no map says how fast charge gathers, how fast by its law) of
-        maps whose law has long tails, that which most pixels have first."""
-        return [
+    def rate_law_on(self, frame: Frame) -> tuple[Mask, RateLaw] | None:
+        """Return (where maps do not say how fast charge gathers, how fast it does by
+        their laws) for laws of long tails; None if there are no such pixels."""
+        found = [
             (known.unknown, known.rate_law)
             for _, effect, known in sorted(
                 self.maps, key=lambda one: one[1].layout == "sparse"
@@ -89,6 +89,10 @@ class Model:
             and known.unknown.shape == frame.signal.shape
             and known.unknown.any()
         ]
+        if not found:
+            return None
+        unknown, laws = zip(*found, strict=True)
+        return np.logical_or.reduce(unknown), RateLaw.together(laws)
 
     def term(self, name: str) -> Term | None:
         return next((term for term in self.terms if term.name == name), None)
@@ -162,15 +166,21 @@ class Model:
         return _parameters_of(self.sensor)
 
     @property
-    def warmth(self) -> float:
-        """How much faster charge gathers without light than the profile says, by the
-        temperature."""
-        dark = self.term(DARK_CURRENT)
-        listed = self.profile_parameters.get(DARK_CURRENT)
-        if not self.by_temperature or dark is None or listed is None:
-            return 1.0
-        (rate,) = listed.values()
-        return max(1 + float(dark.values[0]) / rate, 0.0) if rate else 1.0
+    def warm_parameters(self) -> Mapping[str, Mapping[str, float]]:
+        """profile_parameters at the temperature of dark current that was found, but for
+        dark current itself."""
+        listed = self.profile_parameters
+        dark = self.term(DARK_CURRENT) if self.by_temperature else None
+        if dark is None or DARK_CURRENT not in listed:
+            return listed
+        ratio = ratio_to_stated(float(dark.values[0]), *listed[DARK_CURRENT].values())
+        return {
+            name: {
+                parameter: (ratio if RATES.get(name) == parameter else 1.0) * value
+                for parameter, value in stated.items()
+            }
+            for name, stated in listed.items()
+        }
 
 
 @lru_cache(maxsize=SENSORS_KNOWN)

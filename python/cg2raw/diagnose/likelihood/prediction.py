@@ -15,8 +15,8 @@ from cg2raw import _core
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.catalogue import every
-from cg2raw.diagnose.effects.dark_current import RATES
-from cg2raw.diagnose.effects.sensor_map import SMALLEST_CHANCE
+from cg2raw.diagnose.effects.mixture import harmonic_variance
+from cg2raw.diagnose.effects.sensor_map import SMALLEST_CHANCE, SensorMap
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
@@ -41,10 +41,9 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
     filters; `predict` adds those of others. It draws maps of its own, and no sensor has
     those; offsets that pixels share are no variance, but whitened."""
     effects = every()
-    warmth = model.warmth
     listed = {
-        name: [v * (warmth if n == RATES.get(name) else 1.0) for n, v in stated.items()]
-        for name, stated in model.profile_parameters.items()
+        name: list(stated.values())
+        for name, stated in model.warm_parameters.items()
         if effects[name].estimator != "fixed pattern"
         and not effects[name].whitens_variance
     }
@@ -276,24 +275,27 @@ def predict_with_jumps(model: Model, frame: Frame) -> Prediction:
     """Return what a model predicts of a frame, with all variance of pixels that jump:
     whitening has that otherwise, by chance."""
     p = predict(model, frame)
-    for term, effect, _ in model.maps:
-        if effect.whitens_variance and (known := model.map_on(term.effect, frame)):
-            p = replace(p, variance=p.variance + known.mean)
+    for jumps in _maps_of_jumps(model, frame):
+        p = replace(p, variance=p.variance + jumps.mean)
     return p
 
 
 def predict_for_means(model: Model, frame: Frame) -> Prediction:
     """Return what a model predicts of a frame, with the variance by which residuals
-    tell of means: the harmonic mean over pixels that jump and that do not, of which few
-    that may jump far have little."""
+    tell of means: of pixels that jump, few that may jump far have little."""
     p = predict(model, frame)
-    for term, effect, _ in model.maps:
-        if effect.whitens_variance and (known := model.map_on(term.effect, frame)):
-            steady = 1 - known.share
-            extra = known.mean / np.maximum(known.share, SMALLEST_CHANCE)
-            told = steady / p.variance + known.share / (p.variance + extra)
-            p = replace(p, variance=1 / told)
+    for jumps in _maps_of_jumps(model, frame):
+        wide = p.variance + jumps.mean / np.maximum(jumps.share, SMALLEST_CHANCE)
+        p = replace(p, variance=harmonic_variance(jumps.share, p.variance, wide))
     return p
+
+
+def _maps_of_jumps(model: Model, frame: Frame) -> Iterator[SensorMap]:
+    """Yield the maps of variance that whitening has."""
+    for term, effect, _ in model.maps:
+        known = model.map_on(term.effect, frame) if effect.whitens_variance else None
+        if known is not None:
+            yield known
 
 
 def photon_gain(model: Model, frame: Frame) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import expit
 
 from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.mixture import harmonic_variance
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -32,8 +33,7 @@ class Tails:
         odds = np.log(self.outlying) - np.log1p(-self.outlying)
         odds = odds + 0.5 * np.log(self.narrow / self.wide)
         odds = odds + 0.5 * residual**2 * (1 / self.narrow - 1 / self.wide)
-        chance = expit(odds)
-        return np.asarray(1 / ((1 - chance) / self.narrow + chance / self.wide))
+        return harmonic_variance(expit(odds), self.narrow, self.wide)
 
 
 def tails_of(model: Model, frame: Frame) -> tuple[float, float]:
