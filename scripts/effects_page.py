@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import cg2raw
-from cg2raw.cli.effects import PATTERNS
+from cg2raw.cli.effects import OPTIONAL, PATTERNS
 from cg2raw.diagnose.effects import catalogue
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -82,7 +82,7 @@ def effect_section(effect, searched):
         numbers = " | ".join(f"{parameter[key]:g}" for key in ("min", "max", "null"))
         lines.append(
             f"| `{parameter['name']}` | {parameter['unit']} | {numbers} "
-            f"| {parameter['meaning']} |"
+            f"| {parameter['meaning']}{OPTIONAL * parameter['optional']} |"
         )
     names = tuple(parameter["name"] for parameter in effect["parameters"])
     fitted = searched.get(effect["name"])

@@ -47,7 +47,7 @@ PARTS_OF_DNG = {
     "dng": {"dng_description"},
     "dng/tiff": {"tiff"},
     "dng/jpeg": {"jpeg"},
-    "dng/reader": {"reader", "tiff", "dng_reader", "dng_description"},
+    "dng/reader": {"reader", "tiff", "effects", "dng_reader", "dng_description"},
     "dng/writer": {
         "writer",
         "tiff",

@@ -57,7 +57,7 @@ void check_each(const Effect& effect, const Values& values,
                     + std::to_string(names.size()) + " are needed: " + joined(names));
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto& [name, unit, min, max, null, meaning, repeat, whole]
+        const auto& [name, unit, min, max, null, meaning, repeat, whole, optional]
             = parameters[i];
         if (!(values[i] >= min && values[i] <= max))
             throw Error(where + name + " " + number(values[i]) + " is outside "
@@ -91,10 +91,14 @@ std::vector<Parameter> parameters_of(const Effect& effect, const CfaPattern& cfa
     return parameters;
 }
 
-void check_values(const Effect& effect, const Values& values, const CfaPattern& cfa,
-                  const std::string& file)
+Values completed(const Effect& effect, Values values, const CfaPattern& cfa,
+                 const std::string& file)
 {
-    check_each(effect, values, parameters_of(effect, cfa, file), file);
+    const std::vector<Parameter> parameters = parameters_of(effect, cfa, file);
+    while (values.size() < parameters.size() && parameters[values.size()].optional)
+        values.push_back(parameters[values.size()].null);
+    check_each(effect, values, parameters, file);
+    return values;
 }
 
 Values values_of(const Effect& effect, const std::map<std::string, double>& given,
@@ -107,11 +111,11 @@ Values values_of(const Effect& effect, const std::map<std::string, double>& give
     for (const Parameter& parameter : parameters) {
         names.push_back(parameter.name);
         const auto found = given.find(parameter.name);
-        if (found == given.end())
+        if (found == given.end() && !parameter.optional)
             throw Error(where + "parameter " + parameter.name + " is missing ("
                         + parameter.meaning + ", " + number(parameter.min) + " to "
                         + number(parameter.max) + " " + parameter.unit + ")");
-        values.push_back(found->second);
+        values.push_back(found == given.end() ? parameter.null : found->second);
     }
     check_each(effect, values, parameters, file);
     for (const auto& [name, value] : given)

@@ -8,9 +8,10 @@
 
 namespace cg2raw {
 
-/// Throws Error unless @p values are one per parameter that @p effect has on @p cfa,
-/// each within its bounds; @p file leads the message.
-void check_values(const Effect& effect, const Values& values, const CfaPattern& cfa,
-                  const std::string& file);
+/// One value per parameter that @p effect has on @p cfa: @p values, and null for
+/// optional parameters at the end that they do without. Throws Error if others are
+/// missing, or one is beyond its bounds; @p file leads the message.
+Values completed(const Effect& effect, Values values, const CfaPattern& cfa,
+                 const std::string& file);
 
 } // namespace cg2raw

@@ -186,8 +186,8 @@ std::vector<ActiveEffect> active_effects(const SensorProfile& profile,
         const Effect& known = effect_of(name, profile);
         if (holds(active, known))
             throw Error(where + ": effect " + name + " is given twice: give it once");
-        check_values(known, values, profile.cfa, where);
-        active.push_back({ &known, values, rng_of(known, profile, {}), known.draw });
+        active.push_back({ &known, completed(known, values, profile.cfa, where),
+                           rng_of(known, profile, {}), known.draw });
     }
     sort_by_stage(active);
     return active;

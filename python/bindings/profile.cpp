@@ -61,7 +61,7 @@ py::dict dict_of(const Effect& effect, const std::vector<Parameter>& of_cfa)
     for (const Parameter& p : of_cfa)
         parameters.append(py::dict("name"_a = p.name, "unit"_a = p.unit,
                                    "min"_a = p.min, "max"_a = p.max, "null"_a = p.null,
-                                   "meaning"_a = p.meaning));
+                                   "optional"_a = p.optional, "meaning"_a = p.meaning));
     return py::dict("name"_a = effect.name, "stage"_a = name_of(effect.stage),
                     "pattern"_a = name_of(effect.pattern), "parameters"_a = parameters,
                     "needs_exposure_time"_a = effect.needs_exposure_time,

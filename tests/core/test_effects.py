@@ -322,27 +322,3 @@ def test_an_effect_may_not_act_twice():
     noisy = sensor_with("shot_noise", beta1_00=1e-4)
     with pytest.raises(ValueError, match="shot_noise.*twice"):
         signal(noisy, iso=100)
-
-
-@pytest.mark.parametrize("size", [(40, 60), (41, 61), (200, 3)])
-def test_lens_shading_is_its_polynomial(size):
-    values = {"r2": -0.5, "r4": 0.3, "r6": -0.1, "tilt_x": 0.05, "tilt_y": -0.02}
-    values |= {"tilt_x_r2": 0.07, "tilt_y_r2": -0.03}
-    rgb = scene(*size)
-    clean, shaded = (
-        np.asarray(s.signal(rgb, illuminant="D50"), float)
-        for s in (sensor_with(), sensor_with("lens_shading", **values))
-    )
-    height, width = size
-    half = np.hypot(width, height) / 2.0
-    v = (np.arange(height)[:, None] + 0.5 - height / 2.0) / half
-    u = (np.arange(width)[None, :] + 0.5 - width / 2.0) / half
-    square = u**2 + v**2
-    gain = 1.0 - 0.5 * square + 0.3 * square**2 - 0.1 * square**3 + 0.05 * u - 0.02 * v
-    gain += square * (0.07 * u - 0.03 * v)
-    assert shaded == pytest.approx(clean * gain, abs=1e-6)
-
-
-def test_lens_shading_never_turns_light_negative():
-    values = {"r2": -2.0, "r4": 0.0, "r6": 0.0, "tilt_x": 0.5, "tilt_y": 0.5}
-    assert signal(sensor_with("lens_shading", **values)).min() == 0.0

@@ -106,10 +106,13 @@ def frames_of(sensor, captures, pixels=65536):
 
 
 def model_of(sensor, **terms):
-    """Return a model with terms at values, in the order of their parameters."""
+    """Return a model with terms at values, in the order of their parameters; those that
+    are left out at the end are 0."""
     model = Model(sensor)
     for name, values in terms.items():
-        model = model.with_effect(BY_NAME[name], values)
+        all_values = BY_NAME[name].null
+        all_values[: len(values)] = values
+        model = model.with_effect(BY_NAME[name], all_values)
     return model
 
 

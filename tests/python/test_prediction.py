@@ -28,7 +28,7 @@ def sensor_of(settings=(), **fields):
             "name": name,
             "parameters": {
                 parameter["name"]: value
-                for parameter, value in zip(known[name], values, strict=True)
+                for parameter, value in zip(known[name], values, strict=False)
             },
         }
         for name, values in settings

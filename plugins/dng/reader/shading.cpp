@@ -9,6 +9,7 @@
 /// for the whole frame is fitted along and left out: a maker's gain is 1 where his lens
 /// is brightest, the effect's where the frame's centre is, and exposure makes up for
 /// it.
+#include "effects/lens_shading.h"
 #include "reader/gain_maps.h"
 #include "reader/least_squares.h"
 #include "reader/profile_parts.h"
@@ -23,9 +24,8 @@
 namespace cg2raw {
 namespace {
 
-/// Unknowns: the factor for the frame, then the parameters of the effect in its order.
-using Equations = LeastSquares<8>;
-using Row = Equations::Row;
+/// Unknowns: the factor for the frame, then parameters of the effect in its order.
+template <std::size_t parameters> using Equations = LeastSquares<parameters + 1>;
 
 /// What is smaller than this is called negligible: half of the photon noise of a pixel
 /// that holds 10000 electrons.
@@ -34,12 +34,14 @@ constexpr double negligible = 0.005;
 constexpr double null_parameter = 1e-6;
 
 /// The terms of lens_shading_at() at a place, each times its unknown.
-Row terms_at(Place at, Size size)
+template <std::size_t parameters>
+typename Equations<parameters>::Row terms_at(Place at, Size size)
 {
     const auto [u, v] = field_offset(at, size);
-    const double square = u * u + v * v;
-    return { 1.0, square, square * square, square * square * square,
-             u,   v,      square * u,      square * v };
+    const auto terms = lens_shading_terms(u, v);
+    typename Equations<parameters>::Row row { 1.0 };
+    std::copy_n(terms.begin(), parameters, row.begin() + 1);
+    return row;
 }
 
 struct Fit {
@@ -55,23 +57,24 @@ void measure(Fit& fit, const GainMapSamples& samples, Size size)
 {
     double squares = 0.0;
     for (const ShadingAt& point : samples.points) {
-        const Row terms = terms_at(place_of(samples, point), size);
-        double fitted = 1.0;
-        for (std::size_t i = 1; i < terms.size(); ++i)
-            fitted += terms[i] * fit.values[i - 1];
-        const double residual = fitted * fit.scale / point.shading - 1.0;
+        const auto [u, v] = field_offset(place_of(samples, point), size);
+        const double fitted = fit.scale * lens_shading_at(fit.values, u, v);
+        const double residual = fitted / point.shading - 1.0;
         squares += residual * residual;
         fit.largest = std::max(fit.largest, std::abs(residual));
     }
     fit.rms = std::sqrt(squares / double(samples.points.size()));
 }
 
-/// Nothing if the points do not determine the parameters.
-std::optional<Fit> fit_of(const GainMapSamples& samples, Size size)
+/// The fit of the effect's first parameters; nothing if the points do not determine
+/// them.
+template <std::size_t parameters>
+std::optional<Fit> fit_of_first(const GainMapSamples& samples, Size size)
 {
-    Equations equations;
+    Equations<parameters> equations;
     for (const ShadingAt& point : samples.points)
-        equations.add(terms_at(place_of(samples, point), size), point.shading);
+        equations.add(terms_at<parameters>(place_of(samples, point), size),
+                      point.shading);
     const auto solution = equations.solved();
     if (!solution || !((*solution)[0] > 0.0))
         return std::nullopt;
@@ -80,6 +83,30 @@ std::optional<Fit> fit_of(const GainMapSamples& samples, Size size)
         fit.values.push_back((*solution)[i] / fit.scale);
     measure(fit, samples, size);
     return fit;
+}
+
+/// Which value is the first that is beyond its parameter's bounds.
+std::optional<std::size_t> first_beyond(const Values& values, const Effect& effect)
+{
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!(values[i] >= effect.parameters[i].min
+              && values[i] <= effect.parameters[i].max))
+            return i;
+    return std::nullopt;
+}
+
+/// The fit of a round lens, or of one that is not where that leaves too much and there
+/// are twice as many points as parameters; nothing if the points determine neither.
+std::optional<Fit> fit_of(const GainMapSamples& samples, Size size)
+{
+    auto round = fit_of_first<round_lens_shading_size>(samples, size);
+    if (!round || round->rms <= negligible
+        || samples.points.size() < 2 * (lens_shading_size + 1))
+        return round;
+    auto whole = fit_of_first<lens_shading_size>(samples, size);
+    const bool better = whole && whole->rms < round->rms
+        && !first_beyond(whole->values, effect("lens_shading"));
+    return better ? std::move(whole) : std::move(round);
 }
 
 bool same_optics(const DngMetadata& a, const DngMetadata& b)
@@ -131,19 +158,17 @@ enum class Use { effect, nothing, impossible };
 /// Nothing if all is null; impossible, noted, if it is beyond the effect's bounds.
 Use use_of(const Values& values, const Effect& effect, Notes& notes)
 {
-    bool null = true;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const Parameter& parameter = effect.parameters[i];
-        const double value = values[i];
-        null = null && std::abs(value) < null_parameter;
-        if (!(value >= parameter.min && value <= parameter.max)) {
-            notes.push_back("GainMaps would need " + parameter.name + " "
-                            + rounded_text(value) + " of " + effect.name + ", which is "
-                            + rounded_text(parameter.min) + " to "
-                            + rounded_text(parameter.max) + ": it is not simulated");
-            return Use::impossible;
-        }
+    if (const auto beyond = first_beyond(values, effect)) {
+        const Parameter& parameter = effect.parameters[*beyond];
+        notes.push_back("GainMaps would need " + parameter.name + " "
+                        + rounded_text(values[*beyond]) + " of " + effect.name
+                        + ", which is " + rounded_text(parameter.min) + " to "
+                        + rounded_text(parameter.max) + ": it is not simulated");
+        return Use::impossible;
     }
+    const bool null = std::all_of(values.begin(), values.end(), [](double value) {
+        return std::abs(value) < null_parameter;
+    });
     return null ? Use::nothing : Use::effect;
 }
 

@@ -49,6 +49,7 @@ struct Parameter {
     std::string meaning;
     CfaRepeat repeat = CfaRepeat::any;
     bool whole = false; ///< a whole number
+    bool optional = false; ///< null where a setting does not have it
 };
 
 /// Signals of this and above count as clipped: some chains round white down.
@@ -122,8 +123,8 @@ bool has_effect(const CfaPattern& cfa, const Effect& effect);
 /// one site. Throws Error if the CFA has none of the effect; @p file leads the message.
 std::vector<Parameter> parameters_of(const Effect& effect, const CfaPattern& cfa,
                                      const std::string& file);
-/// Values of a setting: every parameter that the CFA has given and within its bounds.
-/// Throws Error.
+/// Values of a setting: every parameter that the CFA has, but for optional ones, given
+/// and within its bounds. Throws Error.
 Values values_of(const Effect& effect, const std::map<std::string, double>& parameters,
                  const CfaPattern& cfa, const std::string& file);
 

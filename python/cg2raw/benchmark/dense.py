@@ -187,7 +187,7 @@ def _add(
     whole = len(searched) == len(effect.parameters)
     if whole and effect.change_noise_table(profile, np.array(searched)):
         return
-    bounds = {p["name"]: (p["min"], p["max"]) for p in known}
+    bounds = {p["name"]: (p["min"], p["max"]) for p in known if p["name"] in given}
     parameters = {k: float(np.clip(given[k], *ends)) for k, ends in bounds.items()}
     profile["effects"].append({"name": effect.name, "parameters": parameters})
 

@@ -128,6 +128,8 @@ def setting(
     """Return an effect of the profile, its parameters within the registry's bounds."""
     parameters, intervals = {}, {}
     for parameter in known["parameters"]:
+        if parameter["optional"] and parameter["name"] not in values:
+            continue
         low, high = parameter["min"], parameter["max"]
         given = values.get(parameter["name"], parameter["null"])
         if isinstance(given, Measured):

@@ -28,6 +28,7 @@ Effect = dict[str, Any]
 COLUMNS = 88  # where there is no terminal
 HEAD = ("name", "stage", "pattern", "parameters")
 GAP = "  "
+OPTIONAL = " (may be left out)"
 PATTERNS = {
     "none": "none: the same in every pixel and frame but for its place",
     "fixed": "fixed: drawn once for a sensor, the same in all its frames",
@@ -97,9 +98,8 @@ def details(effect: Effect) -> str:
     rows = [("parameter", "unit", "from", "to", "none at", "meaning")]
     for parameter in effect["parameters"]:
         numbers = (f"{parameter[key]:g}" for key in ("min", "max", "null"))
-        rows.append(
-            (parameter["name"], parameter["unit"], *numbers, parameter["meaning"])
-        )
+        meaning = parameter["meaning"] + OPTIONAL * parameter["optional"]
+        rows.append((parameter["name"], parameter["unit"], *numbers, meaning))
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]

@@ -16,7 +16,8 @@ from diagnose.test_pipeline import SENSOR, set_of
 
 NAME = "gr_gb_imbalance"
 FILE = """
-from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.families import GAIN, LIGHT
 
 
 class Greens(Effect):

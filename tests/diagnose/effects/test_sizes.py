@@ -14,7 +14,8 @@ from cg2raw.diagnose.effects.lens_shading import CORNERS, corner_losses
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import capture_of, frames_of, model_of, sensor_of
 
-SHADING = (-0.2, 0.05, -0.03, 0.04, -0.02, 0.03, 0.01)
+# Of a lens that is not round.
+SHADING = (-0.2, 0.05, -0.03, 0.04, -0.02, 0.03, 0.01, *np.linspace(-0.05, 0.06, 20))
 
 
 def estimates(name, values, half=0.0):

@@ -8,15 +8,9 @@ from itertools import product
 import numpy as np
 from scipy.optimize import minimize
 
-from cg2raw.diagnose.effects.base import (
-    PEDESTAL,
-    TIME,
-    Effect,
-    Estimates,
-    Predicted,
-    Values,
-    value_of,
-)
+from cg2raw.diagnose.effects.base import Effect, Estimates, Predicted, Values
+from cg2raw.diagnose.effects.families import PEDESTAL, TIME
+from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.tiling import Array, Tiling
 
 PLACES = [place for place in product((-1.0, 0.0, 1.0), repeat=2) if any(place)]

@@ -41,20 +41,7 @@ Labels = Callable[[Frame, Prediction], NDArray[np.int64]]  # of the pixels of a 
 # (labels of the pixels of a frame, number of labels) -> label, measured over predicted
 MeasuredRatio = Callable[[Labels, int], tuple[Array, Array]]
 
-# Families of effects that may pass for each other.
-GAIN = "gain"
-RESPONSE = "response"
-SPREAD = "spread"
-TEMPORAL = "temporal"
-PEDESTAL = "pedestal"
-
 NORMAL_95 = 1.96  # standard deviations to either side of a mean that hold 95 %
-LIGHT = frozenset({"light"})
-IMAGE = frozenset({"light", "image"})
-TIME = frozenset({"time"})
-LEVEL = frozenset({"light", "level"})
-LEVELS = frozenset({"light", "levels"})
-LIGHT_AGAIN = frozenset({"light", "repeats"})
 
 
 @dataclass(frozen=True)
@@ -81,6 +68,8 @@ class Effect:
     shape_of : parameters that say nothing where another one, of which they are the
         shape, is 0.
     held : parameters that stay as first_values found them.
+    detail : parameters that stay at 0 until nothing else is left to be found; see
+        `in_detail`.
     families : effects that share one look alike.
     signature : what it changes, for the captures that discriminate it from others (see
         discriminating_captures); told_apart : the same for one other effect.
@@ -111,6 +100,7 @@ class Effect:
     ends: ClassVar[frozenset[str]] = frozenset()
     shape_of: ClassVar[Mapping[str, str]] = {}
     held: ClassVar[frozenset[str]] = frozenset()
+    detail: ClassVar[frozenset[str]] = frozenset()
     families: ClassVar[frozenset[str]] = frozenset()
     signature: ClassVar[frozenset[str]] = frozenset()
     told_apart: ClassVar[Mapping[str, str]] = {}
@@ -123,6 +113,7 @@ class Effect:
     bayer_only: ClassVar[bool] = False
     nameable: ClassVar[bool] = True
     cfa: str | None = None
+    detailed: bool = False
 
     # How it is predicted.
 
@@ -193,6 +184,11 @@ class Effect:
     def unit_scale(self, frames: Sequence[Frame]) -> float:
         """Return what turns a value of the search into the registry's unit."""
         return 1.0
+
+    def in_proportion(self, parameter: str, frame: Frame) -> tuple[str, Array] | None:
+        """Return (another parameter, ratio (T, h, w) of what one changes to what that
+        changes) where it is known."""
+        return None
 
     # How strong it would have to be to be found.
 
@@ -271,6 +267,20 @@ class Effect:
         one.cfa = cfa
         return one
 
+    @cached_property
+    def in_detail(self) -> "Effect | None":
+        """The effect with the parameters of its detail; None if it has them."""
+        if self.detailed or not self.detail:
+            return None
+        one = type(self)()
+        one.cfa, one.detailed = self.cfa, True
+        return one
+
+    @property
+    def unused(self) -> frozenset[str]:
+        """Parameters that the effect does without."""
+        return frozenset() if self.detailed else self.detail
+
     @property
     def _known(self) -> Sequence[Mapping[str, Any]]:
         """The registry's parameters."""
@@ -321,6 +331,10 @@ class Effect:
         low, high = ([p[end] for p in self._known] for end in ("min", "max"))
         return np.array(low, float), np.array(high, float)
 
+    @property
+    def registry_parameters(self) -> tuple[str, ...]:
+        return tuple(p["name"] for p in self._known)
+
     @cached_property
     def _searched(self) -> tuple[Parameter, ...]:
         if self.search:
@@ -334,17 +348,3 @@ class Effect:
             if parameter["name"].startswith(start):
                 return bounds
         return parameter["min"], parameter["max"]
-
-
-def value_of(values: Estimates, name: str) -> float:
-    """Return a value of estimates; 0 if there is none."""
-    return values[name].value if name in values else 0.0
-
-
-def percent(x: float) -> str:
-    return f"{100 * x:.3g} %"
-
-
-def total(values: Estimates, *names: str) -> float:
-    """Return the sum of some values."""
-    return sum(value_of(values, name) for name in names)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import PEDESTAL, Effect, Predicted, Values
+from cg2raw.diagnose.effects.base import Effect, Predicted, Values
+from cg2raw.diagnose.effects.families import PEDESTAL
 from cg2raw.diagnose.frames.tiling import Array
 
 LENGTHS = 2.0 ** np.arange(0, 10)  # px, of an edge, that are tried first

@@ -6,17 +6,10 @@
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve
-from cg2raw.diagnose.effects.base import (
-    IMAGE,
-    SPREAD,
-    Effect,
-    Estimates,
-    MeasuredRatio,
-    Values,
-    percent,
-    value_of,
-)
+from cg2raw.diagnose.effects.base import Effect, Estimates, MeasuredRatio, Values
+from cg2raw.diagnose.effects.families import IMAGE, SPREAD
 from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
+from cg2raw.diagnose.effects.sizes import percent, value_of
 
 COSINES = 10  # cosines of the transfer function
 

@@ -3,7 +3,8 @@
 
 """Colour matrix: channels mix in another way than the profile says."""
 
-from cg2raw.diagnose.effects.base import GAIN, IMAGE, Effect
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.families import GAIN, IMAGE
 
 
 class ColorMatrix(Effect):

@@ -3,7 +3,8 @@
 
 """Colour shading: vignetting of red and blue that differs from that of green."""
 
-from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.families import GAIN, LIGHT
 
 
 class ColorShading(Effect):

@@ -3,7 +3,9 @@
 
 """Crosstalk: a pixel's light is counted by its neighbours."""
 
-from cg2raw.diagnose.effects.base import LIGHT, SPREAD, Effect, Estimates, percent
+from cg2raw.diagnose.effects.base import Effect, Estimates
+from cg2raw.diagnose.effects.families import LIGHT, SPREAD
+from cg2raw.diagnose.effects.sizes import percent
 
 
 class Crosstalk(Effect):

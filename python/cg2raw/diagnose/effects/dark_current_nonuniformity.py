@@ -8,17 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.stats import norm
 
-from cg2raw.diagnose.effects.base import (
-    NORMAL_95,
-    PEDESTAL,
-    TEMPORAL,
-    TIME,
-    Estimates,
-    Parameter,
-    SensorMap,
-    value_of,
-)
+from cg2raw.diagnose.effects.base import NORMAL_95, Estimates, Parameter, SensorMap
+from cg2raw.diagnose.effects.families import PEDESTAL, TEMPORAL, TIME
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 

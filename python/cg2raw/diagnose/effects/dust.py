@@ -9,16 +9,10 @@ import numpy as np
 from scipy import ndimage, stats
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.effects.base import (
-    GAIN,
-    LIGHT,
-    TEMPORAL,
-    Estimates,
-    SensorMap,
-    percent,
-    value_of,
-)
+from cg2raw.diagnose.effects.base import Estimates, SensorMap
+from cg2raw.diagnose.effects.families import GAIN, LIGHT, TEMPORAL
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
+from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 

@@ -3,14 +3,9 @@
 
 """Exposure: one gain for all light."""
 
-from cg2raw.diagnose.effects.base import (
-    GAIN,
-    LEVEL,
-    Effect,
-    Estimates,
-    percent,
-    value_of,
-)
+from cg2raw.diagnose.effects.base import Effect, Estimates
+from cg2raw.diagnose.effects.families import GAIN, LEVEL
+from cg2raw.diagnose.effects.sizes import percent, value_of
 
 KNOWN_LIGHT = "A flat under a known light: exposure moves all colours alike."
 TWO_LEVELS = (

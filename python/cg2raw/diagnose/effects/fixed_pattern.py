@@ -10,7 +10,6 @@ import numpy as np
 from scipy.stats import chi2
 
 from cg2raw.diagnose.effects.base import (
-    TEMPORAL,
     Effect,
     Estimates,
     Estimator,
@@ -20,9 +19,10 @@ from cg2raw.diagnose.effects.base import (
     SensorMap,
     Values,
     Whitened,
-    value_of,
 )
+from cg2raw.diagnose.effects.families import TEMPORAL
 from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.response import Response

@@ -7,17 +7,15 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri, owens_t
 
 from cg2raw.diagnose.effects.base import (
-    LIGHT,
-    RESPONSE,
     Effect,
     Estimates,
     Gain,
     Predicted,
     Values,
     Whitened,
-    percent,
-    value_of,
 )
+from cg2raw.diagnose.effects.families import LIGHT, RESPONSE
+from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction

@@ -3,7 +3,8 @@
 
 """Gr/Gb imbalance: the two greens of a Bayer CFA differ."""
 
-from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.families import GAIN, LIGHT
 
 
 class GrGbImbalance(Effect):

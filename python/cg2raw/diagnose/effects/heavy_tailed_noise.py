@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.effects.base import (
-    TEMPORAL,
     Effect,
     Gain,
     Parameter,
@@ -17,6 +16,7 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
 )
+from cg2raw.diagnose.effects.families import TEMPORAL
 from cg2raw.diagnose.effects.mixture import normal_score
 from cg2raw.diagnose.effects.profile_entries import draw_noise_by
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage

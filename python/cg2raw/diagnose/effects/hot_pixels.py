@@ -8,17 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.effects.base import (
-    PEDESTAL,
-    TEMPORAL,
-    TIME,
-    Estimates,
-    Parameter,
-    SensorMap,
-    percent,
-    value_of,
-)
+from cg2raw.diagnose.effects.base import Estimates, Parameter, SensorMap
+from cg2raw.diagnose.effects.families import PEDESTAL, TEMPORAL, TIME
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
+from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 

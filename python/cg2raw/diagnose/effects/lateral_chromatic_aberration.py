@@ -3,7 +3,9 @@
 
 """Lateral chromatic aberration: red and blue are displaced against green."""
 
-from cg2raw.diagnose.effects.base import IMAGE, SPREAD, Effect, Estimates, total
+from cg2raw.diagnose.effects.base import Effect, Estimates
+from cg2raw.diagnose.effects.families import IMAGE, SPREAD
+from cg2raw.diagnose.effects.sizes import total
 
 
 class LateralChromaticAberration(Effect):

@@ -3,26 +3,31 @@
 
 """Lens shading: light falls off towards the corners."""
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
-from cg2raw.diagnose.effects.base import (
-    GAIN,
-    LIGHT,
-    Effect,
-    Estimates,
-    MeasuredRatio,
-    Values,
-    percent,
-    value_of,
-)
+from cg2raw.diagnose.effects.base import Effect, Estimates, MeasuredRatio, Values
+from cg2raw.diagnose.effects.families import GAIN, LIGHT
 from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
+from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
 
 CURVE_RINGS = 20
+# Of a lens that is not round, by the power of the radius and the number of times that
+# it goes up and down around its centre: all that are left of powers up to the sixth.
+TURNING = {
+    f"r{power}_{wave}{angles}": (power, angles, wave)
+    for power in range(2, 7)
+    for angles in range(power, 0, -2)
+    if (power, angles) != (3, 1)
+    for wave in ("cos", "sin")
+}
 SHAPE = (2, 3)  # of a frame whose sensor is not known
 CORNERS = ("top left", "top right", "bottom left", "bottom right")
 
@@ -32,6 +37,7 @@ class LensShading(Effect):
     title = "lens shading"
     where = "falls off with radius, all channels, in proportion to signal"
     measured_by_uniform_frames = True
+    detail = frozenset(TURNING)
     step = 2e-3
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
@@ -48,6 +54,17 @@ class LensShading(Effect):
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",
     }
+
+    def in_proportion(self, parameter: str, frame: Frame) -> tuple[str, Array] | None:
+        """As the terms of the polynomial, r^2 first; where blur or glare spread light,
+        nearly so."""
+        if parameter not in TURNING or frame.samples is not None:
+            return None
+        power, angles, wave = TURNING[parameter]
+        u, v = frame.tiles.field()
+        radius, angle = np.hypot(u, v), angles * np.arctan2(v, u)
+        turned = np.cos(angle) if wave == "cos" else np.sin(angle)
+        return "r2", radius ** (power - 2) * turned
 
     def size(self, values: Estimates) -> str:
         loss = max(corner_losses(values, SHAPE))
@@ -90,17 +107,21 @@ def _ring(frame: Frame, p: Prediction) -> NDArray[np.int64]:
 def corner_losses(values: Estimates, shape: tuple[int, int]) -> list[float]:
     """Return the loss of light in the CORNERS of a frame (H, W), relative to that in
     its middle; below 0 where there is more."""
-    r2, r4, r6, *tilts = (
-        value_of(values, n)
-        for n in ("r2", "r4", "r6", "tilt_x", "tilt_y", "tilt_x_r2", "tilt_y_r2")
-    )
-    x, y, x2, y2 = tilts
     v, u = np.array(shape) / np.hypot(*shape)  # of a corner, in half diagonals
-    return [
-        float(-(r2 + r4 + r6 + right * u * (x + x2) + down * v * (y + y2)))
-        for down in (-1, 1)
-        for right in (-1, 1)
-    ]
+    even = sum(value_of(values, name) for name in ("r2", "r4", "r6"))
+    x, y = (
+        value_of(values, f"tilt_{axis}") + value_of(values, f"tilt_{axis}_r2")
+        for axis in "xy"
+    )
+    losses = []
+    for down, right in product((-1, 1), repeat=2):
+        gain = even + right * u * x + down * v * y
+        for name, (_, angles, wave) in TURNING.items():
+            turned = complex(right * u, down * v) ** angles
+            part = turned.real if wave == "cos" else turned.imag
+            gain += value_of(values, name) * part
+        losses.append(float(-gain))
+    return losses
 
 
 EFFECT = LensShading()

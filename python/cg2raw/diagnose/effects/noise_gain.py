@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import TEMPORAL, Effect, Estimates, Values
+from cg2raw.diagnose.effects.base import Effect, Estimates, Values
+from cg2raw.diagnose.effects.families import TEMPORAL
 
 
 class NoiseGain(Effect):

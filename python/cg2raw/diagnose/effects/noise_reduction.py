@@ -7,7 +7,6 @@ import numpy as np
 from scipy import fft
 
 from cg2raw.diagnose.effects.base import (
-    SPREAD,
     Effect,
     Gain,
     Parameter,
@@ -15,6 +14,7 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
 )
+from cg2raw.diagnose.effects.families import SPREAD
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction

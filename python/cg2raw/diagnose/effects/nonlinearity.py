@@ -7,18 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
-from cg2raw.diagnose.effects.base import (
-    GAIN,
-    LEVELS,
-    RESPONSE,
-    Effect,
-    Estimates,
-    MeasuredRatio,
-    Values,
-    percent,
-    total,
-)
+from cg2raw.diagnose.effects.base import Effect, Estimates, MeasuredRatio, Values
+from cg2raw.diagnose.effects.families import GAIN, LEVELS, RESPONSE
 from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
+from cg2raw.diagnose.effects.sizes import percent, total
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 

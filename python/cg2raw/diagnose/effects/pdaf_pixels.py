@@ -7,18 +7,15 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from cg2raw.diagnose.effects.base import (
-    GAIN,
-    LIGHT,
-    TEMPORAL,
     Effect,
     Estimates,
     Gain,
     Parameter,
     Predicted,
     Values,
-    percent,
-    value_of,
 )
+from cg2raw.diagnose.effects.families import GAIN, LIGHT, TEMPORAL
+from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.shrinkage import shown_light

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.effects.base import (
-    LIGHT,
     Effect,
     Gain,
     Parameter,
@@ -20,6 +19,7 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
 )
+from cg2raw.diagnose.effects.families import LIGHT
 from cg2raw.diagnose.effects.profile_entries import draw_noise_by
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame

@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import LIGHT_AGAIN
+from cg2raw.diagnose.effects.families import LIGHT_AGAIN
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array

@@ -3,6 +3,7 @@
 
 """Entries of profiles: what they list of effects, and which of them draw noise."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from cg2raw.diagnose.effects.registry import registered
@@ -14,9 +15,16 @@ def listed_values(sensor: Sensor, name: str) -> tuple[float, ...] | None:
     None if it does not."""
     for effect in sensor.effects:
         if effect["name"] == name:
-            known = registered()[name]["parameters"]
-            return tuple(float(effect["parameters"][p["name"]]) for p in known)
+            return tuple(stated_by(effect, None).values())
     return None
+
+
+def stated_by(entry: Mapping[str, Any], cfa: str | None) -> dict[str, float]:
+    """Return all parameters of an entry of a profile, in the registry's order."""
+    return {
+        known["name"]: float(entry["parameters"].get(known["name"], known["null"]))
+        for known in registered(cfa)[entry["name"]]["parameters"]
+    }
 
 
 def draw_noise_by(profile: dict[str, Any], name: str, gaussian: str) -> None:

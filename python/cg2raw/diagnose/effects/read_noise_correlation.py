@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.effects.base import (
-    SPREAD,
     Effect,
     Estimates,
     Gain,
@@ -18,6 +17,7 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
 )
+from cg2raw.diagnose.effects.families import SPREAD
 from cg2raw.diagnose.effects.profile_entries import listed_values
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame

@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 
 from cg2raw.diagnose.effects.base import (
-    TEMPORAL,
     Effect,
     Estimates,
     Estimator,
@@ -19,9 +18,10 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
-    value_of,
 )
+from cg2raw.diagnose.effects.families import TEMPORAL
 from cg2raw.diagnose.effects.profile_entries import listed_values
+from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Tiling

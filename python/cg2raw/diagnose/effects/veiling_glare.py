@@ -3,15 +3,9 @@
 
 """Veiling glare: light scattered over the frame."""
 
-from cg2raw.diagnose.effects.base import (
-    IMAGE,
-    PEDESTAL,
-    SPREAD,
-    Effect,
-    Estimates,
-    percent,
-    total,
-)
+from cg2raw.diagnose.effects.base import Effect, Estimates
+from cg2raw.diagnose.effects.families import IMAGE, PEDESTAL, SPREAD
+from cg2raw.diagnose.effects.sizes import percent, total
 
 
 class VeilingGlare(Effect):

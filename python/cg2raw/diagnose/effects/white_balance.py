@@ -3,7 +3,9 @@
 
 """White balance: gains of red and blue."""
 
-from cg2raw.diagnose.effects.base import GAIN, LIGHT, Effect, Estimates, value_of
+from cg2raw.diagnose.effects.base import Effect, Estimates
+from cg2raw.diagnose.effects.families import GAIN, LIGHT
+from cg2raw.diagnose.effects.sizes import value_of
 
 
 class WhiteBalance(Effect):

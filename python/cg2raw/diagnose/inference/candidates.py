@@ -69,7 +69,8 @@ class Candidates:
         found = []
         for rank, one in enumerate(screened[:MOST_FITTED]):
             is_map = one.effect.estimator == "fixed pattern"
-            chance = 0 if is_map else len(one.effect.parameters)
+            unused = len(one.effect.unused)
+            chance = 0 if is_map else len(one.effect.parameters) - unused
             if one.score < LEAST_SCORE + chance:
                 continue
             if rank >= 3 and one.score < WORTH_FITTING * best:
@@ -83,10 +84,16 @@ class Candidates:
         trials = [self._weighed(trial) for trial in found]
         return sorted(trials, key=lambda trial: trial.gain, reverse=True)
 
+    def in_detail(self) -> "Candidates":
+        """Return those that the model lacks and that have parameters of detail, with
+        these: what they describe without was not enough for a name."""
+        lacking = [e for e in self.effects if e.name not in self.model.names]
+        finer = [e.in_detail for e in lacking if e.in_detail is not None]
+        return replace(self, effects=finer)
+
     def _screened(self) -> list[Screened]:
         """Return the candidates that frames show anything of, best first."""
         base = Linearisation(self.model, self.splits.fit)
-        height = self.splits.select.total(self.model)
         found = []
         for candidate in self.effects:
             if candidate.name in self.model.names:
@@ -97,9 +104,13 @@ class Candidates:
                 continue
             start, score = guess
             if candidate.estimator == "fixed pattern":
-                score = self.splits.select.total(start) - height
+                score = self.splits.select.total(start) - self._height
             found.append(Screened(score, candidate, start))
         return sorted(found, key=lambda one: one.score, reverse=True)
+
+    @cached_property
+    def _height(self) -> float:
+        return self.splits.select.total(self.model)
 
     @cached_property
     def _of_few(self) -> tuple[Splits, Model] | None:

@@ -13,7 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.diagnose.effects.base import TIME, Effect
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.families import TIME
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
@@ -40,20 +41,31 @@ LEAST_CORRELATED = 1e-6
 Parameter = tuple[str, int]  # name of a term, index of its value
 
 
+@dataclass(frozen=True)
+class _Design:
+    """Derivatives (n, 2 N) of the mean of the N pixels that count of a frame, then of
+    its variance, both in standard deviations, by n parameters, and their products."""
+
+    parameters: tuple[Parameter, ...]
+    rows: NDArray[np.float32]
+    information: Array
+
+
 @dataclass
 class _State:
     """Of one frame under a model: what every derivative is taken from.
 
     residual, square : scores of a pixel's mean, in standard deviations, and of the log
     of its variance. weight : root of its information on its mean, 1 but of pixels that
-    are cut at an end of the ADC. without_maps : the mean."""
+    are cut at an end of the ADC. without_maps : the mean. own : derivatives by the
+    model's parameters, once they were asked for."""
 
     prediction: Prediction
     residual: Array
     square: Array
     weight: Array
     without_maps: Array
-    columns: dict[Parameter, tuple[NDArray[np.float32], NDArray[np.float32]]]
+    own: _Design | None = None
 
 
 class Linearisation:
@@ -81,7 +93,7 @@ class Linearisation:
         states = self.likelihood.each(self._state)
         if self._near is not None:
             for state, near in zip(states, self._near._states, strict=True):
-                state.columns.update(near.columns)
+                state.own = near.own
         return states
 
     def _state(self, frame: Frame) -> _State:
@@ -96,32 +108,18 @@ class Linearisation:
         own = (white * white - 1) * np.sqrt(0.5)
         square = np.where(frame.counted & ~frame.censored, own, square)
         bare = mean_without_maps(self.model, frame)
-        return _State(p, white, square, weight, bare, {})
+        return _State(p, white, square, weight, bare)
 
-    def _column(
-        self, state: _State, frame: Frame, parameter: Parameter, model: Model
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        name, index = parameter
-        term = model.term(name)
-        assert term is not None
-        if term.effect.acts_on_light and not frame.capture.shows.light:
-            none = np.zeros(int(frame.counted.sum()), np.float32)
-            return none, none
-        step = term.effect.steps[index]
-        values = term.values.copy()
-        if values[index] + step > term.effect.high[index]:
-            step = -step
-        values[index] += step
+    def _row(
+        self, state: _State, frame: Frame, of: tuple[Array, Array]
+    ) -> NDArray[np.float32]:
+        """of : derivatives of mean and variance."""
+        mean, variance = of
         p = state.prediction
-        mean, spread = _moved_by(
-            state, frame, term.effect, model.with_values(name, values)
-        )
-        mean = state.weight * np.where(
-            frame.counted, mean / step / np.sqrt(p.variance), 0
-        )
+        mean = state.weight * np.where(frame.counted, mean / np.sqrt(p.variance), 0)
         mean = whiten_linearly(mean, p, self.model, frame, True)
-        spread = spread / step * np.sqrt(0.5) / p.variance
-        return mean[frame.counted].astype("f4"), spread[frame.counted].astype("f4")
+        spread = variance * np.sqrt(0.5) / p.variance
+        return np.concatenate([mean[frame.counted], spread[frame.counted]], dtype="f4")
 
     def system(
         self, model: Model, held: Collection[str] = ()
@@ -134,28 +132,69 @@ class Linearisation:
         if not parameters:
             return parameters, np.zeros(0), np.zeros((0, 0))
 
+        own = tuple(p for p in parameters if self.model.term(p[0]) is not None)
+        others = [p for p in parameters if p not in own]
+        order = [(*own, *others).index(p) for p in parameters]
+
         def one(pair: tuple[_State, Frame]) -> tuple[Array, Array]:
             state, frame = pair
-            rows = []
-            for parameter in parameters:
-                column = state.columns.get(parameter)
-                if column is None:
-                    column = self._column(state, frame, parameter, model)
-                    if self.model.term(parameter[0]) is not None:
-                        state.columns[parameter] = column
-                rows.append(np.concatenate(column))
-            z, square = (a[frame.counted] for a in (state.residual, state.square))
-            design = np.array(rows)
-            right = np.concatenate([z, square]).astype("f4")
-            return (
-                (design @ right).astype(float),
-                (design @ design.T).astype(float),
-            )
+            known = self._own_design(state, frame, own, model)
+            more = self._rows(state, frame, others, model)
+            both = (state.residual[frame.counted], state.square[frame.counted])
+            right = np.concatenate(both, dtype="f4")
+            score = np.concatenate([known.rows @ right, more @ right])
+            across = known.rows @ more.T
+            information = [[known.information, across], [across.T, more @ more.T]]
+            return score.astype(float), np.block(information).astype(float)
 
         pairs = list(zip(self._states, self.likelihood.frames, strict=True))
         parts = self.likelihood.workers.map(one, pairs)
-        score = np.sum([part[0] for part in parts], 0)
-        return parameters, score, np.sum([part[1] for part in parts], 0)
+        score = np.sum([part[0] for part in parts], 0)[order]
+        information = np.sum([part[1] for part in parts], 0)[np.ix_(order, order)]
+        return parameters, score, information
+
+    def _own_design(
+        self, state: _State, frame: Frame, own: tuple[Parameter, ...], model: Model
+    ) -> _Design:
+        """Return the derivatives by parameters of the model itself, which stay."""
+        if state.own is None or state.own.parameters != own:
+            rows = self._rows(state, frame, own, model)
+            state.own = _Design(own, rows, rows @ rows.T)
+        return state.own
+
+    def _rows(
+        self, state: _State, frame: Frame, of: Sequence[Parameter], model: Model
+    ) -> NDArray[np.float32]:
+        rows = np.zeros((len(of), 2 * int(frame.counted.sum())), np.float32)
+        known: dict[Parameter, tuple[Array, Array]] = {}
+        for row, (name, index) in zip(rows, of, strict=True):
+            term = model.term(name)
+            assert term is not None
+            if term.effect.acts_on_light and not frame.capture.shows.light:
+                continue
+            alike = term.effect.in_proportion(term.effect.parameters[index], frame)
+            other = (name, term.effect.parameters.index(alike[0])) if alike else None
+            if alike and other in known:
+                mean, variance = known[other]
+                known[name, index] = mean * alike[1], variance * alike[1]
+            else:
+                known[name, index] = _derivatives(state, frame, index, term, model)
+            row[:] = self._row(state, frame, known[name, index])
+        return rows
+
+
+def _derivatives(
+    state: _State, frame: Frame, index: int, term: Term, model: Model
+) -> tuple[Array, Array]:
+    """Return derivatives of mean and variance by a value of a term."""
+    step = term.effect.steps[index]
+    values = term.values.copy()
+    if values[index] + step > term.effect.high[index]:
+        step = -step
+    values[index] += step
+    moved = model.with_values(term.name, values)
+    mean, variance = _moved_by(state, frame, term.effect, moved)
+    return mean / step, variance / step
 
 
 def _moved_by(
@@ -187,7 +226,7 @@ def free_parameters(model: Model) -> list[Parameter]:
         for term in model.terms
         if term.effect.scored
         for index, name in enumerate(term.effect.parameters)
-        if name not in term.effect.held
+        if name not in term.effect.held | term.effect.unused
     ]
 
 

@@ -115,6 +115,8 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
         for index, (name, unit) in enumerate(
             zip(term.effect.parameters, term.effect.units, strict=True)
         ):
+            if name in term.effect.unused:
+                continue
             value = float(term.values[index]) * scale
             # What is held was found once, and has no error.
             half = NORMAL_95 * errors.get((term.name, index), 0.0) * scale

@@ -12,6 +12,7 @@ import numpy as np
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
+from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.model import Model
 
@@ -25,21 +26,23 @@ def model_profile(
     _add_estimated_noise(profile, frames)
     effects = {effect["name"]: effect for effect in profile.get("effects", [])}
     listed = model.warm_parameters
-    for name, parameters in listed.items():
-        effects[name]["parameters"] = dict(parameters)
+    for name, entry in effects.items():
+        entry["parameters"] = {p: listed[name][p] for p in entry["parameters"]}
     for term in model.terms:
         effect = term.effect
         if effect.change_noise_table(profile, term.values) or term.calibration:
             continue
         # What moves the prediction was fitted on top of the profile's, all else whole.
-        old = effects[term.name]["parameters"] if term.name in listed else {}
-        old = old if effect.predicted else {}
+        old = listed.get(term.name, {}) if effect.predicted else {}
         found = effect.registry_estimates(estimates[term.name], term.sensor_map)
-        values = np.array([estimate.value for estimate in found.values()])
+        names = effect.registry_parameters
+        values = np.array([value_of(found, name) for name in names])
         if old:
-            values = effect.added(np.array([old[name] for name in found]), values)
-        bounded = effect.within_registry_bounds(values)
-        parameters = dict(zip(found, map(float, bounded), strict=True))
+            values = effect.added(np.array(list(old.values())), values)
+        bounded = zip(names, effect.within_registry_bounds(values), strict=True)
+        parameters = {name: float(value) for name, value in bounded}
+        used = {name for name, value in parameters.items() if value or name in found}
+        parameters = {name: parameters[name] for name in names if name in used}
         effects[term.name] = {"name": term.name, "parameters": parameters}
     if effects:
         profile["effects"] = list(effects.values())
@@ -57,6 +60,7 @@ def values_alone(model: Model, frames: Sequence[Frame]) -> EstimatesByEffect:
             for name, unit, value in zip(
                 term.effect.parameters, term.effect.units, scaled, strict=True
             )
+            if name not in term.effect.unused
         }
     return result
 

@@ -27,6 +27,7 @@ from cg2raw.diagnose.inference.calibrated_start import (
     lost_without_each,
 )
 from cg2raw.diagnose.inference.candidates import Candidates
+from cg2raw.diagnose.inference.detail import in_detail
 from cg2raw.diagnose.inference.fitting import TURNS, fit
 from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, Start, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
@@ -158,7 +159,8 @@ class Search:
             )
             return False
         self._begin(start)
-        left = pruned(start.model, start.splits, self.threshold, self.report)
+        model = in_detail(start.model, start.splits, self.threshold)
+        left = pruned(model, start.splits, self.threshold, self.report)
         ranking = sorted(left.losses.items(), key=lambda one: -one[1])
         for name, loss in ranking:
             step = Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
@@ -203,7 +205,7 @@ class Search:
         candidates = Candidates(
             model, self.effects, self.splits, turns, self.threshold, self.report
         )
-        chosen = self._chosen(candidates)
+        chosen = self._chosen(candidates) or self._chosen(candidates.in_detail())
         if chosen is None:
             self._reached = candidates.null
             return None
@@ -261,7 +263,9 @@ class Search:
         if model.nuisance is not None:
             better = refitted(model, self.splits.of_nuisances)
             model = fit(replace(model, nuisance=better), self.splits.fit)
-        return self._pruned(by_temperature(model, self.splits), newest)
+        model = by_temperature(model, self.splits)
+        model = in_detail(model, self.splits, self.threshold)
+        return self._pruned(model, newest)
 
     def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
         """Return (the trial to accept, names that are as good); a tie goes to the one
