@@ -98,8 +98,7 @@ def test_the_gain_map_of_a_hero6(camera_data):
         sensor, {}, seed=3, shape=shape, measured=Measured(transmission=hidden)
     )
     found = diagnose(captures, details=False)
-    # What the polynomial leaves is told: it is above 1e-3 nats per pixel.
-    assert found.verdict == "identified, rest unexplained"
+    assert found.verdict in ("identified", "identified, rest unexplained")
     assert names_of(found) <= {"lens_shading", "color_shading"} and found.effects
     seen, whole = rms_errors(found, sensor, hidden)
     print(f"rms {seen:.4f} where looked at, {whole:.4f} in all")
@@ -129,7 +128,7 @@ def test_the_gain_map_of_a_hero6_against_its_own_profile(
     before = rms_of(own, bare, hidden)
     print(found.verdict, names_of(found), found.gap.chi2_before, found.gap.chi2_after)
     assert found.verdict in ("identified, rest unexplained", "unknown structure")
-    assert names_of(found) <= {"lens_shading", "exposure"}
+    assert "lens_shading" in names_of(found) or not found.effects
     assert abs(found.gap.chi2_after - 1) <= abs(found.gap.chi2_before - 1)
     if not found.profile_json:
         assert found.effects == [] and before < 0.005

@@ -130,3 +130,23 @@ def test_the_map_makes_other_frames_likelier():
     gain, known = (with_map - bare)[0], frame.keep[0]
     assert gain[known & (STEPS > STEP)].mean() > 10
     assert abs(gain[known & ~JUMPING].mean()) < 0.05
+
+
+@pytest.mark.parametrize("stated", [0.05, 0.2])
+def test_tails_that_a_profile_has_too_many_of_are_no_jumps(stated):
+    """Nor are they where a profile has four times as many: what it makes less likely of
+    all pixels alike says nothing of any."""
+    share, ratio = 0.05, 5.3
+
+    def tails(frame, rng):
+        core = frame.beta2 / (1 + share * (ratio - 1))
+        wide = rng.random(frame.signal.shape) < share
+        spread = np.sqrt(np.where(wide, ratio, 1) * core)
+        return spread * rng.standard_normal(frame.signal.shape)
+
+    frames = drawn(darks(12), model_of(SENSOR, read_noise=[-40.0]), 5, extra=tails)
+    model = model_of(
+        SENSOR, heavy_tailed_noise=[stated, ratio], random_telegraph_noise=[0.0, 0.0]
+    )
+    found = fit_patterns(model, on(frames)).term("random_telegraph_noise")
+    assert found.values[0] < 0.02

@@ -47,6 +47,22 @@ def test_a_full_pixel_shows_no_map_of_what_fills_it(name, fills):
     assert (shift[True].max() < 1e-6) == fills
 
 
+def test_of_a_pixel_that_may_be_full_a_map_follows_no_noise():
+    """Its charge is cut, whatever its noise was: all of the noise is left."""
+    (frame,) = frames_of(sensor_of(), [capture_of("scene", group="fit", level=1.5)])
+    doubt = SensorMap(np.zeros((1, *SHAPE)), np.full((1, *SHAPE), 1e-4))
+    term = Term(BY_NAME["prnu"], np.array([0.02]), sensor_map=doubt)
+    bare = model_of(sensor_of()).with_term(term)
+    level = float(np.median(predict(bare, frame).exposed))
+    model = model_of(sensor_of(), full_well=[1 - level]).with_term(term)
+    p = predict(model, frame)
+    kept = np.broadcast_to(p.kept, p.mean.shape)
+    full = (p.well.below > 0.01) & (p.well.below < 0.99)
+    free = p.exposed < 0.6 * level
+    assert full.any() and (kept[full] == 1).all()
+    assert free.any() and (kept[free] < 0.99).all()
+
+
 @pytest.mark.parametrize("kind", ["dark", "flat"])
 def test_a_frame_that_made_a_map_tells_of_noise_what_the_map_left(kind):
     """Its residual is that of noise times one less its leverage."""

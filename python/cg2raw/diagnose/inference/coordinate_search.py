@@ -10,7 +10,7 @@ import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
-from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.model import Model, Term
 
 ENOUGH = 0.3  # nats; a step that promises less is not taken
 SMALLER = 0.35  # the next steps
@@ -57,13 +57,23 @@ def fit_transform(
     def score(values: Values) -> float:
         return likelihood.total(model.with_values(name, values), known)
 
+    values, highest = best_values(term, score, quick)
+    return model.with_values(name, values), highest
+
+
+def best_values(
+    term: Term, score: Callable[[Values], float], quick: bool = False
+) -> tuple[Values, float]:
+    """Return (best values of a term, their score).
+
+    quick : no better ones than those that a search starts from."""
     starts = [np.array(start, float) for start in term.effect.starts]
     if np.any(term.values):
         starts.append(term.values)
     values, highest = best_of(starts, score)
     if not quick:
         values, highest = climb(term.effect, values, highest, score)
-    return model.with_values(name, values), highest
+    return values, highest
 
 
 def best_of(

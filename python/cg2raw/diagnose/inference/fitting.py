@@ -10,6 +10,7 @@ import numpy as np
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.coordinate_search import ENOUGH, fit_transform
+from cg2raw.diagnose.inference.cross_fit import fit_beside_maps
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
@@ -34,7 +35,7 @@ def fit(model: Model, likelihood: Likelihood, turns: int = TURNS) -> Model:
         model = fit_patterns(model, likelihood)
         for term in others:
             if term.effect.estimator == "transform":
-                model, _ = fit_transform(model, term.name, likelihood)
+                model = fit_beside_maps(model, term.name, likelihood)
         current = likelihood.total(model)
         if abs(current - start) < SETTLED:
             break
@@ -48,7 +49,7 @@ def fit_alone(model: Model, name: str, likelihood: Likelihood) -> Model:
     if term.effect.estimator == "fixed pattern":
         return fit_patterns(model, likelihood, [name])
     if term.effect.estimator == "transform":
-        return fit_transform(model, name, likelihood)[0]
+        return fit_beside_maps(model, name, likelihood)
     others = [other for other in model.names if other != name]
     return scored(model, likelihood.total(model), likelihood, others)[0]
 

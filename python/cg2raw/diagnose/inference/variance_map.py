@@ -194,19 +194,20 @@ def _inflation(groups: Iterable[_Group], count: Array, known: Mask) -> float:
 
 def _without_jumps(groups: Iterable[_Group], known: Mask) -> Array:
     """Return the log likelihood of each known pixel that does not jump: none of its
-    residuals, or one of them, is of the noise's tail."""
+    residuals, or one of them, is of the noise's tail. More of them are not looked at:
+    the chances of these add up to 1."""
     sums = _sums(groups, known, 0.0)
     found = sums.log_likelihood
-    chance = np.zeros_like(found)
+    all_odds = np.ones_like(found)
     for group in groups:
-        chance += group.count[known] * np.log1p(-group.outlying)
+        all_odds += group.count[known] * group.outlying / (1 - group.outlying)
         variance, wider = group.variance[known], group.wider[known]
         for residual in (each[known] for each in group.residuals):
             one = sums.with_outlier(residual, variance, wider)
             odds = np.log(group.outlying) - np.log1p(-group.outlying)
             log = np.where(residual != 0, one.log_likelihood + odds, -np.inf)
             found = np.logaddexp(found, log)
-    return found + chance
+    return found - np.log(all_odds)
 
 
 def _posterior(logs: Array, steps: Array, noise: float) -> tuple[Array, Array]:

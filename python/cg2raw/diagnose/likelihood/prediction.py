@@ -30,6 +30,7 @@ from cg2raw.diagnose.likelihood.model import Model
 LEAST_VARIANCE_LEFT = (
     0.15  # of a variance, that is left without what fit frames made of a map
 )
+SURELY_BELOW = 0.999  # chance that a pixel is not full
 PREDICTED = "predicted"  # in the memo of a frame
 BAYER, MONO = 4, 1  # sites of their repeats
 
@@ -152,8 +153,8 @@ def _with_maps(
     patterns: what acts before a pixel is full shows as likely as it is not.
 
     The fit frames made the maps: their residuals are too small by the maps' variance.
-    Of a hot pixel it is mostly not known whether it is one, which makes nothing
-    smaller."""
+    Of a hot pixel it is mostly not known whether it is one, which makes none smaller.
+    """
     fitted = frame.capture.group == "fit"
     below: Array | float = 1.0
     if well is not None:
@@ -190,14 +191,19 @@ def _with_maps(
         elif not fitted:
             variance = variance + unsure
     if fitted:
-        variance, kept = _of_makers(model, frame, charge, variance, doubt)
+        variance, kept = _of_makers(model, frame, charge, variance, doubt, below)
         return mean, variance, kept, well
     least = LEAST_VARIANCE_LEFT * variance
     return mean, np.maximum(variance + doubt, least), 1.0, well
 
 
 def _of_makers(
-    model: Model, frame: Frame, charge: Array, variance: Array, doubt: Array | float
+    model: Model,
+    frame: Frame,
+    charge: Array,
+    variance: Array,
+    doubt: Array | float,
+    below: Array | float,
 ) -> tuple[Array, Array]:
     """Return (variance of residuals of a frame that maps were made of, what is kept of
     its noise there).
@@ -209,7 +215,8 @@ def _of_makers(
     those that tell noise. Source: R. D. Cook, S. Weisberg, Residuals and Influence in
     Regression, 1982, section 2.2.
 
-    doubt : variance of the maps in the frame."""
+    doubt : variance of the maps in the frame. below : chance that a pixel is not full:
+        of one that may be, a map follows no noise."""
     made = variance
     gains = [known.noise_gains for _, _, known in model.maps if known.noise_gains]
     if gains:
@@ -218,6 +225,7 @@ def _of_makers(
         made = made + of_light * frame.beta1 * np.maximum(charge, 0)
         made = made + of_readout * frame.beta2
     leverage = np.clip(doubt / made, 0, 1 - LEAST_VARIANCE_LEFT)
+    leverage = np.where(np.less(below, SURELY_BELOW), 0.0, leverage)
     left = 1 - leverage
     return left * (left * variance + leverage * made), left**2
 
