@@ -6,16 +6,16 @@
 A few pixels jump between two levels by steps of an exponential law, the others do not.
 Of each pixel, the frames' residuals beside its own mean say how likely every step is;
 share and mean of the steps are found by expectation and maximisation. Read noise with
-long tails leaves pixels of which one frame is far out: as likely as that is, they do
-not jump. Source: A. P. Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39(1),
+long tails leaves pixels of which a frame or two are far out: as likely as that is, they
+do not jump. Source: A. P. Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39(1),
 1977.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import logsumexp
+from scipy.special import expit, logsumexp
 from scipy.stats import chi2
 
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
@@ -35,6 +35,7 @@ SHORTEST_JUMP, LONGEST_JUMP = 0.7, 200.0  # of them, in noises of a dim frame
 FIRST_SHARE, FIRST_STEP = 0.01, 6.0
 RAREST_JUMPS = 1e-7
 LARGEST_LOG_RATIO = 300.0
+ROUNDS_OF_MEAN = 4  # from the median
 NO_ERROR = 1e-9  # of variances that are 1
 
 
@@ -44,7 +45,8 @@ class _Group:
     number, sum and sum of squares.
 
     wider : what the variance of a residual of the noise's tail is more. outlying :
-    chance of one. residuals : of every frame, if noise has tails."""
+    chance of one. residuals : of every frame, NaN where it does not count, if noise
+    has tails."""
 
     variance: Array
     count: Array
@@ -125,7 +127,7 @@ def _group(predicted: Predicted, rest: Model) -> _Group:
         if tails is not None:
             outlying = tails.outlying
             wider += tails.wide - tails.narrow
-            residuals.append(residual.astype(np.float32))
+            residuals.append(np.where(used, residual, np.nan).astype(np.float32))
     frames = len(predicted)
     variance, wider = variance / frames, wider / frames
     return _Group(variance, count, total, squares, wider, outlying, tuple(residuals))
@@ -160,17 +162,6 @@ class _Sums:
         """Whatever the mean is."""
         return -0.5 * (self.chi_beside_mean + self.logs + np.log(self.weight))
 
-    def with_outlier(self, residual: Array, variance: Array, wider: Array) -> "_Sums":
-        """Return the sums where one residual's variance is wider; those of frames that
-        do not count are 0."""
-        more = np.where(residual != 0, 1 / (variance + wider) - 1 / variance, 0)
-        return _Sums(
-            self.chi + more * residual**2,
-            self.logs + np.log1p(wider / variance),
-            self.weight + more,
-            self.pull + more * residual,
-        )
-
 
 def _sums(groups: Iterable[_Group], known: Mask, extra: float) -> _Sums:
     """extra : is added to variances."""
@@ -192,22 +183,44 @@ def _inflation(groups: Iterable[_Group], count: Array, known: Mask) -> float:
     return max(1.0, float(np.median(chi / expected)))
 
 
-def _without_jumps(groups: Iterable[_Group], known: Mask) -> Array:
-    """Return the log likelihood of each known pixel that does not jump: none of its
-    residuals, or one of them, is of the noise's tail. More of them are not looked at:
-    the chances of these add up to 1."""
-    sums = _sums(groups, known, 0.0)
-    found = sums.log_likelihood
-    all_odds = np.ones_like(found)
-    for group in groups:
-        all_odds += group.count[known] * group.outlying / (1 - group.outlying)
-        variance, wider = group.variance[known], group.wider[known]
-        for residual in (each[known] for each in group.residuals):
-            one = sums.with_outlier(residual, variance, wider)
-            odds = np.log(group.outlying) - np.log1p(-group.outlying)
-            log = np.where(residual != 0, one.log_likelihood + odds, -np.inf)
-            found = np.logaddexp(found, log)
-    return found - np.log(all_odds)
+def _without_jumps(groups: Sequence[_Group], known: Mask) -> Array:
+    """Return the log likelihood of each known pixel that does not jump, whatever its
+    mean is. Where noise has tails, the most likely mean stands for all (P. S. Laplace's
+    method), by expectation and maximisation."""
+    tailed = [group for group in groups if group.residuals]
+    if not tailed:
+        return _sums(groups, known, 0.0).log_likelihood
+    mean = np.nanmedian([r[known] for g in tailed for r in g.residuals], axis=0)
+    for _ in range(ROUNDS_OF_MEAN):
+        weight, pull, log = np.zeros((3, mean.size))
+        for group in tailed:
+            variance, wider = group.variance[known], group.wider[known]
+            for residual in (each[known] for each in group.residuals):
+                log_density, told = _beside(residual, mean, group, variance, wider)
+                log += log_density
+                weight += told
+                pull += told * np.nan_to_num(residual)
+        weight = np.maximum(weight, 1e-300)
+        mean = pull / weight
+    return log - 0.5 * np.log(weight)
+
+
+def _beside(
+    residual: Array, mean: Array, group: _Group, variance: Array, wider: Array
+) -> tuple[Array, Array]:
+    """Return (log density of residuals of a frame beside a mean, by how much they tell
+    it); 0 where a frame does not count.
+
+    That none is of a tail has no chance here: it is the same of pixels that jump."""
+    used = np.isfinite(residual)
+    square = np.where(used, residual - mean, 0) ** 2
+    narrow = -0.5 * (square / variance + np.log(variance))
+    wide = variance + wider
+    odds = np.log(group.outlying) - np.log1p(-group.outlying)
+    odds = odds - 0.5 * (square / wide + np.log(wide)) - narrow
+    chance = expit(odds)
+    told = (1 - chance) / variance + chance / wide
+    return used * (narrow + np.logaddexp(0, odds)), used * told
 
 
 def _posterior(logs: Array, steps: Array, noise: float) -> tuple[Array, Array]:
