@@ -102,7 +102,7 @@ def test_the_gain_map_of_a_hero6(camera_data):
     assert names_of(found) <= {"lens_shading", "color_shading"} and found.effects
     seen, whole = rms_errors(found, sensor, hidden)
     print(f"rms {seen:.4f} where looked at, {whole:.4f} in all")
-    assert seen < 0.004 and whole < 0.005
+    assert seen < 0.004 and whole < 0.006
     assert found.gap.after < 1e-3 * found.gap.before
 
 

@@ -83,15 +83,15 @@ class LensShading(Effect):
         self, values: Values, estimates: Estimates, measured: MeasuredRatio
     ) -> Curve:
         r = np.linspace(0, 1, CURVE_POINTS)
-        design = np.zeros((CURVE_POINTS, len(values)))
-        design[:, :3] = np.stack([r**2, r**4, r**6], 1)
+        design = np.stack([r**2, r**4, r**6], 1)
+        radial = {name: estimates[name] for name in self.parameters[:3]}
         x, y = measured(_ring, CURVE_RINGS)
         return Curve(
             "Vignetting",
             "radius, 1 in the corner",
             "relative illumination",
             r,
-            *curve_with_interval(values, estimates, design),
+            *curve_with_interval(values[:3], radial, design),
             (x + 0.5) / CURVE_RINGS,
             y,
             self.name,
