@@ -7,6 +7,7 @@ import pytest
 
 import cg2raw
 from oracles import cameras
+from oracles.scenes import scene
 
 STAGES = (
     "color",
@@ -71,11 +72,6 @@ BASE = {
     "read_noise": {f"beta2_{site}": 1e-4 for site in ("00", "01", "10", "11")},
 }
 REACH = 12  # pixels: at least that of any effect
-
-
-def scene(height=40, width=60):
-    rng = np.random.default_rng(8)
-    return rng.uniform(0.1, 0.6, (height, width, 3)).astype(np.float32)
 
 
 def sensor_with(name=None, **values):

@@ -2,13 +2,13 @@
 # Copyright Contributors to the cg2raw Project.
 """lens_shading is the polynomial that it says, of lenses that are round or not."""
 
-import re
-
 import numpy as np
 import pytest
 
 import cg2raw
 from oracles.cameras import profile_text
+from oracles.lens import irregular_terms
+from oracles.scenes import scene
 
 PARAMETERS = {
     parameter["name"]: parameter
@@ -18,9 +18,12 @@ PARAMETERS = {
 }
 
 
-def scene(height=40, width=60):
-    rng = np.random.default_rng(8)
-    return rng.uniform(0.1, 0.6, (height, width, 3)).astype(np.float32)
+def field(height, width):
+    """Return (u, v), half diagonals from the centre."""
+    half = np.hypot(width, height) / 2.0
+    v = (np.arange(height)[:, None] + 0.5 - height / 2.0) / half
+    u = (np.arange(width)[None, :] + 0.5 - width / 2.0) / half
+    return u, v
 
 
 def shaded_by(rgb, parameters=None):
@@ -37,10 +40,7 @@ def test_lens_shading_is_its_polynomial(size):
     values |= {"tilt_x_r2": 0.07, "tilt_y_r2": -0.03}
     rgb = scene(*size)
     clean, shaded = shaded_by(rgb), shaded_by(rgb, values)
-    height, width = size
-    half = np.hypot(width, height) / 2.0
-    v = (np.arange(height)[:, None] + 0.5 - height / 2.0) / half
-    u = (np.arange(width)[None, :] + 0.5 - width / 2.0) / half
+    u, v = field(*size)
     square = u**2 + v**2
     gain = 1.0 - 0.5 * square + 0.3 * square**2 - 0.1 * square**3 + 0.05 * u - 0.02 * v
     gain += square * (0.07 * u - 0.03 * v)
@@ -53,18 +53,14 @@ def test_lens_shading_of_a_lens_that_is_not_round():
     round_lens |= {"tilt_x_r2": 0.0, "tilt_y_r2": 0.0}
     optional = {name for name, known in PARAMETERS.items() if known["optional"]}
     assert len(optional) == 20
-    height, width = 40, 60
-    rgb = scene(height, width)
-    half = np.hypot(width, height) / 2.0
-    v = (np.arange(height)[:, None] + 0.5 - height / 2.0) / half
-    u = (np.arange(width)[None, :] + 0.5 - width / 2.0) / half
-    place = u + 1j * v
+    rgb = scene()
+    u, v = field(*rgb.shape[:2])
+    square = u**2 + v**2
     plain = shaded_by(rgb)
-    of_round = 1 - 0.3 * abs(place) ** 2 + 0.1 * abs(place) ** 4
-    for name in sorted(optional):
-        power, wave, angles = re.fullmatch(r"r(\d)_(cos|sin)(\d)", name).groups()
-        turned = abs(place) ** (int(power) - int(angles)) * place ** int(angles)
-        term = turned.real if wave == "cos" else turned.imag
+    of_round = 1 - 0.3 * square + 0.1 * square**2
+    terms = irregular_terms(u, v)
+    assert set(terms) == optional
+    for name, term in terms.items():
         expected = plain * (of_round + 0.2 * term)
         assert shaded_by(rgb, {**round_lens, name: 0.2}) == pytest.approx(
             expected, abs=1e-6

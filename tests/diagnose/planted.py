@@ -131,6 +131,19 @@ def drawn(frames, model, seed, extra=0.0):
     return result
 
 
+def tails_of(share, ratio):
+    """Return what adds read noise to a frame, of which a share has a variance that is
+    larger by a ratio: (frame, rng) -> that."""
+
+    def noise(frame, rng):
+        core = frame.beta2 / (1 + share * (ratio - 1))
+        wide = rng.random(frame.signal.shape) < share
+        spread = np.sqrt(np.where(wide, ratio, 1) * core)
+        return spread * rng.standard_normal(frame.signal.shape)
+
+    return noise
+
+
 def shown(frame, signal):
     """Return the frame as an ADC that rounds, and clips at white, shows a signal."""
     dn = np.minimum(np.round(signal * frame.range), frame.range)

@@ -12,6 +12,7 @@ import cg2raw
 from cg2raw import _core
 from dng import dng_files
 from oracles import cameras
+from oracles.lens import irregular_terms
 
 REAL = (
     "Hero6_GOPR0024.dng",
@@ -33,18 +34,6 @@ PLANTED = {
     "tilt_x_r2": -0.02,
     "tilt_y_r2": 0.04,
 }
-IRREGULAR = (
-    (2, 2),
-    (3, 3),
-    (4, 2),
-    (4, 4),
-    (5, 1),
-    (5, 3),
-    (5, 5),
-    (6, 2),
-    (6, 4),
-    (6, 6),
-)  # powers of the radius, and of how often its term turns
 LENS = {"name": "lens_shading", "parameters": PLANTED}
 
 COLORS = {
@@ -203,15 +192,11 @@ def test_evidence_and_notes_say_what_the_effect_leaves(camera_data):
     u, v = (grid.ravel() for grid in np.meshgrid(at * 4000, at * 3000))
     square = u * u + v * v
     tilts = [u, v, u * square, v * square]
-    names = [*PLANTED]
+    irregular = irregular_terms(u, v)
     terms = [np.ones_like(u), square, square**2, square**3, *tilts]
-    for power, angles in IRREGULAR:
-        turned = np.hypot(u, v) ** (power - angles) * (u + 1j * v) ** angles
-        names += [f"r{power}_cos{angles}", f"r{power}_sin{angles}"]
-        terms += [turned.real, turned.imag]
-    terms = np.stack(terms, 1)
+    terms = np.stack([*terms, *irregular.values()], 1)
     found = np.linalg.lstsq(terms, shading, rcond=None)[0]
-    expected = dict(zip(names, found[1:] / found[0], strict=True))
+    expected = dict(zip([*PLANTED, *irregular], found[1:] / found[0], strict=True))
     assert effect["parameters"] == pytest.approx(expected, abs=1e-10)
     residual = terms @ found / shading - 1  # of the brightness at the same place
     evidence = effect["evidence"]

@@ -16,6 +16,7 @@ from diagnose.planted import (
     model_of,
     on,
     sensor_of,
+    tails_of,
 )
 
 SENSOR = sensor_of()
@@ -26,10 +27,7 @@ OFFSETS = READ * np.random.default_rng(3).standard_normal(SHAPE)
 
 def tails_and_offsets(frame, rng):
     """Read noise of which a share is wider, and offsets that pixels have in all."""
-    core = frame.beta2 / (1 + SHARE * (RATIO - 1))
-    wide = rng.random(frame.signal.shape) < SHARE
-    spread = np.sqrt(np.where(wide, RATIO, 1) * core)
-    return OFFSETS[None] + spread * rng.standard_normal(frame.signal.shape)
+    return OFFSETS[None] + tails_of(SHARE, RATIO)(frame, rng)
 
 
 @pytest.fixture(scope="module")

@@ -33,6 +33,7 @@ from diagnose.planted import (
     model_of,
     on,
     sensor_of,
+    tails_of,
 )
 
 SENSOR = sensor_of()
@@ -255,15 +256,8 @@ def test_row_noise_is_found(frames):
 def test_heavy_tails_are_found(frames):
     darks = frames_of(SENSOR, [capture_of("dark", n) for n in range(6)])
     share, ratio = 0.03, 16.0
-
-    def tails(frame, rng):
-        core = frame.beta2 / (1 + share * (ratio - 1))
-        wide = rng.random(frame.signal.shape) < share
-        spread = np.sqrt(np.where(wide, ratio, 1) * core)
-        return spread * rng.standard_normal(frame.signal.shape)
-
     silent = model_of(SENSOR, read_noise=[-40.0])
-    shown = drawn(darks, silent, 8, tails)
+    shown = drawn(darks, silent, 8, tails_of(share, ratio))
     start = model_of(SENSOR, heavy_tailed_noise=[0.01, 9.0])
     found, _ = fit_transform(start, "heavy_tailed_noise", on(shown))
     values, errors = found.terms[0].values, standard_errors(found, on(shown))

@@ -18,6 +18,7 @@ from diagnose.planted import (
     on,
     sensor_of,
     shown,
+    tails_of,
 )
 
 SENSOR = sensor_of()
@@ -137,14 +138,8 @@ def test_tails_that_a_profile_has_too_many_of_are_no_jumps(stated):
     """Nor are they where a profile has four times as many: what it makes less likely of
     all pixels alike says nothing of any."""
     share, ratio = 0.05, 5.3
-
-    def tails(frame, rng):
-        core = frame.beta2 / (1 + share * (ratio - 1))
-        wide = rng.random(frame.signal.shape) < share
-        spread = np.sqrt(np.where(wide, ratio, 1) * core)
-        return spread * rng.standard_normal(frame.signal.shape)
-
-    frames = drawn(darks(12), model_of(SENSOR, read_noise=[-40.0]), 5, extra=tails)
+    silent = model_of(SENSOR, read_noise=[-40.0])
+    frames = drawn(darks(12), silent, 5, extra=tails_of(share, ratio))
     model = model_of(
         SENSOR, heavy_tailed_noise=[stated, ratio], random_telegraph_noise=[0.0, 0.0]
     )

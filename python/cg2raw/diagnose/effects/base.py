@@ -68,8 +68,6 @@ class Effect:
     shape_of : parameters that say nothing where another one, of which they are the
         shape, is 0.
     held : parameters that stay as first_values found them.
-    detail : parameters that stay at 0 until nothing else is left to be found; see
-        `in_detail`.
     families : effects that share one look alike.
     signature : what it changes, for the captures that discriminate it from others (see
         discriminating_captures); told_apart : the same for one other effect.
@@ -83,6 +81,7 @@ class Effect:
         share of its gain up to which they are none.
     shows_without_image : darks and flats show it; then nothing takes it up.
     bayer_only : other CFAs have none. nameable : False for what is never looked for.
+    detailed : with the parameters of its `detail`.
     cfa : that of the sensor, where it has other parameters there; see `of_cfa`."""
 
     name: ClassVar[str] = ""
@@ -100,7 +99,6 @@ class Effect:
     ends: ClassVar[frozenset[str]] = frozenset()
     shape_of: ClassVar[Mapping[str, str]] = {}
     held: ClassVar[frozenset[str]] = frozenset()
-    detail: ClassVar[frozenset[str]] = frozenset()
     families: ClassVar[frozenset[str]] = frozenset()
     signature: ClassVar[frozenset[str]] = frozenset()
     told_apart: ClassVar[Mapping[str, str]] = {}
@@ -208,10 +206,8 @@ class Effect:
     def profile_values(
         self, sensor: Sensor, row: Mapping[str, Any], read_noise: float
     ) -> tuple[float, ...] | None:
-        """Return the values, in the units of the search, by which a profile draws it
-        beyond its variance; None if it does not.
-
-        row : of the profile's noise table. read_noise : its standard deviation."""
+        """Return the values of the search by which a profile draws it beyond its
+        variance; None if not. row : of its noise table. read_noise : the deviation."""
         return None
 
     def variance_in_table(self, sensor: Sensor, row: Mapping[str, Any]) -> float:
@@ -268,6 +264,11 @@ class Effect:
         return one
 
     @cached_property
+    def detail(self) -> frozenset[str]:
+        """Parameters that files may leave out, and that stay at 0 until the end."""
+        return frozenset(p["name"] for p in self._known if p["optional"])
+
+    @cached_property
     def in_detail(self) -> "Effect | None":
         """The effect with the parameters of its detail; None if it has them."""
         if self.detailed or not self.detail:
@@ -284,9 +285,8 @@ class Effect:
     @property
     def _known(self) -> Sequence[Mapping[str, Any]]:
         """The registry's parameters."""
-        parameters: Sequence[Mapping[str, Any]]
-        parameters = registered(self.cfa)[self.name]["parameters"]
-        return parameters
+        known: list[dict[str, Any]] = registered(self.cfa)[self.name]["parameters"]
+        return known
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:

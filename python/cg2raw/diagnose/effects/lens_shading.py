@@ -37,7 +37,6 @@ class LensShading(Effect):
     title = "lens shading"
     where = "falls off with radius, all channels, in proportion to signal"
     measured_by_uniform_frames = True
-    detail = frozenset(TURNING)
     step = 2e-3
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
@@ -60,11 +59,7 @@ class LensShading(Effect):
         nearly so."""
         if parameter not in TURNING or frame.samples is not None:
             return None
-        power, angles, wave = TURNING[parameter]
-        u, v = frame.tiles.field()
-        radius, angle = np.hypot(u, v), angles * np.arctan2(v, u)
-        turned = np.cos(angle) if wave == "cos" else np.sin(angle)
-        return "r2", radius ** (power - 2) * turned
+        return "r2", _turning(parameter, *frame.tiles.field(), over=2)
 
     def size(self, values: Estimates) -> str:
         loss = max(corner_losses(values, SHAPE))
@@ -104,6 +99,13 @@ def _ring(frame: Frame, p: Prediction) -> NDArray[np.int64]:
     return np.minimum(rings, CURVE_RINGS - 1)
 
 
+def _turning(name: str, u: Array, v: Array, over: int = 0) -> Array:
+    """Return the term of a parameter at places, over a power of the radius."""
+    power, angles, wave = TURNING[name]
+    turned = {"cos": np.cos, "sin": np.sin}[wave](angles * np.arctan2(v, u))
+    return np.asarray(np.hypot(u, v) ** (power - over) * turned)
+
+
 def corner_losses(values: Estimates, shape: tuple[int, int]) -> list[float]:
     """Return the loss of light in the CORNERS of a frame (H, W), relative to that in
     its middle; below 0 where there is more."""
@@ -116,10 +118,8 @@ def corner_losses(values: Estimates, shape: tuple[int, int]) -> list[float]:
     losses = []
     for down, right in product((-1, 1), repeat=2):
         gain = even + right * u * x + down * v * y
-        for name, (_, angles, wave) in TURNING.items():
-            turned = complex(right * u, down * v) ** angles
-            part = turned.real if wave == "cos" else turned.imag
-            gain += value_of(values, name) * part
+        for name in TURNING:
+            gain += value_of(values, name) * _turning(name, right * u, down * v)
         losses.append(float(-gain))
     return losses
 

@@ -4,7 +4,7 @@
 """Mixture: residuals that are either narrow or wide."""
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import logit, ndtr, ndtri
 
 from cg2raw.diagnose.effects.base import Whitened
 from cg2raw.diagnose.frames.tiling import Array
@@ -23,6 +23,13 @@ def normal_score(
     tail = tail + (1 - chance) * ndtr(-np.abs(z) / np.sqrt(narrow))
     white = -np.sign(z) * ndtri(np.maximum(tail, 1e-300))
     return white, np.logaddexp(log_wide, log_narrow) + 0.5 * white**2
+
+
+def log_odds(residual: Array, chance: float, narrow: Array, wide: Array) -> Array:
+    """Return the log of the odds that residuals are of the wide kind. chance : of that,
+    whatever they are. narrow, wide : variances."""
+    odds = logit(chance) + 0.5 * np.log(narrow / wide)
+    return np.asarray(odds + 0.5 * residual**2 * (1 / narrow - 1 / wide))
 
 
 def harmonic_variance(chance: Array | float, narrow: Array, wide: Array) -> Array:

@@ -40,9 +40,7 @@ def model_profile(
         if old:
             values = effect.added(np.array(list(old.values())), values)
         bounded = zip(names, effect.within_registry_bounds(values), strict=True)
-        parameters = {name: float(value) for name, value in bounded}
-        used = {name for name, value in parameters.items() if value or name in found}
-        parameters = {name: parameters[name] for name in names if name in used}
+        parameters = {n: float(value) for n, value in bounded if value or n in found}
         effects[term.name] = {"name": term.name, "parameters": parameters}
     if effects:
         profile["effects"] = list(effects.values())

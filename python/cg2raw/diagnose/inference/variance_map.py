@@ -19,6 +19,7 @@ from scipy.special import expit, logsumexp
 from scipy.stats import chi2
 
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
+from cg2raw.diagnose.effects.mixture import harmonic_variance, log_odds
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
@@ -213,13 +214,10 @@ def _beside(
 
     That none is of a tail has no chance here: it is the same of pixels that jump."""
     used = np.isfinite(residual)
-    square = np.where(used, residual - mean, 0) ** 2
-    narrow = -0.5 * (square / variance + np.log(variance))
-    wide = variance + wider
-    odds = np.log(group.outlying) - np.log1p(-group.outlying)
-    odds = odds - 0.5 * (square / wide + np.log(wide)) - narrow
-    chance = expit(odds)
-    told = (1 - chance) / variance + chance / wide
+    away = np.where(used, residual - mean, 0)
+    narrow = -0.5 * (away**2 / variance + np.log(variance))
+    odds = log_odds(away, group.outlying, variance, variance + wider)
+    told = 1 / harmonic_variance(expit(odds), variance, variance + wider)
     return used * (narrow + np.logaddexp(0, odds)), used * told
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import expit
 
 from cg2raw.diagnose.effects.catalogue import every
-from cg2raw.diagnose.effects.mixture import harmonic_variance
+from cg2raw.diagnose.effects.mixture import harmonic_variance, log_odds
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -30,9 +30,7 @@ class Tails:
     def variance_of(self, residual: Array) -> Array:
         """Return the variance that each residual (T, h, w) counts with: the harmonic
         mean of both kinds', by the chances that it is of either."""
-        odds = np.log(self.outlying) - np.log1p(-self.outlying)
-        odds = odds + 0.5 * np.log(self.narrow / self.wide)
-        odds = odds + 0.5 * residual**2 * (1 / self.narrow - 1 / self.wide)
+        odds = log_odds(residual, self.outlying, self.narrow, self.wide)
         return harmonic_variance(expit(odds), self.narrow, self.wide)
 
 
