@@ -52,7 +52,7 @@ def estimates_of(model):
             for parameter, value in zip(
                 term.effect.parameters, term.values, strict=True
             )
-            if parameter not in term.effect.unused
+            if parameter in term.effect.used
         }
         for term in model.terms
     }
@@ -68,8 +68,8 @@ def values_for(name):
     spread = np.minimum(0.02 + 0.01 * np.arange(len(effect.low)), effect.high)
     values = np.clip(spread * (-1) ** np.arange(len(spread)), effect.low, None)
     held = [parameter in effect.held for parameter in effect.parameters]
-    unused = [parameter in effect.unused for parameter in effect.parameters]
-    return np.where(unused, 0.0, np.where(held, 7.0, values))
+    used = [parameter in effect.used for parameter in effect.parameters]
+    return np.where(used, np.where(held, 7.0, values), 0.0)
 
 
 @pytest.mark.parametrize("name", [*SMOOTH, "noise_reduction"])

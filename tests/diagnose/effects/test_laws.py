@@ -153,9 +153,9 @@ def test_a_planted_value_is_recovered(frames, name):
     true = Model(SENSOR).with_effect(effect, values)
     assert shown.total(found) > shown.total(true) - 2
     of_effect = estimates(found, shown)[name]
-    assert list(of_effect) == [p for p in effect.parameters if p not in effect.unused]
+    assert list(of_effect) == [p for p in effect.parameters if p in effect.used]
     for parameter, value in zip(effect.parameters, values, strict=True):
-        if parameter in effect.unused:
+        if parameter not in effect.used:
             continue
         one = of_effect[parameter]
         half = (one.ci95[1] - one.ci95[0]) / 2

@@ -105,7 +105,7 @@ def test_a_search_names_nothing_that_drawn_captures_explain(monkeypatch):
     monkeypatch.setattr(Bootstrap, "explains", lambda *given: True)
     null = bootstrap._null
     trial = trial_of(model, exposure=[1e-3])
-    monkeypatch.setattr(Candidates, "trials", lambda self: [trial])
+    monkeypatch.setattr(Candidates, "trials", lambda self, in_detail=False: [trial])
     search = Search(bootstrap._baseline, null.effects, 0.01, 6)
     assert search._add(model) is None
     assert search.refused == {"exposure": 20.0}

@@ -62,7 +62,7 @@ def test_a_lens_that_is_not_round_is_found_so():
     plain = fit(model_of(SENSOR, lens_shading=ROUND), splits.fit)
     assert (plain.term("lens_shading").values[7:] == 0).all()
     found = in_detail(plain, splits, THRESHOLD).term("lens_shading")
-    assert found.effect.detailed and not found.effect.unused
+    assert found.effect.detailed and len(found.effect.used) == 27
     assert error_of(found.values, splits) < 0.3 * error_of(
         plain.term("lens_shading").values, splits
     )
@@ -85,11 +85,16 @@ def test_a_profile_that_is_right_but_for_detail_lacks_it():
     splits = splits_of(NOT_ROUND)
     candidates = Candidates(Model(sensor), [LENS], splits, 1, THRESHOLD, lambda _: None)
     gains = [trial.evidence for trial in candidates.trials()]
-    [trial] = candidates.in_detail().trials()
+    [trial] = candidates.trials(in_detail=True)
     assert trial.name == "lens_shading"
     assert trial.evidence > 2 * max(gains, default=0) + 100
     found = trial.model.term("lens_shading").values
     assert error_of(ROUND + found, splits) < 0.3 * error_of(ROUND, splits)
+
+
+def test_detail_that_is_not_used_costs_nothing():
+    assert LENS.used == list(LENS.parameters[:7])
+    assert LENS.in_detail.used == list(LENS.parameters)
 
 
 def test_derivatives_in_proportion_are_those_by_differences(monkeypatch):

@@ -82,7 +82,7 @@ def test_planted_values_are_found_within_their_errors(frames, name):
     found = fit(start, on(shown))
     errors = standard_errors(found, on(shown))
     effect = BY_NAME[name]
-    free = [i for i, p in enumerate(effect.parameters) if p not in effect.unused]
+    free = [i for i, p in enumerate(effect.parameters) if p in effect.used]
     true = true[free]
     sigma = np.array([errors[name, i] for i in free])
     assert (sigma > 0).all()

@@ -30,7 +30,7 @@ def test_an_effect_needs_the_threshold(monkeypatch, beyond, names):
     evidence = search.threshold + beyond
     trial = Trial("blur", evidence + 3, np.ones(4), model, evidence)
     monkeypatch.setattr(Search, "_select", lambda self, model: np.zeros(4))
-    monkeypatch.setattr(Candidates, "trials", lambda self: [trial])
+    monkeypatch.setattr(Candidates, "trials", lambda self, in_detail=False: [trial])
     added = search._add(Model(SENSOR))
     assert tuple(added.names if added else ()) == names
     assert [step.evidence for step in search.steps] == [evidence] * len(names)

@@ -65,7 +65,7 @@ def _is_clear_together(model: Model, name: str, gained: float) -> bool:
     frames tell the difference. gained : by them, nats. Source: S. S. Wilks, Ann. Math.
     Stat. 9(1), 1938."""
     term = next(term for term in model.terms if term.name == name)
-    count = len(term.values) - len(term.effect.unused)
+    count = len(term.effect.used)
     if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term, ()):
         return False
     return gained > float(chi2.ppf(0.95, count)) / 2

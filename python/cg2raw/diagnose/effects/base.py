@@ -278,9 +278,9 @@ class Effect:
         return one
 
     @property
-    def unused(self) -> frozenset[str]:
-        """Parameters that the effect does without."""
-        return frozenset() if self.detailed else self.detail
+    def used(self) -> list[str]:
+        """Parameters that the effect does not do without."""
+        return [n for n in self.parameters if self.detailed or n not in self.detail]
 
     @property
     def _known(self) -> Sequence[Mapping[str, Any]]:

@@ -66,7 +66,7 @@ class Bootstrap:
         Source of the interval: G. J. Hahn, J. Am. Stat. Assoc. 64, 1969."""
         gains: list[float] = []
         least = trial.evidence - self._null.threshold
-        if not any(True for _ in trial.model.maps):
+        if not list(trial.model.maps):
             return False
         while len(gains) < MOST_DRAWS:
             drawn = self._draw(len(gains))

@@ -61,16 +61,19 @@ class Candidates:
         """The log-likelihood of the select frames without any, in blocks."""
         return self.splits.select.in_blocks(self.null)
 
-    def trials(self) -> list[Trial]:
+    def trials(self, in_detail: bool = False) -> list[Trial]:
         """Screen all, fit the best; sorted by gain on the select frames, with the
-        evidence for each."""
-        screened = self._screened()
+        evidence for each.
+
+        in_detail : only those that have parameters of detail, and with these: what they
+        describe without may gain nothing, as the polynomial of a round lens."""
+        finer = [e.in_detail for e in self.effects if e.in_detail is not None]
+        screened = self._screened(finer if in_detail else self.effects)
         best = max((one.score for one in screened), default=0.0)
         found = []
         for rank, one in enumerate(screened[:MOST_FITTED]):
             is_map = one.effect.estimator == "fixed pattern"
-            unused = len(one.effect.unused)
-            chance = 0 if is_map else len(one.effect.parameters) - unused
+            chance = 0 if is_map else len(one.effect.used)
             if one.score < LEAST_SCORE + chance:
                 continue
             if rank >= 3 and one.score < WORTH_FITTING * best:
@@ -84,18 +87,11 @@ class Candidates:
         trials = [self._weighed(trial) for trial in found]
         return sorted(trials, key=lambda trial: trial.gain, reverse=True)
 
-    def in_detail(self) -> "Candidates":
-        """Return those that the model lacks and that have parameters of detail, with
-        these: what they describe without was not enough for a name."""
-        lacking = [e for e in self.effects if e.name not in self.model.names]
-        finer = [e.in_detail for e in lacking if e.in_detail is not None]
-        return replace(self, effects=finer)
-
-    def _screened(self) -> list[Screened]:
-        """Return the candidates that frames show anything of, best first."""
+    def _screened(self, effects: Sequence[Effect]) -> list[Screened]:
+        """Return the effects that frames show anything of, best first."""
         base = Linearisation(self.model, self.splits.fit)
         found = []
-        for candidate in self.effects:
+        for candidate in effects:
             if candidate.name in self.model.names:
                 continue
             self.report(f"screening {candidate.name}")

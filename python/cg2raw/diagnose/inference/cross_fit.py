@@ -31,7 +31,7 @@ def fit_beside_maps(model: Model, name: str, likelihood: Likelihood) -> Model:
     makers = _by_light(likelihood.frames)
     if (
         term.effect.tails(term.values) is None
-        or not any(True for _ in model.maps)
+        or not list(model.maps)
         or len(makers) < FEWEST_MAKERS
     ):
         return fit_transform(model, name, likelihood)[0]

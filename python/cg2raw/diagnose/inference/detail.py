@@ -22,7 +22,7 @@ def in_detail(model: Model, splits: Splits, threshold: float) -> Model:
         other = model.with_term(replace(term, effect=finer))
         base = Linearisation(other, splits.fit)
         begun, gain = one_step(other, base, base.height)
-        if gain < LEAST_SCORE + len(term.effect.unused):
+        if gain < LEAST_SCORE + len(finer.detail):
             continue
         other = fit(begun, splits.fit)
         if splits.select.total(other) - splits.select.total(model) > threshold:

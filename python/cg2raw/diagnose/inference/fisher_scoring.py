@@ -226,7 +226,7 @@ def free_parameters(model: Model) -> list[Parameter]:
         for term in model.terms
         if term.effect.scored
         for index, name in enumerate(term.effect.parameters)
-        if name not in term.effect.held | term.effect.unused
+        if name in term.effect.used and name not in term.effect.held
     ]
 
 

@@ -115,7 +115,7 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
         for index, (name, unit) in enumerate(
             zip(term.effect.parameters, term.effect.units, strict=True)
         ):
-            if name in term.effect.unused:
+            if name not in term.effect.used:
                 continue
             value = float(term.values[index]) * scale
             # What is held was found once, and has no error.

@@ -58,7 +58,7 @@ def values_alone(model: Model, frames: Sequence[Frame]) -> EstimatesByEffect:
             for name, unit, value in zip(
                 term.effect.parameters, term.effect.units, scaled, strict=True
             )
-            if name not in term.effect.unused
+            if name in term.effect.used
         }
     return result
 

@@ -205,7 +205,9 @@ class Search:
         candidates = Candidates(
             model, self.effects, self.splits, turns, self.threshold, self.report
         )
-        chosen = self._chosen(candidates) or self._chosen(candidates.in_detail())
+        bootstrap = Bootstrap(candidates, self.baseline, self.alpha, self.report)
+        chosen = self._chosen(candidates.trials(), bootstrap)
+        chosen = chosen or self._chosen(candidates.trials(in_detail=True), bootstrap)
         if chosen is None:
             self._reached = candidates.null
             return None
@@ -225,12 +227,10 @@ class Search:
         return self._settled(best.model, best.name)
 
     def _chosen(
-        self, candidates: Candidates
+        self, trials: list[Trial], bootstrap: Bootstrap
     ) -> tuple[Trial, Trial, list[str], list[Trial]] | None:
         """Return (the trial to accept, the one that comes first without a tie, names
         that are as good, all trials); None if none is sure."""
-        trials = candidates.trials()
-        bootstrap = Bootstrap(candidates, self.baseline, self.alpha, self.report)
         sure = [trial for trial in trials if self._may_be_added(trial)]
         while sure:
             first = mean_first(sure, self.effects)
@@ -299,7 +299,7 @@ class Search:
 
     def _cost(self, name: str) -> int:
         known = next(c for c in self.effects if c.name == name)
-        return MAP_COST if known.estimator == "fixed pattern" else len(known.parameters)
+        return MAP_COST if known.estimator == "fixed pattern" else len(known.used)
 
     def _pruned(self, model: Model, newest: str) -> Model:
         """Drop older effects that are not needed any more."""
