@@ -113,3 +113,31 @@ def test_offsets_and_rates_of_the_same_pixels_are_told_apart(order):
     stated = rate.sensor_map.covariance["dsnu"][keep].mean()
     assert stated < 0
     assert np.mean(of_offset * of_rate) == pytest.approx(stated, rel=0.2)
+
+
+def test_shot_noise_of_a_rate_beside_offsets_that_darks_hardly_tell():
+    """What charge adds to the doubt of a rate goes by the frames with charge, as much
+    as each weighs: not by those that tell the offset."""
+    rng = np.random.default_rng([3, 12])
+    offsets = 2 * READ * rng.standard_normal(TILE)
+    rates = READ * np.exp(1.2 * rng.standard_normal(TILE))
+
+    def extra(frame, rng):
+        charge = frame.seconds * rates
+        shot = np.sqrt(frame.beta1 * charge) * rng.standard_normal(TILE)
+        return offsets + charge + shot
+
+    captures = [
+        capture_of("dark", n, exposure_time=seconds)
+        for n, seconds in enumerate((0.0, 0.0, 3.0, 3.0))
+    ]
+    frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), 9, extra)
+    maps = {"dsnu": [0.0], UNEVEN: [0.0]}
+    model = fit_patterns(model_of(SENSOR, dark_current=[READ], **maps), on(frames))
+    found = model.term(UNEVEN).sensor_map
+    error = found.mean - (rates - READ)
+    keep = frames[0].keep
+    order = np.argsort(found.mean[keep])
+    for part in np.array_split(order, 4):
+        doubt = found.variance[keep][part].mean()
+        assert np.mean(error[keep][part] ** 2) == pytest.approx(doubt, rel=0.15)

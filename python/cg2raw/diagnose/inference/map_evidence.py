@@ -35,14 +35,14 @@ class Evidence:
     say of one map, beside the others.
 
     repeat : side of the CFA's, px.
-    noisier : (K, T, h, w), what a value of each map adds, by the shot noise of its
-        charge, to the variance of its estimate, times the square of the information.
+    noisier : (K, K, T, h, w), what a value of the log-normal map, if there is one, adds
+        to the covariance of the scores by the shot noise of its charge.
     unseen : (T, h, w), pixels that no frame was given."""
 
     information: Array
     score: Array
     repeat: int
-    noisier: Array
+    noisier: Array | float
     unseen: Mask
 
     def known(self, one: int) -> Mask:
@@ -66,8 +66,9 @@ def evidence_of(
     known = known or [None] * len(effects)
     count = len(effects)
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
+    charge = next((k for k, effect in enumerate(effects) if effect.is_log_normal), None)
 
-    def of_frame(frame: Frame) -> tuple[Array, Array, Array]:
+    def of_frame(frame: Frame) -> tuple[Array, Array, Array | float]:
         p = predict_for_means(rest, frame)
         given = [effect.shown(frame, p) for effect in effects]
         p = _beside_tails(p, rest, frame, given, known)
@@ -77,20 +78,19 @@ def evidence_of(
         slopes = np.array([sensitivity * weight / spread for sensitivity in given])
         lit = frame.capture.shows.light
         told = slopes * ~np.array(by_darks)[:, None, None, None] if lit else slopes
-        of_charge = photon_gain(rest, frame) / p.variance
-        noisier = [
-            slope**2 * sensitivity * of_charge * effect.is_charge
-            for slope, sensitivity, effect in zip(told, given, effects, strict=True)
-        ]
-        return told[:, None] * slopes[None], told * z, np.array(noisier)
+        products = told[:, None] * slopes[None]
+        if charge is None:
+            return products, told * z, 0.0
+        of_charge = given[charge] * photon_gain(rest, frame) / p.variance
+        return products, told * z, told[:, None] * told * of_charge
 
     shape = likelihood.frames[0].signal.shape
     information, score = np.zeros((count, count, *shape)), np.zeros((count, *shape))
-    noisier = np.zeros_like(score)
+    noisier: Array | float = 0.0
     for products, scored, more in likelihood.each(of_frame):
         information += products
         score += scored
-        noisier += more
+        noisier = noisier + more
     unseen = unseen_by(likelihood.frames)
     return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier, unseen)
 

@@ -155,15 +155,16 @@ def _prior(
     stated : by a profile. slow : the slow parts of log-normal maps, once they are
     known: they change little."""
     known = evidence.known(one)
-    information, score = _marginal(one, evidence, priors)
+    weights, score = _marginal(one, evidence, priors)
+    information = np.einsum("k...,k...", weights, evidence.information[one])
     least = LEAST_TOLD * evidence.information[one, one] + LEAST_INFORMATION
     information = np.where(known, np.maximum(information, least), 1.0)
     estimate = np.where(known, score / information, 0)
     if effect.is_log_normal:
-        noisier = evidence.noisier[one] / information**2
+        noisier = np.einsum("j...,jk...,k...", weights, evidence.noisier, weights)
         estimate = _own_part(one, effect, estimate, known, evidence.repeat, slow)
         before = None if priors is None else _law_of(priors[one])
-        rates = Rates(estimate, 1 / information, noisier)
+        rates = Rates(estimate, 1 / information, noisier / information**2)
         return _of_rates(rates, known, stated, before)
     kept = 1.0
     if effect.lacks_slow_part:
@@ -254,16 +255,20 @@ def _own_part(
 def _marginal(
     one: int, evidence: Evidence, priors: Sequence[_Prior] | None
 ) -> tuple[Array, Array]:
-    """Return (information, score) of one map, with the others integrated out."""
-    information, score = evidence.information[one, one], evidence.score[one]
+    """Return ((K, T, h, w) weights of the scores of all maps, by which the others are
+    integrated out of that of one; that score)."""
+    weights = np.zeros_like(evidence.score)
+    weights[one] = 1
     others = [k for k in range(len(evidence.score)) if k != one]
     if priors is None or not others:
-        return information, score
-    cross = evidence.information[one, others]
+        return weights, evidence.score[one]
     wide = [prior.of_all for prior in priors]
-    pull = _solved(_with_priors(evidence, wide, others), cross)
-    scores = np.stack([evidence.score[k] + wide[k].pull for k in others])
-    return information - (pull * cross).sum(0), score - (pull * scores).sum(0)
+    inner = _with_priors(evidence, wide, others)
+    weights[others] = -_solved(inner, evidence.information[one, others])
+    scores = [
+        evidence.score[k] + (wide[k].pull if k != one else 0) for k in range(len(wide))
+    ]
+    return weights, np.einsum("k...,k...", weights, np.stack(scores))
 
 
 def _with_priors(
