@@ -7,6 +7,7 @@ Of such a sum the density of estimates with normal errors, and the posterior of 
 value, are closed. Source: M. Stephens, Biostatistics 18(2), 2017.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,8 +17,9 @@ from cg2raw.diagnose.effects.base import Values
 from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.frames.tiling import Array
 
-STEP = 0.25  # of n, between the narrow normals and of each
+STEP = 0.125  # of n, between the narrow normals and of each
 LARGEST_N = 5.5  # n beyond which no pixel is
+PIECE = 2048  # estimates, of which all parts are looked at together
 LEAST_ERROR = 0.05  # of a variance, that is left where a rate is below the median
 
 
@@ -64,8 +66,16 @@ class LogNormal:
         away = rates.estimate - self.shift - means
         return np.asarray(weights - 0.5 * (away**2 / total + np.log(2 * np.pi * total)))
 
+    def log_density(self, rates: "Rates") -> Array:
+        """Return that of estimates."""
+        return rates.by_pieces(lambda piece: (log_sum(self.log_parts(piece)),))[0]
+
     def posterior(self, rates: "Rates") -> tuple[Array, Array]:
         """Return (mean, variance) of each pixel's value, given its estimate."""
+        mean, variance = rates.by_pieces(self._posterior)
+        return mean, variance
+
+    def _posterior(self, rates: "Rates") -> tuple[Array, Array]:
         mean, square = np.zeros((2, *rates.estimate.shape))
         logs = self.log_parts(rates)
         share = np.exp(logs - log_sum(logs))
@@ -95,6 +105,18 @@ class Rates:
     @property
     def columns(self) -> tuple[Array, Array, Array]:
         return self.estimate, self.error, self.per_rate
+
+    def by_pieces(
+        self, of: Callable[["Rates"], tuple[Array, ...]]
+    ) -> tuple[Array, ...]:
+        """Return what a function of estimates says of each, in as few at a time as a
+        processor's cache holds with all parts of a law."""
+        shape, size = self.estimate.shape, self.estimate.size
+        flat = Rates(*(np.broadcast_to(one, shape).ravel() for one in self.columns))
+        starts = range(0, max(size, 1), PIECE)
+        pieces = [of(flat.at(slice(start, start + PIECE))) for start in starts]
+        joined = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+        return tuple(one.reshape(shape) for one in joined)
 
     def at(self, places: Any) -> "Rates":
         return Rates(*(column[places] for column in self.columns))

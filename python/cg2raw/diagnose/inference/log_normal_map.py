@@ -21,7 +21,7 @@ from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Values
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference import exponential_rates
-from cg2raw.diagnose.inference.log_normal_law import LogNormal, Rates, log_sum
+from cg2raw.diagnose.inference.log_normal_law import LogNormal, Rates
 from cg2raw.diagnose.inference.map_prior import NEARLY, Stated
 
 CLASSES = 400  # of pixels alike that the law is fitted to; the outermost are single
@@ -152,7 +152,7 @@ class Mixture:
     def logs(self, rates: Rates) -> tuple[Array, Array]:
         """Return log densities of estimates, of pixels that are not hot and that
         are."""
-        cold = np.log1p(-self.hot_share) + log_sum(self.law.log_parts(rates))
+        cold = np.log1p(-self.hot_share) + self.law.log_density(rates)
         if self.hot_share == 0:
             return cold, np.full_like(cold, -np.inf)
         away, spread = rates.estimate - self.law.shift, np.sqrt(rates.error)

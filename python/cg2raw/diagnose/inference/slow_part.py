@@ -14,10 +14,11 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 
 SMOOTH = 5  # pixels of one colour; a slower map is shading, and not of the pixels
 KEPT = 1 - 3 / (4 * np.pi * SMOOTH**2)  # of white noise's variance, by the high pass
-SLOW_RATES = (
-    12  # the same of rates, whose maps may be far above noise: of their variance
-)
+# The same of rates, whose maps may be far above noise: of their variance
+SLOW_RATES = 12
 SLOW_TURNS = 6  # a smoothing over so many pixels takes but a 2000th
+SHUFFLED = 1  # seed
+LEAST_SLOW_VARIANCE = 1e-200
 FAR_OUT = 3.0  # standard deviations from its surroundings, of a pixel that stands out
 
 
@@ -34,19 +35,32 @@ def high_pass(image: Array, known: Mask, repeat: int) -> Array:
 
 def slow_part(image: Array, known: Mask, repeat: int) -> Array:
     """The smooth part of each CFA site's plane, in which pixels that stand out leave no
-    trace: smoothed are deviations from it, none by more than those of the many."""
+    trace: smoothed are deviations from it, none by more than those of the many.
+
+    Of pixels that differ much, any smoothing leaves some by chance: as much as where
+    their places are shuffled. So much of its variance is no slow part."""
     slow = np.zeros_like(image)
+    rng = np.random.default_rng(SHUFFLED)
     for at in _planes(repeat):
         where = known[at]
         if not where.any():
             continue
-        found = np.full(where.shape, np.median(image[at][where]))
-        for _ in range(SLOW_TURNS):
-            rest = image[at] - found
-            bound = FAR_OUT * 1.4826 * np.median(np.abs(rest[where]))
-            found = found + _smoothed(np.clip(rest, -bound, bound), where, SLOW_RATES)
-        slow[at] = found
+        shuffled = np.zeros_like(image[at])
+        shuffled[where] = rng.permutation(image[at][where])
+        found, chance = (_slow(plane, where) for plane in (image[at], shuffled))
+        level, variance = found[where].mean(), found[where].var()
+        real = max(1 - chance[where].var() / max(variance, LEAST_SLOW_VARIANCE), 0.0)
+        slow[at] = level + real * (found - level)
     return slow
+
+
+def _slow(plane: Array, known: Mask) -> Array:
+    found = np.full(plane.shape, np.median(plane[known]))
+    for _ in range(SLOW_TURNS):
+        rest = plane - found
+        bound = FAR_OUT * 1.4826 * np.median(np.abs(rest[known]))
+        found = found + _smoothed(np.clip(rest, -bound, bound), known, SLOW_RATES)
+    return np.asarray(found)
 
 
 def _planes(repeat: int) -> Iterator[Any]:
