@@ -35,6 +35,15 @@ def test_what_lies_far_out_counts_as_wide(away, kind):
     assert counted == pytest.approx(getattr(tails, kind), rel=0.02)
 
 
+def test_noise_of_charge_that_is_known_is_no_tail():
+    """A residual of 6 is far out of noise of 1, and not out of such with 20 more."""
+    tails = Tails(SHARE, np.ones(5), np.full(5, RATIO))
+    away = np.full(5, 6.0)
+    assert tails.variance_of(away) == pytest.approx(tails.wide, rel=0.05)
+    assert tails.variance_of(away, 20.0) == pytest.approx(tails.narrow, rel=0.1)
+    assert tails.variance_of(np.zeros(5), -2.0) == pytest.approx(tails.narrow, rel=0.1)
+
+
 def test_means_of_what_counts_so_are_nearer_than_plain_ones():
     rng = np.random.default_rng(8)
     shape = (8, 20_000)

@@ -20,6 +20,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_for_means
 from cg2raw.diagnose.likelihood.tails import tails_in
+from cg2raw.diagnose.likelihood.whitening import row_variance
 
 LEAST_KNOWN = 1e-6  # of the best pixel's information; a pixel with less is not known
 LEAST_INFORMATION = 1e-200
@@ -37,12 +38,14 @@ class Evidence:
     repeat : side of the CFA's, px.
     noisier : (K, K, T, h, w), what a value of the log-normal map, if there is one, adds
         to the covariance of the scores by the shot noise of its charge.
+    of_rows : the same that offsets of the frames' rows add, where it is not 0.
     unseen : (T, h, w), pixels that no frame was given."""
 
     information: Array
     score: Array
     repeat: int
     noisier: Array | float
+    of_rows: Array | float
     unseen: Mask
 
     def known(self, one: int) -> Mask:
@@ -68,10 +71,10 @@ def evidence_of(
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
     charge = next((k for k, effect in enumerate(effects) if effect.is_log_normal), None)
 
-    def of_frame(frame: Frame) -> tuple[Array, Array, Array | float]:
+    def of_frame(frame: Frame) -> tuple[Array, ...]:
         p = predict_for_means(rest, frame)
         given = [effect.shown(frame, p) for effect in effects]
-        p = _beside_tails(p, rest, frame, given, known)
+        p = _beside_tails(p, rest, frame, effects, known)
         z, _, weight = scores(p, frame)
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)
         spread = np.sqrt(p.variance)
@@ -80,19 +83,22 @@ def evidence_of(
         told = slopes * ~np.array(by_darks)[:, None, None, None] if lit else slopes
         products = told[:, None] * slopes[None]
         if charge is None:
-            return products, told * z, 0.0
-        of_charge = given[charge] * photon_gain(rest, frame) / p.variance
-        return products, told * z, told[:, None] * told * of_charge
+            return products, told * z
+        squares = told[:, None] * told / p.variance
+        noisier = squares * given[charge] * photon_gain(rest, frame)
+        return products, told * z, noisier, squares * row_variance(rest, frame)
 
     shape = likelihood.frames[0].signal.shape
     information, score = np.zeros((count, count, *shape)), np.zeros((count, *shape))
     noisier: Array | float = 0.0
-    for products, scored, more in likelihood.each(of_frame):
+    of_rows: Array | float = 0.0
+    for products, scored, *more in likelihood.each(of_frame):
         information += products
         score += scored
-        noisier = noisier + more
-    unseen = unseen_by(likelihood.frames)
-    return Evidence(information, score, repeat_of(rest.sensor.cfa), noisier, unseen)
+        if more:
+            noisier, of_rows = noisier + more[0], of_rows + more[1]
+    repeat, unseen = repeat_of(rest.sensor.cfa), unseen_by(likelihood.frames)
+    return Evidence(information, score, repeat, noisier, of_rows, unseen)
 
 
 def unseen_by(frames: Sequence[Frame]) -> Mask:
@@ -106,19 +112,22 @@ def _beside_tails(
     p: Prediction,
     rest: Model,
     frame: Frame,
-    given: Sequence[Array | float],
+    effects: Sequence[FixedPattern],
     known: Sequence[SensorMap | None],
 ) -> Prediction:
     """Return a prediction whose noise has no tails: pixels that are likely of them
-    have their variance. given : sensitivities to the maps."""
+    have their variance. effects : of the maps that are known, or None."""
     tails = tails_in(rest, frame, p)
     if tails is None:
         return p
     left = frame.signal - p.mean
-    for sensitivity, one in zip(given, known, strict=True):
+    charge: Array | float = 0.0
+    for effect, one in zip(effects, known, strict=True):
         if one is not None and one.mean.shape == left.shape:
-            left = left - sensitivity * one.mean
-    return replace(p, variance=tails.variance_of(left))
+            signal = effect.shown(frame, p) * one.mean
+            left, charge = left - signal, charge + effect.is_charge * signal
+    more = photon_gain(rest, frame) * charge
+    return replace(p, variance=tails.variance_of(left, more))
 
 
 def mean_around(score: Array, information: Array, width: float) -> tuple[Array, Array]:

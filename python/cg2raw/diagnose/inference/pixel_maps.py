@@ -28,6 +28,7 @@ from cg2raw.diagnose.inference.map_prior import (
     is_as_good,
     mixed_prior_of,
 )
+from cg2raw.diagnose.inference.row_shifts import row_shifts
 from cg2raw.diagnose.inference.slow_part import KEPT, high_pass, slow_part
 from cg2raw.diagnose.likelihood.model import Term
 
@@ -81,7 +82,8 @@ def pixel_maps(
     return found
 
 
-Slow = dict[int, Array]  # by the number of a map: its slow part beside its mean
+# By the number of a map: its slow part beside its mean; by ~number: shifts of rows.
+Slow = dict[int, Array]
 
 
 @dataclass(frozen=True)
@@ -161,10 +163,16 @@ def _prior(
     information = np.where(known, np.maximum(information, least), 1.0)
     estimate = np.where(known, score / information, 0)
     if effect.is_log_normal:
-        noisier = np.einsum("j...,jk...,k...", weights, evidence.noisier, weights)
+        noisier, of_rows = (
+            np.einsum("j...,jk...,k...", weights, more, weights) / information**2
+            for more in (evidence.noisier, evidence.of_rows)
+        )
         estimate = _own_part(one, effect, estimate, known, evidence.repeat, slow)
         before = None if priors is None else _law_of(priors[one])
-        rates = Rates(estimate, 1 / information, noisier / information**2)
+        rates = Rates(estimate, 1 / information, noisier)
+        if before is not None and slow is not None and ~one not in slow:
+            rows = row_shifts(before.mixture, rates, known, of_rows)
+            slow[~one], rates = rows, replace(rates, estimate=estimate - rows)
         return _of_rates(rates, known, stated, before)
     kept = 1.0
     if effect.lacks_slow_part:
@@ -249,7 +257,7 @@ def _own_part(
     if one not in kept:
         found = slow_part(estimate, known, repeat)
         kept[one] = found - found[known].mean()
-    return np.where(known, estimate - kept[one], 0)
+    return np.where(known, estimate - kept[one] - kept.get(~one, 0), 0)
 
 
 def _marginal(

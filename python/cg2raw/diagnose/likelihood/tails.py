@@ -27,10 +27,16 @@ class Tails:
     narrow: Array
     wide: Array
 
-    def variance_of(self, residual: Array) -> Array:
+    def variance_of(self, residual: Array, more: Array | float = 0.0) -> Array:
         """Return the variance that each residual (T, h, w) counts with: the harmonic
-        mean of both kinds', by the chances that it is of either."""
-        odds = log_odds(residual, self.outlying, self.narrow, self.wide)
+        mean of both kinds', by the chances that it is of either.
+
+        more : variance that residuals have beside, as of charge that is known; below 0
+        where there is less."""
+        narrow, wide = (
+            np.maximum(own + more, LEAST_CORE * own) for own in (self.narrow, self.wide)
+        )
+        odds = log_odds(residual, self.outlying, narrow, wide)
         return harmonic_variance(expit(odds), self.narrow, self.wide)
 
 

@@ -172,6 +172,15 @@ def cut_offsets(model: Model, frame: Frame) -> OffsetVariances | None:
     return OffsetVariances(shared.get("row", 0.0), shared.get("frame", 0.0))
 
 
+def row_variance(model: Model, frame: Frame) -> Array | float:
+    """Return the variance of the offsets that the rows of a frame have by a model."""
+    return sum(
+        effect.offset_variance(values, frame)
+        for effect, values in _steps(model, frame)
+        if isinstance(effect, SharedOffset) and effect.shares_offset == "row"
+    )
+
+
 class _Stages:
     """What whitens residuals of a prediction, one after the other: the direction of an
     offset or a field is that in residuals which those before have whitened.
