@@ -16,5 +16,6 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_simulation(m);
     cg2raw::python::bind_signal(m);
     cg2raw::python::bind_prediction(m);
+    cg2raw::python::bind_normal_mixture(m);
     cg2raw::python::bind_dng(m);
 }

@@ -251,6 +251,12 @@ def predict_blocks(
     glare_context: GlareContext | None,
     threads: int = 1,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
+def log_density_of_mixture(
+    law: NDArray[np.float64], estimates: NDArray[np.float64], least_error: float
+) -> NDArray[np.float64]: ...
+def posterior_of_mixture(
+    law: NDArray[np.float64], estimates: NDArray[np.float64], least_error: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def draw_blocks(
     profile: SensorProfile,
     run: Run,

@@ -189,17 +189,6 @@ def test_a_hot_pixel_leaves_no_trace_around_it():
     assert np.abs(np.delete(change.ravel(), 12)).max() < 0.02 * READ
 
 
-def test_parts_of_the_law_have_its_moments():
-    law = LogNormal(0.0, 2.0, 0.7)
-    weights, means, variances = law.normals()
-    share = np.exp(weights)
-    mean = 2 * np.expm1(0.7**2 / 2)
-    assert share.sum() == pytest.approx(1)
-    assert share @ means == pytest.approx(mean, rel=1e-4)
-    variance = 4 * np.exp(0.7**2) * np.expm1(0.7**2)
-    assert share @ (variances + (means - mean) ** 2) == pytest.approx(variance, 1e-3)
-
-
 def test_it_is_screened_by_held_out_frames_as_other_maps_are():
     frames = darks(rates_of(0.5, 0.8), 1)
     base = Linearisation(model_of(SENSOR, dark_current=[0.5 * READ]), on(frames))

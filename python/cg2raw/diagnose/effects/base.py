@@ -12,8 +12,7 @@ folder says the rest, and only where the default does not do. Three estimators:
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from cg2raw.cfa import is_mono
 from cg2raw.diagnose.diagnosis import Curve, Estimate
 from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.effects.parameter import Parameter as Parameter
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.effects.sensor_map import SensorMap as SensorMap
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
@@ -35,6 +35,7 @@ Values = NDArray[np.float64]
 Estimates = Mapping[str, Estimate]  # of an effect's parameters
 EstimatesByEffect = Mapping[str, Estimates]
 Whitened = tuple[Array, Array | float]
+Whitener = Callable[[Array], Whitened]
 Gain = Callable[[float], float]  # nats that a strength is expected to gain
 Predicted = Sequence[tuple[Frame, Prediction]]
 Labels = Callable[[Frame, Prediction], NDArray[np.int64]]  # of the pixels of a frame
@@ -42,16 +43,6 @@ Labels = Callable[[Frame, Prediction], NDArray[np.int64]]  # of the pixels of a 
 MeasuredRatio = Callable[[Labels, int], tuple[Array, Array]]
 
 NORMAL_95 = 1.96  # standard deviations to either side of a mean that hold 95 %
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number that is searched: its bounds; 0 is none of the effect."""
-
-    name: str
-    low: float
-    high: float
-    unit: str = "1"
 
 
 class Effect:
@@ -151,6 +142,12 @@ class Effect:
 
         read : variance of the read noise."""
         return z, 0.0
+
+    def whitener(
+        self, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitener:
+        """Return what `whiten` does to residuals, where these come many times."""
+        return partial(self.whiten, p=p, values=values, frame=frame, read=read)
 
     def blended(self, image: Array, values: Values) -> Array:
         """Return what it makes of an image (T, h, w), if it blends neighbours."""

@@ -16,6 +16,7 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
+    Whitener,
 )
 from cg2raw.diagnose.effects.families import SPREAD
 from cg2raw.diagnose.effects.profile_entries import listed_values
@@ -62,15 +63,27 @@ class ReadNoiseCorrelation(Effect):
         their deviations; what pixels farther away would tell besides is of the order of
         its square times the share of other noise. Brighter pixels tell little of it,
         and any error of their mean would pass for it."""
-        told = np.zeros_like(z)
+        return self.whitener(p, values, frame, read)(z)
+
+    def whitener(
+        self, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitener:
         of_read = np.minimum(read / p.variance, 1)
         used = frame.keep & ~frame.censored & (of_read > LEAST_OF_READ_NOISE)
-        share = np.broadcast_to(np.sqrt(of_read) * used, z.shape)
-        told[..., 1:] = values[0] * share[..., 1:] * share[..., :-1]
-        before = np.zeros_like(z)
-        before[..., 1:] = z[..., :-1]
+        share = np.sqrt(of_read) * used
+        told = values[0] * share[..., 1:] * share[..., :-1]
         left = 1 - told**2
-        return (z - told * before) / np.sqrt(left), -0.5 * np.log(left)
+        root = np.sqrt(left)
+        cost = np.zeros_like(share)
+        cost[..., 1:] = -0.5 * np.log(left)
+
+        def whiten(z: Array) -> Whitened:
+            white = np.empty_like(z)
+            white[..., 0] = z[..., 0]
+            white[..., 1:] = (z[..., 1:] - told * z[..., :-1]) / root
+            return white, cost
+
+        return whiten
 
     def expected_gain(
         self, selected: Predicted, fitted: Predicted, information: float

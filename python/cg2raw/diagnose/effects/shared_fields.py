@@ -8,7 +8,7 @@ from abc import abstractmethod
 from cg2raw.diagnose.effects.base import Effect, Values, Whitened
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
-from cg2raw.diagnose.frames.shrinkage import whiten_along
+from cg2raw.diagnose.frames.shrinkage import whitener_along
 from cg2raw.diagnose.frames.tiling import Array
 
 
@@ -27,4 +27,4 @@ class SharedFields(Effect):
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:
         """Shrink a frame's fields."""
-        return whiten_along(z, self.fields(p, values, frame), frame)
+        return whitener_along(self.fields(p, values, frame), frame)(z)

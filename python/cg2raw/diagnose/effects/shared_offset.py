@@ -5,6 +5,7 @@
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -24,6 +25,7 @@ from cg2raw.diagnose.effects.profile_entries import listed_values
 from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.shrinkage import GroupCovariance
 from cg2raw.diagnose.frames.tiling import Array, Tiling
 from cg2raw.sensor import Sensor
 
@@ -60,15 +62,9 @@ class SharedOffset(Effect):
         """Return the offset's standard deviation in those of each pixel, (T, h, w)."""
         return frame.keep * np.sqrt(self.offset_variance(values, frame) / p.variance)
 
-    def to_power(self, z: Array, along: Array, frame: Frame, power: float) -> Whitened:
-        """Multiply z by a power of the covariance 1 + along along^T of a group: -0.5
-        whitens, 0.5 colours. Returns (z, log of the determinant per pixel)."""
-        square = self.summed(frame.tiles, along**2) + 1e-300
-        unit = along / np.sqrt(square)
-        part = unit * self.summed(frame.tiles, unit * z)
-        count = np.maximum(self.summed(frame.tiles, frame.keep.astype(float)), 1)
-        cost = power * np.log1p(square) / count * frame.keep
-        return z - (1 - (1 + square) ** power) * part, cost
+    def covariance(self, along: Array, frame: Frame) -> GroupCovariance:
+        """Return that of residuals of a frame; along : as of `along`."""
+        return GroupCovariance(along, partial(self.summed, frame.tiles), frame.keep)
 
     def leverage(self, along: Array, frame: Frame) -> Array:
         """Return the share of a pixel's variance that the likeliest offset of its group
@@ -79,7 +75,7 @@ class SharedOffset(Effect):
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:
         """Shrink the common offset of each group."""
-        return self.to_power(z, self.along(p, values, frame), frame, -0.5)
+        return self.covariance(self.along(p, values, frame), frame).whiten(z)
 
     def unit_scale(self, frames: Sequence[Frame]) -> float:
         if not frames:

@@ -3,8 +3,9 @@
 
 """Shrinkage: what is Gaussian of few dimensions is integrated out of residuals."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -49,16 +50,47 @@ class Shrinkage:
         return shrunk.reshape(z.shape), self.cost * keep
 
 
-def whiten_along(
-    z: Array, fields: Sequence[Array], frame: Frame
-) -> tuple[Array, Array | float]:
-    """Return residuals (T, h, w) without fields of the same shape, in standard
-    deviations of a pixel, that a frame has by normal numbers, and the cost per
-    pixel."""
-    if not fields:
-        return z, 0.0
-    columns = np.reshape(fields, (len(fields), -1))
-    return Shrinkage.along(columns, frame.keep).apply(z, frame.keep)
+class GroupCovariance:
+    """The covariance 1 + along along^T of the residuals of each group of pixels."""
+
+    def __init__(
+        self, along: Array, summed: Callable[[Array], Array], keep: Mask
+    ) -> None:
+        """along : (T, h, w), in standard deviations of a pixel, 0 where keep is False.
+        summed : returns sums of an image over the pixels of a group, at each of them,
+        or in a shape that is broadcast to them. keep : pixels that share the cost."""
+        self._summed, self._keep = summed, keep
+        self._square = summed(along * along) + 1e-300
+        self._unit = along / np.sqrt(self._square)
+
+    def whiten(self, z: Array) -> tuple[Array, Array]:
+        """Return residuals (T, h, w) of unit covariance, and the log of the determinant
+        of that, per pixel."""
+        return z - self._shrinking * self._summed(self._unit * z), self._cost
+
+    def colour(self, z: Array) -> Array:
+        """Return what `whiten` makes z of."""
+        wider = np.sqrt(1 + self._square) - 1
+        return z + wider * self._unit * self._summed(self._unit * z)
+
+    @cached_property
+    def _shrinking(self) -> Array:
+        return np.asarray((1 - (1 + self._square) ** -0.5) * self._unit)
+
+    @cached_property
+    def _cost(self) -> Array:
+        count = np.maximum(self._summed(self._keep.astype(float)), 1)
+        return np.asarray(-0.5 * np.log1p(self._square) / count * self._keep)
+
+
+def whitener_along(
+    fields: Sequence[Array], frame: Frame
+) -> Callable[[Array], tuple[Array, Array | float]]:
+    """Return what takes fields (T, h, w), in standard deviations of a pixel, that a
+    frame has by normal numbers, out of residuals of the same shape, and returns these
+    and the cost per pixel."""
+    columns = np.reshape(fields, (len(fields), -1)) if fields else None
+    return partial(Shrinkage.along(columns, frame.keep).apply, keep=frame.keep)
 
 
 def shown_light(frame: Frame, p: Prediction) -> Array:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.families import TIME
@@ -19,6 +18,7 @@ from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.design import Derivatives, Design, scaled
 from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
@@ -41,16 +41,6 @@ LEAST_CORRELATED = 1e-6
 Parameter = tuple[str, int]  # name of a term, index of its value
 
 
-@dataclass(frozen=True)
-class _Design:
-    """Derivatives (n, 2 N) of the mean of the N pixels that count of a frame, then of
-    its variance, both in standard deviations, by n parameters, and their products."""
-
-    parameters: tuple[Parameter, ...]
-    rows: NDArray[np.float32]
-    information: Array
-
-
 @dataclass
 class _State:
     """Of one frame under a model: what every derivative is taken from.
@@ -65,7 +55,7 @@ class _State:
     square: Array
     weight: Array
     without_maps: Array
-    own: _Design | None = None
+    own: tuple[tuple[Parameter, ...], Design] | None = None
 
 
 class Linearisation:
@@ -110,16 +100,18 @@ class Linearisation:
         bare = mean_without_maps(self.model, frame)
         return _State(p, white, square, weight, bare)
 
-    def _row(
-        self, state: _State, frame: Frame, of: tuple[Array, Array]
-    ) -> NDArray[np.float32]:
-        """of : derivatives of mean and variance."""
+    def _standardised(
+        self, state: _State, frame: Frame, of: Derivatives
+    ) -> Derivatives:
+        """Return derivatives of the pixels that count, in standard deviations."""
         mean, variance = of
         p = state.prediction
-        mean = state.weight * np.where(frame.counted, mean / np.sqrt(p.variance), 0)
-        mean = whiten_linearly(mean, p, self.model, frame, True)
-        spread = variance * np.sqrt(0.5) / p.variance
-        return np.concatenate([mean[frame.counted], spread[frame.counted]], dtype="f4")
+        if mean is not None:
+            mean = state.weight * np.where(frame.counted, mean / np.sqrt(p.variance), 0)
+            mean = whiten_linearly(mean, p, self.model, frame, True)[frame.counted]
+        if variance is not None:
+            variance = (variance * np.sqrt(0.5) / p.variance)[frame.counted]
+        return mean, variance
 
     def system(
         self, model: Model, held: Collection[str] = ()
@@ -139,13 +131,15 @@ class Linearisation:
         def one(pair: tuple[_State, Frame]) -> tuple[Array, Array]:
             state, frame = pair
             known = self._own_design(state, frame, own, model)
-            more = self._rows(state, frame, others, model)
-            both = (state.residual[frame.counted], state.square[frame.counted])
-            right = np.concatenate(both, dtype="f4")
-            score = np.concatenate([known.rows @ right, more @ right])
-            across = known.rows @ more.T
-            information = [[known.information, across], [across.T, more @ more.T]]
-            return score.astype(float), np.block(information).astype(float)
+            more = self._design(state, frame, others, model)
+            right = [
+                image[frame.counted].astype(np.float32)
+                for image in (state.residual, state.square)
+            ]
+            score = np.concatenate([known.scores(*right), more.scores(*right)])
+            across = known.products(more)
+            information = [[known.information, across], [across.T, more.information]]
+            return score, np.block(information)
 
         pairs = list(zip(self._states, self.likelihood.frames, strict=True))
         parts = self.likelihood.workers.map(one, pairs)
@@ -155,37 +149,36 @@ class Linearisation:
 
     def _own_design(
         self, state: _State, frame: Frame, own: tuple[Parameter, ...], model: Model
-    ) -> _Design:
+    ) -> Design:
         """Return the derivatives by parameters of the model itself, which stay."""
-        if state.own is None or state.own.parameters != own:
-            rows = self._rows(state, frame, own, model)
-            state.own = _Design(own, rows, rows @ rows.T)
-        return state.own
+        if state.own is None or state.own[0] != own:
+            state.own = own, self._design(state, frame, own, model)
+        return state.own[1]
 
-    def _rows(
+    def _design(
         self, state: _State, frame: Frame, of: Sequence[Parameter], model: Model
-    ) -> NDArray[np.float32]:
-        rows = np.zeros((len(of), 2 * int(frame.counted.sum())), np.float32)
-        known: dict[Parameter, tuple[Array, Array]] = {}
-        for row, (name, index) in zip(rows, of, strict=True):
+    ) -> Design:
+        known: dict[Parameter, Derivatives] = {}
+        rows: list[Derivatives] = []
+        for name, index in of:
             term = model.term(name)
             assert term is not None
             if term.effect.acts_on_light and not frame.capture.shows.light:
+                rows.append((None, None))
                 continue
             alike = term.effect.in_proportion(term.effect.parameters[index], frame)
             other = (name, term.effect.parameters.index(alike[0])) if alike else None
             if alike and other in known:
-                mean, variance = known[other]
-                known[name, index] = mean * alike[1], variance * alike[1]
+                known[name, index] = scaled(known[other], alike[1])
             else:
                 known[name, index] = _derivatives(state, frame, index, term, model)
-            row[:] = self._row(state, frame, known[name, index])
-        return rows
+            rows.append(self._standardised(state, frame, known[name, index]))
+        return Design.of(rows, int(frame.counted.sum()))
 
 
 def _derivatives(
     state: _State, frame: Frame, index: int, term: Term, model: Model
-) -> tuple[Array, Array]:
+) -> Derivatives:
     """Return derivatives of mean and variance by a value of a term."""
     step = term.effect.steps[index]
     values = term.values.copy()
@@ -193,13 +186,10 @@ def _derivatives(
         step = -step
     values[index] += step
     moved = model.with_values(term.name, values)
-    mean, variance = _moved_by(state, frame, term.effect, moved)
-    return mean / step, variance / step
+    return scaled(_moved_by(state, frame, term.effect, moved), 1 / step)
 
 
-def _moved_by(
-    state: _State, frame: Frame, effect: Effect, model: Model
-) -> tuple[Array, Array]:
+def _moved_by(state: _State, frame: Frame, effect: Effect, model: Model) -> Derivatives:
     """Return how far mean and variance of a frame move to those of a model with another
     value of an effect.
 
@@ -211,12 +201,12 @@ def _moved_by(
         # Alike whatever maps add, but for a share as small as a map, in pixels that a
         # full well does not hide.
         mean = mean_without_maps(model, frame) - state.without_maps
-        return mean * (1.0 if late else p.below), np.zeros_like(mean)
+        return mean * (1.0 if late else p.below), None
     moved = predict_with_jumps(model, frame)
-    spread = (
-        np.zeros_like(moved.mean) if effect.moves_mean else moved.variance - p.variance
-    )
-    return moved.mean - p.mean, spread
+    mean = moved.mean - p.mean
+    if effect.moves_mean:
+        return mean, None
+    return mean if mean.any() else None, moved.variance - p.variance
 
 
 def free_parameters(model: Model) -> list[Parameter]:

@@ -58,8 +58,8 @@ class LogNormalMap:
     def of_all(self) -> tuple[float, float]:
         """Mean and variance of the law."""
         weights, means, variances = self.mixture.law.normals()
-        middle = float(np.exp(weights) @ means)
-        return middle, float(np.exp(weights) @ (variances + means**2)) - middle**2
+        middle = float(weights @ means)
+        return middle, float(weights @ (variances + means**2)) - middle**2
 
     @cached_property
     def law(self) -> dict[str, Estimate]:

@@ -11,7 +11,7 @@ from typing import TypeGuard
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Effect, SensorMap, Values, Whitened
+from cg2raw.diagnose.effects.base import Effect, SensorMap, Values, Whitened, Whitener
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.shared_fields import SharedFields
@@ -19,7 +19,7 @@ from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
-from cg2raw.diagnose.frames.shrinkage import whiten_along
+from cg2raw.diagnose.frames.shrinkage import GroupCovariance, whitener_along
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
@@ -66,7 +66,7 @@ class _Link:
     key: tuple[object, ...]
     z: Array
     cost: Array | float = 0.0
-    stage: "partial[Whitened] | None" = None
+    stage: Whitener | None = None
     known: SensorMap | None = None
 
 
@@ -107,7 +107,7 @@ def whiten_linearly(
 
 def _linear_stages(
     p: Prediction, model: Model, frame: Frame, offsets: bool
-) -> "Iterator[partial[Whitened]]":
+) -> Iterator[Whitener]:
     stages = _Stages(p, frame, frame.beta2)
     for effect, values in _steps(model, frame):
         if effect is None:
@@ -121,10 +121,10 @@ def colour_offsets(z: Array, p: Prediction, model: Model, frame: Frame) -> Array
     that of z with the image: the offsets that pixels share drop out."""
     stages = _Stages(p, frame, frame.beta2)
     for effect, values in _steps(model, frame):
+        if isinstance(effect, SharedOffset):
+            z = stages.covariance(effect, values).colour(z)
         if effect is not None and effect.linear:
-            stage = stages.next(effect, values)
-            if isinstance(effect, SharedOffset):
-                z = effect.to_power(z, stage.keywords["along"], frame, 0.5)[0]
+            stages.next(effect, values)
     return z
 
 
@@ -142,7 +142,7 @@ def without_shared(z: Array, p: Prediction, model: Model, frame: Frame) -> Array
     """Return residuals z (T, h, w), that nothing whitened, without what pixels of a
     frame most likely share, and with the variance that this takes from them."""
     stages = _Stages(p, frame, frame.beta2)
-    chain: list[partial[Whitened]] = []
+    chain: list[Whitener] = []
     left: Array | float = 1.0
     for effect, values in _steps(model, frame):
         if shares_structure(effect):
@@ -189,32 +189,28 @@ class _Stages:
 
     def __init__(self, p: Prediction, frame: Frame, read: Array) -> None:
         self.p, self.frame, self._read = p, frame, read * p.kept
-        self._linear: list[partial[Whitened]] = []
+        self._linear: list[Whitener] = []
         self.within = p
 
-    def next(self, effect: Effect, values: Values) -> "partial[Whitened]":
+    def next(self, effect: Effect, values: Values) -> Whitener:
         """Return what whitens by an effect, of residuals alone."""
         p, frame = self.p, self.frame
         if isinstance(effect, SharedOffset):
-            along = self._seen(effect.along(p, values, frame))
-            stage = partial(effect.to_power, along=along, frame=frame, power=-0.5)
+            stage: Whitener = self.covariance(effect, values).whiten
         elif isinstance(effect, SharedFields):
             fields = [self._seen(one) for one in effect.fields(p, values, frame)]
-            stage = partial(whiten_along, fields=fields, frame=frame)
+            stage = whitener_along(fields, frame)
         else:
-            stage = partial(
-                effect.whiten,
-                p=self.within,
-                values=values,
-                frame=frame,
-                read=self._read,
-            )
+            stage = effect.whitener(self.within, values, frame, self._read)
         self.resume(effect, stage, values)
         return stage
 
-    def resume(
-        self, effect: Effect, stage: "partial[Whitened]", values: Values
-    ) -> None:
+    def covariance(self, effect: SharedOffset, values: Values) -> GroupCovariance:
+        """Return that of the residuals by then."""
+        along = self._seen(effect.along(self.p, values, self.frame))
+        return effect.covariance(along, self.frame)
+
+    def resume(self, effect: Effect, stage: Whitener, values: Values) -> None:
         """Go on after a stage."""
         if effect.whitening is WhiteningStage.FILTER:
             before = self.within.variance / effect.variance_left(values)

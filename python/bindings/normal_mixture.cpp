@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Estimates with normal errors, of values whose law is a sum of normals: their
+/// density and the posterior of each value, which are closed.
+#include "bindings.h"
+
+#include "elementary.h"
+#include "multiversion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cg2raw::python {
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// A sum of normals, and how the error of an estimate grows with its value.
+struct Mixture {
+    const double* weights;
+    const double* means;
+    const double* variances;
+    int parts;
+    double least_error; ///< share of an error at 0 that is left below 0
+};
+
+/// Estimates with their variance at a value of 0, and what a unit of it adds.
+struct Estimates {
+    const double* value;
+    const double* error;
+    const double* per_value;
+};
+
+constexpr int piece = 512; // estimates, with all sums about them, stay in a cache
+constexpr double least_exponent = -700.0, log_root_2_pi = 0x1.d67f1c864beb4p-1;
+
+struct Sums {
+    double nearest[piece]; ///< least of the exponents of all parts
+    double density[piece]; ///< relative to that of the nearest part
+    double mean[piece], square[piece]; ///< of the value, times the density
+};
+
+double error_at(const Estimates& at, int i, double value, double least_error)
+{
+    return std::max(at.error[i] + at.per_value[i] * value, least_error * at.error[i]);
+}
+
+CG2RAW_MULTIVERSION
+void find_nearest(const Mixture& law, const Estimates& at, int count, Sums& sums)
+{
+    std::fill_n(sums.nearest, count, std::numeric_limits<double>::infinity());
+    for (int part = 0; part < law.parts; ++part) {
+        const double mean = law.means[part], variance = law.variances[part];
+        for (int i = 0; i < count; ++i) {
+            const double away = at.value[i] - mean;
+            const double total = variance + error_at(at, i, mean, law.least_error);
+            sums.nearest[i] = std::min(sums.nearest[i], 0.5 * away * away / total);
+        }
+    }
+}
+
+CG2RAW_MULTIVERSION
+void sum_densities(const Mixture& law, const Estimates& at, int count, Sums& sums)
+{
+    std::fill_n(sums.density, count, 0.0);
+    for (int part = 0; part < law.parts; ++part) {
+        const double mean = law.means[part], variance = law.variances[part];
+        const double weight = law.weights[part];
+        for (int i = 0; i < count; ++i) {
+            const double away = at.value[i] - mean;
+            const double total = variance + error_at(at, i, mean, law.least_error);
+            const double exponent = sums.nearest[i] - 0.5 * away * away / total;
+            sums.density[i] += weight / std::sqrt(total)
+                * exponential(std::max(exponent, least_exponent));
+        }
+    }
+}
+
+CG2RAW_MULTIVERSION
+void sum_values(const Mixture& law, const Estimates& at, int count, Sums& sums)
+{
+    for (double* const sum : { sums.density, sums.mean, sums.square })
+        std::fill_n(sum, count, 0.0);
+    for (int part = 0; part < law.parts; ++part) {
+        const double mean = law.means[part], variance = law.variances[part];
+        const double weight = law.weights[part];
+        for (int i = 0; i < count; ++i) {
+            const double away = at.value[i] - mean;
+            const double error = error_at(at, i, mean, law.least_error);
+            const double total = variance + error, kept = variance / total;
+            const double exponent = sums.nearest[i] - 0.5 * away * away / total;
+            const double share = weight / std::sqrt(total)
+                * exponential(std::max(exponent, least_exponent));
+            const double value = mean + kept * away;
+            sums.density[i] += share;
+            sums.mean[i] += share * value;
+            sums.square[i] += share * (value * value + kept * error);
+        }
+    }
+}
+
+void log_densities(const Sums& sums, int count, double* to)
+{
+    for (int i = 0; i < count; ++i)
+        to[i] = natural_log(sums.density[i]) - sums.nearest[i] - log_root_2_pi;
+}
+
+void posteriors(const Sums& sums, int count, double* mean, double* variance)
+{
+    for (int i = 0; i < count; ++i) {
+        mean[i] = sums.mean[i] / sums.density[i];
+        const double square = sums.square[i] / sums.density[i];
+        variance[i] = std::max(square - mean[i] * mean[i], 0.0);
+    }
+}
+
+/// The arguments of both functions.
+class Arguments {
+public:
+    Arguments(Numbers law, Numbers estimates, double least_error)
+        : m_law(std::move(law))
+        , m_estimates(std::move(estimates))
+        , m_least_error(least_error)
+    {
+        for (const Numbers& array : { m_law, m_estimates })
+            if (array.ndim() != 2 || array.shape(0) != 3)
+                throw Error("law and estimates must be arrays of three rows each");
+    }
+
+    int count() const { return int(m_estimates.shape(1)); }
+
+    Mixture mixture() const
+    {
+        return { m_law.data(0, 0), m_law.data(1, 0), m_law.data(2, 0),
+                 int(m_law.shape(1)), m_least_error };
+    }
+
+    Estimates from(int first) const
+    {
+        const double* const all = m_estimates.data();
+        const std::ptrdiff_t row = m_estimates.shape(1);
+        return { all + first, all + row + first, all + 2 * row + first };
+    }
+
+private:
+    Numbers m_law, m_estimates;
+    double m_least_error;
+};
+
+/// Call work(estimates, their number, sums, number of the first) with the nearest parts
+/// found, of pieces of all estimates; without the GIL.
+template <class Work> void each_piece(const Arguments& arguments, const Work& work)
+{
+    const py::gil_scoped_release release;
+    const Mixture law = arguments.mixture();
+    Sums sums;
+    for (int first = 0; first < arguments.count(); first += piece) {
+        const Estimates at = arguments.from(first);
+        const int count = std::min(piece, arguments.count() - first);
+        find_nearest(law, at, count, sums);
+        work(law, at, count, sums, first);
+    }
+}
+
+Numbers log_density(const Numbers& law, const Numbers& estimates, double least_error)
+{
+    const Arguments arguments(law, estimates, least_error);
+    Numbers result(arguments.count());
+    double* const to = result.mutable_data();
+    each_piece(arguments,
+               [to](const Mixture& mixture, const Estimates& at, int count, Sums& sums,
+                    int first) {
+                   sum_densities(mixture, at, count, sums);
+                   log_densities(sums, count, to + first);
+               });
+    return result;
+}
+
+std::pair<Numbers, Numbers> posterior(const Numbers& law, const Numbers& estimates,
+                                      double least_error)
+{
+    const Arguments arguments(law, estimates, least_error);
+    std::pair result { Numbers(arguments.count()), Numbers(arguments.count()) };
+    double* const mean = result.first.mutable_data();
+    double* const variance = result.second.mutable_data();
+    each_piece(arguments,
+               [mean, variance](const Mixture& mixture, const Estimates& at, int count,
+                                Sums& sums, int first) {
+                   sum_values(mixture, at, count, sums);
+                   posteriors(sums, count, mean + first, variance + first);
+               });
+    return result;
+}
+
+} // namespace
+
+void bind_normal_mixture(py::module_& m)
+{
+    m.def(
+        "log_density_of_mixture", &log_density, "law"_a, "estimates"_a, "least_error"_a,
+        "(n,) log density of estimates with normal errors, of values whose law is a "
+        "sum of normals.\n\n"
+        "law : (3, k) weights, means and variances of the normals.\n"
+        "estimates : (3, n) estimates, the variance of each where its value is 0, and "
+        "what a unit of the value adds.\n"
+        "least_error : share of a variance that is left where the value is below 0.");
+    m.def("posterior_of_mixture", &posterior, "law"_a, "estimates"_a, "least_error"_a,
+          "((n,) mean, (n,) variance) of each value, given its estimate. Arguments as "
+          "those of\nlog_density_of_mixture.");
+}
+
+} // namespace cg2raw::python
