@@ -83,3 +83,23 @@ def test_a_profile_that_lists_it_has_no_gap():
     known = sensor_of(effects=[{"name": NAME, "parameters": values}])
     found = diagnose(replace(captures, sensor=known), threads=1, details=False)
     assert found.verdict == "no gap"
+
+
+def test_a_wave_that_all_frames_share_is_none():
+    """What stays where it is is shading that no polynomial describes, or dust."""
+
+    def still(frame, _):
+        rows = frame.tiles.rows_and_columns()[0]
+        light = frame.of_site(frame.camera.astype(float))
+        return 0.03 * light * np.cos(2 * np.pi * rows / 23.0)
+
+    frames = frames_of(SENSOR, captures_of(("flat", "flat", "scene", "dark")))
+    shown = on(drawn(frames, Model(SENSOR), 3, extra=still))
+    assert EFFECT.first_values(shown.predicted(Model(SENSOR))) is None
+
+
+def test_noise_shows_no_wave():
+    frames = frames_of(SENSOR, captures_of(("flat", "flat", "flat", "dark")))
+    for seed in range(5):
+        shown = on(drawn(frames, Model(SENSOR), seed))
+        assert EFFECT.first_values(shown.predicted(Model(SENSOR))) is None

@@ -11,7 +11,6 @@ from cg2raw.diagnose.inference.coordinate_search import climb, fit_transform
 from cg2raw.diagnose.inference.fisher_scoring import (
     Linearisation,
     free_parameters,
-    information_of,
     moved,
     one_step,
     solve,
@@ -164,7 +163,7 @@ def test_information_is_the_bend_of_the_likelihood(frames, name):
     true = PLANTED[name]
     shown = planted(frames, 2, **{name: true})
     model = model_of(SENSOR, **{name: true})
-    parameters, information = information_of(model, on(shown))
+    parameters, _, information = Linearisation(model, on(shown)).system(model)
     for number, (_, index) in enumerate(parameters):
         step = 1.0 / np.sqrt(information[number, number])
         heights = []
@@ -305,9 +304,8 @@ def test_noise_reduction_leaves_the_noise_of_a_mean_as_it_was():
     flats = frames_of(SENSOR, [capture_of("flat", 1)])
     known = []
     for more in ({}, {"noise_reduction": [0.3, 0.0]}):
-        parameters, information = information_of(
-            model_of(SENSOR, exposure=[0.0], **more), on(flats)
-        )
+        model = model_of(SENSOR, exposure=[0.0], **more)
+        parameters, _, information = Linearisation(model, on(flats)).system(model)
         at = parameters.index(("exposure", 0))
         known.append(information[at, at])
     assert known[1] == pytest.approx(known[0], rel=0.03)

@@ -18,10 +18,11 @@ from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import heading, title
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.intervals import estimates
+from cg2raw.diagnose.inference.intervals import estimates, widening_of
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
+AT_ITS_END = ", where the search ends"
 ON_BOUND = 1e-6  # of the distance between bounds
 # Nats that whole held-out frames must gain. By chance, a model that is no better gains
 # as much in one case of twenty at most. Source: as of the search, Ville's inequality.
@@ -49,22 +50,40 @@ def founded(
         }
         if not reasons:
             return model, values, refused
-        # One at a time: without it the others may lie elsewhere.
-        name = next(iter(reasons))
-        rest = fit(model.without(name), likelihood)
-        gained = likelihood.total(model) - likelihood.total(rest)
-        if _is_clear_together(model, name, gained):
+        name, rest, lost = _least_founded(model, likelihood, reasons)
+        if _is_clear_together(model, name, lost):
             clear.add(name)
             continue
         refused[name] = reasons[name]
         model = rest
 
 
+def _least_founded(
+    model: Model, likelihood: Likelihood, reasons: Mapping[str, str]
+) -> tuple[str, Model, float]:
+    """Return (one of the names that are not founded, the model fitted without it, nats
+    that are lost by that, were noise all that moves values).
+
+    One at a time: without it the others may lie elsewhere. A value that went to a bound
+    took others along; then what matters least comes first."""
+    on_bound = [name for name, reason in reasons.items() if reason.endswith(AT_ITS_END)]
+    height, found = likelihood.total(model), []
+    for name in on_bound[:1] or reasons:
+        rest = fit(model.without(name), likelihood)
+        lost = height - likelihood.total(rest)
+        found.append((name, rest, lost / widening_of(model, likelihood, name)))
+    return min(found, key=lambda one: one[2])
+
+
+def _term(model: Model, name: str) -> Term:
+    return next(term for term in model.terms if term.name == name)
+
+
 def _is_clear_together(model: Model, name: str, gained: float) -> bool:
     """Return whether smooth values are not all null, though each may be: two of which
-    frames tell the difference. gained : by them, nats. Source: S. S. Wilks, Ann. Math.
-    Stat. 9(1), 1938."""
-    term = next(term for term in model.terms if term.name == name)
+    frames tell the difference. gained : by them, nats, were noise all that moves them.
+    Source: S. S. Wilks, Ann. Math. Stat. 9(1), 1938."""
+    term = _term(model, name)
     count = len(term.effect.used)
     if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term, ()):
         return False
@@ -84,7 +103,7 @@ def _unfounded(model: Model, term: Term, values: EstimatesByEffect) -> str:
         if _holds_null(parameters[of])
     }
     bound = _bound_of(model, term, empty)
-    return f"{bound}, where the search ends" if bound else ""
+    return bound + AT_ITS_END if bound else ""
 
 
 def _holds_null(estimate: Estimate) -> bool:

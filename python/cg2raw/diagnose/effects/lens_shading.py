@@ -28,6 +28,13 @@ TURNING = {
     if (power, angles) != (3, 1)
     for wave in ("cos", "sin")
 }
+# Of a round one: terms that are others times a power of the radius.
+STEEPER = {
+    "r4": ("r2", 2),
+    "r6": ("r2", 4),
+    "tilt_x_r2": ("tilt_x", 2),
+    "tilt_y_r2": ("tilt_y", 2),
+}
 SHAPE = (2, 3)  # of a frame whose sensor is not known
 CORNERS = ("top left", "top right", "bottom left", "bottom right")
 
@@ -55,11 +62,16 @@ class LensShading(Effect):
     }
 
     def in_proportion(self, parameter: str, frame: Frame) -> tuple[str, Array] | None:
-        """As the terms of the polynomial, r^2 first; where blur or glare spread light,
+        """As the terms of the polynomial; where blur or glare spread light,
         nearly so."""
-        if parameter not in TURNING or frame.samples is not None:
+        if frame.samples is not None:
             return None
-        return "r2", _turning(parameter, *frame.tiles.field(), over=2)
+        if parameter in TURNING:
+            return "r2", _turning(parameter, *frame.tiles.field(), over=2)
+        if parameter in STEEPER:
+            other, power = STEEPER[parameter]
+            return other, np.hypot(*frame.tiles.field()) ** power
+        return None
 
     def size(self, values: Estimates) -> str:
         loss = max(corner_losses(values, SHAPE))

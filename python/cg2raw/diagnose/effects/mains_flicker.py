@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.stats import gamma
 
 from cg2raw.diagnose.effects.base import Estimates, Gain, Parameter, Predicted, Values
 from cg2raw.diagnose.effects.families import LIGHT, TEMPORAL
@@ -24,6 +25,7 @@ FEWEST_WAVES = 0.75  # in a frame: a slower one is a slope of its light
 HIGHEST_FREQUENCY = 0.25  # per row
 FINER = 8  # frequencies of a periodogram, of those that a frame's rows tell apart
 SLOPES = 2  # degree of what is no wave
+HIGHEST_BY_CHANCE = 1e-3  # highest waves by chance, of one that is looked at
 FEWEST_ALIKE = 3  # frames from which on what they share is no wave
 
 
@@ -64,7 +66,8 @@ class MainsFlicker(SharedFields):
         return [light * np.cos(turns), light * np.sin(turns)]
 
     def first_values(self, predicted: Predicted) -> Values | None:
-        """Return the highest wave of the rows' light over all frames.
+        """Return the highest wave of the rows' light over all frames; None if it is no
+        higher than chance, or the same in all frames.
 
         What frames share is no wave, nor is a slope of one."""
         shown = [_Rows.of(frame, p) for frame, p in predicted]
@@ -73,15 +76,19 @@ class MainsFlicker(SharedFields):
             return None
         length = max(rows.information.size for rows in shown)
         waves = np.fft.rfftfreq(FINER * length)
-        power, information = np.zeros(waves.size), 0.0
+        power, information, free = np.zeros(waves.size), 0.0, 0.0
         for rows in _without_shared(shown):
             score = rows.information * rows.light
             told = rows.information.sum()
             power += np.abs(np.fft.rfft(score, FINER * length)) ** 2 / told
-            information += told
+            information += rows.free * told
+            free += rows.free
         power[(waves < FEWEST_WAVES / length) | (waves > HIGHEST_FREQUENCY)] = 0
         top = int(np.argmax(power))
-        excess = max(power[top] - len(shown), 1.0)
+        # Of each frequency this is of the exponential law, by chance.
+        if np.count_nonzero(power) * gamma.sf(power[top], free) > HIGHEST_BY_CHANCE:
+            return None
+        excess = max(power[top] - free, 1.0)
         frequency = waves[top] + _top_of(power[top - 1 : top + 2]) * waves[1]
         return np.array([2 * np.sqrt(excess / information), 1 / frequency])
 
@@ -112,10 +119,12 @@ class MainsFlicker(SharedFields):
 
 
 class _Rows:
-    """Of a frame's rows, (rows,): relative light beyond the prediction, information."""
+    """Of a frame's rows, (rows,): relative light beyond the prediction, information.
 
-    def __init__(self, light: Array, information: Array) -> None:
-        self.light, self.information = light, information
+    free : share of their waves that is left where something was taken from them."""
+
+    def __init__(self, light: Array, information: Array, free: float = 1.0) -> None:
+        self.light, self.information, self.free = light, information, free
 
     @classmethod
     def of(cls, frame: Frame, p: Prediction) -> "_Rows":
@@ -131,14 +140,14 @@ class _Rows:
         )
         return cls(score / np.maximum(information, 1e-300), information)
 
-    def without(self, light: Array, degree: int) -> "_Rows":
+    def without(self, light: Array, degree: int, free: float = 1.0) -> "_Rows":
         """Return the rows without some light, and without a polynomial of what is
         left."""
         rest = self.light - light
         places = np.linspace(-1, 1, rest.size)
         weight = np.sqrt(self.information)
         slope = np.polynomial.Polynomial.fit(places, rest, degree, w=weight)
-        return _Rows(rest - slope(places), self.information)
+        return _Rows(rest - slope(places), self.information, free)
 
 
 def _without_shared(shown: Sequence[_Rows]) -> list[_Rows]:
@@ -152,7 +161,8 @@ def _without_shared(shown: Sequence[_Rows]) -> list[_Rows]:
             continue
         total = np.sum([r.information for r in alike], 0)
         score = np.sum([r.information * r.light for r in alike], 0)
-        result.append(rows.without(score / np.maximum(total, 1e-300), 0))
+        own = 1 - rows.information.sum() / total.sum()
+        result.append(rows.without(score / np.maximum(total, 1e-300), 0, own))
     return result
 
 

@@ -51,6 +51,27 @@ class Design:
         found[self.of_variance] += self.variance @ square
         return found
 
+    def score_sums(
+        self,
+        residual: Rows,
+        square: Rows,
+        labels: NDArray[np.intp],
+        count: int,
+        step: Array,
+    ) -> Array:
+        """Return (n, count) of the same sums, over the pixels of each label (N,), after
+        a step (n,) of the parameters."""
+        found = np.zeros((self.count, count))
+        residual = residual - step[self.of_mean].astype(np.float32) @ self.mean
+        square = square - step[self.of_variance].astype(np.float32) @ self.variance
+        for numbers, rows, scores in (
+            (self.of_mean, self.mean, residual),
+            (self.of_variance, self.variance, square),
+        ):
+            for k, row in zip(numbers, rows, strict=True):
+                found[k] += np.bincount(labels, row * scores, count)
+        return found
+
     def products(self, other: "Design") -> Array:
         """Return (n, k) sums of products with another design of the same pixels."""
         found = np.zeros((self.count, other.count))

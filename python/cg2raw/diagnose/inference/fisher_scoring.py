@@ -6,11 +6,12 @@
 Source: S. M. Kay, Fundamentals of Statistical Signal Processing I, 1993, section 3.9.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.families import TIME
@@ -18,7 +19,7 @@ from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.inference.design import Derivatives, Design, scaled
+from cg2raw.diagnose.inference.design import Derivatives, Design, Rows, scaled
 from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
@@ -39,6 +40,8 @@ KEPT_PROMISE = 0.3  # of the gain that a step promises, from which on it is take
 # over pixels in float32 are as much by themselves.
 LEAST_CORRELATED = 1e-6
 Parameter = tuple[str, int]  # name of a term, index of its value
+# Of a frame: labels that are broadcast to its pixels, how many there are.
+Labels = Callable[[Frame], tuple[NDArray[np.intp], int]]
 
 
 @dataclass
@@ -132,10 +135,7 @@ class Linearisation:
             state, frame = pair
             known = self._own_design(state, frame, own, model)
             more = self._design(state, frame, others, model)
-            right = [
-                image[frame.counted].astype(np.float32)
-                for image in (state.residual, state.square)
-            ]
+            right = _scores(state, frame)
             score = np.concatenate([known.scores(*right), more.scores(*right)])
             across = known.products(more)
             information = [[known.information, across], [across.T, more.information]]
@@ -146,6 +146,41 @@ class Linearisation:
         score = np.sum([part[0] for part in parts], 0)[order]
         information = np.sum([part[1] for part in parts], 0)[np.ix_(order, order)]
         return parameters, score, information
+
+    def score_sums(self, labels: Labels, step: Array) -> list[Array]:
+        """Return, of every frame, the scores (n, count) of the model's free parameters
+        after a step (n,) of these, summed over the pixels of each label.
+
+        labels : returns (labels (T, h, w) of a frame's pixels, their count)."""
+        own = tuple(free_parameters(self.model))
+
+        def one(pair: tuple[_State, Frame]) -> Array:
+            state, frame = pair
+            counted, count = _counted(frame, labels)
+            design = self._own_design(state, frame, own, self.model)
+            return design.score_sums(*_scores(state, frame), counted, count, step)
+
+        pairs = list(zip(self._states, self.likelihood.frames, strict=True))
+        return self.likelihood.workers.map(one, pairs)
+
+    def sums_along(
+        self, along: Callable[[Frame, Prediction], Array | float], labels: Labels
+    ) -> Iterator[Array]:
+        """Yield, of every frame, products (n, count) of derivatives of its mean by the
+        model's free parameters with some image's, summed over the pixels of each label.
+
+        along : returns the image (T, h, w). labels : as of `score_sums`."""
+        own = tuple(free_parameters(self.model))
+        for state, frame in zip(self._states, self.likelihood.frames, strict=True):
+            counted, count = _counted(frame, labels)
+            image = np.broadcast_to(along(frame, state.prediction), frame.signal.shape)
+            moved, _ = self._standardised(state, frame, (image, None))
+            design = self._own_design(state, frame, own, self.model)
+            assert moved is not None
+            none, rest = np.zeros(counted.size, np.float32), np.zeros(len(own))
+            yield design.score_sums(
+                moved.astype(np.float32), none, counted, count, rest
+            )
 
     def _own_design(
         self, state: _State, frame: Frame, own: tuple[Parameter, ...], model: Model
@@ -174,6 +209,19 @@ class Linearisation:
                 known[name, index] = _derivatives(state, frame, index, term, model)
             rows.append(self._standardised(state, frame, known[name, index]))
         return Design.of(rows, int(frame.counted.sum()))
+
+
+def _counted(frame: Frame, labels: Labels) -> tuple[NDArray[np.intp], int]:
+    """Return (labels (N,) of the pixels of a frame that count, how many there are)."""
+    of_pixels, count = labels(frame)
+    return np.broadcast_to(of_pixels, frame.signal.shape)[frame.counted], count
+
+
+def _scores(state: _State, frame: Frame) -> tuple[Rows, Rows]:
+    """Return the scores (N,) of mean and variance of the pixels that count."""
+    images = (state.residual, state.square)
+    mean, variance = (image[frame.counted].astype(np.float32) for image in images)
+    return mean, variance
 
 
 def _derivatives(
@@ -278,11 +326,3 @@ def one_step(
         if gain > 0 and (gain > KEPT_PROMISE * promised or share < FULL_STEP):
             break
     return best
-
-
-def information_of(
-    model: Model, likelihood: Likelihood
-) -> tuple[list[Parameter], Array]:
-    """Return (parameters, Fisher information) of a model on frames."""
-    parameters, _, information = Linearisation(model, likelihood).system(model)
-    return parameters, information

@@ -3,7 +3,7 @@
 
 """Confidence intervals of fitted values."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,11 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Estimates, EstimatesByEffect
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
-from cg2raw.diagnose.inference.fisher_scoring import Parameter, information_of
+from cg2raw.diagnose.inference.fisher_scoring import (
+    Linearisation,
+    Parameter,
+)
+from cg2raw.diagnose.inference.robust_errors import covariances, inverse_of
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
@@ -22,7 +26,8 @@ def standard_errors(
     model: Model, likelihood: Likelihood
 ) -> dict[tuple[str, int], float]:
     """Return the standard error of every value of a model's terms."""
-    return _standard_errors(model, likelihood, *information_of(model, likelihood))
+    parameters, _, information = Linearisation(model, likelihood).system(model)
+    return _standard_errors(model, likelihood, parameters, information)
 
 
 def _standard_errors(
@@ -66,12 +71,7 @@ def _errors_of_shape(
 
 def _errors(information: NDArray[np.float64]) -> list[float]:
     """Return standard errors from Fisher's information."""
-    if not information.size:
-        return []
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-30))
-    correlation = information / np.outer(scale, scale)
-    inverse = np.linalg.pinv(correlation, rcond=1e-9, hermitian=True)
-    spread = np.sqrt(np.maximum(np.diag(inverse), 0)) / scale
+    spread = np.sqrt(np.maximum(np.diag(inverse_of(information)), 0))
     return [float(error) for error in spread]
 
 
@@ -105,30 +105,54 @@ def _errors_by_likelihood(
 
 
 def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
-    """Return the values of every term with their intervals, in the registry's units."""
-    told = information_of(model, likelihood)
-    errors = _standard_errors(model, likelihood, *told)
+    """Return the values of every term with their intervals, in the registry's units:
+    as wide as noise makes them, or what frames show that no effect describes."""
+    base = Linearisation(model, likelihood)
+    parameters, score, information = base.system(model)
+    errors = _standard_errors(model, likelihood, parameters, information)
+    found = covariances(base, score, information).errors
+    for one, error in zip(parameters, found, strict=True):
+        errors[one] = max(errors[one], float(error))
     result: dict[str, Estimates] = {}
     for term in model.terms:
         scale = term.effect.unit_scale(likelihood.frames)
+        of_shape = _errors_of_shape(term, parameters, information)
         of_term = {}
         for index, (name, unit) in enumerate(
             zip(term.effect.parameters, term.effect.units, strict=True)
         ):
             if name not in term.effect.used:
                 continue
-            value = float(term.values[index]) * scale
             # What is held was found once, and has no error.
-            half = NORMAL_95 * errors.get((term.name, index), 0.0) * scale
-            own = None if index else _own_interval(term)
-            interval = own or (value - half, value + half)
-            if abs(value) < half and name in term.effect.shape_of.values():
-                shown = _errors_of_shape(term, *told)[name] * scale
-                if NORMAL_95 * shown < abs(value):
-                    interval = _to_a_factor(value, half)
-            of_term[name] = Estimate(value, unit, interval)
+            error = errors.get((term.name, index), 0.0)
+            low, high = _interval(term, index, error, of_shape)
+            value = float(term.values[index]) * scale
+            of_term[name] = Estimate(value, unit, (low * scale, high * scale))
         result[term.name] = of_term
     return result
+
+
+def widening_of(model: Model, likelihood: Likelihood, name: str) -> float:
+    """Return how much larger than by noise squares of distances of a term's smooth
+    values are, all of them together; 1 of one that has none."""
+    base = Linearisation(model, likelihood)
+    parameters, score, information = base.system(model)
+    own = [number for number, (of, _) in enumerate(parameters) if of == name]
+    return covariances(base, score, information).widening_of_all(own) if own else 1.0
+
+
+def _interval(
+    term: Term, index: int, error: float, of_shape: Mapping[str, float]
+) -> tuple[float, float]:
+    """Return the interval of a value. of_shape : as of _errors_of_shape."""
+    name, value = term.effect.parameters[index], float(term.values[index])
+    if index == 0 and (own := _own_interval(term)):
+        return own
+    half = NORMAL_95 * error
+    if abs(value) < half and name in term.effect.shape_of.values():
+        if NORMAL_95 * of_shape[name] < abs(value):
+            return _to_a_factor(value, half)
+    return value - half, value + half
 
 
 def _to_a_factor(value: float, half: float) -> tuple[float, float]:
