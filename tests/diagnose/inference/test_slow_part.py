@@ -27,3 +27,14 @@ def test_a_slope_beside_them_is_found():
     found = slow_part(rates(9) + slope, KNOWN, 2)
     across = found[0].mean(0)[12:-12]
     assert np.polyfit(slope[0, 0, 12:-12], across, 1)[0] == pytest.approx(1, abs=0.1)
+
+
+def test_levels_of_sites_are_none():
+    """A site's sample of skewed rates has a mean of its own, and a real one is no slope
+    of the scene."""
+    for more in (0.0, 0.5):
+        image = rates(3)
+        image[:, ::2, ::2] += more
+        found = slow_part(image, KNOWN, 2)
+        sites = [found[:, r::2, c::2].mean() for r in (0, 1) for c in (0, 1)]
+        assert np.abs(sites).max() < 1e-12

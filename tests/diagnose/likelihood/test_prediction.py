@@ -95,3 +95,19 @@ def test_a_pixel_that_hardly_jumps_tells_of_means_as_others_do():
     told = predict_for_means(model, frame).variance
     np.testing.assert_allclose(told, bare / (0.9 + 0.1 / 91))
     np.testing.assert_allclose(predict_with_jumps(model, frame).variance, 10 * bare)
+
+
+def test_it_is_not_in_doubt_how_much_charge_is_hot_or_of_a_law_together():
+    """A pixel of a known rate may be either: what one has less, the other has more."""
+    (frame,) = frames_of(sensor_of(), [capture_of("dark", group="select")])
+    rate = np.full((1, *SHAPE), 0.01)
+    law = SensorMap(0.5 * rate, 0.25 * rate**2, chance=np.full((1, *SHAPE), 0.5))
+    laws = Term(BY_NAME["dark_current_nonuniformity"], np.array([0.01]), law)
+    hot = Term(BY_NAME["hot_pixels"], np.array([0.1]), SensorMap(0.5 * rate, 0 * rate))
+    bare, alone = model_of(sensor_of()), model_of(sensor_of()).with_term(laws)
+    both = alone.with_term(hot)
+    shot = frame.seconds * rate * frame.beta1
+    known, unsure = (predict(model, frame).variance for model in (both, alone))
+    np.testing.assert_allclose(known - predict(bare, frame).variance, shot, rtol=1e-4)
+    doubt = (frame.seconds * 0.5 * rate) ** 2
+    np.testing.assert_allclose(unsure - known, doubt - 0.5 * shot, rtol=1e-4)

@@ -255,8 +255,7 @@ def _own_part(
         return estimate
     kept = {} if slow is None else slow
     if one not in kept:
-        found = slow_part(estimate, known, repeat)
-        kept[one] = found - found[known].mean()
+        kept[one] = slow_part(estimate, known, repeat)
     return np.where(known, estimate - kept[one] - kept.get(~one, 0), 0)
 
 

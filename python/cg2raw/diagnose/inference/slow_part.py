@@ -38,7 +38,8 @@ def slow_part(image: Array, known: Mask, repeat: int) -> Array:
     trace: smoothed are deviations from it, none by more than those of the many.
 
     Of pixels that differ much, any smoothing leaves some by chance: as much as where
-    their places are shuffled. So much of its variance is no slow part."""
+    their places are shuffled. So much of its variance is no slow part, nor is what
+    the levels of sites differ by."""
     slow = np.zeros_like(image)
     rng = np.random.default_rng(SHUFFLED)
     for at in _planes(repeat):
@@ -48,9 +49,9 @@ def slow_part(image: Array, known: Mask, repeat: int) -> Array:
         shuffled = np.zeros_like(image[at])
         shuffled[where] = rng.permutation(image[at][where])
         found, chance = (_slow(plane, where) for plane in (image[at], shuffled))
-        level, variance = found[where].mean(), found[where].var()
+        variance = found[where].var()
         real = max(1 - chance[where].var() / max(variance, LEAST_SLOW_VARIANCE), 0.0)
-        slow[at] = level + real * (found - level)
+        slow[at] = real * (found - found[where].mean())
     return slow
 
 

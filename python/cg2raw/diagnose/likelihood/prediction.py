@@ -15,6 +15,7 @@ from cg2raw import _core
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.mixture import harmonic_variance
 from cg2raw.diagnose.effects.sensor_map import SMALLEST_CHANCE, SensorMap
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
@@ -163,6 +164,8 @@ def _with_maps(
         below = well.below
     doubt: Array | float = 0.0
     charge = exposed
+    # As much as charge is not of a law, it is of hot pixels.
+    either = fitted or any(effect.layout == "sparse" for _, effect, _ in model.maps)
     for term, effect, sensor_map in model.maps:
         sensitivity = slopes[term.name]
         if effect.whitens_variance:
@@ -173,17 +176,15 @@ def _with_maps(
         shift = sensitivity * sensor_map.mean
         mean = mean + shift
         sensitivity = sensitivity * (below if effect.fills_well else 1.0)
-        unsure = sensitivity**2 * sensor_map.variance
-        for name, covariance in sensor_map.covariance.items():
-            unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
+        unsure = _unsure(effect, sensor_map, sensitivity, slopes, either)
         if effect.is_charge:
             more = np.maximum(charge + shift, 0) - np.maximum(charge, 0)
             charge = charge + shift
             if effect.is_log_normal and fitted:
                 # Alike in all pixels: weights that a skewed map has a part in would
                 # pull the mean to the side of its smaller values.
-                less = unsure - sensitivity**2 * sensor_map.unsure_kind - gain * more
-                doubt = doubt + np.average(less, weights=frame.keep * sensor_map.share)
+                weights = frame.keep * sensor_map.share
+                doubt = doubt + np.average(unsure - gain * more, weights=weights)
                 continue
             variance = variance + gain * more
         if effect.layout != "sparse":
@@ -195,6 +196,24 @@ def _with_maps(
         return mean, variance, kept, well
     least = LEAST_VARIANCE_LEFT * variance
     return mean, np.maximum(variance + doubt, least), 1.0, well
+
+
+def _unsure(
+    effect: FixedPattern,
+    sensor_map: SensorMap,
+    sensitivity: Array | float,
+    slopes: Mapping[str, Array | float],
+    either: bool,
+) -> Array:
+    """Return the variance of a map in a frame, with what errors of others have in
+    common with its own. either : what is not of a law is of hot pixels."""
+    variance = sensor_map.variance
+    if effect.is_log_normal and either:
+        variance = variance - sensor_map.unsure_kind
+    unsure = sensitivity**2 * variance
+    for name, covariance in sensor_map.covariance.items():
+        unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
+    return unsure
 
 
 def _of_makers(
