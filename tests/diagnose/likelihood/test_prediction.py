@@ -111,3 +111,6 @@ def test_it_is_not_in_doubt_how_much_charge_is_hot_or_of_a_law_together():
     np.testing.assert_allclose(known - predict(bare, frame).variance, shot, rtol=1e-4)
     doubt = (frame.seconds * 0.5 * rate) ** 2
     np.testing.assert_allclose(unsure - known, doubt - 0.5 * shot, rtol=1e-4)
+    none = Term(hot.effect, hot.values, SensorMap(0 * rate, 0 * rate))
+    as_unsure = predict(alone.with_term(none), frame).variance
+    np.testing.assert_allclose(as_unsure, unsure)

@@ -62,6 +62,13 @@ class SensorMap:
         chance = np.maximum(self.share, SMALLEST_CHANCE)
         return np.asarray((1 - chance) / chance * self.mean**2)
 
+    def made_up(self, other: Array) -> Array:
+        """Return the share (0 to 1) of what the effect has less of a pixel by its
+        chance, that the map of another has more."""
+        chance = np.maximum(self.share, SMALLEST_CHANCE)
+        less = np.maximum((1 - chance) / chance * self.mean, SMALLEST_CHANCE)
+        return np.clip(other / less, 0, 1)
+
     @property
     def spread(self) -> float:
         """Standard deviation of the map where it is not known."""

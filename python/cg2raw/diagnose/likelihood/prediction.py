@@ -164,8 +164,7 @@ def _with_maps(
         below = well.below
     doubt: Array | float = 0.0
     charge = exposed
-    # As much as charge is not of a law, it is of hot pixels.
-    either = fitted or any(effect.layout == "sparse" for _, effect, _ in model.maps)
+    hot = None if fitted else _hot(model, mean.shape)
     for term, effect, sensor_map in model.maps:
         sensitivity = slopes[term.name]
         if effect.whitens_variance:
@@ -176,7 +175,7 @@ def _with_maps(
         shift = sensitivity * sensor_map.mean
         mean = mean + shift
         sensitivity = sensitivity * (below if effect.fills_well else 1.0)
-        unsure = _unsure(effect, sensor_map, sensitivity, slopes, either)
+        unsure = _unsure(effect, sensor_map, sensitivity, slopes, hot)
         if effect.is_charge:
             more = np.maximum(charge + shift, 0) - np.maximum(charge, 0)
             charge = charge + shift
@@ -198,18 +197,29 @@ def _with_maps(
     return mean, np.maximum(variance + doubt, least), 1.0, well
 
 
+def _hot(model: Model, shape: tuple[int, ...]) -> Array:
+    """Return the rates of hot pixels by the maps of a model."""
+    rates = np.zeros(shape)
+    for _, effect, known in model.maps:
+        if effect.layout == "sparse" and known.mean.shape == shape:
+            rates += known.mean
+    return rates
+
+
 def _unsure(
     effect: FixedPattern,
     sensor_map: SensorMap,
     sensitivity: Array | float,
     slopes: Mapping[str, Array | float],
-    either: bool,
+    hot: Array | None,
 ) -> Array:
     """Return the variance of a map in a frame, with what errors of others have in
-    common with its own. either : what is not of a law is of hot pixels."""
+    common with its own. hot : rates of hot pixels, as far as these make up for what is
+    not of a law; None if they do wholly."""
     variance = sensor_map.variance
-    if effect.is_log_normal and either:
-        variance = variance - sensor_map.unsure_kind
+    if effect.is_log_normal:
+        known = 1.0 if hot is None else sensor_map.made_up(hot)
+        variance = variance - known * sensor_map.unsure_kind
     unsure = sensitivity**2 * variance
     for name, covariance in sensor_map.covariance.items():
         unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
