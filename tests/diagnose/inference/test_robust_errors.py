@@ -7,7 +7,7 @@ import pytest
 
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.intervals import estimates, widening_of
+from cg2raw.diagnose.inference.intervals import estimates, widenings
 from cg2raw.diagnose.inference.robust_errors import covariances
 from diagnose.planted import captures_of, drawn, frames_of, model_of, on, sensor_of
 
@@ -67,7 +67,7 @@ def test_they_hold_what_a_wrong_model_makes_of_a_value(frames):
         half = (interval.ci95[1] - interval.ci95[0]) / 2
         by_noise.append(abs(interval.value) * np.sqrt(information[0, 0]) > 1.96)
         robust.append(abs(interval.value) > half)
-        of_one = widening_of(model, shown, "exposure")
+        of_one = widenings(model, shown)["exposure"]
         assert of_one == pytest.approx(wider["exposure", 0] ** 2)
     assert np.mean(by_noise) > 0.9
     assert np.mean(robust) < 0.2

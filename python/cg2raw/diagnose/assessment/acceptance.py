@@ -18,7 +18,7 @@ from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import heading, title
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.intervals import estimates, widening_of
+from cg2raw.diagnose.inference.intervals import estimates, widenings
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
@@ -67,23 +67,21 @@ def _least_founded(
     One at a time: without it the others may lie elsewhere. A value that went to a bound
     took others along; then what matters least comes first."""
     on_bound = [name for name, reason in reasons.items() if reason.endswith(AT_ITS_END)]
-    height, found = likelihood.total(model), []
+    height, wider = likelihood.total(model), widenings(model, likelihood)
+    found = []
     for name in on_bound[:1] or reasons:
         rest = fit(model.without(name), likelihood)
         lost = height - likelihood.total(rest)
-        found.append((name, rest, lost / widening_of(model, likelihood, name)))
+        found.append((name, rest, lost / wider.get(name, 1.0)))
     return min(found, key=lambda one: one[2])
-
-
-def _term(model: Model, name: str) -> Term:
-    return next(term for term in model.terms if term.name == name)
 
 
 def _is_clear_together(model: Model, name: str, gained: float) -> bool:
     """Return whether smooth values are not all null, though each may be: two of which
     frames tell the difference. gained : by them, nats, were noise all that moves them.
     Source: S. S. Wilks, Ann. Math. Stat. 9(1), 1938."""
-    term = _term(model, name)
+    term = model.term(name)
+    assert term is not None
     count = len(term.effect.used)
     if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term, ()):
         return False

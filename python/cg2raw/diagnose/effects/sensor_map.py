@@ -59,15 +59,18 @@ class SensorMap:
     def unsure_kind(self) -> Array | float:
         """The part of the variance that is due to the chance: as much as the effect
         has less of a pixel, another has more."""
-        chance = np.maximum(self.share, SMALLEST_CHANCE)
-        return np.asarray((1 - chance) / chance * self.mean**2)
+        return np.asarray(self._less * self.mean)
 
     def made_up(self, other: Array) -> Array:
         """Return the share (0 to 1) of what the effect has less of a pixel by its
         chance, that the map of another has more."""
+        return np.clip(other / np.maximum(self._less, SMALLEST_CHANCE), 0, 1)
+
+    @property
+    def _less(self) -> Array:
+        """What the effect has less of a pixel by its chance."""
         chance = np.maximum(self.share, SMALLEST_CHANCE)
-        less = np.maximum((1 - chance) / chance * self.mean, SMALLEST_CHANCE)
-        return np.clip(other / less, 0, 1)
+        return np.asarray((1 - chance) / chance * self.mean)
 
     @property
     def spread(self) -> float:

@@ -51,23 +51,22 @@ class Design:
         found[self.of_variance] += self.variance @ square
         return found
 
-    def score_sums(
-        self,
-        residual: Rows,
-        square: Rows,
-        labels: NDArray[np.intp],
-        count: int,
-        step: Array,
+    def after(self, residual: Rows, square: Rows, step: Array) -> tuple[Rows, Rows]:
+        """Return scores (N,) of mean and variance after a step (n,) of parameters."""
+        moved = step.astype(np.float32)
+        residual = residual - moved[self.of_mean] @ self.mean
+        return residual, square - moved[self.of_variance] @ self.variance
+
+    def sums_by_label(
+        self, labels: NDArray[np.intp], count: int, residual: Rows, square: Rows | None
     ) -> Array:
-        """Return (n, count) of the same sums, over the pixels of each label (N,), after
-        a step (n,) of the parameters."""
+        """Return (n, count) of the sums of `scores`, over the pixels of each label
+        (N,). square : None for those of the mean alone."""
         found = np.zeros((self.count, count))
-        residual = residual - step[self.of_mean].astype(np.float32) @ self.mean
-        square = square - step[self.of_variance].astype(np.float32) @ self.variance
-        for numbers, rows, scores in (
-            (self.of_mean, self.mean, residual),
-            (self.of_variance, self.variance, square),
-        ):
+        parts = [(self.of_mean, self.mean, residual)]
+        if square is not None:
+            parts.append((self.of_variance, self.variance, square))
+        for numbers, rows, scores in parts:
             for k, row in zip(numbers, rows, strict=True):
                 found[k] += np.bincount(labels, row * scores, count)
         return found

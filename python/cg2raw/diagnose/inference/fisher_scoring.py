@@ -41,7 +41,7 @@ KEPT_PROMISE = 0.3  # of the gain that a step promises, from which on it is take
 LEAST_CORRELATED = 1e-6
 Parameter = tuple[str, int]  # name of a term, index of its value
 # Of a frame: labels that are broadcast to its pixels, how many there are.
-Labels = Callable[[Frame], tuple[NDArray[np.intp], int]]
+PixelLabels = Callable[[Frame], tuple[NDArray[np.intp], int]]
 
 
 @dataclass
@@ -147,7 +147,7 @@ class Linearisation:
         information = np.sum([part[1] for part in parts], 0)[np.ix_(order, order)]
         return parameters, score, information
 
-    def score_sums(self, labels: Labels, step: Array) -> list[Array]:
+    def score_sums(self, labels: PixelLabels, step: Array) -> list[Array]:
         """Return, of every frame, the scores (n, count) of the model's free parameters
         after a step (n,) of these, summed over the pixels of each label.
 
@@ -156,15 +156,15 @@ class Linearisation:
 
         def one(pair: tuple[_State, Frame]) -> Array:
             state, frame = pair
-            counted, count = _counted(frame, labels)
             design = self._own_design(state, frame, own, self.model)
-            return design.score_sums(*_scores(state, frame), counted, count, step)
+            moved = design.after(*_scores(state, frame), step)
+            return design.sums_by_label(*counted_labels(frame, labels), *moved)
 
         pairs = list(zip(self._states, self.likelihood.frames, strict=True))
         return self.likelihood.workers.map(one, pairs)
 
     def sums_along(
-        self, along: Callable[[Frame, Prediction], Array | float], labels: Labels
+        self, along: Callable[[Frame, Prediction], Array | float], labels: PixelLabels
     ) -> Iterator[Array]:
         """Yield, of every frame, products (n, count) of derivatives of its mean by the
         model's free parameters with some image's, summed over the pixels of each label.
@@ -172,15 +172,12 @@ class Linearisation:
         along : returns the image (T, h, w). labels : as of `score_sums`."""
         own = tuple(free_parameters(self.model))
         for state, frame in zip(self._states, self.likelihood.frames, strict=True):
-            counted, count = _counted(frame, labels)
             image = np.broadcast_to(along(frame, state.prediction), frame.signal.shape)
             moved, _ = self._standardised(state, frame, (image, None))
             design = self._own_design(state, frame, own, self.model)
             assert moved is not None
-            none, rest = np.zeros(counted.size, np.float32), np.zeros(len(own))
-            yield design.score_sums(
-                moved.astype(np.float32), none, counted, count, rest
-            )
+            along_it = moved.astype(np.float32)
+            yield design.sums_by_label(*counted_labels(frame, labels), along_it, None)
 
     def _own_design(
         self, state: _State, frame: Frame, own: tuple[Parameter, ...], model: Model
@@ -211,7 +208,7 @@ class Linearisation:
         return Design.of(rows, int(frame.counted.sum()))
 
 
-def _counted(frame: Frame, labels: Labels) -> tuple[NDArray[np.intp], int]:
+def counted_labels(frame: Frame, labels: PixelLabels) -> tuple[NDArray[np.intp], int]:
     """Return (labels (N,) of the pixels of a frame that count, how many there are)."""
     of_pixels, count = labels(frame)
     return np.broadcast_to(of_pixels, frame.signal.shape)[frame.counted], count

@@ -132,13 +132,16 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
     return result
 
 
-def widening_of(model: Model, likelihood: Likelihood, name: str) -> float:
-    """Return how much larger than by noise squares of distances of a term's smooth
-    values are, all of them together; 1 of one that has none."""
+def widenings(model: Model, likelihood: Likelihood) -> dict[str, float]:
+    """Return how much larger than by noise squares of distances of each term's smooth
+    values are, all of them together, by its name."""
     base = Linearisation(model, likelihood)
     parameters, score, information = base.system(model)
-    own = [number for number, (of, _) in enumerate(parameters) if of == name]
-    return covariances(base, score, information).widening_of_all(own) if own else 1.0
+    found = covariances(base, score, information)
+    numbers: dict[str, list[int]] = {}
+    for number, (name, _) in enumerate(parameters):
+        numbers.setdefault(name, []).append(number)
+    return {name: found.widening_of_all(own) for name, own in numbers.items()}
 
 
 def _interval(

@@ -19,7 +19,7 @@ from scipy.stats import chi2
 
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.diagnose.inference.fisher_scoring import Linearisation
+from cg2raw.diagnose.inference.fisher_scoring import Linearisation, counted_labels
 
 SCORE_CELL = 16  # pixels a side, in which scores are summed
 NEARBY = 0.25  # of a frame's height and width, up to which cells count together
@@ -101,8 +101,7 @@ def _spread(base: Linearisation, step: Array) -> tuple[Array, float]:
     pixels: dict[tuple[int, int], Array] = defaultdict(lambda: np.zeros(()))
     frames = base.likelihood.frames
     for frame, scores in zip(frames, base.score_sums(_cells, step), strict=True):
-        cells, number = _cells(frame)
-        counted = np.broadcast_to(cells, frame.counted.shape)[frame.counted]
+        counted, number = counted_labels(frame, _cells)
         shape = _grid(frame)
         sums[shape] = sums[shape] + scores
         pixels[shape] = pixels[shape] + np.bincount(counted, minlength=number)

@@ -164,7 +164,6 @@ def _with_maps(
         below = well.below
     doubt: Array | float = 0.0
     charge = exposed
-    hot = None if fitted else _hot(model, mean.shape)
     for term, effect, sensor_map in model.maps:
         sensitivity = slopes[term.name]
         if effect.whitens_variance:
@@ -175,7 +174,7 @@ def _with_maps(
         shift = sensitivity * sensor_map.mean
         mean = mean + shift
         sensitivity = sensitivity * (below if effect.fills_well else 1.0)
-        unsure = _unsure(effect, sensor_map, sensitivity, slopes, hot)
+        unsure = _unsure(model, effect, sensor_map, sensitivity, slopes, fitted)
         if effect.is_charge:
             more = np.maximum(charge + shift, 0) - np.maximum(charge, 0)
             charge = charge + shift
@@ -207,18 +206,20 @@ def _hot(model: Model, shape: tuple[int, ...]) -> Array:
 
 
 def _unsure(
+    model: Model,
     effect: FixedPattern,
     sensor_map: SensorMap,
     sensitivity: Array | float,
     slopes: Mapping[str, Array | float],
-    hot: Array | None,
+    fitted: bool,
 ) -> Array:
     """Return the variance of a map in a frame, with what errors of others have in
-    common with its own. hot : rates of hot pixels, as far as these make up for what is
-    not of a law; None if they do wholly."""
+    common with its own. What is not of a law is of hot pixels, as far as these make up
+    for it; wholly, in frames that made the maps."""
     variance = sensor_map.variance
     if effect.is_log_normal:
-        known = 1.0 if hot is None else sensor_map.made_up(hot)
+        shape = sensor_map.mean.shape
+        known = 1.0 if fitted else sensor_map.made_up(_hot(model, shape))
         variance = variance - known * sensor_map.unsure_kind
     unsure = sensitivity**2 * variance
     for name, covariance in sensor_map.covariance.items():

@@ -122,8 +122,10 @@ def colour_offsets(z: Array, p: Prediction, model: Model, frame: Frame) -> Array
     stages = _Stages(p, frame, frame.beta2)
     for effect, values in _steps(model, frame):
         if isinstance(effect, SharedOffset):
-            z = stages.covariance(effect, values).colour(z)
-        if effect is not None and effect.linear:
+            covariance = stages.covariance(effect, values)
+            z = covariance.colour(z)
+            stages.resume(effect, covariance.whiten, values)
+        elif effect is not None and effect.linear:
             stages.next(effect, values)
     return z
 
