@@ -23,14 +23,15 @@ struct Mixture {
     const double* means;
     const double* variances;
     int parts;
-    double least_error; ///< share of an error at 0 that is left below 0
 };
 
-/// Estimates with their variance at a value of 0, and what a unit of it adds.
+/// Estimates with their variance at a value of 0, what a unit of it adds, and what one
+/// below 0 takes at most.
 struct Estimates {
     const double* value;
     const double* error;
     const double* per_value;
+    const double* most_taken;
 };
 
 constexpr int piece = 512; // estimates, with all sums about them, stay in a cache
@@ -42,9 +43,9 @@ struct Sums {
     double mean[piece], square[piece]; ///< of the value, times the density
 };
 
-double error_at(const Estimates& at, int i, double value, double least_error)
+double error_at(const Estimates& at, int i, double value)
 {
-    return std::max(at.error[i] + at.per_value[i] * value, least_error * at.error[i]);
+    return at.error[i] + std::max(at.per_value[i] * value, -at.most_taken[i]);
 }
 
 CG2RAW_MULTIVERSION
@@ -55,7 +56,7 @@ void find_nearest(const Mixture& law, const Estimates& at, int count, Sums& sums
         const double mean = law.means[part], variance = law.variances[part];
         for (int i = 0; i < count; ++i) {
             const double away = at.value[i] - mean;
-            const double total = variance + error_at(at, i, mean, law.least_error);
+            const double total = variance + error_at(at, i, mean);
             sums.nearest[i] = std::min(sums.nearest[i], 0.5 * away * away / total);
         }
     }
@@ -70,7 +71,7 @@ void sum_densities(const Mixture& law, const Estimates& at, int count, Sums& sum
         const double weight = law.weights[part];
         for (int i = 0; i < count; ++i) {
             const double away = at.value[i] - mean;
-            const double total = variance + error_at(at, i, mean, law.least_error);
+            const double total = variance + error_at(at, i, mean);
             const double exponent = sums.nearest[i] - 0.5 * away * away / total;
             sums.density[i] += weight / std::sqrt(total)
                 * exponential(std::max(exponent, least_exponent));
@@ -88,7 +89,7 @@ void sum_values(const Mixture& law, const Estimates& at, int count, Sums& sums)
         const double weight = law.weights[part];
         for (int i = 0; i < count; ++i) {
             const double away = at.value[i] - mean;
-            const double error = error_at(at, i, mean, law.least_error);
+            const double error = error_at(at, i, mean);
             const double total = variance + error, kept = variance / total;
             const double exponent = sums.nearest[i] - 0.5 * away * away / total;
             const double share = weight / std::sqrt(total)
@@ -119,14 +120,14 @@ void posteriors(const Sums& sums, int count, double* mean, double* variance)
 /// The arguments of both functions.
 class Arguments {
 public:
-    Arguments(Numbers law, Numbers estimates, double least_error)
+    Arguments(Numbers law, Numbers estimates)
         : m_law(std::move(law))
         , m_estimates(std::move(estimates))
-        , m_least_error(least_error)
     {
-        for (const Numbers& array : { m_law, m_estimates })
-            if (array.ndim() != 2 || array.shape(0) != 3)
-                throw Error("law and estimates must be arrays of three rows each");
+        if (m_law.ndim() != 2 || m_law.shape(0) != 3)
+            throw Error("the law must be an array of three rows");
+        if (m_estimates.ndim() != 2 || m_estimates.shape(0) != 4)
+            throw Error("estimates must be an array of four rows");
     }
 
     int count() const { return int(m_estimates.shape(1)); }
@@ -134,19 +135,19 @@ public:
     Mixture mixture() const
     {
         return { m_law.data(0, 0), m_law.data(1, 0), m_law.data(2, 0),
-                 int(m_law.shape(1)), m_least_error };
+                 int(m_law.shape(1)) };
     }
 
     Estimates from(int first) const
     {
         const double* const all = m_estimates.data();
         const std::ptrdiff_t row = m_estimates.shape(1);
-        return { all + first, all + row + first, all + 2 * row + first };
+        return { all + first, all + row + first, all + 2 * row + first,
+                 all + 3 * row + first };
     }
 
 private:
     Numbers m_law, m_estimates;
-    double m_least_error;
 };
 
 /// Call work(estimates, their number, sums, number of the first) with the nearest parts
@@ -164,9 +165,9 @@ template <class Work> void each_piece(const Arguments& arguments, const Work& wo
     }
 }
 
-Numbers log_density(const Numbers& law, const Numbers& estimates, double least_error)
+Numbers log_density(const Numbers& law, const Numbers& estimates)
 {
-    const Arguments arguments(law, estimates, least_error);
+    const Arguments arguments(law, estimates);
     Numbers result(arguments.count());
     double* const to = result.mutable_data();
     each_piece(arguments,
@@ -178,10 +179,9 @@ Numbers log_density(const Numbers& law, const Numbers& estimates, double least_e
     return result;
 }
 
-std::pair<Numbers, Numbers> posterior(const Numbers& law, const Numbers& estimates,
-                                      double least_error)
+std::pair<Numbers, Numbers> posterior(const Numbers& law, const Numbers& estimates)
 {
-    const Arguments arguments(law, estimates, least_error);
+    const Arguments arguments(law, estimates);
     std::pair result { Numbers(arguments.count()), Numbers(arguments.count()) };
     double* const mean = result.first.mutable_data();
     double* const variance = result.second.mutable_data();
@@ -199,14 +199,13 @@ std::pair<Numbers, Numbers> posterior(const Numbers& law, const Numbers& estimat
 void bind_normal_mixture(py::module_& m)
 {
     m.def(
-        "log_density_of_mixture", &log_density, "law"_a, "estimates"_a, "least_error"_a,
+        "log_density_of_mixture", &log_density, "law"_a, "estimates"_a,
         "(n,) log density of estimates with normal errors, of values whose law is a "
         "sum of normals.\n\n"
         "law : (3, k) weights, means and variances of the normals.\n"
-        "estimates : (3, n) estimates, the variance of each where its value is 0, and "
-        "what a unit of the value adds.\n"
-        "least_error : share of a variance that is left where the value is below 0.");
-    m.def("posterior_of_mixture", &posterior, "law"_a, "estimates"_a, "least_error"_a,
+        "estimates : (4, n) estimates, the variance of each where its value is 0, what "
+        "a unit of the value adds, and what one below 0 takes at most.");
+    m.def("posterior_of_mixture", &posterior, "law"_a, "estimates"_a,
           "((n,) mean, (n,) variance) of each value, given its estimate. Arguments as "
           "those of\nlog_density_of_mixture.");
 }

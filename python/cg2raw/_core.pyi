@@ -252,10 +252,10 @@ def predict_blocks(
     threads: int = 1,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
 def log_density_of_mixture(
-    law: NDArray[np.float64], estimates: NDArray[np.float64], least_error: float
+    law: NDArray[np.float64], estimates: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...
 def posterior_of_mixture(
-    law: NDArray[np.float64], estimates: NDArray[np.float64], least_error: float
+    law: NDArray[np.float64], estimates: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def draw_blocks(
     profile: SensorProfile,

@@ -9,7 +9,7 @@ from scipy.special import logsumexp
 from scipy.stats import norm
 
 from cg2raw import _core
-from cg2raw.diagnose.inference.log_normal_law import LEAST_ERROR, LogNormal, Rates
+from cg2raw.diagnose.inference.log_normal_law import LogNormal, Rates
 
 LAW = LogNormal(0.3, 2.0, 0.7)
 NUMBER = 1500  # more than a piece of the kernel
@@ -19,9 +19,9 @@ def some_rates():
     rng = np.random.default_rng(4)
     estimate = LAW.shift + 2 * np.expm1(0.7 * rng.standard_normal(NUMBER))
     error, per_rate = rng.uniform(0.01, 2, NUMBER), rng.uniform(0, 0.5, NUMBER)
-    return Rates(
-        estimate.reshape(3, 20, 25), *np.reshape([error, per_rate], (2, 3, 20, 25))
-    )
+    of_charge = error * rng.uniform(0, 0.9, NUMBER)
+    columns = np.stack([estimate, error, per_rate, of_charge])
+    return Rates(*columns.reshape(4, 3, 20, 25))
 
 
 def parts_of(law, rates):
@@ -57,7 +57,7 @@ def test_density_is_that_of_the_law_and_the_noise():
             )
 
         expected = np.log(quad(density, -8, 8, limit=400, epsabs=0)[0])
-        one = Rates(*(np.array([number]) for number in (estimate, error, 0.0)))
+        one = Rates(*(np.array([number]) for number in (estimate, error, 0.0, 0.0)))
         assert LAW.log_density(one)[0] == pytest.approx(expected, abs=2e-3)
 
 
@@ -75,7 +75,7 @@ def test_density_and_posterior_are_those_of_all_parts():
 
 
 def test_far_from_all_parts_a_density_is_small_and_finite():
-    far = Rates(*np.array([[-1e4, 1e7, 1e3], [0.1] * 3, [0.0] * 3]))
+    far = Rates(*np.array([[-1e4, 1e7, 1e3], [0.1] * 3, [0.0] * 3, [0.0] * 3]))
     logs, *_ = (part.reshape(-1, 3) for part in parts_of(LAW, far_as_map(far)))
     np.testing.assert_allclose(
         LAW.log_density(far), logsumexp(logs, axis=0), rtol=1e-12
@@ -96,15 +96,15 @@ def test_estimates_are_as_sure_whatever_comes_beside_them():
         np.testing.assert_array_equal(alone, LAW.log_density(flat)[first:last])
 
 
-@pytest.mark.parametrize("shapes", [((2, 5), (3, 4)), ((3, 5), (4, 4)), ((3,), (3, 4))])
+@pytest.mark.parametrize("shapes", [((2, 5), (4, 4)), ((3, 5), (3, 4)), ((3,), (4, 4))])
 def test_other_shapes_are_refused(shapes):
     law, estimates = (np.ones(shape) for shape in shapes)
     for function in (_core.log_density_of_mixture, _core.posterior_of_mixture):
-        with pytest.raises(ValueError, match="three rows"):
-            function(law, estimates, LEAST_ERROR)
+        with pytest.raises(ValueError, match="array of (three|four) rows"):
+            function(law, estimates)
 
 
 def test_no_estimates_have_no_densities():
-    none = np.zeros((3, 0))
+    none = np.zeros((4, 0))
     law = np.stack(LAW.normals())
-    assert _core.log_density_of_mixture(law, none, LEAST_ERROR).shape == (0,)
+    assert _core.log_density_of_mixture(law, none).shape == (0,)

@@ -10,7 +10,7 @@ import pytest
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.log_normal_law import Rates
 from cg2raw.diagnose.inference.log_normal_map import fit_log_normal_map
-from cg2raw.diagnose.inference.map_prior import is_as_good
+from cg2raw.diagnose.inference.map_prior import is_as_good, mixed_prior_of
 from cg2raw.diagnose.likelihood.model import Model
 from diagnose.planted import (
     READ,
@@ -85,7 +85,7 @@ def test_a_stated_law_of_rates_holds_unless_pixels_contradict_it(
     shape = (1, 150, 200)
     values = np.expm1(log_sigma * rng.standard_normal(shape)) * rate
     estimates = values + 0.3 * rng.standard_normal(shape)
-    rates = Rates(estimates, np.full(shape, 0.09), np.zeros(shape))
+    rates = Rates(estimates, np.full(shape, 0.09), *np.zeros((2, *shape)))
     known = np.ones(shape, bool)
     stated = {"rate": 1.0, "log_sigma": 1.0}
     law = fit_log_normal_map(rates, known, None, stated).mixture.law
@@ -99,7 +99,9 @@ def test_beside_a_stated_law_pixels_are_hot_that_it_does_not_explain():
     values = np.expm1(rng.standard_normal(shape))
     values += np.where(rng.random(shape) < 0.004, rng.exponential(150.0, shape), 0)
     rates = Rates(
-        values + 0.3 * rng.standard_normal(shape), np.full(shape, 0.09), np.zeros(shape)
+        values + 0.3 * rng.standard_normal(shape),
+        np.full(shape, 0.09),
+        *np.zeros((2, *shape)),
     )
     stated = {"rate": 1.0, "log_sigma": 1.0}
     found = fit_log_normal_map(rates, np.ones(shape, bool), None, stated).mixture
@@ -116,7 +118,7 @@ def test_hot_pixels_have_a_law_where_no_others_differ():
     known = np.ones(shape, bool)
 
     def law(values):
-        rates = Rates(values, np.full(shape, 0.09), np.zeros(shape))
+        rates = Rates(values, np.full(shape, 0.09), *np.zeros((2, *shape)))
         found = fit_log_normal_map(rates, known)
         return None if found is None else found.mixture
 
@@ -124,3 +126,20 @@ def test_hot_pixels_have_a_law_where_no_others_differ():
     found = law(noise + hot)
     assert found.hot_share == pytest.approx(1e-3, rel=0.35)
     assert found.law.sigma < 0.05
+
+
+def test_a_stated_variance_is_that_of_most_pixels_of_a_map_with_tails():
+    """Frames that are noisier than a map tell hardly how wide most of it is: without
+    that number it may be none, and what pixels are then is told as far too sure."""
+    rng = np.random.default_rng(9)
+    shape, variance, error = (120, 160), 0.04, 0.09
+    wide = rng.random(shape) < 0.003
+    values = np.sqrt(variance) * np.where(wide, 30, 1) * rng.standard_normal(shape)
+    estimate = values + np.sqrt(error) * rng.standard_normal(shape)
+    errors = np.full(shape, error)
+    prior = mixed_prior_of(estimate.ravel() ** 2, errors.ravel(), variance)
+    assert prior.narrow == variance
+    assert prior.share == pytest.approx(0.003, rel=0.35)
+    mean, doubt = prior.posterior(estimate, errors)
+    off = (mean - values)[~wide]
+    assert np.mean(off**2) == pytest.approx(doubt[~wide].mean(), rel=0.1)

@@ -22,7 +22,7 @@ def planted(rows=ROWS, seed=2):
     shifts = np.sqrt(rows) * rng.standard_normal((1, SHAPE[1], 1))
     zero = ERROR + SHOT * LAW.law.rate  # variance where a rate is the median
     noise = np.sqrt(zero + SHOT * true) * rng.standard_normal(SHAPE)
-    columns = np.full(SHAPE, zero), np.full(SHAPE, SHOT)
+    columns = (np.full(SHAPE, each) for each in (zero, SHOT, zero - ERROR))
     return Rates(true + shifts + noise, *columns), shifts, true
 
 

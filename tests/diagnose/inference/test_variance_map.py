@@ -2,9 +2,12 @@
 # Copyright Contributors to the cg2raw Project.
 """Variance map: pixels that jump are found among repeats, whatever offset they have."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.model import Model
@@ -145,3 +148,15 @@ def test_tails_that_a_profile_has_too_many_of_are_no_jumps(stated):
     )
     found = fit_patterns(model, on(frames)).term("random_telegraph_noise")
     assert found.values[0] < 0.02
+
+
+def test_half_of_a_map_stays_that_is_there_already():
+    """Or a pixel that rates and jumps explain as well would be of either by turns."""
+    frames = on(drawn(darks(8), Model(SENSOR), 3, extra=jumping))
+    new = fit_patterns(model_of(SENSOR, random_telegraph_noise=[0.0, 0.0]), frames)
+    term = new.term("random_telegraph_noise")
+    none = np.zeros_like(term.sensor_map.mean)
+    before = replace(term, sensor_map=SensorMap(none, none, chance=none))
+    after = fit_patterns(new.with_term(before), frames).term(term.name).sensor_map
+    np.testing.assert_allclose(after.chance, term.sensor_map.chance / 2)
+    np.testing.assert_allclose(after.mean, term.sensor_map.mean / 2)

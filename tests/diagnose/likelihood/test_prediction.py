@@ -7,11 +7,7 @@ import pytest
 
 from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.likelihood.model import Term
-from cg2raw.diagnose.likelihood.prediction import (
-    predict,
-    predict_for_means,
-    predict_with_jumps,
-)
+from cg2raw.diagnose.likelihood.prediction import predict, shot_noise_left_out
 from diagnose.planted import BY_NAME, SHAPE, capture_of, frames_of, model_of, sensor_of
 
 WELL = 0.55
@@ -84,19 +80,6 @@ def test_a_frame_that_made_a_map_tells_of_noise_what_the_map_left(kind):
     )
 
 
-def test_a_pixel_that_hardly_jumps_tells_of_means_as_others_do():
-    """By the harmonic mean: its variance over all frames is ten times theirs."""
-    (frame,) = frames_of(sensor_of(), [capture_of("dark", group="select")])
-    bare = predict(model_of(sensor_of()), frame).variance
-    chance = np.full((1, *SHAPE), 0.1)
-    known = SensorMap(9 * bare, np.zeros_like(bare), chance=chance)
-    effect = BY_NAME["random_telegraph_noise"]
-    model = model_of(sensor_of()).with_term(Term(effect, np.ones(2), known))
-    told = predict_for_means(model, frame).variance
-    np.testing.assert_allclose(told, bare / (0.9 + 0.1 / 91))
-    np.testing.assert_allclose(predict_with_jumps(model, frame).variance, 10 * bare)
-
-
 def test_it_is_not_in_doubt_how_much_charge_is_hot_or_of_a_law_together():
     """A pixel of a known rate may be either: what one has less, the other has more."""
     (frame,) = frames_of(sensor_of(), [capture_of("dark", group="select")])
@@ -114,3 +97,21 @@ def test_it_is_not_in_doubt_how_much_charge_is_hot_or_of_a_law_together():
     none = Term(hot.effect, hot.values, SensorMap(0 * rate, 0 * rate))
     as_unsure = predict(alone.with_term(none), frame).variance
     np.testing.assert_allclose(as_unsure, unsure)
+
+
+def test_shot_noise_of_a_rate_is_left_out_of_frames_that_made_its_map():
+    """They have it alike in all pixels. A pixel without any charge lacks that of the
+    mean charge, and no more."""
+    rate = np.full((1, *SHAPE), 0.01)
+    rate[:, ::2] = -0.01
+    law = SensorMap(rate, np.zeros_like(rate))
+    term = Term(BY_NAME["dark_current_nonuniformity"], np.array([0.01]), law)
+    mean = 0.002
+    model = model_of(sensor_of(), dark_current=[mean]).with_term(term)
+    for group, share in (("fit", 1), ("select", 0)):
+        (frame,) = frames_of(sensor_of(), [capture_of("dark", group=group)])
+        p = predict(model, frame)
+        charge = frame.seconds * np.where(rate > 0, rate, -mean)
+        expected = share * np.sqrt(p.kept) * charge * frame.beta1
+        found = shot_noise_left_out(model, frame, p)
+        np.testing.assert_allclose(found, expected, rtol=1e-4)

@@ -45,6 +45,11 @@ class RateLaw:
             np.append(0.0, mean**2 * variances),
         )
 
+    @property
+    def mean_of_few(self) -> float:
+        """Return the mean of those that have any, of a law of few."""
+        return float(self.weights[1:] @ self.means[1:] / self.weights[1:].sum())
+
     @staticmethod
     def together(laws: Sequence["RateLaw"]) -> "RateLaw":
         """Return the law of the sum of rates; where few pixels have any of one, that of

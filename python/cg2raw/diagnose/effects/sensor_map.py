@@ -28,7 +28,9 @@ class SensorMap:
     unknown, rate_law : (T, h, w), True in pixels that no frame was given, whose rate is
         of a law with long tails: it has that of the law then, and 0 in the map.
     chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
-        then the mean over both."""
+        then the mean over both.
+    beyond_law : what pixels have of values that are not of the law, by the same frames:
+        how likely any, its mean over both, and the mean's variance."""
 
     mean: Array
     variance: Array
@@ -38,6 +40,7 @@ class SensorMap:
     unknown: Mask | None = None
     rate_law: RateLaw | None = None
     noise_gains: tuple[float, float] | None = None
+    beyond_law: tuple[Array, Array, Array] | None = None
 
     def of_tiles(self, places: NDArray[np.intp]) -> "SensorMap":
         """Return the map on some of its tiles."""

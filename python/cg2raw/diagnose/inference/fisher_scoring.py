@@ -22,12 +22,10 @@ from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.design import Derivatives, Design, Rows, scaled
 from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
+from cg2raw.diagnose.likelihood.jumps import predict_with_jumps
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import (
-    mean_without_maps,
-    predict_with_jumps,
-)
+from cg2raw.diagnose.likelihood.prediction import mean_without_maps
 from cg2raw.diagnose.likelihood.whitening import (
     colour_offsets,
     cut_offsets,

@@ -16,9 +16,9 @@ import numpy as np
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
+from cg2raw.diagnose.likelihood.jumps import predict_for_means
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import predict_for_means
 from cg2raw.diagnose.likelihood.whitening import (
     cut_offsets,
     has_shared_structure,

@@ -19,7 +19,6 @@ from cg2raw.diagnose.frames.tiling import Array
 
 STEP = 0.125  # of n, between the narrow normals and of each
 LARGEST_N = 5.5  # n beyond which no pixel is
-LEAST_ERROR = 0.05  # of a variance, that is left where a rate is below the median
 
 
 @dataclass(frozen=True)
@@ -60,30 +59,31 @@ class LogNormal:
         shape = rates.estimate.shape
         return mean.reshape(shape), variance.reshape(shape)
 
-    def _beside(self, rates: "Rates") -> tuple[Array, Array, float]:
+    def _beside(self, rates: "Rates") -> tuple[Array, Array]:
         shape = rates.estimate.shape
         columns = [np.broadcast_to(column, shape).ravel() for column in rates.columns]
         columns[0] = columns[0] - self.shift
-        return np.stack(self.normals()), np.stack(columns), LEAST_ERROR
+        return np.stack(self.normals()), np.stack(columns)
 
 
 @dataclass(frozen=True)
 class Rates:
-    """Estimates of pixels, with their variance where the rate is 0, and what a rate
-    adds to it by the shot noise of its charge."""
+    """Estimates of pixels, with their variance where the rate is 0, what a rate adds to
+    it by the shot noise of its charge, and how much of it a pixel has by its charge at
+    rate 0: what a rate below takes at most, as there is no noise of less charge."""
 
     estimate: Array
     error: Array
     per_rate: Array
+    of_charge: Array
 
     def error_at(self, rate: Array | float) -> Array:
         """Return the variance of estimates of a rate."""
-        least = LEAST_ERROR * self.error
-        return np.asarray(np.maximum(self.error + self.per_rate * rate, least))
+        return self.error + np.maximum(self.per_rate * rate, -self.of_charge)
 
     @property
-    def columns(self) -> tuple[Array, Array, Array]:
-        return self.estimate, self.error, self.per_rate
+    def columns(self) -> tuple[Array, Array, Array, Array]:
+        return self.estimate, self.error, self.per_rate, self.of_charge
 
     def at(self, places: Any) -> "Rates":
         return Rates(*(column[places] for column in self.columns))

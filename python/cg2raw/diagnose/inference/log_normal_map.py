@@ -18,7 +18,7 @@ from scipy.optimize import minimize
 from scipy.special import expit, logit
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.effects.base import NORMAL_95, Values
+from cg2raw.diagnose.effects.base import NORMAL_95, SensorMap, Values
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference import exponential_rates
 from cg2raw.diagnose.inference.log_normal_law import LogNormal, Rates
@@ -80,6 +80,29 @@ class LogNormalMap:
         middle, whole = self.of_all
         known = self.known
         return np.where(known, mean, middle), np.where(known, variance, whole)
+
+    def of_law(self, sensor_map: SensorMap, unseen: Mask) -> SensorMap:
+        """Return the map without what is hot of pixels, which is of an effect of its
+        own, and with its law.
+
+        The shot noise of a pixel's charge, that only the law knows of, makes it less
+        sure. unseen : pixels that no frame was given."""
+        seen = ~unseen
+        hot = seen * self.hot
+        cold, mean = seen - hot, seen * sensor_map.mean
+        unsure = seen * np.maximum(sensor_map.variance, self.posterior[1])
+        beyond = hot, hot * mean, (1 - cold**2) * unsure
+        return replace(
+            sensor_map,
+            mean=cold * mean,
+            variance=cold**2 * unsure + hot * cold * mean**2,
+            covariance={k: cold * one for k, one in sensor_map.covariance.items()},
+            law=self.law,
+            chance=1 - self.hot,
+            unknown=unseen,
+            rate_law=self.mixture.law.rate_law,
+            beyond_law=beyond if self.mixture.hot_share else None,
+        )
 
     @property
     def _tiles(self) -> list[Rates]:

@@ -16,9 +16,10 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.censoring import scores
+from cg2raw.diagnose.likelihood.jumps import predict_for_means
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_for_means
+from cg2raw.diagnose.likelihood.prediction import photon_gain
 from cg2raw.diagnose.likelihood.tails import tails_in
 from cg2raw.diagnose.likelihood.whitening import row_variance
 
@@ -38,6 +39,7 @@ class Evidence:
     repeat : side of the CFA's, px.
     noisier : (K, K, T, h, w), what a value of the log-normal map, if there is one, adds
         to the covariance of the scores by the shot noise of its charge.
+    of_charge : the same that charge adds where that value is 0.
     of_rows : the same that offsets of the frames' rows add, where it is not 0.
     unseen : (T, h, w), pixels that no frame was given."""
 
@@ -45,6 +47,7 @@ class Evidence:
     score: Array
     repeat: int
     noisier: Array | float
+    of_charge: Array | float
     of_rows: Array | float
     unseen: Mask
 
@@ -85,20 +88,26 @@ def evidence_of(
         if charge is None:
             return products, told * z
         squares = told[:, None] * told / p.variance
-        noisier = squares * given[charge] * photon_gain(rest, frame)
-        return products, told * z, noisier, squares * row_variance(rest, frame)
+        more = (
+            given[charge] * photon_gain(rest, frame),
+            p.photon_variance,
+            row_variance(rest, frame),
+        )
+        return products, told * z, *(squares * variance for variance in more)
 
     shape = likelihood.frames[0].signal.shape
     information, score = np.zeros((count, count, *shape)), np.zeros((count, *shape))
     noisier: Array | float = 0.0
+    of_charge: Array | float = 0.0
     of_rows: Array | float = 0.0
     for products, scored, *more in likelihood.each(of_frame):
         information += products
         score += scored
         if more:
-            noisier, of_rows = noisier + more[0], of_rows + more[1]
+            noisier, of_charge = noisier + more[0], of_charge + more[1]
+            of_rows = of_rows + more[2]
     repeat, unseen = repeat_of(rest.sensor.cfa), unseen_by(likelihood.frames)
-    return Evidence(information, score, repeat, noisier, of_rows, unseen)
+    return Evidence(information, score, repeat, noisier, of_charge, of_rows, unseen)
 
 
 def unseen_by(frames: Sequence[Frame]) -> Mask:
@@ -126,7 +135,7 @@ def _beside_tails(
         if one is not None and one.mean.shape == left.shape:
             signal = effect.shown(frame, p) * one.mean
             left, charge = left - signal, charge + effect.is_charge * signal
-    more = photon_gain(rest, frame) * charge
+    more = np.maximum(photon_gain(rest, frame) * charge, -p.photon_variance)
     return replace(p, variance=tails.variance_of(left, more))
 
 

@@ -101,14 +101,17 @@ class MixedPrior:
         return probability
 
 
-def mixed_prior_of(square: Array, error: Array) -> MixedPrior | None:
+def mixed_prior_of(
+    square: Array, error: Array, stated: float | None = None
+) -> MixedPrior | None:
     """Return the prior of a map with long tails; None if it has none.
 
-    By expectation and maximisation, on some of the pixels if they are many. Source: as
-    of sparse_map."""
+    By expectation and maximisation, on some of the pixels if they are many. stated :
+        the variance of those that are not wide, if it is known. Source: as of
+        sparse_map."""
     step = max(1, square.size // MOST_MIXED)
     square, error = square[::step], error[::step]
-    narrow = prior_of(square, error)
+    narrow = prior_of(square, error) if stated is None else stated
     far = square > LONGEST_TAIL**2 * (error + narrow)
     if far.sum() < FEWEST_WIDE:
         return None
@@ -119,6 +122,7 @@ def mixed_prior_of(square: Array, error: Array) -> MixedPrior | None:
         share = float(np.clip(weight.mean(), 1 / square.size, 0.5))
         wide = max(float((weight * (square - error)).sum() / weight.sum()), narrow)
         rest = 1 - weight
-        narrow = max(float((rest * (square - error)).sum() / rest.sum()), 0.0)
+        if stated is None:
+            narrow = max(float((rest * (square - error)).sum() / rest.sum()), 0.0)
         prior = MixedPrior(share, narrow, max(wide, 2 * narrow, LEAST_NARROW))
     return prior

@@ -77,7 +77,7 @@ def pixel_maps(
         sensor_map = SensorMap(means[k], covariance[k, k], others)
         values = np.array([np.sqrt(priors[k].variance)])
         if (rates := _law_of(priors[k])) is not None:
-            sensor_map = _without_hot(sensor_map, rates, evidence.unseen)
+            sensor_map = rates.of_law(sensor_map, evidence.unseen)
         found.append(replace(term, values=values, sensor_map=sensor_map))
     return found
 
@@ -163,13 +163,13 @@ def _prior(
     information = np.where(known, np.maximum(information, least), 1.0)
     estimate = np.where(known, score / information, 0)
     if effect.is_log_normal:
-        noisier, of_rows = (
+        noisier, of_charge, of_rows = (
             np.einsum("j...,jk...,k...", weights, more, weights) / information**2
-            for more in (evidence.noisier, evidence.of_rows)
+            for more in (evidence.noisier, evidence.of_charge, evidence.of_rows)
         )
         estimate = _own_part(one, effect, estimate, known, evidence.repeat, slow)
         before = None if priors is None else _law_of(priors[one])
-        rates = Rates(estimate, 1 / information, noisier)
+        rates = Rates(estimate, 1 / information, noisier, of_charge)
         if before is not None and slow is not None and ~one not in slow:
             rows = row_shifts(before.mixture, rates, known, of_rows)
             slow[~one], rates = rows, replace(rates, estimate=estimate - rows)
@@ -189,6 +189,8 @@ def _prior(
         is_as_good(stated["sigma"] ** 2, each, error[known]) for each in likely
     ):
         variance = stated["sigma"] ** 2
+        if mixed is not None:
+            mixed = mixed_prior_of(*of_known, variance)
     if mixed is None:
         return _Prior(variance)
     mean, spread = mixed.posterior(estimate, error)
@@ -220,25 +222,6 @@ def _as_normal(
     least = LEAST_TOLD * told + LEAST_INFORMATION
     own = np.maximum(1 / np.maximum(variance, LEAST_MAP_VARIANCE) - told, least)
     return own, mean * (own + told) - told * estimate
-
-
-def _without_hot(sensor_map: SensorMap, rates: LogNormalMap, unseen: Mask) -> SensorMap:
-    """Return the map without pixels that are hot: these are of an effect of their own.
-
-    The shot noise of its charge, that only its law knows of, makes it less sure."""
-    cold = 1 - rates.hot
-    seen = ~unseen
-    unsure = np.maximum(sensor_map.variance, rates.posterior[1])
-    doubt = rates.hot * cold * sensor_map.mean**2
-    return SensorMap(
-        seen * cold * sensor_map.mean,
-        seen * (cold**2 * unsure + doubt),
-        {name: seen * cold * one for name, one in sensor_map.covariance.items()},
-        rates.law,
-        cold,
-        unseen,
-        rates.mixture.law.rate_law,
-    )
 
 
 def _own_part(

@@ -7,6 +7,8 @@ The offset of a row is taken from its pixels' mean, of which few fast pixels kno
 little. By the law of all pixels the many slow ones tell it far better.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Values
@@ -39,7 +41,7 @@ def row_shifts(law: Mixture, rates: Rates, known: Mask, most: Array | float) -> 
     def slope(shift: Values) -> Array:
         """Of the log density of each pixel's estimate."""
         low, high = (
-            Rates(filled.estimate - shift - move, filled.error, filled.per_rate)
+            replace(filled, estimate=filled.estimate - shift - move)
             for move in (-step, step)
         )
         change = np.logaddexp(*law.logs(high)) - np.logaddexp(*law.logs(low))

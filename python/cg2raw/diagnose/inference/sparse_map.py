@@ -23,9 +23,10 @@ from cg2raw.diagnose.inference.map_evidence import (
     told_by_darks,
     unseen_by,
 )
+from cg2raw.diagnose.likelihood.jumps import predict_for_means
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import photon_gain, predict_for_means
+from cg2raw.diagnose.likelihood.prediction import photon_gain, shot_noise_left_out
 from cg2raw.diagnose.likelihood.tails import tails_of
 
 STANDS_OUT = 3.0  # standard deviations above the others that a pixel must lie
@@ -61,12 +62,17 @@ def fit_sparse_map(
 ) -> Term:
     """Return the term with its map: rates in signal per second, 0 of most pixels.
 
-    rest : all but this term. likelihood : of frames of one shape."""
+    Of a log-normal map whose law says which pixels are hot beyond it, these are the
+    map. rest : all but this term. likelihood : of frames of one shape."""
+    shape = likelihood.frames[0].signal.shape
+    unseen = unseen_by(likelihood.frames)
+    if (beyond := _beyond_law(rest, shape)) is not None:
+        return _with_map(term, *beyond, ~unseen, unseen)
     predictions = likelihood.each(lambda frame: predict_for_means(rest, frame))
     predicted = list(zip(likelihood.frames, predictions, strict=True))
     if told_by_darks(effect, likelihood.frames):
         predicted = [one for one in predicted if not one[0].capture.shows.light]
-    cold = np.zeros(likelihood.frames[0].signal.shape)
+    cold = np.zeros(shape)
     first = _leak(effect, rest, predicted, cold)
     leak = _leak(effect, rest, predicted, np.maximum(first.rate, 0))
     if not leak.known.any():
@@ -74,10 +80,27 @@ def fit_sparse_map(
     hot, rate, variance = _posterior(leak, first, tails_of(rest, likelihood.frames[0]))
     mean = hot * rate
     doubt = hot * (variance + rate**2) - mean**2
-    share = float(hot[leak.known].mean())
-    middle = float(mean[leak.known].sum() / max(hot[leak.known].sum(), 1.0))
-    law = RateLaw.of_few(share, middle) if share > 0 else None
-    unseen = unseen_by(likelihood.frames)
+    return _with_map(term, hot, mean, doubt, leak.known, unseen)
+
+
+def _beyond_law(
+    rest: Model, shape: tuple[int, ...]
+) -> tuple[Array, Array, Array] | None:
+    for _, effect, known in rest.maps:
+        if effect.is_log_normal and known.mean.shape == shape:
+            return known.beyond_law
+    return None
+
+
+def _with_map(
+    term: Term, hot: Array, mean: Array, doubt: Array, known: Mask, unseen: Mask
+) -> Term:
+    """hot : the chance that a pixel is. mean, doubt : of its rate, hot or not."""
+    total = float(hot[known].sum())
+    share = total / max(int(known.sum()), 1)
+    law = None
+    if share > 0:
+        law = RateLaw.of_few(share, float(mean[known].sum()) / max(total, 1.0))
     sensor_map = SensorMap(mean, doubt, unknown=unseen, rate_law=law)
     return replace(term, values=np.array([share]), sensor_map=sensor_map)
 
@@ -90,7 +113,8 @@ def _leak(
     for frame, p in predicted:
         sensitivity = effect.sensitivity(frame, np.maximum(p.exposed, 0))
         used = frame.keep & ~frame.censored
-        weight = used / (p.variance + photon_gain(rest, frame) * sensitivity * rate)
+        variance = p.variance + shot_noise_left_out(rest, frame, p)
+        weight = used / (variance + photon_gain(rest, frame) * sensitivity * rate)
         residual = np.where(used, frame.signal - p.mean, 0)
         information += sensitivity**2 * weight
         score += sensitivity * residual * weight

@@ -14,9 +14,10 @@ import numpy as np
 
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.likelihood.censoring import scores
+from cg2raw.diagnose.likelihood.jumps import predict_for_means
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import blending, predict, predict_for_means
+from cg2raw.diagnose.likelihood.prediction import blending, predict
 
 
 def unblended(model: Model, likelihood: Likelihood) -> tuple[Model, Likelihood]:

@@ -20,15 +20,13 @@ from scipy.stats import chi2
 
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
 from cg2raw.diagnose.effects.mixture import harmonic_variance, log_odds
-from cg2raw.diagnose.frames.frame import Frame
-from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference.map_prior import prior_of
 from cg2raw.diagnose.inference.sparse_map import CLOSE, EM_ROUNDS
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import photon_gain
-from cg2raw.diagnose.likelihood.tails import tails_in
+from cg2raw.diagnose.likelihood.prediction import shot_noise_left_out
+from cg2raw.diagnose.likelihood.tails import LEAST_CORE, tails_in
 
 FEWEST_FRAMES = 3  # of a pixel, for what is left of them beside its mean
 JUMPS_WEIGHED = 24  # of a jump that are weighed
@@ -76,7 +74,8 @@ class _Group:
 
 def fit_variance_map(term: Term, rest: Model, likelihood: Likelihood) -> Term:
     """Return the term with its map: the chance that a pixel jumps, and the variance
-    that this adds to it on average.
+    that this adds to it on average. If it has a map already, half of that stays: a
+    pixel that maps of means and this one explain by turns settles between them.
 
     rest : all but this term. likelihood : of frames of one shape."""
     groups = list(_groups(likelihood.predicted(rest), rest))
@@ -98,6 +97,8 @@ def fit_variance_map(term: Term, rest: Model, likelihood: Likelihood) -> Term:
     extra = np.full(none.shape, values[0] * values[1] ** 2 / 2)
     chance = np.full(none.shape, values[0])
     extra[known], chance[known] = (steps / 2) ** 2 @ chances, chances.sum(0)
+    if (before := term.sensor_map) is not None and before.mean.shape == extra.shape:
+        extra, chance = (extra + before.mean) / 2, (chance + before.share) / 2
     sensor_map = SensorMap(extra, none, chance=chance)
     return replace(term, values=values, sensor_map=sensor_map)
 
@@ -120,8 +121,9 @@ def _group(predicted: Predicted, rest: Model) -> _Group:
         used = frame.keep & ~frame.censored
         residual = np.where(used, frame.signal - p.mean, 0)
         tails = tails_in(rest, frame, p)
-        variance += p.variance if tails is None else tails.narrow
-        variance += _shot_noise_of_maps(rest, frame, p)
+        own = p.variance if tails is None else tails.narrow
+        of_charge = shot_noise_left_out(rest, frame, p)
+        variance += np.maximum(own + of_charge, LEAST_CORE * own)
         count += used
         total += residual
         squares += residual**2
@@ -132,16 +134,6 @@ def _group(predicted: Predicted, rest: Model) -> _Group:
     frames = len(predicted)
     variance, wider = variance / frames, wider / frames
     return _Group(variance, count, total, squares, wider, outlying, tuple(residuals))
-
-
-def _shot_noise_of_maps(rest: Model, frame: Frame, p: Prediction) -> Array:
-    """Return the variance that the charge of log-normal maps has in each pixel, which
-    the prediction of frames that made them takes as alike in all."""
-    charge = np.zeros_like(p.mean)
-    for _, effect, known in rest.maps:
-        if effect.is_log_normal and known.mean.shape == charge.shape:
-            charge += effect.sensitivity(frame, np.maximum(p.exposed, 0)) * known.mean
-    return photon_gain(rest, frame) * np.maximum(charge, 0)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@
 """predict(): what a model says of a frame, effects by the registry, then maps."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from operator import is_
 
@@ -16,8 +15,7 @@ from cg2raw.cfa import sites_of
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
-from cg2raw.diagnose.effects.mixture import harmonic_variance
-from cg2raw.diagnose.effects.sensor_map import SMALLEST_CHANCE, SensorMap
+from cg2raw.diagnose.effects.sensor_map import SensorMap
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
@@ -309,33 +307,19 @@ def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Ar
     return np.asarray(variance / samples + of_rows / np.sqrt(samples))
 
 
-def predict_with_jumps(model: Model, frame: Frame) -> Prediction:
-    """Return what a model predicts of a frame, with all variance of pixels that jump:
-    whitening has that otherwise, by chance."""
-    p = predict(model, frame)
-    for jumps in _maps_of_jumps(model, frame):
-        p = replace(p, variance=p.variance + jumps.mean)
-    return p
-
-
-def predict_for_means(model: Model, frame: Frame) -> Prediction:
-    """Return what a model predicts of a frame, with the variance by which residuals
-    tell of means: of pixels that jump, few that may jump far have little."""
-    p = predict(model, frame)
-    for jumps in _maps_of_jumps(model, frame):
-        wide = p.variance + jumps.mean / np.maximum(jumps.share, SMALLEST_CHANCE)
-        p = replace(p, variance=harmonic_variance(jumps.share, p.variance, wide))
-    return p
-
-
-def _maps_of_jumps(model: Model, frame: Frame) -> Iterator[SensorMap]:
-    """Yield the maps of variance that whitening has."""
-    for term, effect, _ in model.maps:
-        known = model.map_on(term.effect, frame) if effect.whitens_variance else None
-        if known is not None:
-            yield known
-
-
 def photon_gain(model: Model, frame: Frame) -> Array:
     """Return the variance of light per signal, (h, w)."""
     return model.noise_gain("beta1") * frame.beta1
+
+
+def shot_noise_left_out(model: Model, frame: Frame, p: Prediction) -> Array:
+    """Return the variance that the charge of log-normal maps adds to each pixel of a
+    frame that made them, (T, h, w): a prediction of it has that alike in all."""
+    charge = np.zeros_like(p.mean)
+    if frame.capture.group == "fit":
+        for _, effect, known in model.maps:
+            if effect.is_log_normal and known.mean.shape == charge.shape:
+                charge += effect.sensitivity(frame, p.exposed) * known.mean
+    more = np.maximum(p.exposed + charge, 0) - np.maximum(p.exposed, 0)
+    shot_noise = np.sqrt(p.kept) * photon_gain(model, frame) * more
+    return np.asarray(np.maximum(shot_noise, (LEAST_VARIANCE_LEFT - 1) * p.variance))

@@ -55,7 +55,7 @@ def tails_in(model: Model, frame: Frame, p: Prediction) -> Tails | None:
     outlying, ratio = tails_of(model, frame)
     if outlying <= 0 or ratio <= 1:
         return None
-    read = frame.beta2 * model.noise_gain("beta2")
+    read = p.kept * frame.beta2 * model.noise_gain("beta2")
     core = read / (1 + outlying * (ratio - 1))
     narrow = np.maximum(p.variance - read + core, LEAST_CORE * p.variance)
     return Tails(outlying, narrow, narrow + (ratio - 1) * core)
