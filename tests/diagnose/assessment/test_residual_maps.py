@@ -10,6 +10,8 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     BY_NAME,
+    READ,
+    capture_of,
     captures_of,
     drawn,
     frames_of,
@@ -61,3 +63,30 @@ def test_a_structure_beside_a_map_is_still_seen():
     shown = drawn(both, Model(SENSOR), 6, extra)
     model = fit_patterns(model_of(SENSOR, prnu=[0.0]), on(shown[:6]))
     assert p_values(shown[6:], model)["tile mean"] < 1e-9
+
+
+def test_pixels_that_are_hot_or_of_a_law_are_no_fixed_pattern():
+    """Where it is even which, what one map has less, the other has more: all in all
+    frames tell the rate of such a pixel, and leave no more of it than of others."""
+    rng = np.random.default_rng(11)
+    shape = (144, 192)
+    rates = 0.5 * READ * np.exp(1.1 * rng.standard_normal((1, *shape)))
+    rates += (rng.random(rates.shape) < 0.02) * rng.exponential(20 * READ, rates.shape)
+
+    def charge(frame, rng):
+        mean = frame.seconds * rates
+        return mean + np.sqrt(frame.beta1 * mean) * rng.standard_normal(rates.shape)
+
+    captures = [
+        capture_of("dark", n, exposure_time=seconds, shape=shape, group=group)
+        for group in ("fit", "report")
+        for n, seconds in enumerate((0.0, 1.0, 4.0, 4.0))
+    ]
+    shown = drawn(frames_of(SENSOR, captures), Model(SENSOR), 12, charge)
+    maps = {"dark_current_nonuniformity": [0.0], "hot_pixels": [0.0]}
+    model = model_of(SENSOR, dark_current=[0.5 * READ], **maps)
+    model = fit_patterns(model, on(shown[:4]))
+    hot = model.term("hot_pixels").sensor_map.mean
+    assert (hot > READ).sum() > 100
+    found = residual_tests(model, on(shown[4:]), on([]))
+    assert next(t.p_value for t in found if "same pixel" in t.name) > 1e-3

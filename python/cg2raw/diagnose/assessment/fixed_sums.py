@@ -5,7 +5,7 @@
 maps explain of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import blending
+from cg2raw.diagnose.likelihood.prediction import blending, variance_of_map
 
 
 @dataclass
@@ -61,8 +61,13 @@ def shown_maps(
     for effect, values in blending(model, frame):
         before = before / effect.variance_left(values)
     scale = used / np.sqrt(before)
+    fitted = frame.capture.group == "fit"
     return [
-        (term.name, known, effect.shown(frame, p) * scale)
+        (
+            term.name,
+            replace(known, variance=variance_of_map(model, effect, known, fitted)),
+            effect.shown(frame, p) * scale,
+        )
         for term, effect, known in model.maps
         if known.mean.shape == used.shape and not effect.whitens_variance
     ]

@@ -58,8 +58,10 @@ class HotPixels(FixedPattern):
     ) -> Estimates:
         """With the mean rate of those that are hot."""
         assert sensor_map is not None
-        law = sensor_map.rate_law
-        rate = law.mean_of_few if law is not None else 0.0
+        law, hot = sensor_map.rate_law, sensor_map.mean[sensor_map.mean > 0]
+        rate = float(hot.mean()) if hot.size else 0.0
+        if law is not None:
+            rate = law.mean_of_few
         return {**estimates, "rate": Estimate(rate, "1/s", (rate, rate))}
 
     def size(self, values: Estimates) -> str:

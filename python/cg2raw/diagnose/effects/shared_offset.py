@@ -62,9 +62,13 @@ class SharedOffset(Effect):
         """Return the offset's standard deviation in those of each pixel, (T, h, w)."""
         return frame.keep * np.sqrt(self.offset_variance(values, frame) / p.variance)
 
-    def covariance(self, along: Array, frame: Frame) -> GroupCovariance:
-        """Return that of residuals of a frame; along : as of `along`."""
-        return GroupCovariance(along, partial(self.summed, frame.tiles), frame.keep)
+    def covariance(
+        self, along: Array, frame: Frame, wider: Array | float = 1.0
+    ) -> GroupCovariance:
+        """Return that of residuals of a frame; along : as of `along`. wider : as of
+        GroupCovariance."""
+        summed = partial(self.summed, frame.tiles)
+        return GroupCovariance(along, summed, frame.keep, wider)
 
     def leverage(self, along: Array, frame: Frame) -> Array:
         """Return the share of a pixel's variance that the likeliest offset of its group

@@ -22,7 +22,8 @@ class Prediction:
     shrinking : what integrates a nuisance out of residuals of a prediction.
     well : what fills a full well; None without one. response : None of one that is
     straight. kept : of the variance of noise, in residuals of a frame that maps were
-    made of. memo : what was last made of it, for whoever asks again
+    made of. jumps : variance of pixels that jump, beside that of all others, which
+    whitening has by chance. memo : what was last made of it, for whoever asks again
     (likelihood.whitening)."""
 
     mean: Array
@@ -34,6 +35,7 @@ class Prediction:
     well: Well | None = None
     response: Response | None = None
     kept: Array | float = 1.0
+    jumps: Array | float = 0.0
     memo: dict[str, Any] = field(
         init=False, default_factory=dict, compare=False, repr=False
     )

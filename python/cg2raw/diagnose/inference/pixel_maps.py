@@ -36,6 +36,7 @@ MOST_TURNS = 30  # of all maps, until they agree
 WARM_TURNS = 4  # of maps whose deviations are nearly known
 LEAST_TOLD = 1e-6  # of what frames tell of a pixel, that is left of it
 LEAST_MAP_VARIANCE = 1e-200
+MOST_OF_CHARGE = 0.99  # of the variance of a rate's estimate: some is of the read-out
 AGREED = 1e-3  # relative change of their deviations, from where on they do
 
 
@@ -169,16 +170,30 @@ def _prior(
         )
         estimate = _own_part(one, effect, estimate, known, evidence.repeat, slow)
         before = None if priors is None else _law_of(priors[one])
+        of_charge = np.minimum(of_charge, MOST_OF_CHARGE / information)
         rates = Rates(estimate, 1 / information, noisier, of_charge)
         if before is not None and slow is not None and ~one not in slow:
             rows = row_shifts(before.mixture, rates, known, of_rows)
             slow[~one], rates = rows, replace(rates, estimate=estimate - rows)
         return _of_rates(rates, known, stated, before)
+    return _of_deviation(effect, estimate, 1 / information, known, evidence, stated)
+
+
+def _of_deviation(
+    effect: FixedPattern,
+    estimate: Array,
+    error: Array,
+    known: Mask,
+    evidence: Evidence,
+    stated: Stated,
+) -> _Prior:
+    """Return the prior of a map that is normal, but perhaps for a few pixels.
+
+    error : variance of the estimates."""
     kept = 1.0
     if effect.lacks_slow_part:
         estimate, kept = high_pass(estimate, known, evidence.repeat), KEPT
-    square, error = estimate**2 / kept, 1 / information
-    of_known = square[known], error[known]
+    of_known = (estimate**2 / kept)[known], error[known]
     variance = bounded_tail(*of_known)
     mixed = mixed_prior_of(*of_known) if effect.has_long_tails else None
     likely = [variance]

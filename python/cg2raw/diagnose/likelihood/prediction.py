@@ -104,7 +104,16 @@ def predict(model: Model, frame: Frame) -> Prediction:
         well=well,
         response=response,
         kept=kept,
+        jumps=sum(known.mean for known in maps_of_jumps(model, frame)),
     )
+
+
+def maps_of_jumps(model: Model, frame: Frame) -> Iterator[SensorMap]:
+    """Yield the maps of variance that whitening has."""
+    for _, effect, _ in model.maps:
+        known = model.map_on(effect, frame) if effect.whitens_variance else None
+        if known is not None:
+            yield known
 
 
 def mean_without_maps(model: Model, frame: Frame) -> Array:
@@ -212,17 +221,25 @@ def _unsure(
     fitted: bool,
 ) -> Array:
     """Return the variance of a map in a frame, with what errors of others have in
-    common with its own. What is not of a law is of hot pixels, as far as these make up
-    for it; wholly, in frames that made the maps."""
+    common with its own."""
+    unsure = sensitivity**2 * variance_of_map(model, effect, sensor_map, fitted)
+    for name, covariance in sensor_map.covariance.items():
+        unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
+    return unsure
+
+
+def variance_of_map(
+    model: Model, effect: FixedPattern, sensor_map: SensorMap, fitted: bool
+) -> Array:
+    """Return that of each pixel beside the other maps of a model. What is not of a law
+    is of hot pixels, as far as these make up for it; wholly, if the frame is one that
+    made the maps."""
     variance = sensor_map.variance
     if effect.is_log_normal:
         shape = sensor_map.mean.shape
         known = 1.0 if fitted else sensor_map.made_up(_hot(model, shape))
         variance = variance - known * sensor_map.unsure_kind
-    unsure = sensitivity**2 * variance
-    for name, covariance in sensor_map.covariance.items():
-        unsure = unsure + sensitivity * slopes.get(name, 0.0) * covariance
-    return unsure
+    return variance
 
 
 def _of_makers(

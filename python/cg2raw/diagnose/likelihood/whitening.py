@@ -19,7 +19,7 @@ from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
-from cg2raw.diagnose.frames.shrinkage import GroupCovariance, whitener_along
+from cg2raw.diagnose.frames.shrinkage import GroupCovariance, beside, whitener_along
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
@@ -187,7 +187,8 @@ class _Stages:
     """What whitens residuals of a prediction, one after the other: the direction of an
     offset or a field is that in residuals which those before have whitened.
 
-    within : the prediction before what of its processing is whitened."""
+    within : the prediction before what of its processing is whitened. Pixels that jump
+    tell of what they share with others by as much less as they are noisier."""
 
     def __init__(self, p: Prediction, frame: Frame, read: Array) -> None:
         self.p, self.frame, self._read = p, frame, read * p.kept
@@ -196,12 +197,18 @@ class _Stages:
 
     def next(self, effect: Effect, values: Values) -> Whitener:
         """Return what whitens by an effect, of residuals alone."""
-        p, frame = self.p, self.frame
+        p, frame, wider = self.p, self.frame, self._wider
         if isinstance(effect, SharedOffset):
             stage: Whitener = self.covariance(effect, values).whiten
         elif isinstance(effect, SharedFields):
             fields = [self._seen(one) for one in effect.fields(p, values, frame)]
-            stage = whitener_along(fields, frame)
+            stage = beside(
+                wider, whitener_along([one / wider for one in fields], frame)
+            )
+        elif effect.whitening is WhiteningStage.AMPLIFIER:
+            jumping = replace(self.within, variance=self.within.variance * wider**2)
+            own = effect.whitener(jumping, values, frame, self._read)
+            stage = beside(wider, own)
         else:
             stage = effect.whitener(self.within, values, frame, self._read)
         self.resume(effect, stage, values)
@@ -210,7 +217,14 @@ class _Stages:
     def covariance(self, effect: SharedOffset, values: Values) -> GroupCovariance:
         """Return that of the residuals by then."""
         along = self._seen(effect.along(self.p, values, self.frame))
-        return effect.covariance(along, self.frame)
+        return effect.covariance(along, self.frame, self._wider)
+
+    @property
+    def _wider(self) -> Array | float:
+        """How many times wider pixels are with their jumps."""
+        if np.ndim(self.p.jumps) == 0 and self.p.jumps == 0:
+            return 1.0
+        return np.sqrt(1 + self.p.jumps / self.within.variance)
 
     def resume(self, effect: Effect, stage: Whitener, values: Values) -> None:
         """Go on after a stage."""
