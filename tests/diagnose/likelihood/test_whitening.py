@@ -10,6 +10,7 @@ from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm, poisson
 
 from cg2raw.diagnose.frames.prediction import Prediction
+from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.whitening import whiten
 from diagnose.planted import BY_NAME, capture_of, frames_of, model_of, sensor_of
 
@@ -226,9 +227,11 @@ def test_noise_that_was_reduced_becomes_white():
     assert abs((z * np.roll(z, 2, 2)).mean()) > 0.1
 
 
-def clipping_density(frame, mean, below_white, read, signal, light=0.0):
+def clipping_density(
+    frame, mean, below_white, read, signal, light=0.0, tails=(0.0, 1.0)
+):
     """Return the density of signals (n,) at a mean, per unit of signal, and their
-    residuals. light : variance of light that nobody measured."""
+    residuals. light : variance of light that nobody measured. tails : of read noise."""
     photons = frame.beta1.mean() * mean
     well = 1 - below_white
     a = (well - mean) / photons**0.5
@@ -240,6 +243,7 @@ def clipping_density(frame, mean, below_white, read, signal, light=0.0):
     p = Prediction(*known)
     z = ((signal - first) / variance**0.5).reshape(SHAPE)
     values = np.array([below_white])
+    p = replace(p, tails=tails)
     white, extra = whitened("full_well", z, p, values, frame, np.full(SHAPE[1:], read))
     density = np.exp(extra + norm.logpdf(white) - 0.5 * np.log(variance))
     return density.ravel(), white.ravel()
@@ -266,6 +270,38 @@ def test_full_well_is_the_density_of_clipped_photons_and_read_noise(frame, mean,
         below,
         abs=0.02,  # of a peak that is two steps wide
     )
+
+
+@pytest.mark.parametrize("mean", [0.79, 0.86])
+def test_a_full_pixel_has_the_tails_of_read_noise(frame, mean):
+    """A twentieth of it is four times as wide: an integral of 1, and draws as far from
+    the well as they are."""
+    read, well, share, ratio = frame.beta2.mean(), 0.8, 0.05, 16.0
+    photons = frame.beta1.mean() * mean
+    low = min(mean, well) - 8 * np.sqrt(photons + read)
+    y = np.linspace(low, well + 40 * np.sqrt(read), 480)
+    density, white = clipping_density(frame, mean, 1 - well, read, y, 0, (share, ratio))
+    assert density.sum() * (y[1] - y[0]) == pytest.approx(1, abs=0.01)
+    rng = np.random.default_rng(6)
+    core = read / (1 + share * (ratio - 1))
+    wide = np.where(rng.random(400_000) < share, ratio, 1) * core
+    charge = mean + np.sqrt(photons) * rng.standard_normal(wide.size)
+    draws = np.minimum(charge, well) + np.sqrt(wide) * rng.standard_normal(wide.size)
+    below = np.searchsorted(np.sort(draws), y) / wide.size
+    assert norm.cdf(white) == pytest.approx(below, abs=0.004)
+    far = y > well + 5 * np.sqrt(read)
+    assert norm.sf(white[far]) == pytest.approx(1 - below[far], abs=1e-4)
+    assert (1 - below[far]).max() > 3e-4
+
+
+def test_tails_are_not_counted_twice_near_the_well(frame):
+    well = Well(0.8, np.full(SHAPE, 0.7), np.full(SHAPE, 1e-4))
+    well.charge[:, :, ::2] = 0.9
+    p = replace(prediction(0.8), well=well)
+    z = np.full(SHAPE, 5.0)
+    white, cost = whitened("heavy_tailed_noise", z, p, np.array([0.05, 16.0]), frame)
+    assert (white[:, :, ::2] == 5).all() and not cost[:, :, ::2].any()
+    assert (white[:, :, 1::2] < 5).all()
 
 
 def test_full_well_far_below_the_well_is_the_normal(frame):

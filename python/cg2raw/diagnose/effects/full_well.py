@@ -23,7 +23,7 @@ from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 
 LEAST_TAIL = 1e-15
-NEAR_WELL = 6.0  # standard deviations below the well that its clipping is felt in
+LEAST_READ = 0.2  # of the read noise's variance, that a full pixel has
 LEAST_PILE = 2  # pixels at one level that may be a well's
 BRIGHT = 0.2  # of white, from which on pixels may be clipped
 
@@ -44,37 +44,31 @@ class FullWell(Effect):
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:
         """The exact density of min(photons, well) + read noise near the well, and the
-        normal score of what was measured."""
-        well = 1 - values[0]
+        normal score of what was measured. Of a full pixel all noise is read noise: its
+        tails are here."""
+        extra = np.zeros_like(z)
+        if values[0] <= 0:
+            return z, extra
         charge = p.exposed if p.well is None else p.well.charge
         light = np.broadcast_to(p.light_variance, z.shape)
-        below = (well - charge) / np.sqrt(p.photon_variance + light + 1e-14)
-        near = below < NEAR_WELL
-        extra = np.zeros_like(z)
-        if values[0] <= 0 or not near.any():
-            return z, extra
-        x, s2, light = charge[near], p.photon_variance[near] + 1e-14, light[near]
-        lost, less_varied = Well(well, x, s2).cut
-        mean, clipped = x - lost, s2 - less_varied
-        known = p.variance[near] - light
-        least = 0.2 * np.broadcast_to(read, z.shape)[near]
-        rest = np.maximum(known - clipped, least)
-        y = z[near] * np.sqrt(p.variance[near]) + mean  # before the read-out's offsets
-        s2 = s2 + light  # light that nobody measured is clipped too
-        sd, a, both = np.sqrt(s2), below[near], s2 + rest
-        split = np.sqrt(s2 * rest / both)
-        open_ = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
-        open_ += log_ndtr((well - (x * rest + y * s2) / both) / split)
-        shut = log_ndtr(-a) - 0.5 * (y - well) ** 2 / rest - 0.5 * np.log(rest)
-        below_y = _both_below(a, (y - x) / np.sqrt(both), sd / np.sqrt(both))
-        below_y += ndtr(-a) * ndtr((y - well) / np.sqrt(rest))
-        white = z.copy()
-        white[near] = ndtri(np.clip(below_y, LEAST_TAIL, 1 - LEAST_TAIL))
-        extra[near] = (
-            np.logaddexp(open_, shut)
-            + 0.5 * white[near] ** 2
-            + 0.5 * np.log(p.variance[near])
+        near = Well(1 - values[0], charge, p.photon_variance).is_near(
+            p.photon_variance + light
         )
+        if not near.any():
+            return z, extra
+        read, light = np.broadcast_to(read, z.shape)[near], light[near]
+        well = Well(1 - values[0], charge[near], p.photon_variance[near] + 1e-14)
+        lost, less_varied = well.cut
+        known = p.variance[near] - light
+        rest = np.maximum(known - (well.variance - less_varied), LEAST_READ * read)
+        y = z[near] * np.sqrt(p.variance[near]) + well.charge - lost  # before offsets
+        # Light that nobody measured is clipped too.
+        well = Well(well.level, well.charge, well.variance + light)
+        density, below, above = _with_tails(y, well, rest, p.tails)
+        tail = ndtri(np.maximum(np.minimum(below, above), LEAST_TAIL))
+        white = z.copy()
+        white[near] = np.where(below < above, tail, -tail)
+        extra[near] = density + 0.5 * white[near] ** 2 + 0.5 * np.log(p.variance[near])
         return white, extra
 
     def first_values(self, predicted: Predicted) -> Values | None:
@@ -118,6 +112,42 @@ def _low_pixels(frame: Frame, p: Prediction) -> Array:
     low = p.mean - frame.signal > 6 * np.sqrt(p.variance - p.light_variance)
     used = frame.counted & ~frame.censored & low & (frame.signal > 0.25)
     return np.asarray(frame.signal[used])
+
+
+def _with_tails(
+    y: Array, well: Well, rest: Array, tails: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Return (log densities, chances of less, of more) of signals y (n,) of a well.
+
+    rest : variance of the read-out. tails : share of it that is wider than the others,
+        ratio of their variances."""
+    share, ratio = tails
+    if share <= 0 or ratio <= 1:
+        return _clipped(y, well, rest)
+    core = rest / (1 + share * (ratio - 1))
+    narrow = _clipped(y, well, core)
+    wide = _clipped(y, well, ratio * core)
+    below, above = (
+        (1 - share) * a + share * b for a, b in zip(narrow[1:], wide[1:], strict=True)
+    )
+    density = np.logaddexp(np.log1p(-share) + narrow[0], np.log(share) + wide[0])
+    return density, below, above
+
+
+def _clipped(y: Array, well: Well, rest: Array) -> tuple[Array, Array, Array]:
+    """Return the same, if the read-out is normal; densities are but for a factor."""
+    x, s2, level = well.charge, well.variance, well.level
+    both = s2 + rest
+    sd, a = np.sqrt(s2), (level - x) / np.sqrt(s2)
+    open_ = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
+    split = np.sqrt(s2 * rest / both)
+    open_ += log_ndtr((level - (x * rest + y * s2) / both) / split)
+    over = (y - level) / np.sqrt(rest)
+    shut = log_ndtr(-a) - 0.5 * over**2 - 0.5 * np.log(rest)
+    below = _both_below(a, (y - x) / np.sqrt(both), sd / np.sqrt(both))
+    above = np.maximum(ndtr(a) - below, 0) + ndtr(-a) * ndtr(-over)
+    below = below + ndtr(-a) * ndtr(over)
+    return np.logaddexp(open_, shut), below, above
 
 
 def _both_below(h: Array, k: Array, correlation: Array) -> Array:

@@ -53,12 +53,16 @@ class HeavyTailedNoise(Effect):
     def whiten(
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:
-        """The normal score of a mixture of two normals, of the variance as it was."""
+        """The normal score of a mixture of two normals, of the variance as it was; near
+        the full well its density has it (full_well)."""
         fraction, ratio = values
         of_read = np.minimum(read / p.variance, 1)
         core = of_read / (1 + fraction * (ratio - 1))
         wide, narrow = 1 - of_read + ratio * core, 1 - of_read + core
-        return normal_score(z, fraction, narrow, wide)
+        white, cost = normal_score(z, fraction, narrow, wide)
+        if not np.any(p.near_well):
+            return white, cost
+        return np.where(p.near_well, z, white), np.where(p.near_well, 0, cost)
 
     def tails(self, values: Values) -> tuple[float, float]:
         return float(values[0]), float(values[1])

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from cg2raw.diagnose.frames.response import Response
-from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.frames.well import Well
 
 
@@ -23,8 +23,9 @@ class Prediction:
     well : what fills a full well; None without one. response : None of one that is
     straight. kept : of the variance of noise, in residuals of a frame that maps were
     made of. jumps : variance of pixels that jump, beside that of all others, which
-    whitening has by chance. memo : what was last made of it, for whoever asks again
-    (likelihood.whitening)."""
+    whitening has by chance. tails : share of the read noise that is wider than the
+    rest, and by which ratio of variances; 0 and 1 if none. memo : what was last made of
+    it, for whoever asks again (likelihood.whitening)."""
 
     mean: Array
     variance: Array
@@ -36,6 +37,7 @@ class Prediction:
     response: Response | None = None
     kept: Array | float = 1.0
     jumps: Array | float = 0.0
+    tails: tuple[float, float] = (0.0, 1.0)
     memo: dict[str, Any] = field(
         init=False, default_factory=dict, compare=False, repr=False
     )
@@ -44,6 +46,15 @@ class Prediction:
     def below(self) -> Array | float:
         """The chance that the charge of a pixel stays below the full well."""
         return 1.0 if self.well is None else self.well.below
+
+    @cached_property
+    def near_well(self) -> Mask | bool:
+        """Where the full well is felt, and its density has all noise of the read-out;
+        False without one."""
+        well = self.well
+        if well is None:
+            return False
+        return well.is_near(self.photon_variance + self.light_variance)
 
     @cached_property
     def shrinkage(self) -> Any:

@@ -20,6 +20,7 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 FAR_FROM_LEVEL = (
     8.0  # standard deviations from the level, beyond which all or nothing is cut
 )
+NEAR_WELL = 6.0  # such deviations below the level, that its clipping is felt in
 ROOT_2_PI = np.sqrt(2 * np.pi)
 
 
@@ -42,6 +43,12 @@ class Well:
     def with_more(self, charge: Array, variance: Array) -> "Well":
         more = np.maximum(self.variance + variance, 0)
         return Well(self.level, self.charge + charge, more)
+
+    def is_near(self, variance: Array) -> Mask:
+        """Return where charge of a variance (T, h, w) is near the level or above."""
+        deviation = np.sqrt(np.maximum(variance, LEAST_VARIANCE))
+        near: Mask = (self.level - self.charge) / deviation < NEAR_WELL
+        return near
 
     @property
     def below(self) -> Array:

@@ -23,6 +23,7 @@ from cg2raw.diagnose.frames.shrinkage import GroupCovariance, beside, whitener_a
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.tails import tails_of
 
 NO_VALUES: Values = np.zeros(0)
 LINEAR_STAGES = "linear stages"  # in the memo of a prediction, with what they are of
@@ -37,7 +38,8 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     that the same residuals of the same prediction passed the last time, in a search
     along the values of a later one, are not passed again."""
     read = frame.beta2 * model.noise_gain("beta2")
-    stages = _Stages(p, frame, read)
+    tails = tails_of(model, frame) if p.well is not None else p.tails
+    stages = _Stages(replace(p, tails=tails), frame, read)
     start = _Link((id(z), read.tobytes()), z)
     before: list[_Link] = p.memo.get(LINKS, [])
     links = before[:1] if before and before[0].key == start.key else [start]
@@ -45,7 +47,12 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
         if isinstance(effect, SharedOffset) and cut_offsets(model, frame):
             continue
         known = model.map_on(effect, frame) if effect else None
-        key = effect and effect.name, values.tobytes(), id(known)
+        key = (
+            effect and effect.name,
+            values.tobytes(),
+            id(known),
+            _tails_in(effect, tails),
+        )
         old = before[len(links)] if len(links) < len(before) else None
         if old and old.key == key and links[-1] is before[len(links) - 1]:
             links.append(old)
@@ -55,6 +62,12 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
             links.append(_passed(links[-1], key, effect, values, stages, known))
     p.memo[LINKS] = links
     return links[-1].z, links[-1].cost
+
+
+def _tails_in(effect: Effect | None, tails: tuple[float, float]) -> object:
+    """Return the tails of read noise that an effect's own density has; None if none."""
+    clips = effect is not None and effect.whitening is WhiteningStage.CLIPPING
+    return tails if clips else None
 
 
 @dataclass(frozen=True)
