@@ -5,10 +5,15 @@
 import numpy as np
 import pytest
 
+from cg2raw.diagnose.captures.reader import read_captures
+from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.intervals import estimates, widenings
+from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.robust_errors import covariances
+from cg2raw.diagnose.pipeline import PIXELS
+from diagnose.patch_tables import write_tables
 from diagnose.planted import captures_of, drawn, frames_of, model_of, on, sensor_of
 
 SENSOR = sensor_of()
@@ -103,3 +108,17 @@ def test_the_mean_of_a_map_is_some_of_a_black_level(frames, name, along, alike):
     for one in estimates(model, shown)["black_level"].values():
         error = (one.ci95[1] - one.ci95[0]) / (2 * 1.96)
         assert own < error < 1.25 * own
+
+
+def test_patches_of_a_chart_are_a_place_each(tmp_path):
+    """They lie nowhere: as many as there are say how far scores differ."""
+    captures = read_captures(write_tables(tmp_path, offset=0.02))
+    frames = read_frames(captures, noise_models(captures), PIXELS, lambda *_: None)
+    fitted = [frame for frame in frames if frame.capture.group == "fit"]
+    model = fit(model_of(captures.sensor, black_level=[0.0]), on(fitted))
+    base = Linearisation(model, on(fitted))
+    _, score, information = base.system(model)
+    found = covariances(base, score, information)
+    patches = {len(frame.signal) for frame in fitted}
+    assert {round(found.places)} == patches
+    assert (found.errors > 0).all()

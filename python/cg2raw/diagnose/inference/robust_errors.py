@@ -115,24 +115,29 @@ def _spread(base: Linearisation, step: Array) -> tuple[Array, float]:
 
 
 def _grid(frame: Frame) -> tuple[int, int]:
-    """Return the rows and columns of a frame's cells; each patch of a chart is one."""
-    side = SCORE_CELL if frame.samples is None else 1
+    """Return the rows and columns of a frame's cells; no columns of patches of a chart,
+    which lie nowhere and are a cell each."""
+    if frame.samples is not None:
+        return len(frame.signal), 0
     height, width = frame.tiles.shape
-    return -(-height // side), -(-width // side)
+    return -(-height // SCORE_CELL), -(-width // SCORE_CELL)
 
 
 def _cells(frame: Frame) -> tuple[NDArray[np.intp], int]:
     """Return (the cell of each pixel of a frame, how many there are)."""
-    side = SCORE_CELL if frame.samples is None else 1
     height, width = _grid(frame)
+    if not width:
+        return np.arange(height)[:, None, None], height
     rows, columns = frame.tiles.rows_and_columns()
-    return rows // side * width + columns // side, height * width
+    return rows // SCORE_CELL * width + columns // SCORE_CELL, height * width
 
 
 def _with_neighbours(sums: Array, shape: tuple[int, int], power: int = 1) -> Array:
     """Return (n, cells) of sums (n, cells) with those nearby, by a power of weights
     that fall along rows and columns as a triangle: products with such sums are no less
     than 0. Source: W. K. Newey, K. D. West, Econometrica 55(3), 1987."""
+    if not shape[1]:
+        return sums
     fields = sums.reshape(-1, *shape)
     for axis, count in ((1, shape[0]), (2, shape[1])):
         places = np.arange(count)
