@@ -10,6 +10,7 @@ from cg2raw.benchmark.closed_loop import simulated
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.reader import in_groups
+from cg2raw.diagnose.effects.base import NORMAL_95
 from diagnose.planted import READ, capture_of, sensor_of
 
 SHAPE = (240, 320)
@@ -51,8 +52,10 @@ def test_a_colder_sensor_has_less_dark_current_and_no_other_effect(found):
     assert [effect.name for effect in found.effects] == ["dark_current"]
     [dark] = found.effects
     rate = RATES["dark_current"]["per_second"]
-    low, high = dark.parameters["per_second"].ci95
-    assert low <= (COLDER - 1) * rate <= high
+    found_rate = dark.parameters["per_second"]
+    error = (found_rate.ci95[1] - found_rate.ci95[0]) / (2 * NORMAL_95)
+    assert found_rate.value == pytest.approx((COLDER - 1) * rate, abs=3 * error)
+    assert error < 0.01 * rate
     assert "K colder" in dark.sentence
     assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
 

@@ -8,6 +8,7 @@ import pytest
 from cg2raw.diagnose.inference import candidates
 from cg2raw.diagnose.inference.candidates import Candidates, null_gain
 from cg2raw.diagnose.inference.fitting import fit
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
@@ -66,6 +67,24 @@ def test_parameters_gain_one_nat_each_by_chance():
         groups = groups_of(seed)
         gains.append(null_gain(shaded(groups), splits_of(groups)))
     assert np.mean(gains) == pytest.approx(7, abs=3 * np.sqrt(14 / 12))
+
+
+@pytest.mark.parametrize("mapped", [False, True])
+def test_beside_maps_it_is_the_select_frames_that_screen(mapped):
+    """The frames that maps were made of would have the noise of these again."""
+    groups = groups_of(2)
+    splits, model = splits_of(groups), shaded(groups)
+    if mapped:
+        model = fit_patterns(model.with_effect(BY_NAME["dsnu"]), splits.fit)
+    screened = candidates_of(splits, model)._screened(EFFECTS)
+    for one in screened:
+        select = splits.select.total(one.start) - splits.select.total(model)
+        if mapped or one.effect.estimator == "fixed pattern":
+            assert one.score == pytest.approx(select)
+        else:
+            fitted = splits.fit.total(one.start) - splits.fit.total(model)
+            assert one.score == pytest.approx(fitted, abs=1e-3)
+    assert len(screened) > 10
 
 
 def test_a_term_that_rests_gains_nothing():

@@ -3,8 +3,9 @@
 
 """Candidates: effects that a model lacks, and what each would gain.
 
-All are screened by one step on the fit frames, the best are fitted there, and the
-select frames say what they gain. Of large frames a few tiles are asked first.
+All are screened by one step on the fit frames, or by what that gains on the select
+frames; the best are fitted, and the select frames say what they gain. Of large frames a
+few tiles are asked first.
 """
 
 from collections.abc import Callable, Sequence
@@ -72,8 +73,7 @@ class Candidates:
         best = max((one.score for one in screened), default=0.0)
         found = []
         for rank, one in enumerate(screened[:MOST_FITTED]):
-            is_map = one.effect.estimator == "fixed pattern"
-            chance = 0 if is_map else len(one.effect.used)
+            chance = 0 if self._held_out(one.effect) else len(one.effect.used)
             if one.score < LEAST_SCORE + chance:
                 continue
             if rank >= 3 and one.score < WORTH_FITTING * best:
@@ -99,10 +99,15 @@ class Candidates:
             if guess is None:
                 continue
             start, score = guess
-            if candidate.estimator == "fixed pattern":
+            if self._held_out(candidate):
                 score = self.splits.select.total(start) - self._height
             found.append(Screened(score, candidate, start))
         return sorted(found, key=lambda one: one.score, reverse=True)
+
+    def _held_out(self, candidate: Effect) -> bool:
+        """Return whether the select frames screen a candidate: the fit frames, which
+        made the maps of a model, would rather have the noise of that again."""
+        return candidate.estimator == "fixed pattern" or any(self.model.maps)
 
     @cached_property
     def _height(self) -> float:
@@ -125,8 +130,7 @@ class Candidates:
         few, model = self._of_few
         share = few.select.pixels / self.splits.select.pixels
         start = one.start.of_few_tiles(self.splits.frames)
-        is_map = one.effect.estimator == "fixed pattern"
-        shown = few.select if is_map else few.fit
+        shown = few.select if self._held_out(one.effect) else few.fit
         alone = self.model.of_few_tiles(self.splits.frames)
         if shown.total(start) - shown.total(alone) < SHOWN_BY_FEW * share * one.score:
             return False
