@@ -6,11 +6,27 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.effects.base import SensorMap
+from cg2raw.diagnose.inference.drawn_frames import drawn_frames
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.model import Term
 from cg2raw.diagnose.likelihood.prediction import predict, shot_noise_left_out
-from diagnose.planted import BY_NAME, SHAPE, capture_of, frames_of, model_of, sensor_of
+from diagnose.planted import (
+    BY_NAME,
+    ONE,
+    READ,
+    SHAPE,
+    capture_of,
+    captures_of,
+    frames_of,
+    model_of,
+    sensor_of,
+)
 
 WELL = 0.55
+TAILS = {"heavy_tailed_noise": [0.03, 20.0]}
+BLENDED = {"noise_reduction": [0.3, 0.02]}
 
 
 @pytest.mark.parametrize(
@@ -115,3 +131,19 @@ def test_shot_noise_of_a_rate_is_left_out_of_frames_that_made_its_map():
         expected = share * np.sqrt(p.kept) * charge * frame.beta1
         found = shot_noise_left_out(model, frame, p)
         np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("terms", [{}, TAILS, BLENDED, {**TAILS, **BLENDED}])
+def test_residuals_of_frames_that_made_a_map_are_white(terms):
+    """Of noise with tails a map follows the narrow part, which tells of means; of noise
+    that a camera blended it follows what that was before. Residuals of the tails, which
+    a map hardly follows, are taken for smaller than they are: 5 % of chi-square."""
+    sensor = sensor_of(effects=[{"name": "dsnu", "parameters": {"sigma": READ}}])
+    model = model_of(sensor, **terms)
+    splits = Splits(frames_of(sensor, captures_of(("dark",) * 4, shape=(96, 144))), ONE)
+    drawn = drawn_frames(model, splits, 4).fit
+    known = model.with_term(Term(BY_NAME["dsnu"], np.zeros(1), calibration=True))
+    for _ in range(3):
+        known = fit_patterns(known, drawn)
+    z = [log_density(known, frame)[1][frame.counted] for frame in drawn.frames]
+    assert np.square(z).mean() == pytest.approx(1, abs=0.06)

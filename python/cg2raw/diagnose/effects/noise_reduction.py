@@ -20,6 +20,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 
+LEAST_BLEND = np.array([0.0, -0.1])
 LEAST_POWER = 1e-4  # of a frequency that the filter takes out
 
 
@@ -30,9 +31,13 @@ class NoiseReduction(Effect):
     title = "in-camera noise reduction"
     where = "neighbours of one colour share their noise"
     estimator = "transform"
-    search = (Parameter("blend", 0.0, 0.9), Parameter("diagonal", -0.1, 0.4))
+    # On top of what a profile has, which may be too much.
+    search = (Parameter("blend", -0.9, 0.9), Parameter("diagonal", -0.4, 0.4))
     step = 5e-3
-    starts = ((0.004, 0), (0.02, 0), (0.05, 0), (0.2, 0), (0.4, 0.05))
+    starts = (
+        *((0.004, 0), (0.02, 0), (0.05, 0), (0.2, 0), (0.4, 0.05)),
+        *((-0.01, 0), (-0.05, 0), (-0.15, 0)),
+    )
     first_scale = 0.004
     families = frozenset({SPREAD})
     signature = frozenset({"softener"})
@@ -46,10 +51,17 @@ class NoiseReduction(Effect):
     def predicted(self) -> bool:
         return True
 
+    def within_registry_bounds(self, values: Values) -> Values:
+        """Return values of a filter that blends: one that sharpens is none of these."""
+        bounded = super().within_registry_bounds(values)
+        return np.asarray(np.maximum(bounded, LEAST_BLEND))
+
     def whiten(
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:
         """Divide by the filter that a camera blended its noise with, in frequency."""
+        if not np.any(values):
+            return z, 0.0
         height, width = z.shape[-2:]
         response = _response(height, width, values)
         power = response**2 / self.variance_left(values) + LEAST_POWER

@@ -58,7 +58,7 @@ def fit_transform(
         return likelihood.total(model.with_values(name, values), known)
 
     values, highest = best_values(term, score, quick)
-    return model.with_values(name, values), highest
+    return model.with_values(name, values).within_bounds(name), highest
 
 
 def best_values(

@@ -131,11 +131,28 @@ class Model:
             drawn = frame.noise.drawn.get(effect.name)
             given = None if drawn is None else np.array(drawn)
             return given if term is None else term.values
+        given = self._listed_values(effect)
+        if term is None:
+            return given
+        added = term.values if given is None else effect.added(given, term.values)
+        return effect.within_registry_bounds(added)
+
+    def within_bounds(self, name: str) -> "Model":
+        """Return the model with values of an effect that, together with the profile's,
+        are such as the registry simulates: beyond these nothing changes."""
+        term = self.term(name)
+        assert term is not None
+        given = self._listed_values(term.effect)
+        if given is None or not term.effect.predicted:
+            return self
+        added = term.effect.added(given, term.values)
+        beyond = term.effect.within_registry_bounds(added) - added
+        return self.with_values(name, term.values + beyond)
+
+    def _listed_values(self, effect: Effect) -> Values | None:
+        """Return the values of an effect in the profile; None if it has none."""
         listed = self.profile_parameters.get(effect.name)
-        given = None if listed is None else np.array(list(listed.values()), float)
-        if term is None or given is None:
-            return given if term is None else term.values
-        return effect.added(given, term.values)
+        return None if listed is None else np.array(list(listed.values()), float)
 
     def of_few_tiles(self, frames: Sequence[Frame]) -> "Model":
         """Return the model with its maps where frames show a few of their tiles."""

@@ -25,6 +25,7 @@ from cg2raw.diagnose.frames.response import Response
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.tails import variance_for_means
 
 LEAST_VARIANCE_LEFT = (
     0.15  # of a variance, that is left without what fit frames made of a map
@@ -80,11 +81,13 @@ def predict(model: Model, frame: Frame) -> Prediction:
     well = Well.of(dict(values), exposed, photon_variance)
     response = Response.of(dict(values), exposed)
     slopes = {t.name: e.slope(frame, exposed, response) for t, e, _ in model.maps}
-    without = mean, variance
+    left = np.prod([e.variance_left(values) for e, values in blending(model, frame)])
+    unblended = mean, variance / left
     *with_maps, kept, well = _with_maps(
-        model, frame, *without, exposed, gain, well, slopes
+        model, frame, *unblended, exposed, gain, well, slopes
     )
-    mean, variance = _blended(model, frame, without, with_maps)
+    mean = mean + _blended(model, frame, with_maps[0] - mean)
+    variance = left * with_maps[1]
     variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
@@ -253,11 +256,11 @@ def _of_makers(
     """Return (variance of residuals of a frame that maps were made of, what is kept of
     its noise there).
 
-    A map follows a frame's noise by a leverage, the map's variance over that of the
-    noise by which it was made: the residual is what is left of this noise, and of how
-    far the map would be off without this frame. That does not change with what the
-    noise is taken for afterwards; else a frame that made its own map would outweigh
-    those that tell noise. Source: R. D. Cook, S. Weisberg, Residuals and Influence in
+    A map follows a frame's noise by a leverage, the map's variance over that by which
+    the noise told of it: the residual is what is left of this noise, and of how far the
+    map would be off without this frame. That does not change with what the noise is
+    taken for afterwards; else a frame that made its own map would outweigh those that
+    tell noise. Source: R. D. Cook, S. Weisberg, Residuals and Influence in
     Regression, 1982, section 2.2.
 
     doubt : variance of the maps in the frame. below : chance that a pixel is not full:
@@ -269,25 +272,18 @@ def _of_makers(
         of_light, of_readout = np.subtract(gains[0], now)
         made = made + of_light * frame.beta1 * np.maximum(charge, 0)
         made = made + of_readout * frame.beta2
+    made = variance_for_means(model, frame, made)
     leverage = np.clip(doubt / made, 0, 1 - LEAST_VARIANCE_LEFT)
     leverage = np.where(np.less(below, SURELY_BELOW), 0.0, leverage)
     left = 1 - leverage
     return left * (left * variance + leverage * made), left**2
 
 
-def _blended(
-    model: Model,
-    frame: Frame,
-    without: tuple[Array, Array],
-    with_maps: Sequence[Array],
-) -> tuple[Array, Array]:
-    """Return (mean, variance) with maps, whose part a camera blends as it does all."""
-    mean, variance = without
-    more, noisier = with_maps[0] - mean, with_maps[1] - variance
+def _blended(model: Model, frame: Frame, of_maps: Array) -> Array:
+    """Return what maps add to a mean, as a camera blends all of an image."""
     for effect, values in blending(model, frame):
-        more = effect.blended(more, values)
-        noisier = effect.variance_left(values) * noisier
-    return mean + more, variance + noisier
+        of_maps = effect.blended(of_maps, values)
+    return of_maps
 
 
 def blending(model: Model, frame: Frame) -> Iterator[tuple[Effect, Values]]:

@@ -52,10 +52,24 @@ def tails_of(model: Model, frame: Frame) -> tuple[float, float]:
 
 def tails_in(model: Model, frame: Frame, p: Prediction) -> Tails | None:
     """Return the tails of a frame's noise; None if it has none."""
+    return _tails(model, frame, p.variance, p.kept)
+
+
+def variance_for_means(model: Model, frame: Frame, variance: Array) -> Array:
+    """Return the variance by which residuals of a variance (T, h, w) tell of means."""
+    tails = _tails(model, frame, variance)
+    if tails is None:
+        return variance
+    return harmonic_variance(tails.outlying, tails.narrow, tails.wide)
+
+
+def _tails(
+    model: Model, frame: Frame, variance: Array, kept: Array | float = 1.0
+) -> Tails | None:
     outlying, ratio = tails_of(model, frame)
     if outlying <= 0 or ratio <= 1:
         return None
-    read = p.kept * frame.beta2 * model.noise_gain("beta2")
+    read = kept * frame.beta2 * model.noise_gain("beta2")
     core = read / (1 + outlying * (ratio - 1))
-    narrow = np.maximum(p.variance - read + core, LEAST_CORE * p.variance)
+    narrow = np.maximum(variance - read + core, LEAST_CORE * variance)
     return Tails(outlying, narrow, narrow + (ratio - 1) * core)
