@@ -208,3 +208,20 @@ def test_what_a_hot_pixel_leaves_in_biases_is_no_contradiction():
     found = fitted(drawn(frames, Model(SENSOR), 4, extra)).term("hot_pixels")
     mean = found.sensor_map.mean[rates > 0]
     assert mean == pytest.approx(300 * READ, rel=0.1)
+
+
+def test_a_pixel_that_the_adc_cuts_at_0_in_long_darks_is_not_hot():
+    """It jumped up in two short darks; at a rate that explains these, it would stand
+    far up in the long ones."""
+    black = sensor_of(black_level=[2.0] * 4)
+    frames = drawn(darks((0.04, 0.04, LONG, LONG), black), Model(black), 5)
+    place = (0, 20, 30)
+    hit = []
+    for frame in frames:
+        signal, at_zero = frame.signal.copy(), frame.at_zero.copy()
+        short = frame.seconds < 1
+        signal[place] = 20 * READ if short else -2 / frame.range.flat[0]
+        at_zero[place] = not short
+        hit.append(replace(frame, signal=signal, at_zero=at_zero))
+    [term] = fitted(hit, black).terms
+    assert term.sensor_map.mean[place] == 0

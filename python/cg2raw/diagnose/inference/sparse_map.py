@@ -23,6 +23,7 @@ from cg2raw.diagnose.inference.map_evidence import (
     told_by_darks,
     unseen_by,
 )
+from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.jumps import predict_for_means
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
@@ -108,17 +109,19 @@ def _with_map(
 def _leak(
     effect: FixedPattern, rest: Model, predicted: Predicted, rate: Array
 ) -> _Leak:
-    """Weighted least squares per pixel; a rate brings shot noise of its own."""
+    """Weighted least squares per pixel; a rate brings shot noise of its own. What the
+    ADC cuts at 0 is not hot."""
     information, score, squares, count, charged = np.zeros((5, *rate.shape))
     for frame, p in predicted:
         sensitivity = effect.sensitivity(frame, np.maximum(p.exposed, 0))
-        used = frame.keep & ~frame.censored
+        used = frame.keep & ~frame.at_white
         variance = p.variance + shot_noise_left_out(rest, frame, p)
-        weight = used / (variance + photon_gain(rest, frame) * sensitivity * rate)
-        residual = np.where(used, frame.signal - p.mean, 0)
-        information += sensitivity**2 * weight
-        score += sensitivity * residual * weight
-        squares += residual**2 * weight
+        variance = variance + photon_gain(rest, frame) * sensitivity * rate
+        z, _, weight = scores(replace(p, variance=variance), frame)
+        slope = used * weight * sensitivity / np.sqrt(variance)
+        information += slope**2
+        score += slope * z
+        squares += used * z**2
         count += used
         charged += used * (sensitivity > 0)
     known = information > LEAST_INFORMATION
