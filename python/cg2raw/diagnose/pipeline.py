@@ -69,7 +69,7 @@ def diagnose(
     model = search.run()
     workers.deadline = None  # the report is written in any case
     say("writing down what was found", 0.92)
-    found = assessed(capture_set, baseline, search, model, details)
+    found = assessed(capture_set, search.compared, search, model, details)
     never = [DetectionLimit(e.name, e.parameters[0], None, e.units[0]) for e in unseen]
     say("done", 1.0)
     return replace(

@@ -12,10 +12,10 @@ from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.calibrated_start import (
-    calibrated_start,
     is_calibrated,
     without_transients,
 )
+from cg2raw.diagnose.inference.model_selection import Search
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import predict
@@ -82,8 +82,15 @@ def test_shading_that_no_lamp_has_is_there_from_the_start(loss, found):
     model = Model(sensor)
     for effect in PATTERNS:
         model = model.with_term(Term(effect, effect.null, calibration=True))
-    start = calibrated_start(Baseline(model, splits), list(BY_NAME.values()))
-    assert start.model.found_names == (["lens_shading"] if found else [])
+    search = Search(Baseline(model, splits), list(BY_NAME.values()), 0.01, 6)
+    assert search._start_calibrated()
+    assert search._reached.found_names == (["lens_shading"] if found else [])
+    # What is found is compared with the profile beside the same maps.
+    assert search.compared.model.found_names == []
+    of_search = {term.name: known for term, _, known in search._reached.maps}
+    for term, _, known in search.compared.model.maps:
+        assert known is of_search.pop(term.name)
+    assert not of_search
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
 
 FEWEST_DRAWS, MOST_DRAWS = 2, 12  # of all captures
-TURNS_OF_MAPS_ANEW = 2  # with a candidate, and without it
+TURNS_OF_MAPS = 2  # with a candidate, and without it
 
 
 @dataclass(frozen=True)
@@ -83,14 +83,14 @@ class Bootstrap:
 
     def _gain(self, trial: Trial, drawn: _Drawn) -> float:
         """Return the nats that a candidate gains on drawn captures by its values,
-        scaled to as many pixels as there are. Maps begin as those of the model without
-        it do: what differs else is not the candidate's."""
+        scaled to as many pixels as there are. Maps go on from those of the model
+        without it, as in the search: what differs else is not the candidate's."""
         model = drawn.begun
         for term in trial.model.terms:
             is_map = isinstance(term.effect, FixedPattern)
             if not is_map or model.term(term.name) is None:
                 model = model.with_term(replace(term, sensor_map=None))
-        with_it = _with_maps_anew(model, drawn.splits)
+        with_it = _with_maps(model, drawn.splits)
         select, pixels = drawn.splits.select, self._null.splits.select.pixels
         gain = select.total(with_it) - select.total(drawn.null)
         return gain * pixels / select.pixels
@@ -114,14 +114,13 @@ class Bootstrap:
             shown = without_outliers(begun, drawn, MOST_OUTLIERS)
         else:
             begun, shown = start.model, start.splits
-        self._drawn.append(_Drawn(begun, _with_maps_anew(begun, shown), shown))
+        self._drawn.append(_Drawn(begun, _with_maps(begun, shown), shown))
         return self._drawn[number]
 
 
-def _with_maps_anew(model: Model, splits: Splits) -> Model:
-    """Return a model with maps of captures that are those of no other model."""
-    model = model.without_maps()
-    for _ in range(TURNS_OF_MAPS_ANEW):
+def _with_maps(model: Model, splits: Splits) -> Model:
+    """Return a model with maps that have settled beside what it has."""
+    for _ in range(TURNS_OF_MAPS):
         model = fit_patterns(model, splits.fit)
     return model
 

@@ -39,6 +39,7 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
 TURNS_OF_LIGHT = 2  # of maps, what frames set aside, and how warm they are
+MOST_TURNS, AGREED = 6, 0.05  # of all maps, until their deviations change as little
 LEAKS = 3.0  # standard deviations that the charge of a pixel is, which may flicker
 
 
@@ -61,8 +62,20 @@ def calibrated_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | N
             model = fit_alone(model, SHADING, shown.fit)
     light = model
     splits, gain = as_lit_with_gain(light, splits)
-    model = fit_patterns(model, without_transients(model, splits).fit)
+    model = _settled(model, without_transients(model, splits).fit)
     return Start(model, without_transients(model, splits), light, gain)
+
+
+def _settled(model: Model, likelihood: Likelihood) -> Model:
+    """Return the model with maps that agree with each other: pixels that jump and maps
+    of means explain the same frames, and settle between them by halves."""
+    for _ in range(MOST_TURNS):
+        before = {term.name: term.values for term, _, _ in model.maps}
+        model = fit_patterns(model, likelihood)
+        now = {term.name: term.values for term, _, _ in model.maps}
+        if all(np.allclose(now[n], before.get(n, 0.0), rtol=AGREED) for n in now):
+            break
+    return model
 
 
 def _with_sure_shading(

@@ -40,9 +40,9 @@ from cg2raw.diagnose.inference.pruning import (
     restarted,
 )
 from cg2raw.diagnose.inference.steps import (
-    CALIBRATED,
     Step,
     Trial,
+    calibrated_steps,
     mean_first,
     rule_of,
 )
@@ -84,6 +84,8 @@ class Search:
         self.light: Model | None = None  # beside which flats showed theirs
         self._light_gain = 0.0  # nats, by that
         self._reached = baseline.model
+        # The profile, with maps of the same frames as those of what is found have.
+        self.compared = baseline
         self._swapped: set[tuple[str, str]] = set()
         # Effects that were there before any was added, and what is lost without them.
         self._given: dict[str, float] = {}
@@ -142,11 +144,11 @@ class Search:
         if start is None:
             return False
         self._begin(start)
+        stated = tuple(term for term in start.model.terms if term.calibration)
+        self.compared = replace(self.baseline, model=replace(start.model, terms=stated))
         self._mapped = lost_without_each(start.model, start.splits.select)
-        for name in start.model.found_names:
-            self._given[name] = loss = self._mapped[name]
-            step = Step("calibrated", name, loss, loss, [], rule=CALIBRATED)
-            self.steps.append(step)
+        self._given = {name: self._mapped[name] for name in start.model.found_names}
+        self.steps += calibrated_steps(self._given)
         return True
 
     def _start_full(self) -> bool:
@@ -162,9 +164,7 @@ class Search:
         model = in_detail(start.model, start.splits, self.threshold)
         left = pruned(model, start.splits, self.threshold, self.report)
         ranking = sorted(left.losses.items(), key=lambda one: -one[1])
-        for name, loss in ranking:
-            step = Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
-            self.steps.append(step)
+        self.steps += calibrated_steps(dict(ranking), ranking)
         self.steps += [Step("dropped", n, -loss) for n, loss in left.dropped.items()]
         self._reached, self._given = left.model, left.losses
         self.losses = left.losses

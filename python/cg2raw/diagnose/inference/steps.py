@@ -3,7 +3,7 @@
 
 """Steps of a search: what was tried, what was taken, and why."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +46,17 @@ CALIBRATED = (
     "Measured on darks and flats together with all others: so much less likely are the "
     "held-out frames without it."
 )
+
+
+def calibrated_steps(
+    losses: Mapping[str, float], ranking: Sequence[tuple[str, float]] = ()
+) -> list[Step]:
+    """Return the steps of effects that were there from the start. losses : nats that
+    the select frames lose without each."""
+    return [
+        Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
+        for name, loss in losses.items()
+    ]
 
 
 def rule_of(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
