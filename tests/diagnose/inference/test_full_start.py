@@ -188,7 +188,7 @@ def frames_with_one_long_dark(seed):
     return drawn(frames, model, seed, extra)
 
 
-@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=pytest.mark.slow)])
 def test_a_frame_that_makes_its_own_map_does_not_say_how_large_noise_is(seed):
     start = started(frames_with_one_long_dark(seed))
     found = {term.name: term.values for term in start.model.terms}

@@ -21,7 +21,8 @@ from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 
 LEAST_BLEND = np.array([0.0, -0.1])
-LEAST_POWER = 1e-4  # of a frequency that the filter takes out
+# Share of the noise that is rounding, of which no frequency has less.
+LEAST_POWER, MOST_ROUNDED = 1e-4, 0.9
 
 
 class NoiseReduction(Effect):
@@ -64,7 +65,9 @@ class NoiseReduction(Effect):
             return z, 0.0
         height, width = z.shape[-2:]
         response = _response(height, width, values)
-        power = response**2 / self.variance_left(values) + LEAST_POWER
+        power = response**2 / self.variance_left(values)
+        rounded = _rounding(p, frame)
+        power = (1 - rounded) * power + rounded
         log_sum = 2 * np.log(power).sum() - np.log(power[:, 0]).sum()
         if width % 2 == 0:
             log_sum -= np.log(power[:, -1]).sum()
@@ -95,6 +98,13 @@ class NoiseReduction(Effect):
             return shared + 0.5 * information * blend**2
 
         return gain
+
+
+def _rounding(p: Prediction, frame: Frame) -> float:
+    """Return the share of most pixels' variance that whole DN have: they are rounded
+    after the filter, to white noise."""
+    share = 1 / 12 / (np.median(frame.range) ** 2 * np.median(p.variance))
+    return float(np.clip(share, LEAST_POWER, MOST_ROUNDED))
 
 
 def _response(height: int, width: int, values: Values) -> Array:
