@@ -64,7 +64,11 @@ def missed(finding, planted):
 
 @pytest.mark.parametrize(
     ("name", "planted"),
-    [("bias_structure", BIAS), ("amplifier_glow", GLOW), ("black_level_drift", DRIFT)],
+    [
+        ("bias_structure", BIAS),
+        pytest.param("amplifier_glow", GLOW, marks=pytest.mark.slow),
+        pytest.param("black_level_drift", DRIFT, marks=pytest.mark.slow),
+    ],
 )
 def test_it_is_named_first_with_its_values(name, planted):
     found = diagnosed(with_effects(**{name: planted}))
@@ -76,6 +80,7 @@ def test_it_is_named_first_with_its_values(name, planted):
     assert set(effect["parameters"]) == set(planted)
 
 
+@pytest.mark.slow
 def test_uneven_dark_current_is_named_with_its_law():
     """Beside the dark current that a profile has: the numbers of its law to a tenth."""
     true = with_effects(dark_current=DARK, dark_current_nonuniformity=UNEVEN)
@@ -110,6 +115,7 @@ def test_all_of_them_at_once_are_found():
     assert found.gap.chi2_after == pytest.approx(1, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_structure_that_is_in_the_profile_is_found_where_it_changed():
     """Steps start from what the profile has: not from zero, nor twice."""
     moved = {**BIAS, "edge": 0.5 * READ}

@@ -23,6 +23,7 @@ from cg2raw.diagnose.frames.tiling import Array
 
 PITCHES = range(4, 65)
 TYPICAL_PITCH = 16  # of a grid, of whose detection limit is told
+LEAST_AROUND = 1e-9  # of the most information around a site, that is any
 AROUND = 9  # sites of one place of a CFA's repeat that a pixel is compared with, a side
 FEWEST_OF_GRID = 4  # of a grid that may be one
 
@@ -115,7 +116,9 @@ def _light_beside(frame: Frame, p: Prediction) -> tuple[Array, Array]:
             at = np.s_[:, row::side, column::side]
             around = (1, AROUND, AROUND)
             weight = uniform_filter(information[at], around)
-            level = uniform_filter(score[at], around) / np.maximum(weight, 1e-300)
+            # Running sums leave a little of what they have passed where there is none.
+            some = weight > LEAST_AROUND * weight.max()
+            level = some * uniform_filter(score[at], around) / np.where(some, weight, 1)
             rest[at] = score[at] - information[at] * level
     return rest, information
 

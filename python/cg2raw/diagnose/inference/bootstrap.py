@@ -29,7 +29,7 @@ from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
 
 FEWEST_DRAWS, MOST_DRAWS = 2, 12  # of all captures
-TURNS_OF_MAPS = 2  # with a candidate, and without it
+TURNS_OF_DRAWN = 2  # with a candidate, and without it
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class Bootstrap:
 
 def _with_maps(model: Model, splits: Splits) -> Model:
     """Return a model with maps that have settled beside what it has."""
-    for _ in range(TURNS_OF_MAPS):
+    for _ in range(TURNS_OF_DRAWN):
         model = fit_patterns(model, splits.fit)
     return model
 

@@ -39,7 +39,8 @@ from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 
 TURNS_OF_LIGHT = 2  # of maps, what frames set aside, and how warm they are
-MOST_TURNS, AGREED = 6, 0.05  # of all maps, until their deviations change as little
+# Turns of all maps, at most, and the change of their deviations that ends them.
+MOST_TURNS_OF_ALL, SETTLED_TO = 6, 0.05
 LEAKS = 3.0  # standard deviations that the charge of a pixel is, which may flicker
 
 
@@ -69,11 +70,11 @@ def calibrated_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | N
 def _settled(model: Model, likelihood: Likelihood) -> Model:
     """Return the model with maps that agree with each other: pixels that jump and maps
     of means explain the same frames, and settle between them by halves."""
-    for _ in range(MOST_TURNS):
+    for _ in range(MOST_TURNS_OF_ALL):
         before = {term.name: term.values for term, _, _ in model.maps}
         model = fit_patterns(model, likelihood)
         now = {term.name: term.values for term, _, _ in model.maps}
-        if all(np.allclose(now[n], before.get(n, 0.0), rtol=AGREED) for n in now):
+        if all(np.allclose(now[n], before.get(n, 0.0), rtol=SETTLED_TO) for n in now):
             break
     return model
 
