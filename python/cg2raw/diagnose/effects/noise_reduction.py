@@ -13,6 +13,7 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
+    Whitener,
 )
 from cg2raw.diagnose.effects.families import SPREAD
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
@@ -61,18 +62,27 @@ class NoiseReduction(Effect):
         self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
     ) -> Whitened:
         """Divide by the filter that a camera blended its noise with, in frequency."""
+        return self.whitener(p, values, frame, read)(z)
+
+    def whitener(
+        self, p: Prediction, values: Values, frame: Frame, read: Array
+    ) -> Whitener:
         if not np.any(values):
-            return z, 0.0
-        height, width = z.shape[-2:]
-        response = _response(height, width, values)
-        power = response**2 / self.variance_left(values)
+            return lambda z: (z, 0.0)
+        height, width = p.variance.shape[-2:]
+        power = _response(height, width, values) ** 2 / self.variance_left(values)
         rounded = _rounding(p, frame)
         power = (1 - rounded) * power + rounded
         log_sum = 2 * np.log(power).sum() - np.log(power[:, 0]).sum()
         if width % 2 == 0:
             log_sum -= np.log(power[:, -1]).sum()
-        white = fft.irfft2(fft.rfft2(z) / np.sqrt(power), z.shape[-2:])
-        return white, -0.5 * log_sum / (height * width)
+        cost = -0.5 * log_sum / (height * width)
+        root = np.sqrt(power)
+
+        def whiten(z: Array) -> Whitened:
+            return fft.irfft2(fft.rfft2(z) / root, (height, width)), cost
+
+        return whiten
 
     def blended(self, image: Array, values: Values) -> Array:
         height, width = image.shape[-2:]
