@@ -73,8 +73,8 @@ def test_a_map_has_spots_and_nothing_else():
     assert np.sqrt(np.mean((found - loss)[near] ** 2)) < 0.004
     # Noise beside a spot is as likely below the rest as above it.
     beside = found[loss < 1e-4]
-    assert (beside != 0).mean() < 0.02
-    assert np.sqrt(np.mean(beside**2)) < 4e-4
+    assert (beside != 0).mean() < 0.08  # where a spot may fade, unseen
+    assert np.sqrt(np.mean(beside**2)) < 5e-4
 
 
 def test_spots_that_cover_much_of_a_frame_are_found_to_their_edges():
@@ -90,6 +90,47 @@ def test_spots_that_cover_much_of_a_frame_are_found_to_their_edges():
     inner = np.s_[8:-8, 8:-8]
     assert (loss > 0.01).mean() > 0.35
     assert np.sqrt(np.mean((found - loss)[inner] ** 2)) < 0.01
+
+
+def test_edges_too_faint_to_be_seen_are_not_taken_for_a_darker_rest():
+    places = [(r, c) for r in (30, 82) for c in (30, 72, 114)]
+    loss = sum(spot(row, col, 0.1, 6) for row, col in places)
+
+    def shaded(frame, rng):
+        return -loss[None] * frame.of_site(frame.camera.astype(float))
+
+    found = -fitted(shaded).sensor_map.mean[0]
+    assert abs(np.mean(found - loss)) < 0.02 * np.mean(loss)
+
+
+def test_spots_that_cover_most_of_a_row_are_found():
+    """The middle of such a row is dark, and the rest of it no brighter than others."""
+    loss = sum(spot(56, col, 0.15, 9) for col in (16, 52, 90, 128))
+
+    def shaded(frame, rng):
+        return -loss[None] * frame.of_site(frame.camera.astype(float))
+
+    found = -fitted(shaded).sensor_map.mean[0]
+    inner = np.s_[8:-8, 8:-8]
+    assert np.median(loss[56]) > 0.02
+    assert np.sqrt(np.mean((found - loss)[inner] ** 2)) < 0.01
+
+
+def test_a_spot_is_as_deep_where_wells_are_full_beside_it():
+    """Greens are a tenth above the full well, and below it in the spot."""
+    loss = spot(56, 72, 0.3, 9)
+    model, well = model_of(SENSOR, full_well=[0.45], dust=[0.0]), 0.55
+
+    def shaded(frame, rng):
+        light = frame.of_site(frame.camera.astype(float))
+        return np.minimum(light * (1 - loss), well) - np.minimum(light, well)
+
+    frames = drawn(flats(), model.without(NAME), 5, extra=shaded)
+    for _ in range(3):
+        model = fit_patterns(model, on(frames))
+    found = -model.term(NAME).sensor_map.mean[0]
+    near = loss > 0.1
+    assert abs(np.mean((found - loss)[near])) < 0.003
 
 
 def test_a_lamp_that_flickers_hides_no_spot():

@@ -18,7 +18,7 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.censoring import scores
 from cg2raw.diagnose.likelihood.jumps import predict_for_means
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
-from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import photon_gain
 from cg2raw.diagnose.likelihood.tails import tails_in
 from cg2raw.diagnose.likelihood.whitening import row_variance
@@ -68,20 +68,24 @@ def evidence_of(
 
     Of offsets and rates darks say so much more than flats that these would add but what
     is wrong with their light. rest : the model without them. known : the maps as far as
-    they are, beside which tails of the noise are seen."""
+    they are, beside which tails of the noise are seen, and, of spots, how full wells
+    are."""
     known = known or [None] * len(effects)
     count = len(effects)
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
     charge = next((k for k, effect in enumerate(effects) if effect.is_log_normal), None)
 
+    near, spots = _with_spots(rest, effects, known)
+
     def of_frame(frame: Frame) -> tuple[Array, ...]:
-        p = predict_for_means(rest, frame)
+        p = predict_for_means(near, frame)
         given = [effect.shown(frame, p) for effect in effects]
         p = _beside_tails(p, rest, frame, effects, known)
         z, _, weight = scores(p, frame)
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)
         spread = np.sqrt(p.variance)
         slopes = np.array([sensitivity * weight / spread for sensitivity in given])
+        z = z + slopes[0] * spots
         lit = frame.capture.shows.light
         told = slopes * ~np.array(by_darks)[:, None, None, None] if lit else slopes
         products = told[:, None] * slopes[None]
@@ -108,6 +112,19 @@ def evidence_of(
             of_rows = of_rows + more[2]
     repeat, unseen = repeat_of(rest.sensor.cfa), unseen_by(likelihood.frames)
     return Evidence(information, score, repeat, noisier, of_charge, of_rows, unseen)
+
+
+def _with_spots(
+    rest: Model, effects: Sequence[FixedPattern], known: Sequence[SensorMap | None]
+) -> tuple[Model, Array | float]:
+    """Return (the model with the spots that are known, how deep they are): so deep that
+    wells which are full beside them are not full there."""
+    effect, spots = effects[0], known[0]
+    if effect.layout != "spots" or spots is None:
+        return rest, 0.0
+    sure = SensorMap(spots.mean, np.zeros_like(spots.mean))
+    term = Term(effect, np.zeros(1), sure)
+    return rest.with_term(term), spots.mean
 
 
 def unseen_by(frames: Sequence[Frame]) -> Mask:
