@@ -25,7 +25,12 @@ def predict_with_jumps(model: Model, frame: Frame) -> Prediction:
 def predict_for_means(model: Model, frame: Frame) -> Prediction:
     """Return what a model predicts of a frame, with the variance by which residuals
     tell of means: of pixels that jump, few that may jump far have little."""
-    p = predict(model, frame)
+    return for_means(predict(model, frame), model, frame)
+
+
+def for_means(p: Prediction, model: Model, frame: Frame) -> Prediction:
+    """Return a prediction of a model with the variance by which residuals tell of
+    means."""
     for jumps in maps_of_jumps(model, frame):
         wide = p.variance + jumps.mean / np.maximum(jumps.share, SMALLEST_CHANCE)
         p = replace(p, variance=harmonic_variance(jumps.share, p.variance, wide))

@@ -19,6 +19,7 @@ from cg2raw.diagnose.likelihood.censored_offsets import (
     censored_offsets,
 )
 from cg2raw.diagnose.likelihood.censoring import LOG_2PI, first_censored, residuals
+from cg2raw.diagnose.likelihood.jumps import for_means
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import photon_gain, predict
 from cg2raw.diagnose.likelihood.whitening import cut_offsets, whiten
@@ -95,8 +96,10 @@ def _density(
     """Return (log density per pixel, what it is made of: residuals and prediction,
     offsets that the ADC cuts)."""
     p = predict(model, frame) if prediction is None else prediction
-    shared = cut_offsets(model, frame)
-    cut = None if shared is None else censored_offsets(p, shared, frame)
+    shared, cut = cut_offsets(model, frame), None
+    if shared is not None:
+        telling = for_means(p, model, frame).variance
+        cut = censored_offsets(p, shared, frame, telling)
     p = p if cut is None else cut.likeliest
     if RESIDUALS not in p.memo:
         p.memo[RESIDUALS] = _residuals(model, frame, p)
