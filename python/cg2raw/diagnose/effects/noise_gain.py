@@ -15,6 +15,7 @@ class NoiseGain(Effect):
     """Its value is the log of a factor of one of the betas of the noise model."""
 
     step: ClassVar[float] = 0.01
+    starts: ClassVar[tuple[tuple[float, ...], ...]] = ((-0.3,), (-0.1,), (0.1,), (0.3,))
     families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
     signature: ClassVar[frozenset[str]] = frozenset({"noise"})
     absorbs: ClassVar[bool] = True

@@ -52,7 +52,8 @@ def fit_transform(
     term = model.term(name)
     assert term is not None
     # What moves the prediction, too, is predicted anew.
-    known = None if term.effect.predicted else likelihood.predictions(model)
+    moves = term.effect.predicted or term.effect.scales
+    known = None if moves else likelihood.predictions(model)
 
     def score(values: Values) -> float:
         return likelihood.total(model.with_values(name, values), known)

@@ -29,12 +29,12 @@ def fit(model: Model, likelihood: Likelihood, turns: int = TURNS) -> Model:
     for _ in range(turns):
         start = current
         model, current = scored(model, current, likelihood)
-        others = [term for term in model.terms if term.effect.estimator != "smooth"]
-        if not others:
+        if all(term.effect.estimator == "smooth" for term in model.terms):
             break
         model = fit_patterns(model, likelihood)
-        for term in others:
-            if term.effect.estimator == "transform":
+        for term in model.terms:
+            # Scores of a variance are squares, which outliers of a map decide.
+            if term.effect.estimator == "transform" or term.effect.scales:
                 model = fit_beside_maps(model, term.name, likelihood)
         current = likelihood.total(model)
         if abs(current - start) < SETTLED:
@@ -99,7 +99,11 @@ def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | No
             return None
         return start, likelihood.total(start) - base.height
     if effect.estimator == "smooth":
-        return one_step(model.with_effect(effect), base, base.height)
+        start, gain = one_step(model.with_effect(effect), base, base.height)
+        if gain > 0 or not effect.scales:
+            return start, gain
+        start, height = fit_transform(start, effect.name, likelihood, quick=True)
+        return start, height - base.height
     if effect.estimator == "transform":
         drawn = drawn_by_profile(effect, likelihood.frames)
         first = np.array(effect.starts[0]) if drawn is None else drawn
