@@ -71,7 +71,6 @@ def evidence_of(
     they are, beside which tails of the noise are seen, and, of spots, how full wells
     are."""
     known = known or [None] * len(effects)
-    count = len(effects)
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
     charge = next((k for k, effect in enumerate(effects) if effect.is_log_normal), None)
 
@@ -99,17 +98,10 @@ def evidence_of(
         )
         return products, told * z, *(squares * variance for variance in more)
 
-    shape = likelihood.frames[0].signal.shape
-    information, score = np.zeros((count, count, *shape)), np.zeros((count, *shape))
-    noisier: Array | float = 0.0
-    of_charge: Array | float = 0.0
-    of_rows: Array | float = 0.0
-    for products, scored, *more in likelihood.each(of_frame):
-        information += products
-        score += scored
-        if more:
-            noisier, of_charge = noisier + more[0], of_charge + more[1]
-            of_rows = of_rows + more[2]
+    information, score, *more = (
+        sum(parts) for parts in zip(*likelihood.each(of_frame), strict=True)
+    )
+    noisier, of_charge, of_rows = more or (0.0, 0.0, 0.0)
     repeat, unseen = repeat_of(rest.sensor.cfa), unseen_by(likelihood.frames)
     return Evidence(information, score, repeat, noisier, of_charge, of_rows, unseen)
 

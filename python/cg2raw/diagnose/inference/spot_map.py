@@ -30,11 +30,11 @@ from cg2raw.diagnose.inference.map_evidence import (
 from cg2raw.diagnose.likelihood.model import Term
 
 SEARCHED = 4.0  # px: standard deviation of what spots are looked for in
-WIDER = 4.0  # px: the same of what is left of its edges
+EDGE_KERNEL = 4.0  # px: the same of what is left of its edges
 WEIGHED = 2.0  # times as wide is what tells how strong a spot is at a pixel
 SHADING_WIDTH = 32.0  # px: a slower map is shading, and no spot
 DARKEST, EDGE = 5.0, 1.5  # standard deviations below the rest, of a spot and its edge
-MIDDLE, BRIGHT = 50, 80  # percent: of pixels that spots leave, of all
+MIDDLE_PERCENT, BRIGHT_PERCENT = 50, 80  # percent: of pixels that spots leave, of all
 # Shares of the frame, up to the brightest: no spot is there. How many standard
 # deviations of what is free of spots these are apart, and above its middle, within
 # 10 % and 0.2 of them if spots cover no more than half of the frame.
@@ -43,7 +43,7 @@ BETWEEN, BELOW = 0.84, 1.06
 # Of what frames say around most pixels, that they say around one that shows nothing
 # itself, as if its well is full, but lies in a spot.
 LEAST_AMONG = 0.05
-EDGE_WIDTH = 0.4  # of a spot's radius, that it fades in beyond where it is seen
+EDGE_SHARE = 0.4  # of a spot's radius, that it fades in beyond where it is seen
 TURNS_OF_SPOTS = 3  # of spots and what is slow beside them
 # Of a mean by a Gaussian g, if what is left is smoothed once more: the integral of the
 # square of 2 g - g * g over that of g.
@@ -63,7 +63,7 @@ def fit_spot_map(term: Term, evidence: Evidence) -> Term:
     rest, seen, cores = _found(score, information)
     spots = _with_edges(seen)
     mean, variance = none, none
-    for width in (SPOT_WIDTH, WIDER):
+    for width in (SPOT_WIDTH, EDGE_KERNEL):
         estimate, error = _twiced(rest - information * mean, information, width)
         prior = _prior_of(estimate, error, spots, width)
         share = prior / np.maximum(prior + error, LEAST_TOLD_AROUND)
@@ -117,7 +117,7 @@ def _slow(score: Array, information: Array, spots: Mask) -> Array:
     step = round(SEARCHED)
     few = averages[:, ::step, ::step]
     size = (1, *(2 * round(SHADING_WIDTH / step) + 1,) * 2)
-    bright = percentile_filter(few, BRIGHT, size, mode="nearest")
+    bright = percentile_filter(few, BRIGHT_PERCENT, size, mode="nearest")
     bright = np.kron(bright, np.ones((1, step, step)))[
         :, : score.shape[1], : score.shape[2]
     ]
@@ -131,7 +131,7 @@ def _of_rows(score: Array, information: Array, spots: Mask) -> Array:
     told = np.where((information > 0) & ~spots, information, np.nan)
     empty = np.isfinite(told).mean(2) < LEAST_FREE
     told[empty] = 1.0
-    share = MIDDLE if spots.any() else BRIGHT
+    share = MIDDLE_PERCENT if spots.any() else BRIGHT_PERCENT
     shared = np.nanpercentile(score / told, share, axis=2) * ~empty
     return np.broadcast_to(shared[:, :, None], score.shape)
 
@@ -188,7 +188,7 @@ def _with_edges(spots: Mask) -> Mask:
             continue
         radii = maximum(distance_transform_edt(tile), pieces, np.arange(count + 1))
         away, nearest = distance_transform_edt(~tile, return_indices=True)
-        mask |= away < EDGE_WIDTH * radii[pieces[tuple(nearest)]]
+        mask |= away < EDGE_SHARE * radii[pieces[tuple(nearest)]]
     return spots if grown.mean() > 1 - LEAST_FREE else grown
 
 
