@@ -62,13 +62,10 @@ def missed(finding, planted):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "planted"),
-    [
-        ("bias_structure", BIAS),
-        pytest.param("amplifier_glow", GLOW, marks=pytest.mark.slow),
-        pytest.param("black_level_drift", DRIFT, marks=pytest.mark.slow),
-    ],
+    [("bias_structure", BIAS), ("amplifier_glow", GLOW), ("black_level_drift", DRIFT)],
 )
 def test_it_is_named_first_with_its_values(name, planted):
     found = diagnosed(with_effects(**{name: planted}))

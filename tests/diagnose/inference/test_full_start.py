@@ -138,9 +138,8 @@ def test_pruning_leaves_what_is_there():
     assert max(left.dropped.values()) < THRESHOLD
 
 
-@pytest.mark.parametrize(
-    "seed", [6, *(pytest.param(n, marks=pytest.mark.slow) for n in (7, 8))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [6, 7, 8])
 def test_pruning_leaves_nothing_of_a_sensor_that_is_as_its_profile_says(seed):
     start = started(frames_with(seed, planted=False))
     assert pruned(start.model, start.splits, THRESHOLD).model.names == []
