@@ -6,6 +6,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage, stats
 
 from cg2raw.diagnose.diagnosis import Estimate
@@ -14,7 +15,7 @@ from cg2raw.diagnose.effects.families import GAIN, LIGHT, TEMPORAL
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
 from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
-from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.tiling import Array, Mask
 
 # Standard deviation, px, that the map of spots is smoothed by: smaller ones are pixels.
 SPOT_WIDTH = 1.5
@@ -74,6 +75,15 @@ def _mean_of(values: Array, unit: str) -> Estimate:
     return Estimate(mean, unit, (max(mean - error, 0.0), mean + error))
 
 
+def pieces_of(mask: Mask) -> tuple[NDArray[np.int32], int]:
+    """Return (numbers of the connected pieces of a mask (T, h, w) from 1, 0 elsewhere;
+    how many there are): none goes from tile to tile."""
+    touching = np.zeros((3, 3, 3))
+    touching[1] = 1
+    pieces, count = ndimage.label(mask, touching)
+    return pieces, count
+
+
 @dataclass(frozen=True)
 class Spots:
     """Of a map: how many spots there are; depths and radii of those that lie within. A
@@ -86,9 +96,7 @@ class Spots:
     @classmethod
     def of(cls, loss: Array) -> "Spots":
         """Return the spots of a map of losses (T, h, w), 0 between them."""
-        touching = np.zeros((3, 3, 3))
-        touching[1] = 1  # not from tile to tile
-        spots, count = ndimage.label(loss > 0, touching)
+        spots, count = pieces_of(loss > 0)
         inner = spots[:, FROM_EDGE:-FROM_EDGE, FROM_EDGE:-FROM_EDGE]
         cut = set(np.unique(spots)) - set(np.unique(inner))
         for side in (0, -1):

@@ -73,7 +73,6 @@ def evidence_of(
     known = known or [None] * len(effects)
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
     charge = next((k for k, effect in enumerate(effects) if effect.is_log_normal), None)
-
     near, spots = _with_spots(rest, effects, known)
 
     def of_frame(frame: Frame) -> tuple[Array, ...]:
@@ -84,7 +83,8 @@ def evidence_of(
         weight = np.where(frame.keep & ~frame.at_white, weight, 0)
         spread = np.sqrt(p.variance)
         slopes = np.array([sensitivity * weight / spread for sensitivity in given])
-        z = z + slopes[0] * spots
+        if spots is not None:
+            z = z + slopes[0] * spots
         lit = frame.capture.shows.light
         told = slopes * ~np.array(by_darks)[:, None, None, None] if lit else slopes
         products = told[:, None] * slopes[None]
@@ -108,12 +108,12 @@ def evidence_of(
 
 def _with_spots(
     rest: Model, effects: Sequence[FixedPattern], known: Sequence[SensorMap | None]
-) -> tuple[Model, Array | float]:
-    """Return (the model with the spots that are known, how deep they are): so deep that
-    wells which are full beside them are not full there."""
+) -> tuple[Model, Array | None]:
+    """Return (the model with the spots that are known, their map; None if there are
+    none): wells that are full beside a spot may not be full in it."""
     effect, spots = effects[0], known[0]
     if effect.layout != "spots" or spots is None:
-        return rest, 0.0
+        return rest, None
     sure = SensorMap(spots.mean, np.zeros_like(spots.mean))
     term = Term(effect, np.zeros(1), sure)
     return rest.with_term(term), spots.mean

@@ -5,7 +5,7 @@
 
 What frames say of each pixel's gain is averaged around it. A spot is where that lies
 far below what the rest of the frame varies by, whatever it is that varies there, and
-around it as far as it is below at all; elsewhere the map is 0.
+around it as far as it is below at all, and fades beyond; elsewhere the map is 0.
 """
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ from scipy.ndimage import (
 )
 
 from cg2raw.diagnose.effects.base import SensorMap
-from cg2raw.diagnose.effects.dust import SPOT_WIDTH
+from cg2raw.diagnose.effects.dust import SPOT_WIDTH, pieces_of
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference.map_evidence import (
     LEAST_TOLD_AROUND,
@@ -60,8 +60,9 @@ def fit_spot_map(term: Term, evidence: Evidence) -> Term:
     nothing = replace(term, values=np.zeros(1), sensor_map=SensorMap(none, none))
     if not known.any():
         return nothing
-    rest, seen, cores = _found(score, information)
-    spots = _with_edges(seen)
+    rest, seen, spots, cores = _found(score, information)
+    if not seen.any():
+        return nothing
     mean, variance = none, none
     for width in (SPOT_WIDTH, EDGE_KERNEL):
         estimate, error = _twiced(rest - information * mean, information, width)
@@ -86,9 +87,10 @@ def _prior_of(estimate: Array, error: Array, spots: Mask, width: float) -> Array
     return np.where(spots, np.maximum(strong, 0) / np.maximum(share, 1e-9), 0)
 
 
-def _found(score: Array, information: Array) -> tuple[Array, Mask, Mask]:
+def _found(score: Array, information: Array) -> tuple[Array, Mask, Mask, Mask]:
     """Return (score without what is slow beside the spots, and what rows share, as of a
-    lamp that flickers; where spots are seen; where they are far below the rest).
+    lamp that flickers; where spots are seen; the same with their edges; where they are
+    far below the rest).
 
     The more spots are known the less is left that varies beside them, and the farther
     down their edges are seen."""
@@ -103,7 +105,7 @@ def _found(score: Array, information: Array) -> tuple[Array, Mask, Mask]:
         if (seen == before).all():
             break
         spots = _with_edges(seen)
-    return rest, seen, cores
+    return rest, seen, spots, cores
 
 
 def _slow(score: Array, information: Array, spots: Mask) -> Array:
@@ -118,9 +120,8 @@ def _slow(score: Array, information: Array, spots: Mask) -> Array:
     few = averages[:, ::step, ::step]
     size = (1, *(2 * round(SHADING_WIDTH / step) + 1,) * 2)
     bright = percentile_filter(few, BRIGHT_PERCENT, size, mode="nearest")
-    bright = np.kron(bright, np.ones((1, step, step)))[
-        :, : score.shape[1], : score.shape[2]
-    ]
+    bright = bright.repeat(step, 1).repeat(step, 2)
+    bright = bright[:, : score.shape[1], : score.shape[2]]
     around = (0, SHADING_WIDTH / 2, SHADING_WIDTH / 2)
     return np.asarray(gaussian_filter(bright, around, mode="nearest"))
 
@@ -194,8 +195,6 @@ def _with_edges(spots: Mask) -> Mask:
 
 def _pieces_with(cores: Mask, mask: Mask) -> Mask:
     """Return the connected pieces of a mask that have a core."""
-    touching = np.zeros((3, 3, 3))
-    touching[1] = 1  # not from tile to tile
-    pieces, _ = label(mask, touching)
+    pieces, _ = pieces_of(mask)
     found: Mask = np.isin(pieces, np.unique(pieces[cores])) & (pieces > 0)
     return found
