@@ -34,32 +34,6 @@ double gain_at(const GainMapAt& map, Place at)
     return top + (v - row) * (bottom - top);
 }
 
-/// Within a step of the pitch: a map of one site starts and ends a pixel inside.
-bool covers(const GainMapAt& map, Place at, Size size)
-{
-    const double row = at.v * size.height, col = at.h * size.width;
-    return row >= map.top - map.row_pitch && row <= map.bottom + map.row_pitch
-        && col >= map.left - map.col_pitch && col <= map.right + map.col_pitch;
-}
-
-using SiteGains = std::array<double, 36>;
-
-/// The product of all gains that each site of the CFA gets at a place; each map is
-/// looked up once, as a file may have many sites and maps.
-SiteGains site_gains(const DngMetadata& file, Place at)
-{
-    SiteGains gains;
-    gains.fill(1.0);
-    for (const GainMapAt& map : file.gain_maps) {
-        if (!covers(map, at, file.active_area))
-            continue;
-        const double gain = gain_at(map, at);
-        for (int site : map.sites)
-            gains[std::size_t(site)] *= gain;
-    }
-    return gains;
-}
-
 Place place_on(const GainMapAt& grid, int row, int col)
 {
     return { grid.origin_v + row * grid.spacing_v,
@@ -111,7 +85,7 @@ std::optional<FileShading> mean_shading(const DngMetadata& file, Place at,
                                         double& squares)
 {
     const int sites = file.cfa.sites();
-    const SiteGains gains = site_gains(file, at);
+    const SiteGains gains = site_gains(file, at, gain_at);
     SiteGains shading {};
     double mean = 0.0;
     for (int site = 0; site < sites; ++site) {
@@ -130,6 +104,14 @@ std::optional<FileShading> mean_shading(const DngMetadata& file, Place at,
 }
 
 } // namespace
+
+bool covers(const GainMapAt& map, Place at, Size size)
+{
+    // A map of one site starts and ends a pixel inside.
+    const double row = at.v * size.height, col = at.h * size.width;
+    return row >= map.top - map.row_pitch && row <= map.bottom + map.row_pitch
+        && col >= map.left - map.col_pitch && col <= map.right + map.col_pitch;
+}
 
 Place place_of(const GainMapSamples& samples, const ShadingAt& point)
 {

@@ -7,12 +7,38 @@
 
 #include "cg2raw/dng_reader.h"
 
+#include <array>
+#include <optional>
+#include <vector>
+
 namespace cg2raw {
 
 /// A place in the frame: rows and columns over its height and width, 0 to 1.
 struct Place {
     double v, h;
 };
+
+/// Whether @p map corrects pixels at a place, within a step of its pitch.
+bool covers(const GainMapAt& map, Place at, Size size);
+
+using SiteGains = std::array<double, 36>;
+
+/// The product of all gains that each site of the CFA gets at a place. @p gain_at is
+/// asked once a map, as a file may have many sites and maps.
+template <class GainAt>
+SiteGains site_gains(const DngMetadata& file, Place at, const GainAt& gain_at)
+{
+    SiteGains gains;
+    gains.fill(1.0);
+    for (const GainMapAt& map : file.gain_maps) {
+        if (!covers(map, at, file.active_area))
+            continue;
+        const double gain = gain_at(map, at);
+        for (int site : map.sites)
+            gains[std::size_t(site)] *= gain;
+    }
+    return gains;
+}
 
 /// As little as there are points: a file may have as many as it has bytes.
 struct ShadingAt {
