@@ -8,6 +8,7 @@ import pytest
 from cg2raw.diagnose.inference.map_evidence import evidence_of, told_by_darks
 from cg2raw.diagnose.inference.map_prior import MixedPrior, mixed_prior_of
 from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     BY_NAME,
     READ,
@@ -15,6 +16,7 @@ from diagnose.planted import (
     capture_of,
     drawn,
     frames_of,
+    model_of,
     on,
     sensor_of,
 )
@@ -80,3 +82,18 @@ def test_a_mixture_of_one_kind_is_a_normal_prior():
     mean, variance = MixedPrior(0.3, 4.0, 4.0).posterior(estimate, error)
     assert mean == pytest.approx(estimate * 4 / 6)
     assert variance == pytest.approx(np.full(3, 8 / 6))
+
+
+@pytest.mark.parametrize("name", ["prnu", "dsnu"])
+def test_a_pixel_that_may_be_full_tells_of_no_map(name):
+    """Its signal is not straight in what a map adds: a gain that is a percent less
+    empties a pixel that was expected full by more than that."""
+    (frame,) = frames_of(SENSOR, [capture_of("scene", level=1.5)])
+    light = predict(Model(SENSOR), frame).exposed
+    model = model_of(SENSOR, full_well=[1 - float(np.median(light))])
+    evidence = evidence_of([BY_NAME[name]], model, on([frame]))
+    told = evidence.information[0, 0] > 0
+    chance = predict(model, frame).well.below
+    assert not told[chance < 0.99].any()
+    assert told[(chance > 0.9999) & frame.keep].all()
+    assert (chance < 0.99).any() and told.any()

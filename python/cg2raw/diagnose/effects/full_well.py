@@ -49,7 +49,9 @@ class FullWell(Effect):
         extra = np.zeros_like(z)
         if values[0] <= 0:
             return z, extra
-        charge = p.exposed if p.well is None else p.well.charge
+        charge, of_light = p.exposed, np.zeros_like(z)
+        if p.well is not None:
+            charge, of_light = p.well.charge, of_light + p.well.light
         light = np.broadcast_to(p.light_variance, z.shape)
         near = Well(1 - values[0], charge, p.photon_variance).is_near(
             p.photon_variance + light
@@ -61,14 +63,17 @@ class FullWell(Effect):
         lost, less_varied = well.cut
         known = p.variance[near] - light
         rest = np.maximum(known - (well.variance - less_varied), LEAST_READ * read)
-        y = z[near] * np.sqrt(p.variance[near]) + well.charge - lost  # before offsets
+        spread = np.sqrt(p.variance[near])
+        shared = of_light[near] / spread  # that whitening has yet to take out
+        y = (z[near] - shared) * spread + well.charge - lost  # before offsets
         # Light that nobody measured is clipped too.
         well = Well(well.level, well.charge, well.variance + light)
         density, below, above = _with_tails(y, well, rest, p.tails)
         tail = ndtri(np.maximum(np.minimum(below, above), LEAST_TAIL))
         white = z.copy()
-        white[near] = np.where(below < above, tail, -tail)
-        extra[near] = density + 0.5 * white[near] ** 2 + 0.5 * np.log(p.variance[near])
+        score = np.where(below < above, tail, -tail)
+        white[near] = score + shared
+        extra[near] = density + 0.5 * score**2 + np.log(spread)
         return white, extra
 
     def first_values(self, predicted: Predicted) -> Values | None:

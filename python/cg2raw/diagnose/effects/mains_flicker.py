@@ -56,14 +56,12 @@ class MainsFlicker(SharedFields):
         "flicker moves from frame to frame.",
     }
 
-    def fields(self, p: Prediction, values: Values, frame: Frame) -> list[Array]:
+    def light(self, values: Values, frame: Frame) -> list[Array]:
         amplitude, period = values
         if amplitude <= 0 or not frame.capture.shows.light:
             return []
-        rows = frame.tiles.rows_and_columns()[0]
-        turns = 2 * np.pi * rows / period
-        light = amplitude / np.sqrt(2) * shown_light(frame, p) / np.sqrt(p.variance)
-        return [light * np.cos(turns), light * np.sin(turns)]
+        turns = 2 * np.pi * frame.tiles.rows_and_columns()[0] / period
+        return [amplitude / np.sqrt(2) * wave(turns) for wave in (np.cos, np.sin)]
 
     def first_values(self, predicted: Predicted) -> Values | None:
         """Return the highest wave of the rows' light over all frames; None if it is no

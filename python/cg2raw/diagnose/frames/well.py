@@ -8,7 +8,7 @@ that takes a tenth of the light moves pixels from above the level to below it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,17 +20,22 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 FAR_FROM_LEVEL = (
     8.0  # standard deviations from the level, beyond which all or nothing is cut
 )
+SURELY_BELOW = 0.999  # chance that a pixel is not full
 NEAR_WELL = 6.0  # such deviations below the level, that its clipping is felt in
 ROOT_2_PI = np.sqrt(2 * np.pi)
 
 
 @dataclass(frozen=True)
 class Well:
-    """A level, and what fills up to it: charge and its variance, (T, h, w)."""
+    """A level, and what fills up to it: charge and its variance, (T, h, w).
+
+    light : what of this charge pixels show that is of light which whitening has, and a
+        predicted mean lacks."""
 
     level: float
     charge: Array
     variance: Array
+    light: Array | float = 0.0
 
     @classmethod
     def of(
@@ -42,7 +47,7 @@ class Well:
 
     def with_more(self, charge: Array, variance: Array) -> "Well":
         more = np.maximum(self.variance + variance, 0)
-        return Well(self.level, self.charge + charge, more)
+        return replace(self, charge=self.charge + charge, variance=more)
 
     def is_near(self, variance: Array) -> Mask:
         """Return where charge of a variance (T, h, w) is near the level or above."""
@@ -51,12 +56,23 @@ class Well:
         return near
 
     @property
+    def any_near(self) -> bool:
+        """Whether any charge is lost at all."""
+        return bool(self._near.any())
+
+    @property
     def below(self) -> Array:
         """The chance that charge stays below the level."""
         chance = np.ones(self.charge.shape)
         near = self._near
         chance[near] = ndtr(-self._above(near)[0])
         return chance
+
+    @property
+    def surely_below(self) -> Mask:
+        """Where charge stays below: only there is a signal straight in a map."""
+        surely: Mask = self.below >= SURELY_BELOW
+        return surely
 
     @property
     def cut(self) -> Array:

@@ -80,7 +80,10 @@ def evidence_of(
         given = [effect.shown(frame, p) for effect in effects]
         p = _beside_tails(p, rest, frame, effects, known)
         z, _, weight = scores(p, frame)
-        weight = np.where(frame.keep & ~frame.at_white, weight, 0)
+        told_by = frame.keep & ~frame.at_white
+        if p.well is not None and effects[0].layout == "pixels":
+            told_by &= p.well.surely_below
+        weight = np.where(told_by, weight, 0)
         spread = np.sqrt(p.variance)
         slopes = np.array([sensitivity * weight / spread for sensitivity in given])
         if spots is not None:

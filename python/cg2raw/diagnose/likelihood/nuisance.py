@@ -55,23 +55,30 @@ class Nuisance:
             extra = extra + frame.highlights * UNSURE_HIGHLIGHT**2 * light
         return extra + frame.censored * whole * light
 
-    def _columns(self, frame: Frame, p: Prediction) -> Array | None:
-        """(k, pixels) of the fields, in standard deviations of a pixel."""
+    def levels(self, frame: Frame) -> list[Array | float]:
+        """Return how unsure a frame's light is, as fields of independent normal numbers
+        of variance 1, each relative and broadcast to (T, h, w): of its colours, and of
+        all of it."""
         if not frame.capture.shows.light:
-            return None
-        sensitivity = (shown_light(frame, p) / np.sqrt(p.variance)).astype("f4")
-        columns = []
+            return []
         is_chart = frame.samples is not None  # whose colour is known, if not its light
         apart = frame.level_free and not is_chart or "white_balance" in self.free
         unknown = UNKNOWN_LEVEL if frame.level_free else AFTER_ALIGNMENT
-        if apart:
-            columns += [unknown * sensitivity * (frame.color == c) for c in range(3)]
+        fields = [unknown * (frame.color == c) for c in range(3)] if apart else []
         brightness = self.light
         if "exposure" in self.free:
             brightness = np.hypot(brightness, AFTER_ALIGNMENT)
         if frame.level_free and is_chart:
             brightness = np.hypot(brightness, UNKNOWN_LEVEL)
-        columns.append(brightness * sensitivity)
+        return [*fields, brightness]
+
+    def _columns(self, frame: Frame, p: Prediction) -> Array | None:
+        """(k, pixels) of the fields, in standard deviations of a pixel."""
+        if not frame.capture.shows.light:
+            return None
+        sensitivity = (shown_light(frame, p) / np.sqrt(p.variance)).astype("f4")
+        columns = [level * sensitivity for level in self.levels(frame)]
+        is_chart = frame.samples is not None
         if frame.capture.shows.image and not is_chart and "radiance" in self.free:
             down, across = _bumps(frame)
             rows = [self.radiance * sensitivity * down[..., i] for i in range(FIELD[0])]

@@ -22,15 +22,15 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.response import Response
-from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.frames.well import Well
+from cg2raw.diagnose.likelihood.full_wells import cut_by_well
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.tails import variance_for_means
 
 LEAST_VARIANCE_LEFT = (
     0.15  # of a variance, that is left without what fit frames made of a map
 )
-SURELY_BELOW = 0.999  # chance that a pixel is not full
 PREDICTED = "predicted"  # in the memo of a frame
 BAYER, MONO = 4, 1  # sites of their repeats
 
@@ -169,8 +169,9 @@ def _with_maps(
     fitted = frame.capture.group == "fit"
     below: Array | float = 1.0
     if well is not None:
-        before, well = well.cut, _filled(well, model, slopes, gain)
-        mean, variance = np.stack([mean, variance]) + before - well.cut
+        mean, variance, well = cut_by_well(
+            model, frame, mean, variance, gain, well, slopes
+        )
         below = well.below
     doubt: Array | float = 0.0
     charge = exposed
@@ -200,7 +201,8 @@ def _with_maps(
         elif not fitted:
             variance = variance + unsure
     if fitted:
-        variance, kept = _of_makers(model, frame, charge, variance, doubt, below)
+        surely_below = True if well is None else well.surely_below
+        variance, kept = _of_makers(model, frame, charge, variance, doubt, surely_below)
         return mean, variance, kept, well
     least = LEAST_VARIANCE_LEFT * variance
     return mean, np.maximum(variance + doubt, least), 1.0, well
@@ -251,7 +253,7 @@ def _of_makers(
     charge: Array,
     variance: Array,
     doubt: Array | float,
-    below: Array | float,
+    surely_below: Mask | bool,
 ) -> tuple[Array, Array]:
     """Return (variance of residuals of a frame that maps were made of, what is kept of
     its noise there).
@@ -263,8 +265,8 @@ def _of_makers(
     tell noise. Source: R. D. Cook, S. Weisberg, Residuals and Influence in
     Regression, 1982, section 2.2.
 
-    doubt : variance of the maps in the frame. below : chance that a pixel is not full:
-        of one that may be, a map follows no noise."""
+    doubt : variance of the maps in the frame. surely_below : where a pixel is not full:
+        a map is made of no other."""
     made = variance
     gains = [known.noise_gains for _, _, known in model.maps if known.noise_gains]
     if gains:
@@ -274,9 +276,11 @@ def _of_makers(
         made = made + of_readout * frame.beta2
     made = variance_for_means(model, frame, made)
     leverage = np.clip(doubt / made, 0, 1 - LEAST_VARIANCE_LEFT)
-    leverage = np.where(np.less(below, SURELY_BELOW), 0.0, leverage)
+    leverage = np.where(surely_below, leverage, 0.0)
     left = 1 - leverage
-    return left * (left * variance + leverage * made), left**2
+    of_makers = left * (left * variance + leverage * made)
+    unsure = variance + np.maximum(doubt, 0)
+    return np.where(surely_below, of_makers, unsure), left**2
 
 
 def _blended(model: Model, frame: Frame, of_maps: Array) -> Array:
@@ -293,19 +297,6 @@ def blending(model: Model, frame: Frame) -> Iterator[tuple[Effect, Values]]:
             values = model.values_of(effect, frame)
             if values is not None and np.any(values):
                 yield effect, values
-
-
-def _filled(
-    well: Well, model: Model, slopes: Mapping[str, Array | float], gain: Array
-) -> Well:
-    """Return the full well with what maps of known pixels fill it with."""
-    more, noisier = np.zeros((2, *well.charge.shape))
-    for term, effect, known in model.maps:
-        if effect.fills_well and known.mean.shape == more.shape:
-            shift = slopes[term.name] * known.mean
-            more += shift
-            noisier += gain * shift * effect.is_charge
-    return well.with_more(more, noisier)
 
 
 def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Array:

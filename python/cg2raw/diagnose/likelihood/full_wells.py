@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Full wells: as full as a model's maps and the light of a frame make them.
+
+Light that a frame has by normal numbers of its own, as a wave of flicker, whitening
+integrates out as what is linear. A well is not: of pixels that are expected full, a
+dimmer wave shows some that are not. So the well is filled by the likeliest light, and
+the signal is linear about that, by Laplace's method.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.shared_fields import SharedFields
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.well import Well
+from cg2raw.diagnose.likelihood.model import Model
+
+MOST_STEPS_OF_LIGHT = 12
+LIGHT_AT_REST = 1e-4  # standard deviations of the light, of a last step
+
+
+def cut_by_well(
+    model: Model,
+    frame: Frame,
+    mean: Array,
+    variance: Array,
+    gain: Array,
+    well: Well,
+    slopes: Mapping[str, Array | float],
+) -> tuple[Array, Array, Well]:
+    """Return (mean, variance, full well) with the well as full as maps and the light
+    of the frame make it, before maps and light are added."""
+    uncut = np.stack([mean, variance]) + well.cut
+    seen = frame.signal - uncut[0] + well.charge
+    filled = _filled_by_maps(well, model, slopes, gain)
+    filled, bent = _filled_by_light(filled, model, frame, seen, uncut[1])
+    mean, variance = uncut - filled.cut
+    return mean + bent, variance, filled
+
+
+def _filled_by_maps(
+    well: Well, model: Model, slopes: Mapping[str, Array | float], gain: Array
+) -> Well:
+    """Return the full well with what maps of known pixels fill it with."""
+    more, noisier = np.zeros((2, *well.charge.shape))
+    for term, effect, known in model.maps:
+        if effect.fills_well and known.mean.shape == more.shape:
+            shift = slopes[term.name] * known.mean
+            more += shift
+            noisier += gain * shift * effect.is_charge
+    return well.with_more(more, noisier)
+
+
+def _filled_by_light(
+    well: Well, model: Model, frame: Frame, seen: Array, variance: Array
+) -> tuple[Well, Array | float]:
+    """Return (the well as the likeliest light of a frame fills it, what the signal has
+    there beyond what is linear in this light).
+
+    seen : (T, h, w), the signal of charge alone. variance : of it, if no well were
+        full."""
+    if not frame.capture.shows.light or frame.samples is not None or not well.any_near:
+        return well, 0.0
+    fields = [
+        np.broadcast_to(field * np.maximum(well.charge, 0), seen.shape).ravel()
+        for field in _relative_fields(model, frame)
+    ]
+    if not fields:
+        return well, 0.0
+    used = (frame.keep & ~frame.censored).ravel()
+    light = _Light(well, np.array(fields), seen, variance, used)
+    for _ in range(MOST_STEPS_OF_LIGHT):
+        if light.step() < LIGHT_AT_REST:
+            break
+    full, charge = light.well, light.charge
+    shown = full.below * charge
+    return replace(full, light=shown), charge - shown
+
+
+def _relative_fields(model: Model, frame: Frame) -> Iterator[Array | float]:
+    if model.nuisance is not None:
+        yield from model.nuisance.levels(frame)
+    for effect in every().values():
+        if isinstance(effect, SharedFields):
+            values = model.values_of(effect, frame)
+            if values is not None:
+                yield from effect.light(values, frame)
+
+
+class _Light:
+    """The likeliest numbers of fields of charge (k, pixels), by Newton's method."""
+
+    def __init__(
+        self, well: Well, fields: Array, seen: Array, variance: Array, used: Array
+    ) -> None:
+        self._empty, self._fields, self._used = well, fields, used
+        self._seen, self._variance = seen, variance
+        self._numbers = np.zeros(len(fields))
+
+    @property
+    def charge(self) -> Array:
+        charge: Array = (self._numbers @ self._fields).reshape(self._seen.shape)
+        return charge
+
+    @property
+    def well(self) -> Well:
+        return self._empty.with_more(self.charge, np.zeros(()))
+
+    def step(self) -> float:
+        """Take a step; return its largest part."""
+        well = self.well
+        lost, less_varied = well.cut
+        left = (self._seen - well.charge + lost).ravel()
+        weight = self._used / (self._variance - less_varied).ravel()
+        slopes = self._fields * well.below.ravel()
+        bend = np.eye(len(slopes)) + (slopes * weight) @ slopes.T
+        moved = np.linalg.solve(bend, (slopes * weight) @ left - self._numbers)
+        self._numbers = self._numbers + moved
+        return float(np.abs(moved).max())

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Light that is new in every frame, where wells are full of it: a wave that dims rows
+by some percent empties pixels that were expected full."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.inference.drawn_frames import drawn_frames
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.likelihood import log_density
+from cg2raw.diagnose.likelihood.nuisance import Nuisance
+from cg2raw.diagnose.likelihood.prediction import predict
+from diagnose.planted import (
+    ONE,
+    captures_of,
+    drawn,
+    frames_of,
+    model_of,
+    on,
+    sensor_of,
+)
+
+LEVEL = 0.5
+FLICKER = {"mains_flicker": [0.2, 30.0]}
+SHADING = {"lens_shading": [-0.3]}
+
+
+def flats(sensor=None, levels=(0.9,) * 4):
+    """Return fit frames of flats that shading makes bright in the middle alone."""
+    captures = [
+        replace(capture, scene=lambda level=level: np.full(3, level, np.float32))
+        for capture, level in zip(captures_of(("flat",) * 4), levels, strict=True)
+    ]
+    return frames_of(sensor or sensor_of(), captures)
+
+
+def around_the_well(**terms):
+    """Return (a model whose well cuts the middle of flats, the frames)."""
+    frames = flats()
+    light = predict(model_of(sensor_of(), **SHADING), frames[0]).exposed
+    well = 1 - float(np.quantile(light[frames[0].counted], 1 - LEVEL))
+    return model_of(sensor_of(), **SHADING, full_well=[well], **terms), frames
+
+
+def residuals(model, frames):
+    """Return those of pixels that may be full, and of all others."""
+    near, far = [], []
+    for frame in frames:
+        _, z, p = log_density(model, frame)
+        close = p.well.below < 0.999
+        near.append(z[frame.counted & close])
+        far.append(z[frame.counted & ~close])
+    return np.concatenate(near), np.concatenate(far)
+
+
+def test_residuals_beside_flicker_are_white_where_wells_are_full():
+    model, frames = around_the_well(**FLICKER)
+    shown = drawn_frames(model, Splits(frames, ONE), 1).frames
+    near, far = residuals(model, shown)
+    assert near.size > 8000
+    assert np.square(near).mean() == pytest.approx(1, abs=0.1)
+    # Of a wave of a fifth of the light, shot noise is that of the mean light.
+    assert np.square(far).mean() == pytest.approx(1, abs=0.1)
+    assert abs(near.mean()) < 4 / np.sqrt(near.size)
+
+
+def test_flicker_is_as_likely_where_wells_are_full_as_it_is():
+    """The likelihood of frames of a planted amplitude is highest near it: wells that
+    are taken for full hold a wave of any size off."""
+    model, frames = around_the_well(**FLICKER)
+    shown = on(drawn_frames(model, Splits(frames, ONE), 2).frames)
+    amplitudes = [0.08, 0.14, 0.2, 0.28, 0.4]
+    totals = [
+        shown.total(model.with_values("mains_flicker", np.array([each, 30.0])))
+        for each in amplitudes
+    ]
+    assert np.argmax(totals) in (1, 2, 3)
+    assert max(totals) - totals[2] < 3
+
+
+def test_light_that_nobody_measured_fills_wells_as_it_shows():
+    """Flats are 10 % dimmer than they were taken for."""
+    unsure = Nuisance(0.1, 0.0, 0.0, 0.0, frozenset({"exposure"}))
+    model, frames = around_the_well()
+    dimmer = flats(levels=(0.9 * 0.9,) * 4)
+    signals = drawn_frames(model, Splits(dimmer, ONE), 3).frames
+    shown = [
+        replace(frame, signal=one.signal, at_white=one.at_white)
+        for frame, one in zip(frames, signals, strict=True)
+    ]
+    near, _ = residuals(replace(model, nuisance=unsure), shown)
+    assert np.square(near).mean() == pytest.approx(1, abs=0.1)
+
+
+def test_far_below_the_well_light_of_a_frame_moves_no_prediction():
+    model, frames = around_the_well(**FLICKER)
+    without = model.without("mains_flicker")
+    dim = flats(levels=(0.2,) * 4)
+    for frame in drawn(dim, without, 4):
+        p = predict(model, frame)
+        np.testing.assert_array_equal(p.mean, predict(without, frame).mean)
+        assert np.ndim(p.well.light) == 0
