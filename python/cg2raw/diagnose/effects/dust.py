@@ -32,7 +32,7 @@ class Dust(FixedPattern):
     layout = "spots"
     measured_by_uniform_frames = False  # a shading that is not fitted would be in it
     # Edges that are sharper than the map's, and the level of what is slow beside spots.
-    taken_up_by = {"prnu": 0.015, "exposure": 0.01}
+    taken_up_by = {"prnu": 0.015}
     has_strength = False  # how many there are is not how dark they are
     told_apart = {
         "lens_shading": "Flats at another aperture: shadows of dust get smaller and "

@@ -47,14 +47,12 @@ from cg2raw.diagnose.inference.steps import (
     rule_of,
 )
 from cg2raw.diagnose.inference.swaps import best_swap
+from cg2raw.diagnose.inference.ties import CLEAR, simplest_of_ties
 from cg2raw.diagnose.inference.warmth import by_temperature
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
-CLEAR = 5.0  # nats between two names: an e-value ratio of 150
-CLEAR_SHARE = 0.05  # of the gain
 MOST_SWAPS = 3
-MAP_COST = 1000  # parameters that a map counts as
 FEW_EFFECTS = 3  # effects, up to which both ways of the search are gone
 # Of what flats gain by the light that they show: a lamp drifts, and is not quite slow.
 LIGHT_LEAVES = 0.02
@@ -234,7 +232,9 @@ class Search:
         sure = [trial for trial in trials if self._may_be_added(trial)]
         while sure:
             first = mean_first(sure, self.effects)
-            best, ambiguous = self._decide(first, trials)
+            best, ambiguous = simplest_of_ties(
+                first, trials, self.effects, self.threshold
+            )
             if not bootstrap.explains(best):
                 return best, first, ambiguous, trials
             self.refused[best.name] = best.evidence
@@ -266,40 +266,6 @@ class Search:
         model = by_temperature(model, self.splits)
         model = in_detail(model, self.splits, self.threshold)
         return self._pruned(model, newest)
-
-    def _decide(self, best: Trial, trials: Sequence[Trial]) -> tuple[Trial, list[str]]:
-        """Return (the trial to accept, names that are as good); a tie goes to the one
-        with fewer parameters, but not to noise."""
-        tied = []
-        for trial in trials:
-            if trial is best or trial.gain > best.gain:
-                continue
-            lead = best.blocks - trial.blocks
-            error = lead.std() * np.sqrt(lead.size)
-            small = lead.sum() < 2 * error and lead.sum() < CLEAR_SHARE * best.gain
-            if lead.sum() < CLEAR or small:
-                tied.append(trial)
-        if not tied:
-            return best, []
-        absorbs = {known.name for known in self.effects if known.absorbs}
-        able = [
-            best,
-            *(
-                t
-                for t in tied
-                if t.evidence >= self.threshold
-                and (best.name in absorbs or t.name not in absorbs)
-            ),
-        ]
-        simplest = min(able, key=lambda t: (self._cost(t.name), -t.gain))
-        if best.gain - simplest.gain >= CLEAR:
-            simplest = best
-        others = [t.name for t in [best, *tied] if t.name != simplest.name]
-        return simplest, others
-
-    def _cost(self, name: str) -> int:
-        known = next(c for c in self.effects if c.name == name)
-        return MAP_COST if known.estimator == "fixed pattern" else len(known.used)
 
     def _pruned(self, model: Model, newest: str) -> Model:
         """Drop older effects that are not needed any more."""
