@@ -14,6 +14,7 @@ from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
+    BY_NAME,
     ONE,
     captures_of,
     drawn,
@@ -103,3 +104,13 @@ def test_far_below_the_well_light_of_a_frame_moves_no_prediction():
         p = predict(model, frame)
         np.testing.assert_array_equal(p.mean, predict(without, frame).mean)
         assert np.ndim(p.well.light) == 0
+
+
+def test_full_pixels_without_any_noise_leave_it_a_number():
+    """Of a pixel that is full for sure, only read noise would be left."""
+    model, frames = around_the_well(**FLICKER)
+    silent = model.with_effect(BY_NAME["read_noise"], np.array([-40.0]))
+    for frame in drawn_frames(model, Splits(frames, ONE), 5).frames:
+        p = predict(silent, frame)
+        assert np.isfinite(p.mean).all() and np.isfinite(p.well.light).all()
+        assert (p.variance > 0).all()

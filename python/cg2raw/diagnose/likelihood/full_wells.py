@@ -17,6 +17,7 @@ import numpy as np
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.shared_fields import SharedFields
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model
@@ -117,7 +118,8 @@ class _Light:
         well = self.well
         lost, less_varied = well.cut
         left = (self._seen - well.charge + lost).ravel()
-        weight = self._used / (self._variance - less_varied).ravel()
+        left_varied = np.maximum(self._variance - less_varied, LEAST_VARIANCE)
+        weight = self._used / left_varied.ravel()
         slopes = self._fields * well.below.ravel()
         bend = np.eye(len(slopes)) + (slopes * weight) @ slopes.T
         moved = np.linalg.solve(bend, (slopes * weight) @ left - self._numbers)

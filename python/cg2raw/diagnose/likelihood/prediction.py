@@ -275,7 +275,8 @@ def _of_makers(
         made = made + of_light * frame.beta1 * np.maximum(charge, 0)
         made = made + of_readout * frame.beta2
     made = variance_for_means(model, frame, made)
-    leverage = np.clip(doubt / made, 0, 1 - LEAST_VARIANCE_LEFT)
+    leverage = doubt / np.maximum(made, LEAST_VARIANCE)
+    leverage = np.clip(leverage, 0, 1 - LEAST_VARIANCE_LEFT)
     leverage = np.where(surely_below, leverage, 0.0)
     left = 1 - leverage
     of_makers = left * (left * variance + leverage * made)
