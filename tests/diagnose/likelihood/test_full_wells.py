@@ -24,25 +24,21 @@ from diagnose.planted import (
     sensor_of,
 )
 
-LEVEL = 0.5
+FULL_SHARE = 0.5  # of the pixels
 FLICKER = {"mains_flicker": [0.2, 30.0]}
 SHADING = {"lens_shading": [-0.3]}
 
 
-def flats(sensor=None, levels=(0.9,) * 4):
+def flats(level=0.9):
     """Return fit frames of flats that shading makes bright in the middle alone."""
-    captures = [
-        replace(capture, scene=lambda level=level: np.full(3, level, np.float32))
-        for capture, level in zip(captures_of(("flat",) * 4), levels, strict=True)
-    ]
-    return frames_of(sensor or sensor_of(), captures)
+    return frames_of(sensor_of(), captures_of(("flat",) * 4, level=level))
 
 
 def around_the_well(**terms):
     """Return (a model whose well cuts the middle of flats, the frames)."""
     frames = flats()
     light = predict(model_of(sensor_of(), **SHADING), frames[0]).exposed
-    well = 1 - float(np.quantile(light[frames[0].counted], 1 - LEVEL))
+    well = 1 - float(np.quantile(light[frames[0].counted], 1 - FULL_SHARE))
     return model_of(sensor_of(), **SHADING, full_well=[well], **terms), frames
 
 
@@ -51,9 +47,9 @@ def residuals(model, frames):
     near, far = [], []
     for frame in frames:
         _, z, p = log_density(model, frame)
-        close = p.well.below < 0.999
-        near.append(z[frame.counted & close])
-        far.append(z[frame.counted & ~close])
+        below = p.well.surely_below
+        near.append(z[frame.counted & ~below])
+        far.append(z[frame.counted & below])
     return np.concatenate(near), np.concatenate(far)
 
 
@@ -86,7 +82,7 @@ def test_light_that_nobody_measured_fills_wells_as_it_shows():
     """Flats are 10 % dimmer than they were taken for."""
     unsure = Nuisance(0.1, 0.0, 0.0, 0.0, frozenset({"exposure"}))
     model, frames = around_the_well()
-    dimmer = flats(levels=(0.9 * 0.9,) * 4)
+    dimmer = flats(level=0.9 * 0.9)
     signals = drawn_frames(model, Splits(dimmer, ONE), 3).frames
     shown = [
         replace(frame, signal=one.signal, at_white=one.at_white)
@@ -99,7 +95,7 @@ def test_light_that_nobody_measured_fills_wells_as_it_shows():
 def test_far_below_the_well_light_of_a_frame_moves_no_prediction():
     model, frames = around_the_well(**FLICKER)
     without = model.without("mains_flicker")
-    dim = flats(levels=(0.2,) * 4)
+    dim = flats(level=0.2)
     for frame in drawn(dim, without, 4):
         p = predict(model, frame)
         np.testing.assert_array_equal(p.mean, predict(without, frame).mean)

@@ -280,9 +280,13 @@ TEST(HostileDng, SitesShareTheLookUpOfAMap)
     for (char letter : std::string("GGRGGBGGBGGRBRGRBGGGBGGRGGRGGBRBGBRG"))
         colors.push_back(std::string("RGB").find(letter));
     x_trans.shorts(33421, { 6, 6 }).bytes(33422, colors);
-    OpcodeBuilder coarse { 2, 2 };
-    const std::vector<TestOpcode> maps(64, coarse.gain_map());
-    std::istringstream stream(file_of(x_trans.bytes(51009, opcode_list(maps))));
+    OpcodeBuilder fine { 120, 120 }, coarse { 2, 2 };
+    std::vector<TestOpcode> maps(64, coarse.gain_map());
+    maps[0] = fine.gain_map();
+    EXPECT_TRUE(survives(file_of(tiny_dng().bytes(51009, opcode_list(maps)))));
+    const std::string file = file_of(x_trans.bytes(51009, opcode_list(maps)));
+    EXPECT_TRUE(survives(file));
+    std::istringstream stream(file);
     const DngMetadata metadata = read_dng_stream(stream, "maps.dng");
     ASSERT_EQ(metadata.gain_maps.size(), 64U);
     ASSERT_EQ(metadata.gain_maps[0].sites.size(), 36U);

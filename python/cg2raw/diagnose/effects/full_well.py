@@ -49,9 +49,8 @@ class FullWell(Effect):
         extra = np.zeros_like(z)
         if values[0] <= 0:
             return z, extra
-        charge, of_light = p.exposed, np.zeros_like(z)
-        if p.well is not None:
-            charge, of_light = p.well.charge, of_light + p.well.light
+        full = p.well
+        charge, shown = (p.exposed, 0.0) if full is None else (full.charge, full.light)
         light = np.broadcast_to(p.light_variance, z.shape)
         near = Well(1 - values[0], charge, p.photon_variance).is_near(
             p.photon_variance + light
@@ -64,7 +63,8 @@ class FullWell(Effect):
         known = p.variance[near] - light
         rest = np.maximum(known - (well.variance - less_varied), LEAST_READ * read)
         spread = np.sqrt(p.variance[near])
-        shared = of_light[near] / spread  # that whitening has yet to take out
+        # Light that whitening has yet to take out.
+        shared = np.broadcast_to(shown, z.shape)[near] / spread
         y = (z[near] - shared) * spread + well.charge - lost  # before offsets
         # Light that nobody measured is clipped too.
         well = Well(well.level, well.charge, well.variance + light)

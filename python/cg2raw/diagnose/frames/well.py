@@ -45,7 +45,7 @@ class Well:
         below_white = values.get("full_well", [0.0])[0]
         return cls(1 - below_white, charge, variance) if below_white else None
 
-    def with_more(self, charge: Array, variance: Array) -> "Well":
+    def with_more(self, charge: Array, variance: Array | float = 0.0) -> "Well":
         more = np.maximum(self.variance + variance, 0)
         return replace(self, charge=self.charge + charge, variance=more)
 
@@ -60,7 +60,7 @@ class Well:
         """Whether any charge is lost at all."""
         return bool(self._near.any())
 
-    @property
+    @cached_property
     def below(self) -> Array:
         """The chance that charge stays below the level."""
         chance = np.ones(self.charge.shape)

@@ -68,10 +68,8 @@ def _filled_by_light(
         full."""
     if not frame.capture.shows.light or frame.samples is not None or not well.any_near:
         return well, 0.0
-    fields = [
-        np.broadcast_to(field * np.maximum(well.charge, 0), seen.shape).ravel()
-        for field in _relative_fields(model, frame)
-    ]
+    lit = np.maximum(well.charge, 0)
+    fields = [(field * lit).ravel() for field in _relative_fields(model, frame)]
     if not fields:
         return well, 0.0
     used = (frame.keep & ~frame.censored).ravel()
@@ -111,7 +109,7 @@ class _Light:
 
     @property
     def well(self) -> Well:
-        return self._empty.with_more(self.charge, np.zeros(()))
+        return self._empty.with_more(self.charge)
 
     def step(self) -> float:
         """Take a step; return its largest part."""

@@ -74,10 +74,11 @@ class Nuisance:
 
     def _columns(self, frame: Frame, p: Prediction) -> Array | None:
         """(k, pixels) of the fields, in standard deviations of a pixel."""
-        if not frame.capture.shows.light:
+        levels = self.levels(frame)
+        if not levels:
             return None
         sensitivity = (shown_light(frame, p) / np.sqrt(p.variance)).astype("f4")
-        columns = [level * sensitivity for level in self.levels(frame)]
+        columns = [level * sensitivity for level in levels]
         is_chart = frame.samples is not None
         if frame.capture.shows.image and not is_chart and "radiance" in self.free:
             down, across = _bumps(frame)
