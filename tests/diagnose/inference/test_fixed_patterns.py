@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.splits import third
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
+    BY_NAME,
     READ,
     SHAPE,
     capture_of,
@@ -182,3 +184,30 @@ def test_a_map_takes_its_variance_from_fitted_frames_and_adds_it_to_others():
         p = predict(model, frame)
         z = ((frame.signal - p.mean) / np.sqrt(p.variance))[frame.keep]
         assert np.mean(z**2) == pytest.approx(1, abs=0.06), frame.capture.group
+
+
+MAPS = [one.name for one in BY_NAME.values() if isinstance(one, FixedPattern)]
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_maps_of_other_tiles_are_made_anew(name):
+    """What a fit of a few tiles knew of a sensor is where whole frames begin."""
+    other = SHAPE[1], SHAPE[0]
+    small, large = (
+        drawn(
+            frames_of(
+                SENSOR,
+                [
+                    capture_of(kind, seed, name=f"{kind}{seed}", shape=shape)
+                    for kind in ("dark", "flat")
+                    for seed in range(3)
+                ],
+            ),
+            Model(SENSOR),
+            5,
+        )
+        for shape in (SHAPE, other)
+    )
+    model = fit_patterns(model_of(SENSOR, **{name: [0.0]}), on(small))
+    again = fit_patterns(model, on(large)).term(name).sensor_map
+    assert again.mean.shape == (1, *other)

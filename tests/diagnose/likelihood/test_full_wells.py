@@ -7,9 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
+from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.inference.drawn_frames import drawn_frames
 from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.full_wells import (
+    LIGHT_AT_REST,
+    MOST_STEPS_OF_LIGHT,
+    Light,
+)
 from cg2raw.diagnose.likelihood.likelihood import log_density
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.diagnose.likelihood.prediction import predict
@@ -110,3 +117,34 @@ def test_full_pixels_without_any_noise_leave_it_a_number():
         p = predict(silent, frame)
         assert np.isfinite(p.mean).all() and np.isfinite(p.well.light).all()
         assert (p.variance > 0).all()
+
+
+@pytest.mark.parametrize("seed", [3, 13, 14, 20, 22, 24, 40, 55])
+def test_the_likeliest_light_is_found_where_pixels_contradict_each_other(seed):
+    """Of pixels near the well, that are a few percent off: Newton's steps of the light
+    overshoot by turns there, ever farther, unless they are held back."""
+    rng = np.random.default_rng(seed)
+    level, read, gain, pixels = 0.84, 1e-3, 3.5e-4, 20
+    lit = rng.uniform(0.78, 1.03, pixels)
+    phase = rng.choice([2.0, 3.7, 4.0], pixels)
+    true = lit * (1 + 0.05 * rng.standard_normal(pixels))
+    true = true + np.sqrt(gain * lit) * rng.standard_normal(pixels)
+    seen = np.minimum(true, level) + read * rng.standard_normal(pixels)
+    fields = 0.0156 * lit * np.array([np.cos(phase), np.sin(phase)])
+    shape = (1, 1, pixels)
+    well = Well(level, lit.reshape(shape), (gain * lit).reshape(shape))
+    variance = (read**2 + gain * lit).reshape(shape)
+    light = Light(well, fields, seen.reshape(shape), variance, np.ones(pixels))
+    steps, costs = [], [light.cost]
+    for _ in range(MOST_STEPS_OF_LIGHT):
+        steps.append(light.step())
+        costs.append(light.cost)
+    assert (np.diff(costs) <= 0).all()
+    assert steps[-1] < LIGHT_AT_REST and np.abs(light.numbers).max() < 4
+
+    def cost(numbers):
+        filled = well.with_more((numbers @ fields).reshape(shape))
+        left = seen - (filled.charge - filled.cut[0]).ravel()
+        return left**2 @ (1 / variance.ravel()) + numbers @ numbers
+
+    assert costs[-1] == pytest.approx(minimize(cost, np.zeros(2)).fun, rel=1e-4)

@@ -97,7 +97,8 @@ def _fitted(model: Model, names: Sequence[str], likelihood: Likelihood) -> list[
         return [fit_sparse_map(terms[0], effects[0], rest, likelihood)]
     if effects[0].layout == "jumps":
         return [fit_variance_map(terms[0], rest, likelihood)]
-    maps = [term.sensor_map for term in terms]
+    shape = likelihood.frames[0].signal.shape
+    maps = [term.map_of(shape) for term in terms]
     evidence = evidence_of(effects, rest, likelihood, maps)
     if effects[0].layout == "spots":
         return [fit_spot_map(terms[0], evidence)]

@@ -210,7 +210,7 @@ def _most_likely(
     That pixels are hot besides has to gain what two numbers cost. Source: G. Schwarz,
     Ann. Stat. 6(2), 1978."""
     estimate, error = classes.estimate, classes.error
-    low, middle, high = np.interp(MIDDLE_SHARES, count.cumsum() / count.sum(), estimate)
+    low, middle, high = (_quantile(classes, count, q) for q in MIDDLE_SHARES)
     unit = max((high - low) / 2, 1e-12)
     spread = np.sqrt(max(unit**2 - np.median(error), (0.1 * unit) ** 2)) / unit
     if start is None:
@@ -230,7 +230,7 @@ def _most_likely(
     noise = -0.5 * (estimate - level) ** 2 / error - 0.5 * np.log(2 * np.pi * error)
     least = float(count @ noise) + len(shapes[0]) / 2
     found, height = (plain, height) if height >= least else (None, least)
-    hot = _hot_start(classes, count, middle, unit, start)
+    hot = _hot_start(classes, count, unit, start)
     if hot is None:
         return found
     mixed_shapes = [[*shape, *hot] for shape in shapes]
@@ -242,8 +242,8 @@ def _nearly_stated(
     found: Mixture, stated: Mapping[str, float], classes: Rates, count: Values
 ) -> Mixture:
     """Return the most likely law that has a profile's numbers, and as many hot pixels
-    as it leaves, if that is nearly as likely as the one that was found; else that
-    one."""
+    as it leaves, if that is nearly as likely as the one that was found; else that one.
+    A wider law that was found may have been so by these pixels."""
     if stated["rate"] <= 0 or stated["log_sigma"] <= 0:
         return found
     law = LogNormal(found.law.shift, stated["rate"], stated["log_sigma"])
@@ -258,8 +258,9 @@ def _nearly_stated(
 
     shift = law.shift / unit
     moved, height = _best(of, [[shift]], FIRST_STEPS, classes, count)
-    if found.hot_share:
-        start = [shift, *found.numbers(unit)[3:]]
+    hot = _hot_start(classes, count, unit, found)
+    if hot is not None:
+        start = [shift, *hot]
         mixed, with_hot = _best(of, [start], FIRST_STEPS, classes, count)
         if with_hot - height > np.log(count.sum()):
             moved, height = mixed, with_hot
@@ -288,18 +289,23 @@ def _best(
 
 
 def _hot_start(
-    classes: Rates, count: Values, middle: float, unit: float, start: Mixture | None
+    classes: Rates, count: Values, unit: float, start: Mixture | None
 ) -> Sequence[float] | None:
     """Return where a search begins for the share and the rate of those that are hot;
     None if no pixel is far out."""
     if start is not None and start.hot_share > 0:
         return start.numbers(unit)[3:]
+    middle = _quantile(classes, count, 0.5)
     far = classes.estimate > middle + HOT * unit
     if not far.any():
         return None
     mean = count[far] @ (classes.estimate[far] - middle) / count[far].sum()
     share = count[far].sum() / count.sum()
     return [float(logit(min(share, HOT_SHARES[1]))), float(np.log(mean / unit))]
+
+
+def _quantile(classes: Rates, count: Values, share: float) -> float:
+    return float(np.interp(share, count.cumsum() / count.sum(), classes.estimate))
 
 
 def _estimates(mixture: Mixture, classes: Rates, count: Values) -> dict[str, Estimate]:

@@ -68,8 +68,8 @@ def evidence_of(
 
     Of offsets and rates darks say so much more than flats that these would add but what
     is wrong with their light. rest : the model without them. known : the maps as far as
-    they are, beside which tails of the noise are seen, and, of spots, how full wells
-    are."""
+    they are, of the frames' tiles, beside which tails of the noise are seen, and, of
+    spots, how full wells are."""
     known = known or [None] * len(effects)
     by_darks = [told_by_darks(effect, likelihood.frames) for effect in effects]
     charge = next((k for k, effect in enumerate(effects) if effect.is_log_normal), None)
@@ -144,7 +144,7 @@ def _beside_tails(
     left = frame.signal - p.mean
     charge: Array | float = 0.0
     for effect, one in zip(effects, known, strict=True):
-        if one is not None and one.mean.shape == left.shape:
+        if one is not None:
             signal = effect.shown(frame, p) * one.mean
             left, charge = left - signal, charge + effect.is_charge * signal
     more = np.maximum(photon_gain(rest, frame) * charge, -p.photon_variance)

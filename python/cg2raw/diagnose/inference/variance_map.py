@@ -97,7 +97,7 @@ def fit_variance_map(term: Term, rest: Model, likelihood: Likelihood) -> Term:
     extra = np.full(none.shape, values[0] * values[1] ** 2 / 2)
     chance = np.full(none.shape, values[0])
     extra[known], chance[known] = (steps / 2) ** 2 @ chances, chances.sum(0)
-    if (before := term.sensor_map) is not None and before.mean.shape == extra.shape:
+    if (before := term.map_of(extra.shape)) is not None:
         extra, chance = (extra + before.mean) / 2, (chance + before.share) / 2
     sensor_map = SensorMap(extra, none, chance=chance)
     return replace(term, values=values, sensor_map=sensor_map)

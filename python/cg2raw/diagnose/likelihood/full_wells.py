@@ -23,6 +23,7 @@ from cg2raw.diagnose.frames.well import Well
 from cg2raw.diagnose.likelihood.model import Model
 
 MOST_STEPS_OF_LIGHT = 12
+MOST_HALVINGS = 10  # of a step
 LIGHT_AT_REST = 1e-4  # standard deviations of the light, of a last step
 
 
@@ -73,7 +74,7 @@ def _filled_by_light(
     if not fields:
         return well, 0.0
     used = (frame.keep & ~frame.censored).ravel()
-    light = _Light(well, np.array(fields), seen, variance, used)
+    light = Light(well, np.array(fields), seen, variance, used)
     for _ in range(MOST_STEPS_OF_LIGHT):
         if light.step() < LIGHT_AT_REST:
             break
@@ -92,34 +93,48 @@ def _relative_fields(model: Model, frame: Frame) -> Iterator[Array | float]:
                 yield from effect.light(values, frame)
 
 
-class _Light:
-    """The likeliest numbers of fields of charge (k, pixels), by Newton's method."""
+class Light:
+    """The likeliest numbers of fields of charge (k, pixels), which are normal, of
+    variance 1, and fill a well of which a signal is seen: by Gauss and Newton's method.
+
+    seen, variance : (T, h, w), the signal of charge alone, and its variance if no well
+    were full, by which it is weighed: full pixels, that vary less, tell of no light.
+    used : (pixels,), which of them count."""
 
     def __init__(
         self, well: Well, fields: Array, seen: Array, variance: Array, used: Array
     ) -> None:
-        self._empty, self._fields, self._used = well, fields, used
-        self._seen, self._variance = seen, variance
-        self._numbers = np.zeros(len(fields))
+        self._empty, self._fields, self._seen = well, fields, seen
+        self._weight = used / np.maximum(variance, LEAST_VARIANCE).ravel()
+        self._fill(np.zeros(len(fields)))
 
     @property
     def charge(self) -> Array:
-        charge: Array = (self._numbers @ self._fields).reshape(self._seen.shape)
+        charge: Array = (self.numbers @ self._fields).reshape(self._seen.shape)
         return charge
 
-    @property
-    def well(self) -> Well:
-        return self._empty.with_more(self.charge)
-
     def step(self) -> float:
-        """Take a step; return its largest part."""
-        well = self.well
-        lost, less_varied = well.cut
-        left = (self._seen - well.charge + lost).ravel()
-        left_varied = np.maximum(self._variance - less_varied, LEAST_VARIANCE)
-        weight = self._used / left_varied.ravel()
-        slopes = self._fields * well.below.ravel()
-        bend = np.eye(len(slopes)) + (slopes * weight) @ slopes.T
-        moved = np.linalg.solve(bend, (slopes * weight) @ left - self._numbers)
-        self._numbers = self._numbers + moved
-        return float(np.abs(moved).max())
+        """Take a step; return its largest part, 0 at the top.
+
+        A step that leaves more is too long, and is halved: it may have filled pixels
+        that are not full."""
+        before, cost = self.numbers, self.cost
+        slopes = self._fields * self.well.below.ravel()
+        bend = np.eye(len(slopes)) + (slopes * self._weight) @ slopes.T
+        pull = (slopes * self._weight) @ self._left - before
+        moved = np.linalg.solve(bend, pull)
+        for _ in range(MOST_HALVINGS):
+            self._fill(before + moved)
+            if self.cost <= cost:
+                return float(np.abs(moved).max())
+            moved = moved / 2
+        self._fill(before)
+        return 0.0
+
+    def _fill(self, numbers: Array) -> None:
+        """Fill the well by numbers of the fields. cost : twice the nats that these and
+        what they leave of the signal lose."""
+        self.numbers = numbers
+        self.well = self._empty.with_more(self.charge)
+        self._left = (self._seen - self.well.charge + self.well.cut[0]).ravel()
+        self.cost = float(self._weight @ self._left**2 + numbers @ numbers)

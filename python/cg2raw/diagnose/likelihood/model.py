@@ -38,6 +38,11 @@ class Term:
     def name(self) -> str:
         return self.effect.name
 
+    def map_of(self, shape: tuple[int, ...]) -> SensorMap | None:
+        """Return its map, if that is of tiles (T, h, w) of a shape."""
+        known = self.sensor_map
+        return known if known is not None and known.mean.shape == shape else None
+
 
 @dataclass(frozen=True)
 class Model:
@@ -73,8 +78,8 @@ class Model:
         term = self.term(effect.name)
         if term is None or term.sensor_map is None:
             return None
-        known = term.sensor_map
-        return known if known.mean.shape == frame.signal.shape else _anywhere(known)
+        known = term.map_of(frame.signal.shape)
+        return _anywhere(term.sensor_map) if known is None else known
 
     def rate_law_on(self, frame: Frame) -> tuple[Mask, RateLaw] | None:
         """Return (where maps do not say how fast charge gathers, how fast it does by
