@@ -12,7 +12,15 @@ from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
-from diagnose.planted import BY_NAME, ONE, model_of, on
+from diagnose.planted import (
+    BY_NAME,
+    ONE,
+    captures_of,
+    drawn,
+    frames_of,
+    model_of,
+    on,
+)
 from diagnose.shaded import SENSOR, SHADING, groups_of, shaded
 
 THRESHOLD = 8.0
@@ -95,3 +103,39 @@ def test_a_term_that_rests_gains_nothing():
     assert null_gain(model_of(SENSOR, row_noise=[0.1]), splits) == 0
     rested = [null_gain(both, splits, but) for but in ("lens_shading", "exposure", "")]
     assert 0 <= rested[0] < rested[1] <= rested[2] + 0.1
+
+
+JUMPS = "random_telegraph_noise"
+OF_TAILS, OF_FEW = "the tails of all pixels", "the same few pixels"
+
+
+@pytest.mark.parametrize("widened", [OF_TAILS, OF_FEW])
+def test_a_map_of_variance_is_told_by_its_pixels(widened):
+    """Of noise whose tails are farther out than a model has them, a law of jumps
+    describes the shape. That gains on held-out frames, wherever its map has them."""
+    groups = [
+        frames_of(SENSOR, captures_of(("dark",) * 6, group))
+        for group in ("fit", "select")
+    ]
+    few = np.random.default_rng(3).random(groups[0][0].signal.shape) < 0.01
+
+    def jumps(frame, rng):
+        hit = few if widened == OF_FEW else rng.random(few.shape) < 0.01
+        side = np.sign(rng.standard_normal(few.shape))
+        return hit * side * 4 * np.sqrt(frame.beta2)
+
+    fitted, held = (
+        on(drawn(frames, Model(SENSOR), seed, jumps))
+        for seed, frames in enumerate(groups)
+    )
+    model = fit_patterns(model_of(SENSOR, **{JUMPS: [0.0]}), fitted)
+    gain = held.total(model) - held.total(model.without(JUMPS))
+    told = candidates.told_by_pixels(model, JUMPS, held)
+    assert gain > 5 * THRESHOLD
+    assert told > gain / 2 if widened == OF_FEW else told < 0
+
+
+def test_what_is_no_map_of_variance_needs_no_pixels():
+    model = model_of(SENSOR, prnu=[0.01], read_noise=[0.1])
+    for name in model.names:
+        assert candidates.told_by_pixels(model, name, on([])) == np.inf

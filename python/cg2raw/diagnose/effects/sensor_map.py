@@ -53,6 +53,16 @@ class SensorMap:
             unknown=None if self.unknown is None else self.unknown[places],
         )
 
+    def displaced(self) -> "SensorMap":
+        """Return the map with every pixel's numbers at another one of its colour, half
+        a tile away: as strong, and of none of the pixels that it was made of."""
+        half = [size // 4 * 2 for size in self.mean.shape[-2:]]
+        chance = None if self.chance is None else np.roll(self.chance, half, (-2, -1))
+        mean, variance = (
+            np.roll(one, half, (-2, -1)) for one in (self.mean, self.variance)
+        )
+        return SensorMap(mean, variance, chance=chance, noise_gains=self.noise_gains)
+
     @property
     def share(self) -> Array | float:
         """The chance that a pixel's value is of this effect."""

@@ -21,6 +21,7 @@ from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.pruning import TURNS_WITHOUT
 from cg2raw.diagnose.inference.splits import LUCK, Splits
 from cg2raw.diagnose.inference.steps import Trial
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 MOST_FITTED = 6  # candidates that are fitted in full, of those screened
@@ -148,7 +149,20 @@ class Candidates:
         evidence = trial.gain - self._null_gain
         if evidence < self.threshold <= 2 * trial.gain:
             evidence += null_gain(trial.model, self.splits, trial.name)
+        select = self.splits.select
+        evidence = min(evidence, told_by_pixels(trial.model, trial.name, select))
         return replace(trial, evidence=evidence)
+
+
+def told_by_pixels(model: Model, name: str, select: Likelihood) -> float:
+    """Return what a model's map of variance gains by the pixels that it is of, beyond
+    what its law alone does: that is one of tails, and any noise has some. Infinite of
+    effects that have no such map."""
+    term = model.term(name)
+    if term is None or term.sensor_map is None or not term.effect.whitens_variance:
+        return np.inf
+    elsewhere = replace(term, sensor_map=term.sensor_map.displaced())
+    return select.total(model) - select.total(model.with_term(elsewhere))
 
 
 def null_gain(model: Model, splits: Splits, but: str = "") -> float:

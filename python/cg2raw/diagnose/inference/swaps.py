@@ -10,9 +10,11 @@ import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import confusable
+from cg2raw.diagnose.inference.candidates import told_by_pixels
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.splits import LUCK, Splits
+from cg2raw.diagnose.inference.ties import CLEAR
 from cg2raw.diagnose.likelihood.model import Model
 
 NEAR, NEARBY_NATS = 0.5, 50.0  # of what is lost, and beyond it, that a fit may make up
@@ -99,6 +101,8 @@ def _swapped(
         if lost > NEAR * abs(loss) + NEARBY_NATS:
             continue
         fitted = fit(guess[0], splits.fit)
+        if told_by_pixels(fitted, candidate.name, splits.select) < CLEAR:
+            continue
         gained = splits.select.in_blocks(fitted) - height
         error = float(gained.std() * np.sqrt(gained.size))
         yield Swap(float(gained.sum()), old, candidate.name, fitted), error
