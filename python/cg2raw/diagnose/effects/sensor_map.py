@@ -3,7 +3,7 @@
 
 """SensorMap: what is known of a map of the sensor."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +14,9 @@ from cg2raw.diagnose.effects.rate_law import RateLaw
 from cg2raw.diagnose.frames.tiling import Array, Mask
 
 SMALLEST_CHANCE = 1e-12
+PLACES_OF_A_MAP = 9  # down and across a tile, where a displaced one may be
+STEPS_ACROSS = 4  # of these, for every one down
+ANY_REPEAT = 6  # px, of any CFA
 
 
 @dataclass(frozen=True)
@@ -53,15 +56,21 @@ class SensorMap:
             unknown=None if self.unknown is None else self.unknown[places],
         )
 
-    def displaced(self) -> "SensorMap":
-        """Return the map with every pixel's numbers at another one of its colour, half
-        a tile away: as strong, and of none of the pixels that it was made of."""
-        half = [size // 4 * 2 for size in self.mean.shape[-2:]]
-        chance = None if self.chance is None else np.roll(self.chance, half, (-2, -1))
-        mean, variance = (
-            np.roll(one, half, (-2, -1)) for one in (self.mean, self.variance)
-        )
-        return SensorMap(mean, variance, chance=chance, noise_gains=self.noise_gains)
+    def displaced(self) -> Iterator["SensorMap"]:
+        """Yield maps that have every pixel's numbers at another one of its colour: as
+        strong, and of none of the pixels that they were made of."""
+        height, width = self.mean.shape[-2:]
+        share = np.broadcast_to(self.share, self.mean.shape)
+        for k in range(1, PLACES_OF_A_MAP):
+            places = (k * height, k * STEPS_ACROSS % PLACES_OF_A_MAP * width)
+            moved = [
+                place // PLACES_OF_A_MAP // ANY_REPEAT * ANY_REPEAT for place in places
+            ]
+            mean, variance, chance = (
+                np.roll(one, moved, (-2, -1))
+                for one in (self.mean, self.variance, share)
+            )
+            yield SensorMap(mean, variance, chance=chance)
 
     @property
     def share(self) -> Array | float:

@@ -155,14 +155,20 @@ class Candidates:
 
 
 def told_by_pixels(model: Model, name: str, select: Likelihood) -> float:
-    """Return what a model's map of variance gains by the pixels that it is of, beyond
-    what its law alone does: that is one of tails, and any noise has some. Infinite of
-    effects that have no such map."""
+    """Return what a model's map of variance gains for sure by the pixels that it is of,
+    beyond what it does at others: that is a law of tails, and any noise has some.
+    Infinite of effects that have no such map.
+
+    Source: a permutation test; P. Good, Permutation Tests, 2000."""
     term = model.term(name)
     if term is None or term.sensor_map is None or not term.effect.whitens_variance:
         return np.inf
-    elsewhere = replace(term, sensor_map=term.sensor_map.displaced())
-    return select.total(model) - select.total(model.with_term(elsewhere))
+    elsewhere = [
+        select.total(model.with_term(replace(term, sensor_map=other)))
+        for other in term.sensor_map.displaced()
+    ]
+    most_by_chance = np.mean(elsewhere) + LUCK * np.std(elsewhere, ddof=1)
+    return float(select.total(model) - most_by_chance)
 
 
 def null_gain(model: Model, splits: Splits, but: str = "") -> float:
