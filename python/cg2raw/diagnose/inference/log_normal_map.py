@@ -243,7 +243,7 @@ def _nearly_stated(
 ) -> Mixture:
     """Return the most likely law that has a profile's numbers, and as many hot pixels
     as it leaves, if that is nearly as likely as the one that was found; else that one.
-    A wider law that was found may have been so by these pixels."""
+    A law without any may be wide by these pixels: it is less likely then."""
     if stated["rate"] <= 0 or stated["log_sigma"] <= 0:
         return found
     law = LogNormal(found.law.shift, stated["rate"], stated["log_sigma"])
@@ -258,13 +258,14 @@ def _nearly_stated(
 
     shift = law.shift / unit
     moved, height = _best(of, [[shift]], FIRST_STEPS, classes, count)
+    likeliest = found.height(classes, count)
     hot = _hot_start(classes, count, unit, found)
     if hot is not None:
-        start = [shift, *hot]
-        mixed, with_hot = _best(of, [start], FIRST_STEPS, classes, count)
-        if with_hot - height > np.log(count.sum()):
+        mixed, with_hot = _best(of, [[shift, *hot]], FIRST_STEPS, classes, count)
+        least = height + np.log(count.sum())
+        if with_hot > (least if found.hot_share else max(least, likeliest)):
             moved, height = mixed, with_hot
-    lost = found.height(classes, count) - height
+    lost = likeliest - height
     return moved if lost < NEARLY * count.sum() else found
 
 
