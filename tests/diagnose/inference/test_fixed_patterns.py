@@ -28,9 +28,9 @@ SENSOR = made()
 TILE = (1, *SHAPE)
 
 
-def captures_of(group="fit", count=4, mask=None, kinds=("dark", "flat")):
+def captures_of(group="fit", count=4, kinds=("dark", "flat"), **more):
     return [
-        capture_of(kind, seed, group=group, name=f"{kind}{seed}{group}", mask=mask)
+        capture_of(kind, seed, group=group, name=f"{kind}{seed}{group}", **more)
         for kind in kinds
         for seed in range(count)
     ]
@@ -194,18 +194,7 @@ def test_maps_of_other_tiles_are_made_anew(name):
     """What a fit of a few tiles knew of a sensor is where whole frames begin."""
     other = SHAPE[1], SHAPE[0]
     small, large = (
-        drawn(
-            frames_of(
-                SENSOR,
-                [
-                    capture_of(kind, seed, name=f"{kind}{seed}", shape=shape)
-                    for kind in ("dark", "flat")
-                    for seed in range(3)
-                ],
-            ),
-            Model(SENSOR),
-            5,
-        )
+        drawn(frames_of(SENSOR, captures_of(count=3, shape=shape)), Model(SENSOR), 5)
         for shape in (SHAPE, other)
     )
     model = fit_patterns(model_of(SENSOR, **{name: [0.0]}), on(small))

@@ -149,8 +149,9 @@ class Candidates:
         evidence = trial.gain - self._null_gain
         if evidence < self.threshold <= 2 * trial.gain:
             evidence += null_gain(trial.model, self.splits, trial.name)
-        select = self.splits.select
-        evidence = min(evidence, told_by_pixels(trial.model, trial.name, select))
+        if evidence >= self.threshold:
+            told = told_by_pixels(trial.model, trial.name, self.splits.select)
+            evidence = min(evidence, told)
         return replace(trial, evidence=evidence)
 
 
