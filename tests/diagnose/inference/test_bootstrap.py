@@ -78,6 +78,14 @@ def test_what_makes_up_for_a_wrong_likelihood_gains_on_drawn_frames(monkeypatch)
     assert not bootstrap.explains(trial_of(model, evidence=3e4, shot_noise=[-0.1]))
 
 
+def test_how_much_it_loses_on_drawn_frames_says_nothing(monkeypatch):
+    """Nobody would add what loses: its losses are no spread of what it gains."""
+    bootstrap, model = bootstrap_of(SENSOR)
+    lost = iter([-5.0, -485.0])
+    monkeypatch.setattr(bootstrap, "_gain", lambda *given: next(lost))
+    assert not bootstrap.explains(trial_of(model, evidence=158.0, exposure=[1e-3]))
+
+
 def test_captures_that_cannot_be_drawn_leave_a_name_to_its_evidence(monkeypatch):
     bootstrap, model = bootstrap_of(SENSOR)
     monkeypatch.setattr(module, "drawn_frames", lambda *given: None)

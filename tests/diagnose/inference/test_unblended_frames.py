@@ -62,6 +62,20 @@ def test_noise_is_white_and_of_the_variance_before():
         assert (z[:, 2:] * z[:, :-2]).mean() == pytest.approx(0, abs=0.05)
 
 
+def test_the_filter_makes_rounding_larger():
+    """Of 1 DN of read noise, rounded to whole DN after the blend."""
+    levels = {"white_level": 895, "black_level": [64.0] * 4, "bits": 10}
+    coarse = sensor_of(10_000.0, 12.0, effects=LISTED[:1], **levels)
+    model, before = unblended(Model(coarse), on(shot(coarse)))
+    squares = []
+    for frame in before.frames:
+        p = predict(model, frame)
+        z = (frame.signal - p.mean)[0, 8:-8, 8:-8]
+        squares.append(np.mean(z**2 / p.variance[0, 8:-8, 8:-8]))
+    assert np.mean(squares) == pytest.approx(1, abs=0.02)
+    assert before.frames[0].rounding > 1.5 / 12
+
+
 def test_a_model_without_noise_reduction_stays_as_it_is():
     bare = sensor_of()
     likelihood = on(frames_of(bare, captures_of(["dark"])))

@@ -113,7 +113,7 @@ class NoiseReduction(Effect):
 def _rounding(p: Prediction, frame: Frame) -> float:
     """Return the share of most pixels' variance that whole DN have: they are rounded
     after the filter, to white noise."""
-    share = 1 / 12 / (np.median(frame.range) ** 2 * np.median(p.variance))
+    share = frame.rounding / (np.median(frame.range) ** 2 * np.median(p.variance))
     return float(np.clip(share, LEAST_POWER, MOST_ROUNDED))
 
 

@@ -25,6 +25,7 @@ BORDER, UNIFORM_BORDER = 8, 4
 # Degrees that double dark charge: 5 to 7 for silicon near room temperature. Source: R.
 # Widenhorn et al., Proc. SPIE 4669, 2002.
 DOUBLING = 6.0
+ROUNDING = 1 / 12  # variance of whole numbers, DN^2
 MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
 
 
@@ -48,6 +49,7 @@ class Frame:
     repeats : tables of its chart in its group, which share the errors of its colours.
     warmth : how much faster charge gathers in it without light than in other frames,
         since it is warmer.
+    rounding : variance that whole DN add to the noise, DN^2.
     memo : what was last predicted of it, which copies with another signal share.
     """
 
@@ -74,6 +76,7 @@ class Frame:
     samples: Array | None = None
     repeats: int = 1
     warmth: float = 1.0
+    rounding: float = ROUNDING
     memo: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property

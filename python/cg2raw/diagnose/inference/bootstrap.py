@@ -72,7 +72,7 @@ class Bootstrap:
             drawn = self._draw(len(gains))
             if drawn is None:
                 return False
-            gains.append(self._gain(trial, drawn))
+            gains.append(max(self._gain(trial, drawn), 0.0))  # or nobody would add it
             if len(gains) < FEWEST_DRAWS:
                 continue
             if least > most_of_next(gains, self._alpha):

@@ -37,9 +37,13 @@ def unblended(model: Model, likelihood: Likelihood) -> tuple[Model, Likelihood]:
 
 
 def _unblended(model: Model, before: Model, frame: Frame) -> Frame:
+    """Return a frame divided by the filter, which makes its rounding larger."""
     p = predict_for_means(model, frame)
+    rounding = frame.rounding
     residual = scores(p, frame)[0] * frame.keep * np.sqrt(p.variance)
     for effect, values in blending(model, frame):
         white = effect.whiten(residual, p, values, frame, frame.beta2)[0]
         residual = white / np.sqrt(effect.variance_left(values))
-    return replace(frame, signal=predict(before, frame).mean + residual)
+        rounding /= effect.variance_left(values)
+    signal = predict(before, frame).mean + residual
+    return replace(frame, signal=signal, rounding=rounding)

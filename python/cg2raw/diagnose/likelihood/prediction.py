@@ -88,7 +88,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
     )
     mean = mean + _blended(model, frame, with_maps[0] - mean)
     variance = left * with_maps[1]
-    variance = np.maximum(variance, LEAST_VARIANCE) + 1 / 12 / frame.range**2
+    variance = np.maximum(variance, LEAST_VARIANCE) + frame.rounding / frame.range**2
     if frame.samples is not None:
         variance = _of_means(model, frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
