@@ -30,6 +30,7 @@ from cg2raw.diagnose.assessment.gap import Sums, gap_of, systematic
 from cg2raw.diagnose.assessment.pieces import Pieces
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.assessment.updated_profile import updated_profile
+from cg2raw.diagnose.assessment.whole_field import on_whole_frames
 from cg2raw.diagnose.assessment.whole_frames import Look, WholeFrames
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import (
@@ -51,6 +52,7 @@ from cg2raw.diagnose.effects.sentences import deciding_captures
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.detection_limits import detection_limits
+from cg2raw.diagnose.inference.intervals import estimates
 from cg2raw.diagnose.inference.model_selection import Search
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
@@ -89,6 +91,9 @@ def _held(
         search.most_outliers,
         search.light,
     )
+    fitted = on_whole_frames(model, pieces)
+    if fitted is not model:
+        model, values = fitted, estimates(fitted, splits.fit)
     whole = WholeFrames(splits.report, baseline.model, pieces, details)
     look = whole.look_at(model)
     if model.found_names and not is_better(look.before, look.after):

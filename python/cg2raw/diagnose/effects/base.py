@@ -64,6 +64,7 @@ class Effect:
         discriminating_captures); told_apart : the same for one other effect.
     absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
     moves_mean : it explains a misfit of the mean.
+    is_field : a smooth field of light, of which every pixel tells.
     needs : what some frames must have to show it: "light", a "level" of it that is
         known, several "levels", "repeats" of pixels or levels, an "image", a "time".
     from_means : tables of patch means show it: neither pixels nor places are needed,
@@ -95,6 +96,7 @@ class Effect:
     told_apart: ClassVar[Mapping[str, str]] = {}
     absorbs: ClassVar[bool] = False
     moves_mean: ClassVar[bool] = True
+    is_field: ClassVar[bool] = False
     needs: ClassVar[frozenset[str]] = frozenset()
     from_means: ClassVar[bool] = False
     taken_up_by: ClassVar[Mapping[str, float]] = {}

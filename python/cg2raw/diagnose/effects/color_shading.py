@@ -12,6 +12,7 @@ class ColorShading(Effect):
     title = "colour shading"
     where = "with radius, red and blue unlike green"
     measured_by_uniform_frames = True
+    is_field = True
     step = 2e-3
     families = frozenset({GAIN})
     needs = LIGHT

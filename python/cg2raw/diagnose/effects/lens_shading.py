@@ -44,6 +44,7 @@ class LensShading(Effect):
     title = "lens shading"
     where = "falls off with radius, all channels, in proportion to signal"
     measured_by_uniform_frames = True
+    is_field = True
     step = 2e-3
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
