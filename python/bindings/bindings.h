@@ -74,6 +74,7 @@ void bind_simulation(py::module_& m);
 void bind_signal(py::module_& m);
 void bind_prediction(py::module_& m);
 void bind_normal_mixture(py::module_& m);
+void bind_normal_scores(py::module_& m);
 void bind_dng(py::module_& m);
 
 } // namespace cg2raw::python

@@ -257,6 +257,19 @@ def log_density_of_mixture(
 def posterior_of_mixture(
     law: NDArray[np.float64], estimates: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def normal_scores_of_two(
+    z: NDArray[np.float64],
+    chance: NDArray[np.float64],
+    narrow: NDArray[np.float64],
+    wide: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def normal_scores_of_rates(
+    law: NDArray[np.float64],
+    z: NDArray[np.float64],
+    variance: NDArray[np.float64],
+    gain: NDArray[np.float64],
+    seconds: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def draw_blocks(
     profile: SensorProfile,
     run: Run,

@@ -4,8 +4,9 @@
 """Mixture: residuals that are either narrow or wide."""
 
 import numpy as np
-from scipy.special import logit, ndtr, ndtri
+from scipy.special import logit
 
+from cg2raw import _core
 from cg2raw.diagnose.effects.base import Whitened
 from cg2raw.diagnose.frames.tiling import Array
 
@@ -17,12 +18,9 @@ def normal_score(
     of the determinant per pixel).
 
     chance : above 0, of being wide. narrow, wide : variances."""
-    log_wide = np.log(chance) - 0.5 * z * z / wide - 0.5 * np.log(wide)
-    log_narrow = np.log1p(-chance) - 0.5 * z * z / narrow - 0.5 * np.log(narrow)
-    tail = chance * ndtr(-np.abs(z) / np.sqrt(wide))
-    tail = tail + (1 - chance) * ndtr(-np.abs(z) / np.sqrt(narrow))
-    white = -np.sign(z) * ndtri(np.maximum(tail, 1e-300))
-    return white, np.logaddexp(log_wide, log_narrow) + 0.5 * white**2
+    given = [np.broadcast_to(one, z.shape).ravel() for one in (z, chance, narrow, wide)]
+    white, cost = _core.normal_scores_of_two(*given)
+    return white.reshape(z.shape), cost.reshape(z.shape)
 
 
 def log_odds(residual: Array, chance: float, narrow: Array, wide: Array) -> Array:

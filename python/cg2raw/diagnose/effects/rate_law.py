@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
+from cg2raw import _core
 from cg2raw.diagnose.frames.tiling import Array
 
-LEAST_OF_SUM = 1e-300
 NEARER = 0.5  # of the noise; parts of a law that are nearer to each other are one
 ENDS = (0.02, 0.1, 0.25, 0.5, 0.8, 1.2, 1.8, 2.6, 3.7, 5.2, 7.5, 11.0)  # of a mean
 
@@ -83,25 +82,15 @@ class RateLaw:
         return RateLaw(total, middle, np.maximum(square - middle**2, 0))
 
     def scores(
-        self, z: Array, variance: Array, seconds: float, gain: Array
+        self, z: Array, variance: Array, seconds: float, gain: Array | float
     ) -> tuple[Array, Array]:
         """Return (normal scores of standardised residuals (n,) of pixels whose rates
         are of the law, log of the determinant per pixel).
 
-        variance : (n,), of noise without what rates add. gain : (n,), of charge."""
+        variance : (n,), of noise without what rates add. gain : (n,) or one, of
+        charge."""
         width = NEARER * float(np.sqrt(np.median(variance))) / seconds
         law = self.coarser(width)
-        residual = z * np.sqrt(variance)
-        density, low, high = np.zeros((3, *z.shape))
-        for weight, mean, spread in zip(
-            law.weights, law.means, law.variances, strict=True
-        ):
-            more = gain * seconds * max(mean, 0.0) + seconds**2 * spread
-            ratio = 1 + more / variance
-            away = (residual - seconds * mean) / np.sqrt(variance * ratio)
-            density += weight * np.exp(-0.5 * away**2) / np.sqrt(ratio)
-            low += weight * ndtr(away)
-            high += weight * ndtr(-away)
-        tail = ndtri(np.maximum(np.minimum(low, high), LEAST_OF_SUM))
-        white = np.where(low < high, tail, -tail)
-        return white, np.log(np.maximum(density, LEAST_OF_SUM)) + 0.5 * white**2
+        parts = np.array([law.weights, law.means, law.variances])
+        gains = np.broadcast_to(gain, z.shape)
+        return _core.normal_scores_of_rates(parts, z, variance, gains, seconds)
