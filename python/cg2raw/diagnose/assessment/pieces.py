@@ -54,6 +54,10 @@ class Pieces:
     _bytes: int = 0
     _lights: dict[tuple[str, bytes], Array] = field(default_factory=dict)
 
+    def afresh(self) -> "Pieces":
+        """Return pieces of which nothing is kept yet."""
+        return replace(self, _sources={}, _bytes=0, _lights={})
+
     def batches(self, tiles: Tiling) -> Iterator[Tiling]:
         """Yield tilings that together are a frame."""
         return whole_tilings(tiles, repeat_of(self.capture_set.sensor.cfa))

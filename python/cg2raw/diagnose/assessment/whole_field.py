@@ -7,17 +7,26 @@ A search looks at tiles. A lens is no polynomial, and one that is fitted to a fe
 is as far from it between them as its terms allow.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
 from cg2raw.diagnose.assessment.pieces import Pieces
 from cg2raw.diagnose.frames.frame import Frame
-from cg2raw.diagnose.frames.tiling import Tiling
-from cg2raw.diagnose.inference.fisher_scoring import Linearisation, moved, solve
+from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.fisher_scoring import (
+    Linearisation,
+    Parameter,
+    moved,
+    solve,
+)
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
+from cg2raw.diagnose.likelihood.workers import Workers
+
+System = tuple[list[Parameter], Array, Array]  # with score and Fisher information
 
 
 def on_whole_frames(model: Model, pieces: Pieces) -> Model:
@@ -30,9 +39,13 @@ def on_whole_frames(model: Model, pieces: Pieces) -> Model:
         return model
     bare = model.without_maps()
     held = [term.name for term in model.terms if not _is_of_light(term)]
-    systems = [
-        Linearisation(bare, part).system(bare, held) for part in _parts(bare, pieces)
+    tiled = [
+        frame
+        for frame in pieces.learnt_from.frames
+        if frame.capture.shows.light and not frame.tiles.is_whole
     ]
+    work = partial(_systems, bare, held, pieces)
+    systems = list(chain(*pieces.learnt_from.workers.map(work, tiled)))
     if not systems:
         return model
     parameters, scores, information = zip(*systems, strict=True)
@@ -44,16 +57,13 @@ def _is_of_light(term: Term) -> bool:
     return term.effect.acts_on_light and term.effect.moves_mean
 
 
-def _parts(model: Model, pieces: Pieces) -> Iterator[Likelihood]:
-    """Yield the lit frames of a batch of tiles, of all that there are."""
-    lit = [f for f in pieces.learnt_from.frames if f.capture.shows.light]
-    workers = pieces.learnt_from.workers
-    for tiles in {id(f.tiles): f.tiles for f in lit if not f.tiles.is_whole}.values():
-        alike = [frame for frame in lit if frame.tiles is tiles]
-        for batch in pieces.batches(tiles):
-            cut = partial(_cut, pieces, batch, model)
-            yield Likelihood(workers.map(cut, alike), workers)
-
-
-def _cut(pieces: Pieces, tiles: Tiling, model: Model, frame: Frame) -> Frame:
-    return pieces.without_outliers(pieces.of(frame, tiles), model)
+def _systems(
+    model: Model, held: Collection[str], pieces: Pieces, frame: Frame
+) -> list[System]:
+    """Return the systems of a frame's batches of tiles; its files are read once."""
+    own, found = pieces.afresh(), []
+    for tiles in own.batches(frame.tiles):
+        piece = own.without_outliers(own.of(frame, tiles), model)
+        alone = Likelihood([piece], Workers(1))
+        found.append(Linearisation(model, alone).system(model, held))
+    return found
