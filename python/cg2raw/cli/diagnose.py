@@ -26,6 +26,8 @@ import re
 import sys
 from typing import TYPE_CHECKING, Any
 
+from cg2raw.cli._memory import keep_freed_memory
+
 if TYPE_CHECKING:  # only the work itself loads its modules
     from cg2raw.diagnose.captures.capture import CaptureSet
     from cg2raw.diagnose.diagnosis import Diagnosis
@@ -152,6 +154,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what was asked; return the exit code."""
     mode = next((name for name in MODES if getattr(arguments, name)), "")
     check_options(arguments, mode)
+    keep_freed_memory()
     try:
         if mode in ("hide", "bench"):
             return run_generator(arguments, mode)
