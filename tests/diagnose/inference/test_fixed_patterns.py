@@ -114,6 +114,22 @@ def test_columns_are_recovered():
     assert error.std() < 0.35 * sigma
 
 
+@pytest.mark.parametrize("ramp", [0.0, 3.0])
+def test_a_ramp_across_columns_is_not_theirs(ramp):
+    """It is structure of the bias."""
+    sigma, rng = 0.3 * READ, np.random.default_rng(6)
+    columns = rng.standard_normal((1, 1, SHAPE[1]))
+    across = np.linspace(-0.5, 0.5, SHAPE[1])
+    columns -= columns @ across / (across @ across) * across
+    pattern = sigma * (columns + ramp * across)
+    found = fitted(
+        "column_fixed_pattern", planted(captures_of(count=4), 8, white, pattern)
+    )
+    assert found.values == pytest.approx([sigma], rel=0.15)
+    slope = found.sensor_map.mean[0, 20] @ across / (across @ across)
+    assert abs(slope) < 0.5 * sigma
+
+
 def test_a_pixel_far_from_its_column_does_not_move_it():
     """A cosmic ray of one long dark, as a hot pixel's rate would leave it."""
     rng = np.random.default_rng(7)

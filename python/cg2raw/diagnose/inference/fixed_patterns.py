@@ -136,7 +136,8 @@ def _of_common_shape(frames: Sequence[Frame]) -> list[Frame]:
 
 def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
     """One offset per column of the frame. What columns of one site of the CFA have in
-    common is its black level, and not theirs."""
+    common is its black level, and a ramp across all of them that of the bias: neither is
+    theirs."""
     tiles = frame.tiles
     information, score = _without_far_pixels(evidence)
     a, b = tiles.over_columns(information), tiles.over_columns(score)
@@ -146,6 +147,7 @@ def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
     for first in range(repeat):
         same = np.s_[:, :, first::repeat]
         _take_common_part(estimate[same], a[same])
+    _take_ramp(estimate, a, tiles.field()[0][:, :1])
     error = 1 / np.maximum(a, LEAST_INFORMATION)
     prior = prior_of((estimate**2)[used], error[used])
     share = prior / (prior + error)
@@ -180,3 +182,18 @@ def _take_common_part(estimate: Array, information: Array) -> None:
     chance = np.sqrt(own.mean() / used.sum())
     if abs(mean) > MOST_BY_CHANCE * chance:
         estimate[used] -= mean
+
+
+def _take_ramp(estimate: Array, information: Array, place: Array) -> None:
+    """Take from columns, in place, the line across them, on the same condition. place :
+    of each column, in any unit."""
+    used = information > 0
+    if used.sum() < 3:
+        return
+    weight = information[used] / information[used].sum()
+    value = estimate[used] - weight @ estimate[used]
+    across = place[used] - weight @ place[used]
+    slope = float((weight * across) @ value / ((weight * across) @ across))
+    chance = np.sqrt((value**2).mean() / (across**2).sum())
+    if abs(slope) > MOST_BY_CHANCE * chance:
+        estimate[used] -= slope * across
