@@ -17,7 +17,13 @@ from cg2raw.diagnose.frames.frame import (
     planes_of_sites,
     source_of,
 )
-from cg2raw.diagnose.frames.tiling import MARGIN, tiling, whole_tilings
+from cg2raw.diagnose.frames.tiling import (
+    EVEN_TILES,
+    MARGIN,
+    even_tiling,
+    tiling,
+    whole_tilings,
+)
 from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
@@ -223,3 +229,18 @@ def test_pieces_of_a_whole_frame_cover_it_once(shape, repeat):
     assert covered.max() == 1
     missing = np.argwhere(covered == 0)  # part of a repeat at the far ends
     assert all(shape[0] - r < repeat or shape[1] - c < repeat for r, c in missing)
+
+
+@pytest.mark.parametrize("repeat", [2, 6])
+@pytest.mark.parametrize("shape", [(180, 1000), (480, 640), (3000, 4000), (4000, 600)])
+def test_even_tiles_lie_in_the_middle_of_parts_of_one_size(shape, repeat):
+    tiles = even_tiling(shape, repeat)
+    assert len(tiles.origins) <= 1.1 * EVEN_TILES
+    assert not (tiles.origins % repeat).any()
+    middle = tiles.origins + np.array(tiles.size) / 2
+    for axis in (0, 1):
+        places = np.unique(middle[:, axis])
+        part = shape[axis] / len(places)
+        expected = (np.arange(len(places)) + 0.5) * part
+        assert np.abs(places - expected).max() <= repeat
+        assert part >= tiles.size[axis]  # none lies on another

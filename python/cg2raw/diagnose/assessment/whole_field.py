@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Whole field: shading is fitted to every pixel of the frames that it was found on.
+"""Whole field: shading is fitted all over the frames that it was found on.
 
-A search looks at tiles. A lens is no polynomial, and one that is fitted to a few places
-is as far from it between them as its terms allow.
+A search looks at a few tiles. A lens is no polynomial, and one that is fitted to a few
+places is as far from it between them as its terms allow.
 """
 
 from collections.abc import Collection
 from functools import partial
-from itertools import chain
 
 import numpy as np
 
+from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.assessment.pieces import Pieces
 from cg2raw.diagnose.frames.frame import Frame
-from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.frames.tiling import Array, even_tiling
 from cg2raw.diagnose.inference.fisher_scoring import (
     Linearisation,
     Parameter,
@@ -31,8 +31,8 @@ System = tuple[list[Parameter], Array, Array]  # with score and Fisher informati
 
 def on_whole_frames(model: Model, pieces: Pieces) -> Model:
     """Return a model with its fields of light, and what else moves the mean by light,
-    after a step of Fisher scoring on whole frames; the same where it has no field, or
-    where frames were taken whole before.
+    after a step of Fisher scoring all over the frames; the same where it has no
+    field, or where frames were taken whole before.
 
     Maps are left out: they are of these frames, and have taken up what is missing."""
     if not any(term.effect.is_field and not term.calibration for term in model.terms):
@@ -44,8 +44,8 @@ def on_whole_frames(model: Model, pieces: Pieces) -> Model:
         for frame in pieces.learnt_from.frames
         if frame.capture.shows.light and not frame.tiles.is_whole
     ]
-    work = partial(_systems, bare, held, pieces)
-    systems = list(chain(*pieces.learnt_from.workers.map(work, tiled)))
+    work = partial(_system, bare, held, pieces)
+    systems = pieces.learnt_from.workers.map(work, tiled)
     if not systems:
         return model
     parameters, scores, information = zip(*systems, strict=True)
@@ -57,13 +57,12 @@ def _is_of_light(term: Term) -> bool:
     return term.effect.acts_on_light and term.effect.moves_mean
 
 
-def _systems(
+def _system(
     model: Model, held: Collection[str], pieces: Pieces, frame: Frame
-) -> list[System]:
-    """Return the systems of a frame's batches of tiles; its files are read once."""
-    own, found = pieces.afresh(), []
-    for tiles in own.batches(frame.tiles):
-        piece = own.without_outliers(own.of(frame, tiles), model)
-        alone = Likelihood([piece], Workers(1))
-        found.append(Linearisation(model, alone).system(model, held))
-    return found
+) -> System:
+    """Return the system of small tiles all over a frame, whose files are not kept."""
+    tiles = even_tiling(frame.tiles.shape, repeat_of(model.sensor.cfa))
+    own = pieces.afresh()
+    piece = own.without_outliers(own.of(frame, tiles), model)
+    alone = Likelihood([piece], Workers(1))
+    return Linearisation(model, alone).system(model, held)

@@ -27,6 +27,7 @@ NARROW = 176  # pixels: a border of masked pixels is taken whole
 WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
 BATCH = 16  # such tiles at a time
 MARGIN = 24  # pixels around a tile that blur and aberrations take in
+EVEN_TILE, EVEN_TILES = 24, 400  # pixels a side of those all over a frame, their number
 MOST_MASKED = 6  # tiles' pixels for one that counts
 
 
@@ -197,6 +198,20 @@ def _where_wanted(
         before = np.cumsum(held[order]) - held[order]
         chosen = order[(before <= pixels) & (held[order] > 0)][:most]
     return places[np.sort(chosen)] if len(chosen) else places[:1]
+
+
+def even_tiling(shape: tuple[int, int], repeat: int = 2) -> Tiling:
+    """Return small tiles all over a frame, each in the middle of a part of one size: no
+    edge counts more than what is within."""
+    across = round(np.sqrt(EVEN_TILES * shape[1] / shape[0]))
+    size = EVEN_TILE - EVEN_TILE % repeat
+    places = []
+    for length, wanted in zip(shape, (EVEN_TILES // across, across), strict=True):
+        count = min(max(wanted, 1), length // size)
+        middle = (np.arange(count) + 0.5) * length / count
+        places.append(((middle - size / 2) // repeat * repeat).astype(np.int32))
+    origins = np.array([(row, column) for row in places[0] for column in places[1]])
+    return Tiling(shape, (size, size), MARGIN, origins)
 
 
 def whole_tilings(tiles: Tiling, repeat: int = 2) -> Iterator[Tiling]:

@@ -136,8 +136,8 @@ def _of_common_shape(frames: Sequence[Frame]) -> list[Frame]:
 
 def _columns(term: Term, evidence: Evidence, frame: Frame) -> Term:
     """One offset per column of the frame. What columns of one site of the CFA have in
-    common is its black level, and a ramp across all of them that of the bias: neither is
-    theirs."""
+    common is its black level, and a ramp across all of them that of the bias: neither
+    is theirs."""
     tiles = frame.tiles
     information, score = _without_far_pixels(evidence)
     a, b = tiles.over_columns(information), tiles.over_columns(score)
