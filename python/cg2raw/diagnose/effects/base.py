@@ -64,7 +64,7 @@ class Effect:
         discriminating_captures); told_apart : the same for one other effect.
     absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
     moves_mean : it explains a misfit of the mean.
-    is_field : a smooth field of light, of which every pixel tells.
+    is_field : a smooth field of light, which is fitted all over frames in the end.
     needs : what some frames must have to show it: "light", a "level" of it that is
         known, several "levels", "repeats" of pixels or levels, an "image", a "time".
     from_means : tables of patch means show it: neither pixels nor places are needed,

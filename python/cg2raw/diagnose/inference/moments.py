@@ -101,7 +101,7 @@ def _of_sites(first: Frame, second: Frame, rate: float) -> Iterator[_Pair]:
         a, b = first.signal[here], second.signal[here]
         beta1, beta2, rounding = (
             float(plane[first.site == site].mean())
-            for plane in (first.beta1, first.beta2, 1 / 12 / first.range**2)
+            for plane in (first.beta1, first.beta2, first.rounding / first.range**2)
         )
         level = rate * first.seconds
         if not dark:
