@@ -67,10 +67,14 @@ class Pieces:
         if tiles.is_whole:
             return frame
         piece = self._as_read(frame, tiles)
-        if self.light is not None and of_unmeasured_light(piece):
+        if self.light is not None and self.looks_for_light(piece):
             light = self._light_of(self.light, piece)
             piece = piece if light is None else lit(piece, light)
         return piece
+
+    def looks_for_light(self, frame: Frame) -> bool:
+        """Return whether other flats tell how even a frame's light was."""
+        return self.light is not None and of_unmeasured_light(frame)
 
     def _as_read(self, frame: Frame, tiles: Tiling) -> Frame:
         piece = frame_of(self._source(frame), tiles, frame.noise, frame.warmth)
@@ -125,12 +129,13 @@ class Pieces:
         return self._lights[key]
 
     def _source(self, frame: Frame) -> Source:
-        """Return a frame's files; of those that take little room they are kept."""
+        """Return a frame's files, of which the first are kept, and what has room."""
         name = frame.capture.name
         known = self._sources.get(name)
         if known is None:
             known = source_of(self.capture_set, frame.capture)
-            self._bytes += known.raw.nbytes + known.camera.nbytes
-            if self._bytes <= KEPT_BYTES:
+            size = known.raw.nbytes + known.camera.nbytes
+            if not self._sources or self._bytes + size <= KEPT_BYTES:
+                self._bytes += size
                 self._sources[name] = known
         return known

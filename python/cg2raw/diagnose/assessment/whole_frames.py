@@ -67,19 +67,35 @@ class WholeFrames:
         ]
         for tiles in {id(f.tiles): f.tiles for f in self.report.frames}.values():
             shown = [view for view in views if view.frame.tiles is tiles]
-            for batch in self.pieces.batches(tiles):
-                models = (
-                    self.pieces.with_maps(self.base, batch),
-                    self.pieces.with_maps(model, batch),
-                )
-                work = partial(_add, self.pieces, batch, models)
-                self.report.workers.map(work, shown)
+            self._go_through(tiles, shown, model)
         return Look(
             sum((view.before for view in views), Sums()),
             sum((view.after for view in views), Sums()),
             [view.canvas.picture() for view in views if view.canvas is not None],
             patterns_of([v.pattern for v in views if v.pattern is not None]),
         )
+
+    def _go_through(
+        self, tiles: Tiling, shown: Sequence["_View"], model: Model
+    ) -> None:
+        """Go through frames of one tiling: those that need no other frame one by one,
+        so that each is read once; the rest by batches of tiles, for their maps."""
+        batches = list(self.pieces.batches(tiles))
+        alone = [view for view in shown if self._stands_alone(view.frame, model)]
+        rest = [view for view in shown if view not in alone]
+        work = partial(_add_all, self.pieces, batches, (self.base, model))
+        self.report.workers.map(work, alone)
+        for batch in batches if rest else ():
+            models = (
+                self.pieces.with_maps(self.base, batch),
+                self.pieces.with_maps(model, batch),
+            )
+            self.report.workers.map(partial(_add, self.pieces, batch, models), rest)
+
+    def _stands_alone(self, frame: Frame, model: Model) -> bool:
+        """Return whether other frames tell nothing of a frame: no map, no light."""
+        mapped = [*self.base.maps, *model.maps]
+        return not mapped and not self.pieces.looks_for_light(frame)
 
     def _canvas(self, frame: Frame) -> Canvas | None:
         cfa = self.base.sensor.cfa
@@ -91,7 +107,7 @@ class WholeFrames:
         return PatternSums(frame, self.base.sensor.cfa) if drawn else None
 
 
-@dataclass
+@dataclass(eq=False)
 class _View:
     """One report frame, as far as it was gone through."""
 
@@ -100,6 +116,18 @@ class _View:
     pattern: PatternSums | None
     before: Sums = field(default_factory=Sums)
     after: Sums = field(default_factory=Sums)
+
+
+def _add_all(
+    pieces: Pieces,
+    batches: Sequence[Tiling],
+    models: tuple[Model, Model],
+    view: _View,
+) -> None:
+    """Count all of a frame, whose files are not kept."""
+    own = pieces.afresh()
+    for tiles in batches:
+        _add(own, tiles, models, view)
 
 
 def _add(
