@@ -20,17 +20,21 @@ from diagnose.planted import model_of, on, sensor_of
 SHAPE = 506, 1264  # 3 x 6 tiles, two batches
 SENSOR = sensor_of(20_000.0)
 BASE = Model(SENSOR)
-reads = Counter()
+reads, truths = Counter(), Counter()
 
 
 def counted(capture):
-    """Return a capture that counts how often it is read."""
+    """Return a capture that counts how often it is read, and its true density made."""
 
     def raw():
         reads[capture.name] += 1
         return capture.raw()
 
-    return replace(capture, raw=raw)
+    def log_density():
+        truths[capture.name] += 1
+        return capture.log_density()
+
+    return replace(capture, raw=raw, log_density=log_density)
 
 
 def is_light(frame):
@@ -55,10 +59,12 @@ def looked_at():
 def test_frames_that_need_no_other_are_read_once(looked_at, monkeypatch):
     """However many they are: none is kept."""
     monkeypatch.setattr(pieces_module, "KEPT_BYTES", 0)
-    reads.clear()
+    for counts in (reads, truths):
+        counts.clear()
     look = looked_at.look_at(model_of(SENSOR, read_noise=[0.3]))
     assert set(reads) == {f.capture.name for f in looked_at.report.frames}
     assert set(reads.values()) == {1}
+    assert truths == reads
     everything = len(looked_at.report.frames) * np.prod(SHAPE)
     assert 0.9 * everything < look.after.pixels <= everything  # few are clipped
 

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Maps of the same pixels are told apart, and what is wrong with one cancels."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,10 +18,10 @@ TILE = (1, *SHAPE)
 OFFSET, GAIN = READ, 0.02  # standard deviations of what is planted
 
 
-def planted(seed=3, darks=6, flats=6):
+def planted(seed=3, darks=6, flats=6, offset=OFFSET):
     """Return (frames, offsets, gains) of pixels that differ in both."""
     rng = np.random.default_rng([1, seed])
-    offsets = OFFSET * rng.standard_normal(TILE)
+    offsets = offset * rng.standard_normal(TILE)
     gains = GAIN * rng.standard_normal(TILE)
 
     def extra(frame, _):
@@ -75,6 +77,30 @@ def test_the_order_of_terms_does_not_matter():
     other = fit_patterns(model_of(SENSOR, dsnu=[0.0], prnu=[0.0]), on(frames))
     for name in ("prnu", "dsnu"):
         assert one.term(name).values == pytest.approx(other.term(name).values, rel=5e-3)
+
+
+def test_pixels_that_no_dark_tells_are_as_unsure_as_is_stated():
+    """Offsets are told by darks; where all of a pixel's were set aside, its gain is as
+    unsure as its offset is, and no gain near it is moved."""
+    frames, _, gains = planted(seed=7, offset=5 * OFFSET)
+    apart = np.zeros(TILE, bool)
+    apart[:, 3::6, 3::6] = True
+    masked = [
+        replace(f, keep=f.keep & ~apart) if f.capture.kind == "dark" else f
+        for f in frames
+    ]
+    (gain, offset), (unmasked, _) = fitted(masked), fitted(frames)
+    there, elsewhere = apart & frames[0].keep, ~apart & frames[0].keep
+    moved = (gain.sensor_map.mean - unmasked.sensor_map.mean)[elsewhere]
+    assert np.std(moved) < 0.05 * GAIN
+    error = (gain.sensor_map.mean - gains)[there]
+    assert np.mean(error**2 / gain.sensor_map.variance[there]) == pytest.approx(1, 0.25)
+    assert (
+        gain.sensor_map.variance[there].min()
+        > gain.sensor_map.variance[elsewhere].max()
+    )
+    both = gain.sensor_map.covariance["dsnu"], offset.sensor_map.covariance["prnu"]
+    np.testing.assert_allclose(*both, rtol=1e-6)
 
 
 UNEVEN = "dark_current_nonuniformity"

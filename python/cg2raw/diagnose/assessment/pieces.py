@@ -5,10 +5,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 
 from cg2raw.cfa import repeat_of
-from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.frames.frame import (
     Frame,
     Source,
@@ -133,9 +133,16 @@ class Pieces:
         name = frame.capture.name
         known = self._sources.get(name)
         if known is None:
-            known = source_of(self.capture_set, frame.capture)
+            capture = _of_known_truth(frame.capture)
+            known = source_of(self.capture_set, capture)
             size = known.raw.nbytes + known.camera.nbytes
             if not self._sources or self._bytes + size <= KEPT_BYTES:
                 self._bytes += size
                 self._sources[name] = known
         return known
+
+
+def _of_known_truth(capture: Capture) -> Capture:
+    """Return a capture that works its true density out once, where it has one."""
+    truth = capture.log_density
+    return capture if truth is None else replace(capture, log_density=cache(truth))

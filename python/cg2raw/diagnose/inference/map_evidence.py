@@ -32,9 +32,9 @@ ENOUGH_OF_DARKS = 0.2
 
 @dataclass(frozen=True)
 class Evidence:
-    """Of K maps: information (K, K, T, h, w), whose inverse is the covariance of their
-    estimates, and score (K, T, h, w), information times estimates. A row is what frames
-    say of one map, beside the others.
+    """Of K maps: information (K, K, T, h, w) and score (K, T, h, w), information times
+    estimates. A row is what the frames that tell one map say of it, and how much of
+    the others they show: maps that darks tell have none of flats in theirs.
 
     repeat : side of the CFA's, px.
     noisier : (K, K, T, h, w), what a value of the log-normal map, if there is one, adds
@@ -50,6 +50,12 @@ class Evidence:
     of_charge: Array | float
     of_rows: Array | float
     unseen: Mask
+
+    @property
+    def shared(self) -> Array:
+        """(K, K, T, h, w) covariance of the scores: of two maps, by the frames that
+        tell both. Sensitivities are positive, and more frames say more."""
+        return np.minimum(self.information, self.information.swapaxes(0, 1))
 
     def known(self, one: int) -> Mask:
         """Return the pixels that any frame says anything about."""

@@ -28,13 +28,19 @@ from cg2raw.diagnose.inference.map_prior import (
     is_as_good,
     mixed_prior_of,
 )
+from cg2raw.diagnose.inference.marginals import (
+    LEAST_LEFT,
+    Prior,
+    marginal,
+    posterior_covariance,
+    slope_and_error,
+)
 from cg2raw.diagnose.inference.row_shifts import row_shifts
 from cg2raw.diagnose.inference.slow_part import KEPT, high_pass, slow_part
 from cg2raw.diagnose.likelihood.model import Term
 
 MOST_TURNS = 30  # of all maps, until they agree
 WARM_TURNS = 4  # of maps whose deviations are nearly known
-LEAST_TOLD = 1e-6  # of what frames tell of a pixel, that is left of it
 LEAST_MAP_VARIANCE = 1e-200
 MOST_OF_CHARGE = 0.99  # of the variance of a rate's estimate: some is of the read-out
 AGREED = 1e-3  # relative change of their deviations, from where on they do
@@ -52,7 +58,7 @@ def pixel_maps(
     contradict them; None without."""
     stated = stated or [None] * len(terms)
     count = len(terms)
-    priors = [_Prior(float(term.values[0]) ** 2) for term in terms]
+    priors = [Prior(float(term.values[0]) ** 2) for term in terms]
     turns = WARM_TURNS if count > 1 else 1
     if count > 1 and not all(prior.variance for prior in priors):
         priors = [
@@ -71,7 +77,7 @@ def pixel_maps(
         if np.allclose(np.sqrt(now), np.sqrt(before), rtol=enough, atol=0):
             break
     means = _means(effects, evidence, priors, slow)
-    covariance = _covariance(evidence, priors)
+    covariance = posterior_covariance(evidence, priors)
     found = []
     for k, term in enumerate(terms):
         others = {terms[i].name: covariance[k, i] for i in range(count) if i != k}
@@ -88,32 +94,7 @@ Slow = dict[int, Array]
 
 
 @dataclass(frozen=True)
-class _Prior:
-    """Of a map: variance of all, and of each pixel, where a few are wide.
-
-    pulls : of each pixel's prior, its mean over its variance."""
-
-    variance: float
-    pixels: Array | None = None
-    pulls: Array | float = 0.0
-
-    @property
-    def each(self) -> Array | float:
-        return max(self.variance, 0.0) if self.pixels is None else self.pixels
-
-    @property
-    def pull(self) -> Array | float:
-        return self.pulls
-
-    @property
-    def of_all(self) -> "_Prior":
-        """The prior before anything is known of a pixel, as another map's law needs
-        it."""
-        return self
-
-
-@dataclass(frozen=True)
-class _RatePrior(_Prior):
+class _RatePrior(Prior):
     """Of a map whose pixels have a law of their own."""
 
     rates: LogNormalMap | None = None
@@ -135,13 +116,13 @@ class _RatePrior(_Prior):
         return self._normal[1]
 
     @cached_property
-    def of_all(self) -> _Prior:
+    def of_all(self) -> Prior:
         """What is hot may have any rate."""
         assert self.rates is not None
         mean, variance = self.rates.of_all
         hot, widest = self.rates.hot, 2 * self.rates.mixture.hot_rate**2
         own = (1 - hot) / variance + hot / widest
-        return _Prior(variance, 1 / own, (1 - hot) * mean / variance)
+        return Prior(variance, 1 / own, (1 - hot) * mean / variance)
 
 
 def _prior(
@@ -149,34 +130,33 @@ def _prior(
     effect: FixedPattern,
     evidence: Evidence,
     stated: Stated,
-    priors: Sequence[_Prior] | None,
+    priors: Sequence[Prior] | None,
     slow: "Slow | None" = None,
-) -> _Prior:
+) -> Prior:
     """Return the prior of one map, where the others are as unsure as their priors; None
     for others that are 0.
 
     stated : by a profile. slow : the slow parts of log-normal maps, once they are
     known: they change little."""
     known = evidence.known(one)
-    weights, score = _marginal(one, evidence, priors)
-    information = np.einsum("k...,k...", weights, evidence.information[one])
-    least = LEAST_TOLD * evidence.information[one, one] + LEAST_INFORMATION
-    information = np.where(known, np.maximum(information, least), 1.0)
-    estimate = np.where(known, score / information, 0)
+    weights, score = marginal(one, evidence, priors)
+    slope, error = slope_and_error(one, evidence, weights)
+    slope, error = np.where(known, slope, 1.0), np.where(known, error, 1.0)
+    estimate = np.where(known, score / slope, 0)
     if effect.is_log_normal:
         noisier, of_charge, of_rows = (
-            np.einsum("j...,jk...,k...", weights, more, weights) / information**2
+            np.einsum("j...,jk...,k...", weights, more, weights) / slope**2
             for more in (evidence.noisier, evidence.of_charge, evidence.of_rows)
         )
         estimate = _own_part(one, effect, estimate, known, evidence.repeat, slow)
         before = None if priors is None else _law_of(priors[one])
-        of_charge = np.minimum(of_charge, MOST_OF_CHARGE / information)
-        rates = Rates(estimate, 1 / information, noisier, of_charge)
+        of_charge = np.minimum(of_charge, MOST_OF_CHARGE * error)
+        rates = Rates(estimate, error, noisier, of_charge)
         if before is not None and slow is not None and ~one not in slow:
             rows = row_shifts(before.mixture, rates, known, of_rows)
             slow[~one], rates = rows, replace(rates, estimate=estimate - rows)
         return _of_rates(rates, known, stated, before)
-    return _of_deviation(effect, estimate, 1 / information, known, evidence, stated)
+    return _of_deviation(effect, estimate, error, known, evidence, stated)
 
 
 def _of_deviation(
@@ -186,13 +166,13 @@ def _of_deviation(
     known: Mask,
     evidence: Evidence,
     stated: Stated,
-) -> _Prior:
+) -> Prior:
     """Return the prior of a map that is normal, but perhaps for a few pixels.
 
     error : variance of the estimates."""
     kept = 1.0
     if effect.lacks_slow_part:
-        estimate, kept = high_pass(estimate, known, evidence.repeat), KEPT
+        estimate, kept = high_pass(estimate, known / error, evidence.repeat), KEPT
     of_known = (estimate**2 / kept)[known], error[known]
     variance = bounded_tail(*of_known)
     mixed = mixed_prior_of(*of_known) if effect.has_long_tails else None
@@ -207,25 +187,25 @@ def _of_deviation(
         if mixed is not None:
             mixed = mixed_prior_of(*of_known, variance)
     if mixed is None:
-        return _Prior(variance)
+        return Prior(variance)
     mean, spread = mixed.posterior(estimate, error)
     told = np.where(known, 1 / error, 0)
     own, pull = _as_normal(mean, spread, estimate, told)
-    return _Prior(variance, np.where(known, 1 / own, variance), known * pull)
+    return Prior(variance, np.where(known, 1 / own, variance), known * pull)
 
 
-def _law_of(prior: _Prior) -> LogNormalMap | None:
+def _law_of(prior: Prior) -> LogNormalMap | None:
     return prior.rates if isinstance(prior, _RatePrior) else None
 
 
 def _of_rates(
     rates: Rates, known: Mask, stated: Stated, before: LogNormalMap | None
-) -> _Prior:
+) -> Prior:
     """Return the prior that a log-normal law gives to the rate of each pixel."""
     start = None if before is None else before.mixture
     found = fit_log_normal_map(rates, known, start, stated)
     if found is None:
-        return _Prior(0.0)
+        return Prior(0.0)
     return _RatePrior(found.mixture.law.sigma**2, rates=found)
 
 
@@ -234,7 +214,7 @@ def _as_normal(
 ) -> tuple[Array, Array]:
     """Return (precisions, these times means) of the normal priors that, with estimates
     of precision told, have a mean and a variance."""
-    least = LEAST_TOLD * told + LEAST_INFORMATION
+    least = LEAST_LEFT * told + LEAST_INFORMATION
     own = np.maximum(1 / np.maximum(variance, LEAST_MAP_VARIANCE) - told, least)
     return own, mean * (own + told) - told * estimate
 
@@ -257,58 +237,10 @@ def _own_part(
     return np.where(known, estimate - kept[one] - kept.get(~one, 0), 0)
 
 
-def _marginal(
-    one: int, evidence: Evidence, priors: Sequence[_Prior] | None
-) -> tuple[Array, Array]:
-    """Return ((K, T, h, w) weights of the scores of all maps, by which the others are
-    integrated out of that of one; that score)."""
-    weights = np.zeros_like(evidence.score)
-    weights[one] = 1
-    others = [k for k in range(len(evidence.score)) if k != one]
-    if priors is None or not others:
-        return weights, evidence.score[one]
-    wide = [prior.of_all for prior in priors]
-    inner = _with_priors(evidence, wide, others)
-    weights[others] = -_solved(inner, evidence.information[one, others])
-    scores = [
-        evidence.score[k] + (wide[k].pull if k != one else 0) for k in range(len(wide))
-    ]
-    return weights, np.einsum("k...,k...", weights, np.stack(scores))
-
-
-def _with_priors(
-    evidence: Evidence, priors: Sequence[_Prior], chosen: Sequence[int]
-) -> Array:
-    """Return (k, k, T, h, w) information of some maps, with that of their priors."""
-    inner = evidence.information[np.ix_(chosen, chosen)]
-    for place, k in enumerate(chosen):
-        inner[place, place] += 1 / np.maximum(priors[k].each, LEAST_INFORMATION)
-    return inner
-
-
-def _solved(matrix: Array, right: Array) -> Array:
-    """Return (k, ...) solutions of positive definite systems (k, k, ...) of few
-    unknowns, of all pixels together: by elimination, which needs no pivots then.
-
-    right : (k, ...), or (k, n, ...) of n systems of one matrix."""
-    matrix, found = matrix.copy(), right.copy()
-    count = len(matrix)
-    for i in range(count):
-        for j in range(i + 1, count):
-            share = matrix[j, i] / matrix[i, i]
-            matrix[j, i:] -= share * matrix[i, i:]
-            found[j] -= share * found[i]
-    for i in reversed(range(count)):
-        for j in range(i + 1, count):
-            found[i] -= matrix[i, j] * found[j]
-        found[i] /= matrix[i, i]
-    return found
-
-
 def _means(
     effects: Sequence[FixedPattern],
     evidence: Evidence,
-    priors: Sequence[_Prior],
+    priors: Sequence[Prior],
     slow: Slow,
 ) -> Array:
     """Return (K, T, h, w) posterior means: each map by what the others leave."""
@@ -327,21 +259,8 @@ def _means(
                 rates = _law_of(priors[k])
                 estimate = np.where(known, estimate - (rates.shift if rates else 0), 0)
             elif effect.lacks_slow_part:
-                estimate = high_pass(estimate, known, evidence.repeat)
+                estimate = high_pass(estimate, known * own, evidence.repeat)
             means[k] = (estimate * own + priors[k].pull) * (prior / (own * prior + 1))
         if np.abs(means - before).max() <= AGREED * np.abs(means).max():
             break
     return means
-
-
-def _covariance(evidence: Evidence, priors: Sequence[_Prior]) -> Array:
-    """Return (K, K, T, h, w) posterior covariance."""
-    every = range(len(evidence.score))
-    if len(every) == 1:
-        own = evidence.information[0, 0]
-        known, prior = evidence.known(0), priors[0].each
-        error = 1 / np.where(known, own, LEAST_INFORMATION)
-        return np.where(known, error * (prior / (prior + error)), prior)[None, None]
-    inner = _with_priors(evidence, priors, list(every))
-    units = np.eye(len(every))[..., None, None, None]
-    return _solved(inner, np.broadcast_to(units, inner.shape))

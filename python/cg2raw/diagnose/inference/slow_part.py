@@ -19,18 +19,21 @@ SLOW_RATES = 12
 SLOW_TURNS = 6  # a smoothing over so many pixels takes but a 2000th
 SHUFFLED = 1  # seed
 LEAST_SLOW_VARIANCE = 1e-200
+LEAST_OF_BEST = 1e-200  # what is known of the pixel that is known best
+LEAST_WEIGHT = 1e-9  # of pixels around one, of which the best known have 1 together
 FAR_OUT = 3.0  # standard deviations from its surroundings, of a pixel that stands out
 
 
-def high_pass(image: Array, known: Mask, repeat: int) -> Array:
+def high_pass(image: Array, told: Array | Mask, repeat: int) -> Array:
     """What is left of each CFA site's plane without its smooth part, where known.
 
+    told : what is known of each pixel; one of which little is moves no other.
     repeat : side of the CFA's, px; 1 without filters. Larger ones than Bayer's have
     sites of one colour everywhere, and go by his."""
     rest = np.zeros_like(image)
     for at in _planes(repeat):
-        rest[at] = image[at] - _smoothed(image[at], known[at])
-    return np.where(known, rest, 0)
+        rest[at] = image[at] - _smoothed(image[at], told[at])
+    return np.where(told > 0, rest, 0)
 
 
 def slow_part(image: Array, known: Mask, repeat: int) -> Array:
@@ -71,8 +74,9 @@ def _planes(repeat: int) -> Iterator[Any]:
         yield np.s_[:, row::step, col::step]
 
 
-def _smoothed(plane: Array, known: Mask, size: int = SMOOTH) -> Array:
+def _smoothed(plane: Array, told: Array | Mask, size: int = SMOOTH) -> Array:
     width = (0, size, size)
-    weight = gaussian_filter(known.astype(float), width)
-    slow = gaussian_filter(np.where(known, plane, 0), width)
-    return np.asarray(slow / np.maximum(weight, 1e-9))
+    share = told / max(float(told.max(initial=0)), LEAST_OF_BEST)
+    weight = gaussian_filter(share, width)
+    slow = gaussian_filter(np.where(told > 0, share * plane, 0), width)
+    return np.asarray(slow / np.maximum(weight, LEAST_WEIGHT))
