@@ -3,7 +3,7 @@
 
 /// @file Estimates with normal errors, of values whose law is a sum of normals: their
 /// density and the posterior of each value, which are closed.
-#include "bindings.h"
+#include "normal_mixture.h"
 
 #include "elementary.h"
 #include "multiversion.h"
@@ -15,16 +15,6 @@
 namespace cg2raw::python {
 namespace {
 
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-/// A sum of normals, and how the error of an estimate grows with its value.
-struct Mixture {
-    const double* weights;
-    const double* means;
-    const double* variances;
-    int parts;
-};
-
 /// Estimates with their variance at a value of 0, what a unit of it adds, and what one
 /// below 0 takes at most.
 struct Estimates {
@@ -34,8 +24,7 @@ struct Estimates {
     const double* most_taken;
 };
 
-constexpr int piece = 512; // estimates, with all sums about them, stay in a cache
-constexpr double least_exponent = -700.0, log_root_2_pi = 0x1.d67f1c864beb4p-1;
+constexpr double log_root_2_pi = 0x1.d67f1c864beb4p-1;
 
 struct Sums {
     double nearest[piece]; ///< least of the exponents of all parts
@@ -120,62 +109,42 @@ void posteriors(const Sums& sums, int count, double* mean, double* variance)
 /// The arguments of both functions.
 class Arguments {
 public:
-    Arguments(Numbers law, Numbers estimates)
-        : m_law(std::move(law))
+    Arguments(const Numbers& law, Numbers estimates)
+        : m_law(mixture_of(law))
         , m_estimates(std::move(estimates))
     {
-        if (m_law.ndim() != 2 || m_law.shape(0) != 3)
-            throw Error("the law must be an array of three rows");
         if (m_estimates.ndim() != 2 || m_estimates.shape(0) != 4)
             throw Error("estimates must be an array of four rows");
     }
 
-    int count() const { return int(m_estimates.shape(1)); }
+    py::ssize_t count() const { return m_estimates.shape(1); }
+    const Mixture& law() const { return m_law; }
 
-    Mixture mixture() const
-    {
-        return { m_law.data(0, 0), m_law.data(1, 0), m_law.data(2, 0),
-                 int(m_law.shape(1)) };
-    }
-
-    Estimates from(int first) const
+    Estimates from(py::ssize_t first) const
     {
         const double* const all = m_estimates.data();
-        const std::ptrdiff_t row = m_estimates.shape(1);
+        const py::ssize_t row = m_estimates.shape(1);
         return { all + first, all + row + first, all + 2 * row + first,
                  all + 3 * row + first };
     }
 
 private:
-    Numbers m_law, m_estimates;
+    Mixture m_law;
+    Numbers m_estimates;
 };
-
-/// Call work(estimates, their number, sums, number of the first) with the nearest parts
-/// found, of pieces of all estimates; without the GIL.
-template <class Work> void each_piece(const Arguments& arguments, const Work& work)
-{
-    const py::gil_scoped_release release;
-    const Mixture law = arguments.mixture();
-    Sums sums;
-    for (int first = 0; first < arguments.count(); first += piece) {
-        const Estimates at = arguments.from(first);
-        const int count = std::min(piece, arguments.count() - first);
-        find_nearest(law, at, count, sums);
-        work(law, at, count, sums, first);
-    }
-}
 
 Numbers log_density(const Numbers& law, const Numbers& estimates)
 {
     const Arguments arguments(law, estimates);
     Numbers result(arguments.count());
     double* const to = result.mutable_data();
-    each_piece(arguments,
-               [to](const Mixture& mixture, const Estimates& at, int count, Sums& sums,
-                    int first) {
-                   sum_densities(mixture, at, count, sums);
-                   log_densities(sums, count, to + first);
-               });
+    each_piece(arguments.count(), [&](py::ssize_t first, int count) {
+        Sums sums;
+        const Estimates at = arguments.from(first);
+        find_nearest(arguments.law(), at, count, sums);
+        sum_densities(arguments.law(), at, count, sums);
+        log_densities(sums, count, to + first);
+    });
     return result;
 }
 
@@ -185,12 +154,13 @@ std::pair<Numbers, Numbers> posterior(const Numbers& law, const Numbers& estimat
     std::pair result { Numbers(arguments.count()), Numbers(arguments.count()) };
     double* const mean = result.first.mutable_data();
     double* const variance = result.second.mutable_data();
-    each_piece(arguments,
-               [mean, variance](const Mixture& mixture, const Estimates& at, int count,
-                                Sums& sums, int first) {
-                   sum_values(mixture, at, count, sums);
-                   posteriors(sums, count, mean + first, variance + first);
-               });
+    each_piece(arguments.count(), [&](py::ssize_t first, int count) {
+        Sums sums;
+        const Estimates at = arguments.from(first);
+        find_nearest(arguments.law(), at, count, sums);
+        sum_values(arguments.law(), at, count, sums);
+        posteriors(sums, count, mean + first, variance + first);
+    });
     return result;
 }
 

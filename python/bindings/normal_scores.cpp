@@ -3,7 +3,7 @@
 
 /// @file Normal scores: residuals whose law is a sum of normals, as standard normal
 /// numbers with the same chance of less. And the log of the determinant of that step.
-#include "bindings.h"
+#include "normal_mixture.h"
 
 #include "elementary.h"
 #include "multiversion.h"
@@ -16,10 +16,7 @@
 namespace cg2raw::python {
 namespace {
 
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-constexpr int piece = 512; // residuals, with all sums about them, stay in a cache
-constexpr double least_exponent = -700.0, least_of_sum = 1e-300;
+constexpr double least_of_sum = 1e-300;
 
 /// Of a number in -1 ... 1; powers from the highest. Without a loop, which would keep
 /// loops around it from being vectorised.
@@ -119,10 +116,11 @@ struct TwoNormals {
 };
 
 CG2RAW_MULTIVERSION
-void fill_part(const TwoNormals& law, bool is_wide, int first, int count, Part& part)
+void fill_part(const TwoNormals& law, bool is_wide, py::ssize_t first, int count,
+               Part& part)
 {
     for (int i = 0; i < count; ++i) {
-        const int at = first + i;
+        const py::ssize_t at = first + i;
         const double variance = is_wide ? law.wide[at] : law.narrow[at];
         part.weight[i] = is_wide ? law.chance[at] : 1.0 - law.chance[at];
         part.inverse[i] = 1.0 / std::sqrt(variance);
@@ -160,10 +158,8 @@ Scored of_two_normals(const Numbers& z, const Numbers& chance, const Numbers& na
     double* const score = result.first.mutable_data();
     double* const log = result.second.mutable_data();
     const TwoNormals law { z.data(), chance.data(), narrow.data(), wide.data() };
-    const py::gil_scoped_release release;
-    Part parts[2];
-    for (int first = 0; first < int(size); first += piece) {
-        const int count = std::min(piece, int(size) - first);
+    each_piece(size, [&](py::ssize_t first, int count) {
+        Part parts[2];
         Sums sums {};
         for (int is_wide = 0; is_wide < 2; ++is_wide) {
             fill_part(law, is_wide != 0, first, count, parts[is_wide]);
@@ -171,30 +167,24 @@ Scored of_two_normals(const Numbers& z, const Numbers& chance, const Numbers& na
         }
         write_scores(sums, count, score + first);
         write_determinants(parts[0], parts[1], score + first, count, log + first);
-    }
+    });
     return result;
 }
-
-/// Rates of charge as a sum of normals: rows of weights, means and variances.
-struct Rates {
-    const double *weights, *means, *variances;
-    int parts;
-};
 
 /// Standardised residuals of a frame, the variance of noise without what rates add, and
 /// the gain of charge.
 struct Residuals {
     const double *z, *variance, *gain;
-    double seconds;
+    double seconds; ///< of exposure
 };
 
 CG2RAW_MULTIVERSION
-void fill_part(const Rates& law, int n, const Residuals& of, int first, int count,
-               Part& part)
+void fill_part(const Mixture& rates, int n, const Residuals& of, py::ssize_t first,
+               int count, Part& part)
 {
-    const double mean = of.seconds * law.means[n], charge = std::max(mean, 0.0);
-    const double spread = of.seconds * of.seconds * law.variances[n];
-    const double weight = law.weights[n];
+    const double mean = of.seconds * rates.means[n], charge = std::max(mean, 0.0);
+    const double spread = of.seconds * of.seconds * rates.variances[n];
+    const double weight = rates.weights[n];
     for (int i = 0; i < count; ++i) {
         const double variance = of.variance[first + i];
         const double more = of.gain[first + i] * charge + spread;
@@ -209,20 +199,15 @@ Scored of_rates(const Numbers& law, const Numbers& z, const Numbers& variance,
                 const Numbers& gain, double seconds)
 {
     const auto size = z.size();
-    if (law.ndim() != 2 || law.shape(0) != 3)
-        throw Error("the law must be an array of three rows");
+    const Mixture rates = mixture_of(law);
     if (variance.size() != size || gain.size() != size)
         throw Error("residuals, variances and gains must be as many");
     Scored result { Numbers(size), Numbers(size) };
     double* const score = result.first.mutable_data();
     double* const log = result.second.mutable_data();
-    const Rates rates { law.data(0, 0), law.data(1, 0), law.data(2, 0),
-                        int(law.shape(1)) };
     const Residuals of { z.data(), variance.data(), gain.data(), seconds };
-    const py::gil_scoped_release release;
-    Part part;
-    for (int first = 0; first < int(size); first += piece) {
-        const int count = std::min(piece, int(size) - first);
+    each_piece(size, [&](py::ssize_t first, int count) {
+        Part part;
         Sums sums {};
         for (int n = 0; n < rates.parts; ++n) {
             fill_part(rates, n, of, first, count, part);
@@ -232,7 +217,7 @@ Scored of_rates(const Numbers& law, const Numbers& z, const Numbers& variance,
         for (int i = 0; i < count; ++i)
             log[first + i] = natural_log(std::max(sums.density[i], least_of_sum))
                 + 0.5 * score[first + i] * score[first + i];
-    }
+    });
     return result;
 }
 
