@@ -71,10 +71,10 @@ class Effect:
         nor does it look like errors of the chart's own colours, the same in all frames.
     taken_up_by : effects that take up what this one's model does not describe, and the
         share of its gain up to which they are none.
+    correlates : noise that neighbours share, as they do what is lacking in a mean.
     shows_without_image : darks and flats show it; then nothing takes it up.
     bayer_only : other CFAs have none. nameable : False for what is never looked for.
-    detailed : with the parameters of its `detail`.
-    cfa : that of the sensor, where it has other parameters there; see `of_cfa`."""
+    detailed : with the parameters of its `detail`. cfa : the sensor's; see `of_cfa`."""
 
     name: ClassVar[str] = ""
     title: ClassVar[str] = ""
@@ -100,6 +100,7 @@ class Effect:
     needs: ClassVar[frozenset[str]] = frozenset()
     from_means: ClassVar[bool] = False
     taken_up_by: ClassVar[Mapping[str, float]] = {}
+    correlates: ClassVar[bool] = False
     shows_without_image: ClassVar[bool] = False
     bayer_only: ClassVar[bool] = False
     nameable: ClassVar[bool] = True

@@ -39,6 +39,7 @@ from cg2raw.diagnose.inference.pruning import (
     pruned,
     restarted,
 )
+from cg2raw.diagnose.inference.repeats import evidence_of_noise
 from cg2raw.diagnose.inference.steps import (
     Step,
     Trial,
@@ -246,12 +247,21 @@ class Search:
         """Return whether an effect is sure, and more than what the model of one that
         was there before does not describe, or that of a lamp that nobody measured."""
         left = LIGHT_LEAVES * self._light_gain * effect(trial.name).acts_on_light
-        if trial.evidence < max(self.threshold, left):
+        if trial.evidence < max(self.threshold, left) or not self._is_noise(trial):
             return False
         return effect(trial.name).shows_without_image or all(
             trial.gain >= effect(larger).taken_up_by.get(trial.name, 0.0) * loss
             for larger, loss in {**self._mapped, **self._given}.items()
         )
+
+    def _is_noise(self, trial: Trial) -> bool:
+        """Return whether noise that correlates is seen between repeats, too: structure
+        that the mean lacks makes neighbours alike as well."""
+        if not effect(trial.name).correlates:
+            return True
+        rest = trial.model.without(trial.name)
+        found = evidence_of_noise(trial.model, rest, self.splits)
+        return found is None or found >= self.threshold
 
     def _settled(self, model: Model, newest: str) -> Model:
         """Return the model after all that depends on it was looked at again."""

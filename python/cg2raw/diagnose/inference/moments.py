@@ -19,6 +19,7 @@ from scipy.stats import norm
 from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.repeats import repeats
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
@@ -65,7 +66,12 @@ def _noise(frames: Sequence[Frame], rate: float) -> tuple[float | None, float | 
     """Return (light, read): measured over predicted variance of each.
 
     rate : of charge in the dark, per second, which has shot noise."""
-    pairs = [pair for both in _repeats(frames) for pair in _of_sites(*both, rate)]
+    pairs = [
+        pair
+        for members in repeats(frames)
+        for both in zip(members, members[1:], strict=False)
+        for pair in _of_sites(*both, rate)
+    ]
     dark = [pair for pair in pairs if pair.dark]
     if not dark:
         return None, None
@@ -77,18 +83,6 @@ def _noise(frames: Sequence[Frame], rate: float) -> tuple[float | None, float | 
         return None, max(float(np.median(left / design[:, 1] / measured)), 0.0) or None
     light, read = nnls(design, np.ones(len(pairs)))[0]
     return float(light) or None, float(read) or None
-
-
-def _repeats(frames: Sequence[Frame]) -> Iterator[tuple[Frame, Frame]]:
-    """Yield neighbours of uniform frames of one kind, exposure and ISO."""
-    alike: dict[tuple[object, ...], list[Frame]] = {}
-    for frame in frames:
-        capture = frame.capture
-        if not (capture.shows.image or frame.is_cut):
-            key = capture.kind, capture.exposure_time, capture.iso, capture.shape
-            alike.setdefault(key, []).append(frame)
-    for members in alike.values():
-        yield from zip(members, members[1:], strict=False)
 
 
 def _of_sites(first: Frame, second: Frame, rate: float) -> Iterator[_Pair]:
