@@ -8,17 +8,13 @@ Both models are fitted as long.
 
 from functools import cache, cached_property
 
-import numpy as np
-
 from cg2raw.diagnose.effects.catalogue import effect
-from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.inference.admission import acts_on
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.pruning import TURNS_WITHOUT
 from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
+from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
-
-NOTHING = 0.01  # nats of a pixel; less does not count as an effect
 
 
 class DropOne:
@@ -46,7 +42,7 @@ class DropOne:
             frame
             for frame in self._chosen.select.frames
             if (anyway and not frame.capture.shows.image)
-            or not self._acts_on(larger, frame)
+            or not acts_on(self._whole, larger, frame)
         ]
         return self._loss(name, self._chosen.select.of(frames))
 
@@ -66,12 +62,3 @@ class DropOne:
     def _loss(self, name: str, frames: Likelihood) -> float:
         lost = frames.total(self._whole) - frames.total(self._rest(name))
         return lost / self._share
-
-    def _acts_on(self, name: str, frame: Frame) -> bool:
-        """Return whether an effect changes what a frame's pixels are expected to be."""
-        density, rest = (
-            log_density(model, frame)[0]
-            for model in (self._whole, self._whole.without(name))
-        )
-        changed = np.mean((density - rest)[frame.counted] ** 2)
-        return bool(changed > NOTHING**2)

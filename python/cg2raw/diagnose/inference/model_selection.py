@@ -18,8 +18,8 @@ from dataclasses import replace
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.diagnose.inference.admission import Admission
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.bootstrap import Bootstrap
 from cg2raw.diagnose.inference.calibrated_start import (
@@ -39,7 +39,6 @@ from cg2raw.diagnose.inference.pruning import (
     pruned,
     restarted,
 )
-from cg2raw.diagnose.inference.repeats import evidence_of_noise
 from cg2raw.diagnose.inference.steps import (
     Step,
     Trial,
@@ -55,8 +54,6 @@ from cg2raw.diagnose.likelihood.workers import TimeIsUp
 
 MOST_SWAPS = 3
 FEW_EFFECTS = 3  # effects, up to which both ways of the search are gone
-# Of what flats gain by the light that they show: a lamp drifts, and is not quite slow.
-LIGHT_LEAVES = 0.02
 LEAST_GAIN = 0.3  # nats, of a change after all that depends on it was looked at again
 
 
@@ -205,8 +202,8 @@ class Search:
             model, self.effects, self.splits, turns, self.threshold, self.report
         )
         bootstrap = Bootstrap(candidates, self.baseline, self.alpha, self.report)
-        chosen = self._chosen(candidates.trials(), bootstrap)
-        chosen = chosen or self._chosen(candidates.trials(in_detail=True), bootstrap)
+        chosen = self._chosen(candidates, bootstrap)
+        chosen = chosen or self._chosen(candidates, bootstrap, in_detail=True)
         if chosen is None:
             self._reached = candidates.null
             return None
@@ -226,11 +223,14 @@ class Search:
         return self._settled(best.model, best.name)
 
     def _chosen(
-        self, trials: list[Trial], bootstrap: Bootstrap
+        self, candidates: Candidates, bootstrap: Bootstrap, in_detail: bool = False
     ) -> tuple[Trial, Trial, list[str], list[Trial]] | None:
         """Return (the trial to accept, the one that comes first without a tie, names
         that are as good, all trials); None if none is sure."""
-        sure = [trial for trial in trials if self._may_be_added(trial)]
+        trials = candidates.trials(in_detail)
+        larger = {**self._mapped, **self._given}
+        admission = Admission(candidates, self._light_gain, larger)
+        sure = [trial for trial in trials if admission.admits(trial)]
         while sure:
             first = mean_first(sure, self.effects)
             best, ambiguous = simplest_of_ties(
@@ -242,26 +242,6 @@ class Search:
             trials = [trial for trial in trials if trial is not best]
             sure = [trial for trial in sure if trial is not best]
         return None
-
-    def _may_be_added(self, trial: Trial) -> bool:
-        """Return whether an effect is sure, and more than what the model of one that
-        was there before does not describe, or that of a lamp that nobody measured."""
-        left = LIGHT_LEAVES * self._light_gain * effect(trial.name).acts_on_light
-        if trial.evidence < max(self.threshold, left) or not self._is_noise(trial):
-            return False
-        return effect(trial.name).shows_without_image or all(
-            trial.gain >= effect(larger).taken_up_by.get(trial.name, 0.0) * loss
-            for larger, loss in {**self._mapped, **self._given}.items()
-        )
-
-    def _is_noise(self, trial: Trial) -> bool:
-        """Return whether noise that correlates is seen between repeats, too: structure
-        that the mean lacks makes neighbours alike as well."""
-        if not effect(trial.name).correlates:
-            return True
-        rest = trial.model.without(trial.name)
-        found = evidence_of_noise(trial.model, rest, self.splits)
-        return found is None or found >= self.threshold
 
     def _settled(self, model: Model, newest: str) -> Model:
         """Return the model after all that depends on it was looked at again."""
