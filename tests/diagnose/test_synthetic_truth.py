@@ -108,7 +108,7 @@ def test_the_gain_map_of_a_hero6(camera_data):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("round_lens", [True, False])
-@pytest.mark.parametrize("shape", [(288, 384), (480, 640), (1200, 1600)])
+@pytest.mark.parametrize("shape", [(288, 384), (480, 640), (1200, 1600), (3000, 4000)])
 def test_the_gain_map_of_a_hero6_against_its_own_profile(
     camera_data, shape, round_lens
 ):
