@@ -78,7 +78,9 @@ def _errors(information: NDArray[np.float64]) -> list[float]:
 def _errors_by_likelihood(
     model: Model, term: Term, likelihood: Likelihood
 ) -> list[float]:
-    """Errors of a transform's values from the bend of the likelihood in all of them."""
+    """Errors of a transform's values from the bend of the likelihood in all of them;
+    of their logarithms, if it does not bend down in these: maps that were fitted along
+    leave values beside the top, and of shares and ratios the likelihood is skewed."""
     low, high = term.effect.low, term.effect.high
     steps = np.maximum(0.1 * np.abs(term.values), 1e-3)
     steps = np.minimum(steps, (high - low) / 4)
@@ -97,11 +99,24 @@ def _errors_by_likelihood(
             both = height(axes[i] + axes[j]) + height(-axes[i] - axes[j])
             both -= above + below + sum(ends[j]) - 2 * middle
             bend[i, j] = bend[j, i] = -0.5 * both
+    errors = _spread(bend)
+    if errors is not None:
+        return [float(error) for error in errors * steps]
+    slope = np.array([(above - below) / 2 for above, below in ends])
+    of_logs = centre / steps
+    errors = _spread(bend * np.outer(of_logs, of_logs) - np.diag(slope * of_logs))
+    if errors is None or not (centre > 0).all():
+        return [float(max(abs(value), 1e-3)) for value in term.values]
+    return [float(error) for error in errors * centre]
+
+
+def _spread(bend: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Return standard errors of what a likelihood bends in; None if not downwards."""
     values, vectors = np.linalg.eigh(bend)
     if values[0] <= 0:
-        return [float(max(abs(value), 1e-3)) for value in term.values]
-    spread = np.sqrt(np.diag(vectors / values @ vectors.T))
-    return [float(error) for error in spread * steps]
+        return None
+    spread: NDArray[np.float64] = np.sqrt(np.diag(vectors / values @ vectors.T))
+    return spread
 
 
 def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
