@@ -67,8 +67,8 @@ class Pieces:
         if tiles.is_whole:
             return frame
         piece = self._as_read(frame, tiles)
-        if self.light is not None and self.looks_for_light(piece):
-            light = self._light_of(self.light, piece)
+        if self.looks_for_light(piece):
+            light = self._light_of(piece)
             piece = piece if light is None else lit(piece, light)
         return piece
 
@@ -109,7 +109,7 @@ class Pieces:
             pieces = workers.map(cleaned, pieces)
         return model
 
-    def _light_of(self, model: Model, piece: Frame) -> Array | None:
+    def _light_of(self, piece: Frame) -> Array | None:
         """Return what flats of one light show of it in the tiles of a piece; None if
         they are too few."""
         key = light_of(piece), piece.tiles.origins.tobytes()
@@ -125,7 +125,8 @@ class Pieces:
             pieces = [self._as_read(flat, piece.tiles) for flat in alike[0]]
             if len(self._lights) >= KEPT_LIGHTS:
                 self._lights.clear()
-            self._lights[key] = illumination(model, pieces)
+            assert self.light is not None
+            self._lights[key] = illumination(self.light, pieces)
         return self._lights[key]
 
     def _source(self, frame: Frame) -> Source:

@@ -51,11 +51,11 @@ class Evidence:
     of_rows: Array | float
     unseen: Mask
 
-    @property
-    def shared(self) -> Array:
-        """(K, K, T, h, w) covariance of the scores: of two maps, by the frames that
-        tell both. Sensitivities are positive, and more frames say more."""
-        return np.minimum(self.information, self.information.swapaxes(0, 1))
+    def shared(self, one: int) -> Array:
+        """Return (K, T, h, w) covariances of the score of one map with those of all, by
+        the frames that tell both. Sensitivities are positive: more frames say more."""
+        both: Array = np.minimum(self.information[one], self.information[:, one])
+        return both
 
     def known(self, one: int) -> Mask:
         """Return the pixels that any frame says anything about."""

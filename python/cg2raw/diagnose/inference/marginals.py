@@ -68,10 +68,8 @@ def slope_and_error(
     weights : of the scores, which leave nothing of the others but by their priors."""
     own = evidence.information[one, one]
     slope = np.einsum("k...,k...", weights, evidence.information[:, one])
-    shared = evidence.shared[one]
-    variance = 2 * np.einsum("k...,k...", weights, shared) - np.einsum(
-        "k...,k...", weights, evidence.information[one]
-    )
+    shared = np.einsum("k...,k...", weights, evidence.shared(one))
+    variance = 2 * shared - np.einsum("k...,k...", weights, evidence.information[one])
     least = LEAST_LEFT * own + LEAST_INFORMATION
     slope = np.maximum(slope, least)
     return slope, np.maximum(variance, least) / slope / slope
