@@ -19,6 +19,7 @@ from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.reader import divided, read_frames, stratum
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.inference.nameable import DISTINCT
+from cg2raw.diagnose.refinement import refine
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import strength_stream
 from cg2raw.synthetic.strengths import KINDS
@@ -93,7 +94,8 @@ def calibrated(path: Path, division: int | None) -> tuple[Sensor, tuple[Frame, .
     _, sensor, frames, _ = read_frames(path)
     rng = None if division is None else stream(division, "halves")
     first, second = halves(frames, rng)
-    found = calibrate(sensor, [_uniform(f.capture) for f in first], threads=1)
+    uniform = [_uniform(frame.capture) for frame in first]
+    found = refine(calibrate(sensor, uniform, threads=1), uniform, threads=1)
     profile = Sensor.from_json(found.updated_profile(), f"{sensor.id} of one half")
     return profile, tuple(replace(frame, borders=()) for frame in second)
 

@@ -3,6 +3,7 @@
 
 """Measurements: all that darks and flats show of a sensor, each with its error."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,7 +39,9 @@ class Measurements:
     sensor : whose profile was given. iso : of the frames, None if nobody says it.
     shape : (H, W) px. frames : (darks, flats). black_level : (sites) DN.
     drift : DN, standard deviation of the level from frame to frame.
-    lamp : relative, standard deviation of the flats' light. maps : of each pixel."""
+    lamp : relative, standard deviation of the flats' light. maps : of each pixel.
+    likeliest : of fixed patterns, the parameters by the likelihood of all together, in
+    the registry's units; what a profile says of those that stand out."""
 
     sensor: Sensor
     sites: Sites
@@ -59,6 +62,7 @@ class Measurements:
     maps: DarkMaps | None = field(default=None, repr=False)
     transients: tuple[Transients, ...] = ()
     notes: tuple[str, ...] = ()
+    likeliest: Mapping[str, Mapping[str, Measured]] = field(default_factory=dict)
 
     @property
     def black(self) -> NDArray[np.float64]:

@@ -32,6 +32,7 @@ def rows_of(found: Measurements) -> list[Row]:
         noise_rows(found),
         dark_rows(found),
         light_rows(found),
+        profile_rows(found),
     )
     return [row for part in parts for row in part]
 
@@ -142,6 +143,13 @@ def light_rows(found: Measurements) -> Iterator[Row]:
     yield Row("light", "shading, rms", fall_off, None, more)
     lamp = found.lamp.scaled(100, "%") if found.lamp else None
     yield Row("light", "lamp, frame to frame", lamp)
+
+
+def profile_rows(found: Measurements) -> Iterator[Row]:
+    """Yield what the profile says of fixed patterns, once they are taken together."""
+    for effect, values in found.likeliest.items():
+        for name, value in values.items():
+            yield Row("profile, all maps together", f"{effect} {name}", value)
 
 
 def gains(found: Measurements) -> str:

@@ -80,12 +80,14 @@ def run_calibration(arguments: argparse.Namespace) -> int:
     """Read, measure, write what was asked for."""
     from cg2raw.calibration import calibrate
     from cg2raw.cli._uniform_frames import sensor_of
+    from cg2raw.diagnose import refine
 
     check(arguments)
     sensor = sensor_of(arguments.sensor)
     frames = frames_of(arguments, sensor)
     with stages(arguments.quiet) as progress:
         found = calibrate(sensor, frames, progress=progress)
+        found = refine(found, frames, progress=progress)
     write(arguments, found)
     if not arguments.quiet:
         print(words_of(arguments, found), file=stream(arguments))

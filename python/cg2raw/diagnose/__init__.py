@@ -18,6 +18,7 @@ assessment  held-out frames become evidence: residual tests, gap, verdict
 report      a Diagnosis becomes files
 
 pipeline is diagnose(): the same sentence as code; diagnosis holds its result.
+refinement is refine(): the likelihood on a calibration's own frames.
 """
 
 from importlib import import_module
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from cg2raw.diagnose.captures.reader import read_captures
     from cg2raw.diagnose.diagnosis import Diagnosis
     from cg2raw.diagnose.pipeline import diagnose
+    from cg2raw.diagnose.refinement import refine
     from cg2raw.diagnose.report import write_report
 
 __all__ = [
@@ -36,6 +38,7 @@ __all__ = [
     "Diagnosis",
     "diagnose",
     "read_captures",
+    "refine",
     "write_report",
 ]
 
@@ -45,6 +48,7 @@ _HOMES = {
     "Diagnosis": "diagnosis",
     "diagnose": "pipeline",
     "read_captures": "captures.reader",
+    "refine": "refinement",
     "write_report": "report",
 }
 

@@ -108,7 +108,7 @@ class Gap:
 class Rung:
     """One step of the evidence ladder: what was tried, and what it gained."""
 
-    action: str  # "added", "dropped", "swapped"
+    action: str  # "calibrated", "added", "dropped", "swapped", "contradicted"
     name: str
     gain_nats: float
     ranking: Sequence[Alternative]  # candidates of this step, best first

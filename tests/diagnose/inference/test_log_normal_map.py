@@ -11,6 +11,7 @@ from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.intervals import estimates
 from cg2raw.diagnose.inference.log_normal_law import LogNormal, Rates
 from cg2raw.diagnose.inference.log_normal_map import fit_log_normal_map
+from cg2raw.diagnose.inference.map_prior import Stated
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
@@ -108,7 +109,7 @@ def test_slow_pixels_are_no_less_noisy_than_without_charge():
     assert found.law.rate == pytest.approx(1, rel=0.04)
     assert found.law.log_sigma == pytest.approx(1.1, rel=0.04)
     stated = {"rate": 1.0, "log_sigma": 1.1}
-    law = fit_log_normal_map(rates, known, None, stated).mixture.law
+    law = fit_log_normal_map(rates, known, None, Stated(stated)).mixture.law
     assert (law.rate, law.log_sigma) == (1.0, 1.1)
 
 
@@ -123,7 +124,9 @@ def test_hot_pixels_widen_no_stated_law(seed):
     rate = rate + is_hot * rng.exponential(20.0, shape)
     estimate = rate + noise * rng.standard_normal(shape)
     rates = Rates(estimate, np.full(shape, noise**2), *np.zeros((2, *shape)))
-    found = fit_log_normal_map(rates, np.ones(shape, bool), None, stated).mixture
+    found = fit_log_normal_map(
+        rates, np.ones(shape, bool), None, Stated(stated)
+    ).mixture
     assert found.hot_share == pytest.approx(is_hot.mean(), abs=0.005)
     assert found.hot_share > 0.002
     assert (found.law.rate, found.law.log_sigma) == (0.3, 1.41)

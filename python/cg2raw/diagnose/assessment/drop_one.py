@@ -51,7 +51,7 @@ class DropOne:
         return fit(self._start, self._chosen.fit, TURNS_WITHOUT)
 
     def _fitted_without(self, name: str) -> Model:
-        rest = fit(self._start.without(name), self._chosen.fit, TURNS_WITHOUT)
+        rest = fit(self._start.without_finding(name), self._chosen.fit, TURNS_WITHOUT)
         if effect(name).moves_mean:
             # Noise as wide as what is missing, or a level of each frame, is no answer.
             for term in self._whole.terms:

@@ -51,6 +51,7 @@ from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.sentences import deciding_captures
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.contradictions import lost_as_stated
 from cg2raw.diagnose.inference.detection_limits import detection_limits
 from cg2raw.diagnose.inference.intervals import estimates
 from cg2raw.diagnose.inference.model_selection import Search
@@ -96,7 +97,9 @@ def _held(
         model, values = fitted, estimates(fitted, splits.fit)
     whole = WholeFrames(splits.report, baseline.model, pieces, details)
     look = whole.look_at(model)
-    if model.found_names and not is_better(look.before, look.after):
+    corrected = set(search.contradicted) & set(model.found_names)
+    of_maps = sum(lost_as_stated(model, corrected, splits.report).values())
+    if model.found_names and not is_better(look.before, look.after, of_maps):
         notes.append(not_better(model.found_names, look.before, look.after))
         return _Held(baseline.model, {}, look.unchanged, [*refused], False, notes)
     return _Held(model, values, look, [*refused], True, notes)

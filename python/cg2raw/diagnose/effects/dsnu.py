@@ -10,6 +10,7 @@ class Dsnu(FixedPattern):
     name = "dsnu"
     title = "DSNU"
     where = "the same pixels in all frames, whatever the light"
+    is_offset = True
     lacks_slow_part = True
     has_long_tails = True
     # The slow part of the map, which the map leaves out.

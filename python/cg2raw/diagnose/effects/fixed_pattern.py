@@ -42,6 +42,7 @@ class FixedPattern(Effect):
         residuals and moves no prediction, or "spots": smooth, dark where there are any.
     is_log_normal : its pixels' values are, and their median is 0; else normal.
     is_charge : the map adds charge, which has shot noise.
+    is_offset : it adds the same to all frames.
     lacks_slow_part : a slow map is shading, and not of the pixels.
     has_long_tails : a few pixels are far out, and no other effect has them."""
 
@@ -54,6 +55,7 @@ class FixedPattern(Effect):
     layout: ClassVar[Layout] = "pixels"
     is_log_normal: ClassVar[bool] = False
     is_charge: ClassVar[bool] = False
+    is_offset: ClassVar[bool] = False
     lacks_slow_part: ClassVar[bool] = False
     has_long_tails: ClassVar[bool] = False
 

@@ -15,11 +15,13 @@ from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 
+HOT_PIXELS = "hot_pixels"
+
 
 class HotPixels(FixedPattern):
     """Its value is the share of pixels that are hot; its map is of rates."""
 
-    name = "hot_pixels"
+    name = HOT_PIXELS
     title = "hot pixels"
     where = "few pixels far above the others, with exposure time"
     search = (Parameter("fraction", 0.0, 1.0),)

@@ -18,7 +18,6 @@ class Prnu(FixedPattern):
     needs = LIGHT_AGAIN  # else either passes for the other
     lacks_slow_part = True
     has_long_tails = True
-    has_long_tails = True
     # The slow part of the map, which the map leaves out.
     taken_up_by = {
         "color_shading": 0.01,

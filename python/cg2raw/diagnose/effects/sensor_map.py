@@ -32,8 +32,8 @@ class SensorMap:
         of a law with long tails: it has that of the law then, and 0 in the map.
     chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
         then the mean over both.
-    beyond_law : what pixels have of values that are not of the law, by the same frames:
-        how likely any, its mean over both, and the mean's variance."""
+    beyond_law : what pixels have of values that are not of the law, by the same frames.
+    """
 
     mean: Array
     variance: Array
@@ -43,7 +43,7 @@ class SensorMap:
     unknown: Mask | None = None
     rate_law: RateLaw | None = None
     noise_gains: tuple[float, float] | None = None
-    beyond_law: tuple[Array, Array, Array] | None = None
+    beyond_law: "BeyondLaw | None" = None
 
     def of_tiles(self, places: NDArray[np.intp]) -> "SensorMap":
         """Return the map on some of its tiles."""
@@ -98,3 +98,16 @@ class SensorMap:
     def spread(self) -> float:
         """Standard deviation of the map where it is not known."""
         return float(np.sqrt(np.mean(self.mean**2 + self.variance)))
+
+
+@dataclass(frozen=True)
+class BeyondLaw:
+    """What pixels have of values that are not of a map's law, (T, h, w): the chance of
+    any, its mean over both, and the variance of that.
+
+    lost : nats, by what a profile says of these values, where they are not of that."""
+
+    chance: Array
+    mean: Array
+    variance: Array
+    lost: float = 0.0

@@ -18,6 +18,7 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.inference.baseline import Baseline
+from cg2raw.diagnose.inference.contradictions import as_finding
 from cg2raw.diagnose.inference.fitting import fit_alone, scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.full_start import MOST_OUT, MOST_OUTLIERS, Start
@@ -65,6 +66,18 @@ def calibrated_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | N
     splits, gain = as_lit_with_gain(light, splits)
     model = _settled(model, without_transients(model, splits).fit)
     return Start(model, without_transients(model, splits), light, gain)
+
+
+def freely_mapped(baseline: Baseline, effects: Sequence[Effect]) -> Model | None:
+    """Return the profile with its maps as strong as its frames show them, whatever it
+    says of that; None where there are none."""
+    start = calibrated_start(baseline, effects)
+    if start is None:
+        return None
+    model = start.model
+    for term, _, _ in start.model.maps:
+        model = as_finding(model, term.name)
+    return _settled(model, start.splits.fit)
 
 
 def _settled(model: Model, likelihood: Likelihood) -> Model:

@@ -9,45 +9,43 @@ those of maximum likelihood over all pixels. Source: M. Stephens, Biostatistics 
 2017 (empirical Bayes by a mixture of normals).
 """
 
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import minimize
-from scipy.special import expit, logit
+from scipy.special import expit
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, SensorMap, Values
+from cg2raw.diagnose.effects.sensor_map import BeyondLaw
 from cg2raw.diagnose.frames.tiling import Array, Mask
-from cg2raw.diagnose.inference import exponential_rates
 from cg2raw.diagnose.inference.log_normal_law import LogNormal, Rates
-from cg2raw.diagnose.inference.map_prior import NEARLY, Stated
+from cg2raw.diagnose.inference.map_prior import Stated
+from cg2raw.diagnose.inference.rate_mixture import (
+    FIRST_STEPS,
+    NEXT_STEPS,
+    Mixture,
+    best,
+    hot_start,
+    most_likely,
+)
 
 CLASSES = 400  # of pixels alike that the law is fitted to; the outermost are single
-LOG_SIGMAS = (0.2, 0.7, 1.5)  # that the fit starts from
-# log_sigma; a wider law is one of few pixels that are hot, and says nothing of most.
-NARROWEST, WIDEST = 0.02, 2.0
-MIDDLE_SHARES = (
-    0.159,
-    0.5,
-    0.841,
-)  # of the pixels, one standard deviation to either side
-HOT_SHARES = (1e-7, 0.2)
-HOT = 6.0  # such deviations above the median, from which on pixels may be hot
-FIRST_STEPS, NEXT_STEPS = 0.3, 0.03  # of all numbers of the law, in units or logs
-SEARCH = {"maxiter": 500, "xatol": 1e-3, "fatol": 0.01}
 
 
 @dataclass(frozen=True)
 class LogNormalMap:
-    """What a law says of pixels whose rates (T, h, w) are known. classes : of pixels
-    alike, and how many they are."""
+    """What a law says of pixels whose rates (T, h, w) are known.
 
-    mixture: "Mixture"
+    classes : of pixels alike, and how many they are. lost, lost_by_hot : nats, by what
+    a profile says of the law and of the hot pixels, where these are not of that."""
+
+    mixture: Mixture
     rates: Rates
     known: Mask
     classes: tuple[Rates, Values]
+    lost: float = 0.0
+    lost_by_hot: float = 0.0
 
     @property
     def shift(self) -> float:
@@ -91,7 +89,8 @@ class LogNormalMap:
         hot = seen * self.hot
         cold, mean = seen - hot, seen * sensor_map.mean
         unsure = seen * np.maximum(sensor_map.variance, self.posterior[1])
-        beyond = hot, hot * mean, (1 - cold**2) * unsure
+        doubt = (1 - cold**2) * unsure
+        beyond = BeyondLaw(hot, hot * mean, doubt, self.lost_by_hot)
         return replace(
             sensor_map,
             mean=cold * mean,
@@ -112,23 +111,30 @@ class LogNormalMap:
 def fit_log_normal_map(
     rates: Rates,
     known: Mask,
-    start: "Mixture | None" = None,
-    stated: Stated = None,
+    start: Mixture | None = None,
+    stated: Stated | None = None,
 ) -> LogNormalMap | None:
     """Return the map of rates (T, h, w); None if pixels do not differ.
 
     What is not known of a pixel is as wide as the law. start : where the search for it
-    begins, if one is known. stated : numbers of a law, which holds if it is nearly as
-    likely."""
+    begins, if one is known. stated : what a profile says of it, which holds if it is
+    nearly as likely."""
     if not known.any():
         return None
     classes, count = _classes(rates.at(known))
-    mixture = _most_likely(classes, count, start)
+    mixture = most_likely(classes, count, start)
     if mixture is None:
         return None
+    lost = lost_by_hot = 0.0
     if stated is not None:
-        mixture = _nearly_stated(mixture, stated, classes, count)
-    return LogNormalMap(mixture, rates, known, (classes, count))
+        mixture, lost = _nearly_stated(mixture, stated, classes, count)
+        if stated.hot is not None:
+            is_stated = bool(stated.numbers) and not lost
+            mixture, lost_by_hot = _nearly_stated_hot(
+                mixture, stated.hot, is_stated, classes, count
+            )
+    both = (classes, count)
+    return LogNormalMap(mixture, rates, known, both, lost, lost_by_hot)
 
 
 def _classes(rates: Rates) -> tuple[Rates, Values]:
@@ -142,111 +148,18 @@ def _classes(rates: Rates) -> tuple[Rates, Values]:
     return Rates(*means), count.astype(float)
 
 
-@dataclass(frozen=True)
-class Mixture:
-    """The law of most pixels, and an exponential one of the few that are hot: beyond
-    what a log-normal law says, they are for the effect hot_pixels to explain."""
-
-    law: LogNormal
-    hot_share: float = 0.0
-    hot_rate: float = 1.0
-
-    @staticmethod
-    def of(numbers: Values, unit: float) -> "Mixture":
-        """numbers : shift, log rate, log log_sigma and, where pixels may be hot, the
-        log of odds and of their mean rate; rates in a unit."""
-        shift, log_rate, log_log_sigma = numbers[:3]
-        log_sigma = np.clip(np.exp(log_log_sigma), NARROWEST, WIDEST)
-        law = LogNormal(shift * unit, np.exp(log_rate) * unit, float(log_sigma))
-        if len(numbers) == 3:
-            return Mixture(law)
-        share = float(np.clip(expit(numbers[3]), *HOT_SHARES))
-        return Mixture(law, share, max(float(np.exp(numbers[4])), HOT / 2) * unit)
-
-    def numbers(self, unit: float) -> list[float]:
-        """Return the numbers that it is of."""
-        law = self.law
-        shape = [law.shift / unit, np.log(law.rate / unit), np.log(law.log_sigma)]
-        if not self.hot_share:
-            return [float(number) for number in shape]
-        hot = [logit(self.hot_share), np.log(self.hot_rate / unit)]
-        return [float(number) for number in (*shape, *hot)]
-
-    def logs(self, rates: Rates) -> tuple[Array, Array]:
-        """Return log densities of estimates, of pixels that are not hot and that
-        are."""
-        cold = np.log1p(-self.hot_share) + self.law.log_density(rates)
-        if self.hot_share == 0:
-            return cold, np.full_like(cold, -np.inf)
-        away, spread = rates.estimate - self.law.shift, np.sqrt(rates.error)
-        hot = exponential_rates.log_density(away, spread, self.hot_rate)
-        return cold, np.log(self.hot_share) + hot
-
-    def height(self, classes: Rates, count: Values) -> float:
-        return float(count @ np.logaddexp(*self.logs(classes)))
-
-    def posterior(self, rates: Rates) -> tuple[Array, Array, Array]:
-        """Return (mean, variance, probability to be hot) of each pixel."""
-        cold, hot = self.logs(rates)
-        share = expit(hot - cold)
-        mean, variance = self.law.posterior(rates)
-        if self.hot_share == 0:
-            return mean, variance, share
-        away = rates.estimate - self.law.shift
-        spread = np.sqrt(rates.error_at(np.maximum(away, 0)))
-        of_hot = exponential_rates.posterior(away, spread, self.hot_rate)
-        both = (1 - share) * mean + share * of_hot[0]
-        squares = (1 - share) * (variance + mean**2)
-        squares = squares + share * (of_hot[1] + of_hot[0] ** 2)
-        return both, np.maximum(squares - both**2, 0), share
-
-
-def _most_likely(
-    classes: Rates, count: Values, start: Mixture | None
-) -> Mixture | None:
-    """Return the law of maximum likelihood; None if noise alone is as likely: hot
-    pixels, which other maps would take, have a law too where no others differ.
-
-    That pixels are hot besides has to gain what two numbers cost. Source: G. Schwarz,
-    Ann. Stat. 6(2), 1978."""
-    estimate, error = classes.estimate, classes.error
-    low, middle, high = (_quantile(classes, count, q) for q in MIDDLE_SHARES)
-    unit = max((high - low) / 2, 1e-12)
-    spread = np.sqrt(max(unit**2 - np.median(error), (0.1 * unit) ** 2)) / unit
-    if start is None:
-        shapes = [
-            [middle / unit, np.log(spread / np.sinh(shape)), np.log(shape)]
-            for shape in LOG_SIGMAS
-        ]
-        steps = FIRST_STEPS
-    else:
-        shapes, steps = [start.numbers(unit)[:3]], NEXT_STEPS
-
-    def of(numbers: Values) -> Mixture:
-        return Mixture.of(numbers, unit)
-
-    plain, height = _best(of, shapes, steps, classes, count)
-    level = (count / error) @ estimate / (count / error).sum()
-    noise = -0.5 * (estimate - level) ** 2 / error - 0.5 * np.log(2 * np.pi * error)
-    least = float(count @ noise) + len(shapes[0]) / 2
-    found, height = (plain, height) if height >= least else (None, least)
-    hot = _hot_start(classes, count, unit, start)
-    if hot is None:
-        return found
-    mixed_shapes = [[*shape, *hot] for shape in shapes]
-    mixed, with_hot = _best(of, mixed_shapes, steps, classes, count)
-    return mixed if with_hot - height > np.log(count.sum()) else found
-
-
 def _nearly_stated(
-    found: Mixture, stated: Mapping[str, float], classes: Rates, count: Values
-) -> Mixture:
-    """Return the most likely law that has a profile's numbers, and as many hot pixels
-    as it leaves, if that is nearly as likely as the one that was found; else that one.
-    A law without any may be wide by these pixels: it is less likely then."""
-    if stated["rate"] <= 0 or stated["log_sigma"] <= 0:
-        return found
-    law = LogNormal(found.law.shift, stated["rate"], stated["log_sigma"])
+    found: Mixture, stated: Stated, classes: Rates, count: Values
+) -> tuple[Mixture, float]:
+    """Return (the most likely law that has a profile's numbers, and as many hot pixels
+    as it leaves, 0) if that law holds; else (the law that was found, nats that are lost
+    by the profile's).
+
+    A law without any may be wide by hot pixels: it is less likely then."""
+    numbers = stated.numbers
+    if not (numbers and numbers["rate"] > 0 and numbers["log_sigma"] > 0):
+        return found, 0.0
+    law = LogNormal(found.law.shift, numbers["rate"], numbers["log_sigma"])
     unit = max(found.law.sigma, law.sigma)
     _, log_rate, log_log_sigma, *_ = Mixture(law).numbers(unit)
 
@@ -257,56 +170,40 @@ def _nearly_stated(
         return replace(found, law=replace(law, shift=found.law.shift))
 
     shift = law.shift / unit
-    moved, height = _best(of, [[shift]], FIRST_STEPS, classes, count)
+    moved, height = best(of, [[shift]], FIRST_STEPS, classes, count)
     likeliest = found.height(classes, count)
-    hot = _hot_start(classes, count, unit, found)
+    hot = hot_start(classes, count, unit, found)
     if hot is not None:
-        mixed, with_hot = _best(of, [[shift, *hot]], FIRST_STEPS, classes, count)
+        mixed, with_hot = best(of, [[shift, *hot]], FIRST_STEPS, classes, count)
         least = height + np.log(count.sum())
         if with_hot > (least if found.hot_share else max(least, likeliest)):
             moved, height = mixed, with_hot
     lost = likeliest - height
-    return moved if lost < NEARLY * count.sum() else found
+    return (moved, 0.0) if stated.holds(lost, count.sum()) else (found, lost)
 
 
-def _best(
-    law_of: Callable[[Values], Mixture],
-    starts: Sequence[Sequence[float]],
-    steps: float,
-    classes: Rates,
-    count: Values,
+def _nearly_stated_hot(
+    found: Mixture, stated: Stated, is_law_stated: bool, classes: Rates, count: Values
 ) -> tuple[Mixture, float]:
-    """Return (most likely law of some numbers, its log-likelihood): from the best of
-    all starts."""
+    """Return the same of what a profile says of hot pixels.
 
-    def cost(numbers: Values) -> float:
-        return -law_of(numbers).height(classes, count)
+    is_law_stated : of the others; their law moves a little along if it is not."""
+    share, rate = (stated.numbers[name] for name in ("fraction", "rate"))
+    if not (share > 0 and rate > 0):
+        return found, 0.0
+    unit = found.law.sigma
+    shape = Mixture(found.law).numbers(unit)
 
-    first = min((np.array(one, float) for one in starts), key=cost)
-    simplex = first + steps * np.eye(first.size + 1, first.size, -1)
-    how = {**SEARCH, "initial_simplex": simplex}
-    found = minimize(cost, first, method="Nelder-Mead", options=how)
-    return law_of(found.x), -float(found.fun)
+    def of(free: Values) -> Mixture:
+        law = Mixture.of(np.array([*free, *shape[len(free) :]]), unit).law
+        if is_law_stated:
+            law = replace(found.law, shift=law.shift)
+        return Mixture(law, share, rate)
 
-
-def _hot_start(
-    classes: Rates, count: Values, unit: float, start: Mixture | None
-) -> Sequence[float] | None:
-    """Return where a search begins for the share and the rate of those that are hot;
-    None if no pixel is far out."""
-    if start is not None and start.hot_share > 0:
-        return start.numbers(unit)[3:]
-    middle = _quantile(classes, count, 0.5)
-    far = classes.estimate > middle + HOT * unit
-    if not far.any():
-        return None
-    mean = count[far] @ (classes.estimate[far] - middle) / count[far].sum()
-    share = count[far].sum() / count.sum()
-    return [float(logit(min(share, HOT_SHARES[1]))), float(np.log(mean / unit))]
-
-
-def _quantile(classes: Rates, count: Values, share: float) -> float:
-    return float(np.interp(share, count.cumsum() / count.sum(), classes.estimate))
+    free = shape[: 1 if is_law_stated else 3]
+    moved, height = best(of, [free], NEXT_STEPS, classes, count)
+    lost = max(found.height(classes, count) - height, 0.0)
+    return (moved, 0.0) if stated.holds(lost, count.sum()) else (found, lost)
 
 
 def _estimates(mixture: Mixture, classes: Rates, count: Values) -> dict[str, Estimate]:

@@ -57,6 +57,13 @@ class Evidence:
         both: Array = np.minimum(self.information[one], self.information[:, one])
         return both
 
+    def beside_offsets(self, variance: float) -> "Evidence":
+        """Return what is said of a map beside pixels' own offsets of a variance."""
+        share = 1 / (1 + variance * self.information[0, 0])
+        return replace(
+            self, information=self.information * share, score=self.score * share
+        )
+
     def known(self, one: int) -> Mask:
         """Return the pixels that any frame says anything about."""
         own = self.information[one, one]

@@ -20,8 +20,22 @@ MOST_MIXED = 65536  # that they go by
 NEARLY = 1e-3  # nats per pixel, that a profile's law of a map may lose to the best
 LEAST_NARROW = 1e-200
 
-# Numbers that a profile states of a map's law, by the registry's names.
-Stated = Mapping[str, float] | None
+
+@dataclass(frozen=True)
+class Stated:
+    """What a profile says of a map's law.
+
+    numbers : by the registry's names. held : the law has these, whatever pixels say.
+    hot : what it says of the pixels that are hot beyond a log-normal law."""
+
+    numbers: Mapping[str, float]
+    held: bool = False
+    hot: "Stated | None" = None
+
+    def holds(self, lost: float, pixels: float) -> bool:
+        """Return whether a law has these numbers, of which all pixels together lose so
+        many nats to the likeliest."""
+        return self.held or lost < NEARLY * pixels
 
 
 def prior_of(square: Array, error: Array) -> float:
@@ -57,14 +71,11 @@ def bounded_tail(square: Array, error: Array) -> float:
     return max(prior, 0.5 * float(mean))
 
 
-def is_as_good(stated: float, found: float, error: Array) -> bool:
-    """Return whether a stated variance of a map is nearly as likely as that which was
-    found, for estimates with errors of these variances."""
-    if not np.size(error):
-        return True
-    ratio = (error + found) / (error + stated)
-    lost = 0.5 * (ratio - 1 - np.log(ratio))
-    return bool(np.median(lost) < NEARLY)
+def lost_by_variance(stated: float, found: float, error: Array) -> float:
+    """Return the nats that estimates, with errors of these variances, lose by a stated
+    variance of their map, if the one that was found is the likeliest."""
+    ratio = (error + found + LEAST_NARROW) / (error + stated + LEAST_NARROW)
+    return float(np.sum(0.5 * (ratio - 1 - np.log(ratio))))
 
 
 @dataclass(frozen=True)

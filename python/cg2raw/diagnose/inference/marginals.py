@@ -18,11 +18,13 @@ LEAST_LEFT = 1e-6  # of what frames tell of a pixel, that is left of it
 class Prior:
     """Of a map: variance of all, and of each pixel, where a few are wide.
 
-    pulls : of each pixel's prior, its mean over its variance."""
+    pulls : of each pixel's prior, its mean over its variance. lost : nats, by the law
+    that a profile states, where the prior is not of that."""
 
     variance: float
     pixels: Array | None = None
     pulls: Array | float = 0.0
+    lost: float = 0.0
 
     @property
     def each(self) -> Array | float:

@@ -27,8 +27,10 @@ from cg2raw.diagnose.inference.calibrated_start import (
     lost_without_each,
 )
 from cg2raw.diagnose.inference.candidates import Candidates
+from cg2raw.diagnose.inference.contradictions import as_finding, contradicted
 from cg2raw.diagnose.inference.detail import in_detail
 from cg2raw.diagnose.inference.fitting import TURNS, fit
+from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.full_start import MOST_OUTLIERS, Start, full_start
 from cg2raw.diagnose.inference.nuisance_fit import refitted
 from cg2raw.diagnose.inference.outliers import without_expected_outliers
@@ -43,6 +45,7 @@ from cg2raw.diagnose.inference.steps import (
     Step,
     Trial,
     calibrated_steps,
+    contradicted_steps,
     mean_first,
     rule_of,
 )
@@ -89,6 +92,8 @@ class Search:
         self.losses: dict[str, float] = {}
         # Nats that effects gain on captures that are drawn without them, too.
         self.refused: dict[str, float] = {}
+        # Nats, by what the profile says of how strong maps are, where that is wrong.
+        self.contradicted: dict[str, float] = {}
         # Maps of what the profile states, and the same of them.
         self._mapped: dict[str, float] = {}
 
@@ -119,6 +124,7 @@ class Search:
         bare = self._reached
         if self._start_calibrated():
             self._climb(self._reached)
+            self._name_contradicted()
             return
         if not self._start_full():
             self._climb(bare)
@@ -146,6 +152,23 @@ class Search:
         self._given = {name: self._mapped[name] for name in start.model.found_names}
         self.steps += calibrated_steps(self._given)
         return True
+
+    def _name_contradicted(self) -> None:
+        """Name maps that are not as strong as the profile says, beside which they are
+        compared with what it says."""
+        self.report("are fixed patterns as strong as the profile says")
+        found = contradicted(self._reached, self.splits.select)
+        found = {name: lost for name, lost in found.items() if lost >= self.threshold}
+        if not found:
+            return
+        said = self.compared.model
+        for name in found:
+            self._reached = as_finding(self._reached, name)
+            said = said.without_finding(name)
+        said = fit_patterns(said, self.splits.fit)
+        self.compared = replace(self.compared, model=said)
+        self.steps += contradicted_steps(found)
+        self.contradicted = found
 
     def _start_full(self) -> bool:
         """Take all effects that uniform frames measure, and of them what is needed."""

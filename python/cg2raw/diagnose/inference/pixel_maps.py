@@ -25,7 +25,7 @@ from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, Evidence
 from cg2raw.diagnose.inference.map_prior import (
     Stated,
     bounded_tail,
-    is_as_good,
+    lost_by_variance,
     mixed_prior_of,
 )
 from cg2raw.diagnose.inference.marginals import (
@@ -50,12 +50,12 @@ def pixel_maps(
     terms: Sequence[Term],
     effects: Sequence[FixedPattern],
     evidence: Evidence,
-    stated: Sequence[Stated] | None = None,
+    stated: Sequence[Stated | None] | None = None,
 ) -> list[Term]:
     """Return terms with their maps and the maps' standard deviations.
 
-    stated : of each map, a profile's numbers of its law, which hold where pixels do not
-    contradict them; None without."""
+    stated : of each map, what a profile says of it, which holds where pixels do not
+    contradict it; None without."""
     stated = stated or [None] * len(terms)
     count = len(terms)
     priors = [Prior(float(term.values[0]) ** 2) for term in terms]
@@ -85,7 +85,10 @@ def pixel_maps(
         values = np.array([np.sqrt(priors[k].variance)])
         if (rates := _law_of(priors[k])) is not None:
             sensor_map = rates.of_law(sensor_map, evidence.unseen)
-        found.append(replace(term, values=values, sensor_map=sensor_map))
+        lost = priors[k].lost
+        found.append(
+            replace(term, values=values, sensor_map=sensor_map, contradicted=lost)
+        )
     return found
 
 
@@ -129,7 +132,7 @@ def _prior(
     one: int,
     effect: FixedPattern,
     evidence: Evidence,
-    stated: Stated,
+    stated: Stated | None,
     priors: Sequence[Prior] | None,
     slow: "Slow | None" = None,
 ) -> Prior:
@@ -165,7 +168,7 @@ def _of_deviation(
     error: Array,
     known: Mask,
     evidence: Evidence,
-    stated: Stated,
+    stated: Stated | None,
 ) -> Prior:
     """Return the prior of a map that is normal, but perhaps for a few pixels.
 
@@ -180,18 +183,20 @@ def _of_deviation(
     if mixed is not None:
         variance = max(variance, mixed.half_of_tail(of_known[1]))
         likely += [variance, mixed.narrow]  # with half of its tail, and without
-    if stated is not None and any(
-        is_as_good(stated["sigma"] ** 2, each, error[known]) for each in likely
-    ):
-        variance = stated["sigma"] ** 2
-        if mixed is not None:
-            mixed = mixed_prior_of(*of_known, variance)
+    lost = 0.0
+    if stated is not None:
+        said = stated.numbers["sigma"] ** 2
+        lost = min(lost_by_variance(said, each, error[known]) for each in likely)
+        if stated.holds(lost, known.sum()):
+            variance, lost = said, 0.0
+            if mixed is not None:
+                mixed = mixed_prior_of(*of_known, variance)
     if mixed is None:
-        return Prior(variance)
+        return Prior(variance, lost=lost)
     mean, spread = mixed.posterior(estimate, error)
     told = np.where(known, 1 / error, 0)
     own, pull = _as_normal(mean, spread, estimate, told)
-    return Prior(variance, np.where(known, 1 / own, variance), known * pull)
+    return Prior(variance, np.where(known, 1 / own, variance), known * pull, lost)
 
 
 def _law_of(prior: Prior) -> LogNormalMap | None:
@@ -199,14 +204,14 @@ def _law_of(prior: Prior) -> LogNormalMap | None:
 
 
 def _of_rates(
-    rates: Rates, known: Mask, stated: Stated, before: LogNormalMap | None
+    rates: Rates, known: Mask, stated: Stated | None, before: LogNormalMap | None
 ) -> Prior:
     """Return the prior that a log-normal law gives to the rate of each pixel."""
     start = None if before is None else before.mixture
     found = fit_log_normal_map(rates, known, start, stated)
     if found is None:
         return Prior(0.0)
-    return _RatePrior(found.mixture.law.sigma**2, rates=found)
+    return _RatePrior(found.mixture.law.sigma**2, lost=found.lost, rates=found)
 
 
 def _as_normal(

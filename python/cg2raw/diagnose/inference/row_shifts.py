@@ -14,8 +14,8 @@ import numpy as np
 from cg2raw.diagnose.effects.base import Values
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference.log_normal_law import Rates
-from cg2raw.diagnose.inference.log_normal_map import Mixture
 from cg2raw.diagnose.inference.map_prior import prior_of
+from cg2raw.diagnose.inference.rate_mixture import Mixture
 
 SCORING_TURNS = 3  # of Fisher scoring, with squared slopes as information
 MOVED = 0.05  # standard deviations of a pixel's estimate, between densities

@@ -16,6 +16,7 @@ from scipy.special import expit
 from cg2raw.diagnose.effects.base import Predicted, SensorMap
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.rate_law import RateLaw
+from cg2raw.diagnose.effects.sensor_map import BeyondLaw
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.inference import exponential_rates
 from cg2raw.diagnose.inference.map_evidence import (
@@ -68,7 +69,9 @@ def fit_sparse_map(
     shape = likelihood.frames[0].signal.shape
     unseen = unseen_by(likelihood.frames)
     if (beyond := _beyond_law(rest, shape)) is not None:
-        return _with_map(term, *beyond, ~unseen, unseen)
+        term = replace(term, contradicted=beyond.lost)
+        parts = beyond.chance, beyond.mean, beyond.variance
+        return _with_map(term, *parts, ~unseen, unseen)
     predictions = likelihood.each(lambda frame: predict_for_means(rest, frame))
     predicted = list(zip(likelihood.frames, predictions, strict=True))
     if told_by_darks(effect, likelihood.frames):
@@ -84,9 +87,7 @@ def fit_sparse_map(
     return _with_map(term, hot, mean, doubt, leak.known, unseen)
 
 
-def _beyond_law(
-    rest: Model, shape: tuple[int, ...]
-) -> tuple[Array, Array, Array] | None:
+def _beyond_law(rest: Model, shape: tuple[int, ...]) -> BeyondLaw | None:
     for _, effect, known in rest.maps:
         if effect.is_log_normal and known.mean.shape == shape:
             return known.beyond_law

@@ -47,6 +47,11 @@ CALIBRATED = (
     "held-out frames without it."
 )
 
+CONTRADICTED = (
+    "It is not as strong as the profile says: so much likelier are the pixels of the "
+    "held-out frames, which made maps of their own."
+)
+
 
 def calibrated_steps(
     losses: Mapping[str, float], ranking: Sequence[tuple[str, float]] = ()
@@ -56,6 +61,15 @@ def calibrated_steps(
     return [
         Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
         for name, loss in losses.items()
+    ]
+
+
+def contradicted_steps(lost: Mapping[str, float]) -> list[Step]:
+    """Return the steps of maps that are not as strong as a profile says. lost : nats,
+    by that, of the maps of the select frames."""
+    return [
+        Step("contradicted", name, nats, nats, rule=CONTRADICTED)
+        for name, nats in lost.items()
     ]
 
 

@@ -27,12 +27,17 @@ class Term:
     """One effect of a model and its values; a fixed pattern has its map besides.
 
     calibration : it is fitted with all others, and is no finding: nobody had said what
-        its value should be."""
+        its value should be.
+    held : of a fixed pattern: it is as strong as the profile says, whatever its pixels.
+    contradicted : nats that the frames of its map lose by what the profile says of its
+        strength, where that was given up."""
 
     effect: Effect
     values: Values
     sensor_map: SensorMap | None = None
     calibration: bool = False
+    held: bool = False
+    contradicted: float = 0.0
 
     @property
     def name(self) -> str:
@@ -121,6 +126,16 @@ class Model:
 
     def without(self, name: str) -> "Model":
         return replace(self, terms=tuple(t for t in self.terms if t.name != name))
+
+    def without_finding(self, name: str) -> "Model":
+        """Return the model without a term; with a map as strong as the profile says, if
+        it says that."""
+        term = self.term(name)
+        if term is None or not isinstance(term.effect, FixedPattern):
+            return self.without(name)
+        if name not in self.profile_parameters:
+            return self.without(name)
+        return self.with_term(replace(term, calibration=True, held=True))
 
     def noise_gain(self, betas: str) -> float:
         """Return what multiplies betas of the noise model."""

@@ -30,6 +30,7 @@ ACTIONS = {
     "added": "Added",
     "dropped": "Dropped",
     "swapped": "Swapped in",
+    "contradicted": "Corrected",
 }
 LEAST_P = 1e-300
 

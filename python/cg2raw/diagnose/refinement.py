@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Refinement: a calibration whose fixed patterns are as strong as is likeliest.
+
+Moments take them one by one: what is wrong with one map is in the next, and where hot
+pixels begin is a bound. Their likelihood takes them together, as a diagnosis does.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cg2raw.calibration.calibration import Calibration
+from cg2raw.calibration.frames import UniformFrame
+from cg2raw.calibration.measured import Measured
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.reader import LIGHT_OF_DARKS
+from cg2raw.diagnose.diagnosis import Estimate
+from cg2raw.diagnose.effects.base import NORMAL_95, Effect
+from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.frames.reader import read_frames
+from cg2raw.diagnose.inference.baseline import baseline_of
+from cg2raw.diagnose.inference.calibrated_start import freely_mapped
+from cg2raw.diagnose.inference.illumination import SHADING
+from cg2raw.diagnose.inference.noise_level import noise_models
+from cg2raw.diagnose.inference.splits import Splits
+from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.workers import Workers
+from cg2raw.diagnose.pipeline import PIXELS
+from cg2raw.sensor import Sensor
+
+
+def refine(
+    found: Calibration,
+    frames: Sequence[UniformFrame],
+    *,
+    threads: int = 2,
+    progress: Callable[[str, float], None] | None = None,
+) -> Calibration:
+    """Return a calibration with the likeliest strengths of the fixed patterns that
+    stand out, which its profile then says.
+
+    frames : that were calibrated. threads : the result does not depend on it.
+    progress : called with what is done now, and the share done, 0 to 1. Raises
+    ValueError for a profile that cannot be written."""
+    say = progress or (lambda words, share: None)
+    sensor = Sensor.from_json(found.updated_profile(), "the calibrated profile")
+    patterns = _stated_patterns(sensor)
+    if not patterns or found.iso is None:
+        return found
+    captures = CaptureSet(sensor, [capture_of(one, found.shape) for one in frames])
+    shown = read_frames(captures, noise_models(captures), PIXELS, say)
+    splits = Splits(shown, Workers(threads, None))
+    say("fixed patterns, all together", 0.5)
+    model = freely_mapped(baseline_of(captures, splits, say), patterns)
+    return found if model is None else replace(found, likeliest=_laws(model))
+
+
+def _stated_patterns(sensor: Sensor) -> list[Effect]:
+    """Return the fixed patterns of a profile, and shading, which flats have beside its
+    own."""
+    listed = {effect["name"] for effect in sensor.effects or ()}
+    known = candidates(sensor.cfa)
+    patterns = [e for e in known if isinstance(e, FixedPattern) and e.name in listed]
+    return [*patterns, *(e for e in known if e.name == SHADING)] if patterns else []
+
+
+def capture_of(one: UniformFrame, shape: tuple[int, int]) -> Capture:
+    """Return a frame as a capture of the fit; light is not known of any."""
+    dark = np.zeros(3, np.float32)
+    return Capture(
+        name=one.name,
+        kind=one.kind,
+        shape=shape,
+        group="fit",
+        set=one.name,
+        illuminant=LIGHT_OF_DARKS,
+        iso=one.iso,
+        exposure_time=one.exposure_time,
+        raw=one.pixels,
+        scene=(lambda: dark) if one.kind == "dark" else None,
+        temperature=one.temperature,
+    )
+
+
+def _laws(model: Model) -> dict[str, Mapping[str, Measured]]:
+    """Return the parameters of a model's maps, as a profile says them."""
+    found: dict[str, Mapping[str, Measured]] = {}
+    for term, effect, known in model.maps:
+        errors = effect.standard_errors(term.values, known)
+        values = {
+            name: _estimate(float(value), NORMAL_95 * error, unit)
+            for name, value, error, unit in zip(
+                effect.parameters, term.values, errors, effect.units, strict=True
+            )
+        }
+        law = effect.registry_estimates(values, known)
+        found[term.name] = {name: _measured(one) for name, one in law.items()}
+    return found
+
+
+def _estimate(value: float, half: float, unit: str) -> Estimate:
+    return Estimate(value, unit, (value - half, value + half))
+
+
+def _measured(one: Estimate) -> Measured:
+    low, high = one.ci95
+    return Measured(one.value, (high - low) / (2 * NORMAL_95), one.unit)
