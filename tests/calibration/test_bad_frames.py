@@ -33,8 +33,8 @@ def frame(array, kind="dark"):
         (FRAMES[:1], "give two that repeat each other"),
         ([FRAMES[0], FRAMES[2]], "no other frame has its kind, exposure"),
         ([*FRAMES, replace(FRAMES[0], iso=200.0)], "calibrate one ISO at a time"),
-        ([*FRAMES, frame(np.full((32, 48), 256, np.uint16))], "of one size"),
-        ([*FRAMES, frame(np.full((8, 8), 256, np.uint16))], "at least 32 pixels"),
+        ([*FRAMES, frame(np.full((48, 64), 256, np.uint16))], "of one size"),
+        ([*FRAMES, frame(np.full((32, 32), 256, np.uint16))], "at least 48 pixels"),
         ([*FRAMES, frame(np.full((64, 96), 256.0))], "uint16"),
         ([frame(np.full((64, 96), WHITE, np.uint16), "flat")] * 2, "expose less"),
         ([*FRAMES, frame(np.full((64, 96), 2**15, np.uint16))], "does not fit into"),
@@ -68,6 +68,16 @@ def test_flats_alone_show_gain_by_the_profile_s_black_and_noise():
     gain = found.transfer.mean_gain
     assert abs(gain.value - GAIN) < 4 * gain.standard_error
     assert any("no darks" in note for note in found.notes)
+
+
+def test_flats_that_are_saturated_show_no_more_than_darks():
+    full = [
+        replace(one, raw=lambda: np.full((64, 96), WHITE, np.uint16))
+        for one in FRAMES[4:]
+    ]
+    found = calibrate(SENSOR, [*FRAMES[:4], *full])
+    assert found.noise and found.black_level and found.transfer is None
+    assert found.updated_profile()
 
 
 def test_hot_pixels_dust_and_cosmic_rays_move_no_number():

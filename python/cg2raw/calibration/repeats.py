@@ -18,6 +18,7 @@ from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import Sites
 
 TRANSIENT = 8.0  # sigma above its repeats beyond which one frame's pixel is a transient
+FEWEST_KEPT = 64  # pixels of a site that are not saturated, of a pair of frames
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,8 @@ def repeats_of(
         np.maximum(highest, raw, out=highest)
         np.minimum(lowest, raw, out=lowest)
         scale = above[index] / above[index - 1] if lit else np.ones(sites.count)
-        pairs.append(noise_between(previous, raw, sites, white, scale, black))
+        between = noise_between(previous, raw, sites, white, scale, black)
+        pairs += [between] if between is not None else []
         previous = raw
     if total is None or highest is None or lowest is None:
         raise ValueError("a group of no frames: give at least one")
@@ -89,8 +91,9 @@ def noise_between(
     white: int,
     scale: Array,
     black: Array,
-) -> PairNoise:
-    """Return the noise of two frames, the second brighter by the factor @scale.
+) -> PairNoise | None:
+    """Return the noise of two frames, the second brighter by the factor @scale; None if
+    nearly all pixels of a site are saturated.
 
     scale, black : (sites,); both frames are brought to their geometric mean."""
     difference = second.astype(np.float32)
@@ -103,8 +106,10 @@ def noise_between(
         other -= level
         other *= root
     difference -= other
-    full = (first >= white) | (second >= white)
-    return pair_noise(difference, ~full if full.any() else None, sites)
+    keep = (first < white) & (second < white)
+    if min(int(np.count_nonzero(site)) for site in sites.of(keep)) < FEWEST_KEPT:
+        return None
+    return pair_noise(difference, None if keep.all() else keep, sites)
 
 
 def _variance(

@@ -26,7 +26,8 @@ class Sites:
 
     count: int
     names: tuple[str, ...]
-    least_repeats: int = 16  # of the CFA along each side of a frame
+    # Of the CFA along each side of a frame: three to a block.
+    least_repeats: int = 3 * BLOCKS
 
     @property
     def side(self) -> int:
