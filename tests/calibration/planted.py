@@ -14,6 +14,15 @@ BLACK, WHITE = 256.0, 16383
 RANGE = WHITE - BLACK
 GAIN, READ = 2.5, 3.0  # e-/DN; DN, rounding not included
 SHAPE = (192, 256)
+# Effects that a calibration takes together, with what two of them are beside.
+PATTERNS = {
+    "dsnu": {"sigma": 2 / RANGE},
+    "column_fixed_pattern": {"sigma": 0.5 / RANGE},
+    "dark_current": {"per_second": 0.5 / RANGE},
+    "dark_current_nonuniformity": {"rate": 0.4 / RANGE, "log_sigma": 0.5},
+    "hot_pixels": {"fraction": 0.01, "rate": 4 / RANGE},
+    "prnu": {"sigma": 0.01},
+}
 
 
 def sensor_of(effects=None, shape=SHAPE, **fields):

@@ -9,24 +9,16 @@ import pytest
 
 pytest.importorskip("scipy")
 
-from calibration.planted import RANGE, frames_of, sensor_of
+from calibration.planted import PATTERNS, frames_of, sensor_of
 from cg2raw.calibration import calibrate
 from cg2raw.diagnose import refine
 
-PLANTED = {
-    "dsnu": {"sigma": 2 / RANGE},
-    "column_fixed_pattern": {"sigma": 0.5 / RANGE},
-    "dark_current": {"per_second": 0.5 / RANGE},
-    "dark_current_nonuniformity": {"rate": 0.4 / RANGE, "log_sigma": 0.5},
-    "hot_pixels": {"fraction": 0.01, "rate": 4 / RANGE},
-    "prnu": {"sigma": 0.01},
-}
 CLOSE = {"log_sigma": 0.2, "rate": 0.15, "fraction": 0.15, "sigma": 0.1}  # relative
 
 
 @pytest.fixture(scope="module")
 def frames():
-    return frames_of(sensor_of(PLANTED), dark_times=(10.0, 30.0))
+    return frames_of(sensor_of(PATTERNS), dark_times=(10.0, 30.0))
 
 
 @pytest.fixture(scope="module")
@@ -46,11 +38,11 @@ def test_every_planted_pattern_is_as_strong_as_it_was_planted(refined):
     }
     for name in refined.likeliest:
         for parameter, value in of_profile[name].items():
-            truth = PLANTED[name][parameter]
+            truth = PATTERNS[name][parameter]
             assert value == pytest.approx(truth, rel=CLOSE[parameter]), (
                 f"{name} {parameter}"
             )
-    assert set(refined.likeliest) == set(PLANTED) - {"dark_current"}
+    assert set(refined.likeliest) == set(PATTERNS) - {"dark_current"}
 
 
 def test_its_intervals_are_in_the_profile(refined):
@@ -75,8 +67,8 @@ def test_without_fixed_patterns_there_is_nothing_to_refine():
 
 
 def test_biases_alone_refine_what_they_show():
-    frames = frames_of(sensor_of(PLANTED), darks=0, flats=0, dark_times=())
+    frames = frames_of(sensor_of(PATTERNS), darks=0, flats=0, dark_times=())
     found = refine(calibrate(sensor_of(), frames), frames)
     assert set(found.likeliest) == {"dsnu", "column_fixed_pattern"}
     sigma = found.likeliest["dsnu"]["sigma"].value
-    assert sigma == pytest.approx(PLANTED["dsnu"]["sigma"], rel=0.1)
+    assert sigma == pytest.approx(PATTERNS["dsnu"]["sigma"], rel=0.1)

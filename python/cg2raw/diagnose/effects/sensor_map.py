@@ -32,6 +32,8 @@ class SensorMap:
         of a law with long tails: it has that of the law then, and 0 in the map.
     chance : (T, h, w) that a pixel has any, of an effect that few have; its mean is
         then the mean over both.
+    told : estimates of its pixels by the frames alone, and the variances of their
+        errors, of a normal map.
     beyond_law : what pixels have of values that are not of the law, by the same frames.
     """
 
@@ -43,6 +45,7 @@ class SensorMap:
     unknown: Mask | None = None
     rate_law: RateLaw | None = None
     noise_gains: tuple[float, float] | None = None
+    told: tuple[Array, Array] | None = None
     beyond_law: "BeyondLaw | None" = None
 
     def of_tiles(self, places: NDArray[np.intp]) -> "SensorMap":

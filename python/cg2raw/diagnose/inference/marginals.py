@@ -19,12 +19,14 @@ class Prior:
     """Of a map: variance of all, and of each pixel, where a few are wide.
 
     pulls : of each pixel's prior, its mean over its variance. lost : nats, by the law
-    that a profile states, where the prior is not of that."""
+    that a profile states, where the prior is not of that. told : estimates of a normal
+    map's pixels and the variances of their errors, infinite where nothing is known."""
 
     variance: float
     pixels: Array | None = None
     pulls: Array | float = 0.0
     lost: float = 0.0
+    told: tuple[Array, Array] | None = None
 
     @property
     def each(self) -> Array | float:

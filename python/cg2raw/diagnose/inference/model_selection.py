@@ -157,8 +157,9 @@ class Search:
         """Name maps that are not as strong as the profile says, beside which they are
         compared with what it says."""
         self.report("are fixed patterns as strong as the profile says")
-        found = contradicted(self._reached, self.splits.select)
-        found = {name: lost for name, lost in found.items() if lost >= self.threshold}
+        found = contradicted(self._reached, self.splits)
+        may = {e.name for e in self.effects}
+        found = {n: x for n, x in found.items() if n in may and x >= self.threshold}
         if not found:
             return
         said = self.compared.model

@@ -36,8 +36,7 @@ def nameable(
     again = _shows_light_again([*fitted, *selected])
     groups = [_shown_by(frames, again) for frames in (fitted, selected)]
     by_defects = _has_unmapped_defects(capture_set, splits)
-    shots = {id(frame.capture.raw) for frame in fitted}
-    held_out = any(id(frame.capture.raw) not in shots for frame in selected)
+    held_out = splits.hold_out_frames
 
     def is_shown(effect: Effect) -> bool:
         if effect.shares_offset == "frame" and not held_out:

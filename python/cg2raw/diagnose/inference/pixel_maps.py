@@ -81,7 +81,7 @@ def pixel_maps(
     found = []
     for k, term in enumerate(terms):
         others = {terms[i].name: covariance[k, i] for i in range(count) if i != k}
-        sensor_map = SensorMap(means[k], covariance[k, k], others)
+        sensor_map = SensorMap(means[k], covariance[k, k], others, told=priors[k].told)
         values = np.array([np.sqrt(priors[k].variance)])
         if (rates := _law_of(priors[k])) is not None:
             sensor_map = rates.of_law(sensor_map, evidence.unseen)
@@ -191,12 +191,14 @@ def _of_deviation(
             variance, lost = said, 0.0
             if mixed is not None:
                 mixed = mixed_prior_of(*of_known, variance)
+    seen = estimate / np.sqrt(kept), np.where(known, error, np.inf)
     if mixed is None:
-        return Prior(variance, lost=lost)
+        return Prior(variance, lost=lost, told=seen)
     mean, spread = mixed.posterior(estimate, error)
     told = np.where(known, 1 / error, 0)
     own, pull = _as_normal(mean, spread, estimate, told)
-    return Prior(variance, np.where(known, 1 / own, variance), known * pull, lost)
+    pixels = np.where(known, 1 / own, variance)
+    return Prior(variance, pixels, known * pull, lost, seen)
 
 
 def _law_of(prior: Prior) -> LogNormalMap | None:

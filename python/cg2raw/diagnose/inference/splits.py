@@ -70,6 +70,13 @@ class Splits:
             for split, members in self.by_name.items()
         }
 
+    @property
+    def hold_out_frames(self) -> bool:
+        """Whether frames select that no fit has seen. If frames are divided by their
+        pixels, each is in all splits, with what its pixels share."""
+        shots = {id(frame.capture.raw) for frame in self.fit.frames}
+        return any(id(frame.capture.raw) not in shots for frame in self.select.frames)
+
     @cached_property
     def few(self) -> "Splits | None":
         """A few tiles of large frames, and small ones whole: what these show by far,
