@@ -17,6 +17,7 @@ from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.refinement import capture_of
+from cg2raw.diagnose.report.text import verdict_sentence
 from diagnose.planted import ONE, READ, drawn, model_of
 from diagnose.planted import SHAPE as FRAME
 from diagnose.planted import capture_of as planted_capture
@@ -58,12 +59,15 @@ def test_a_profile_that_is_right_is_not_contradicted():
 def test_the_one_that_a_profile_says_wrongly_is_named_alone(name, said):
     found = diagnosed(**{name: said})
     assert [effect.name for effect in found.effects] == [name]
-    assert found.verdict == "identified"
+    assert (
+        found.verdict == "identified" and "by the profile" in found.effects[0].sentence
+    )
     profile = json.loads(found.profile_json)
     written = next(e for e in profile["effects"] if e["name"] == name)["parameters"]
     for parameter, truth in PATTERNS[name].items():
         assert written[parameter] == pytest.approx(truth, rel=0.2), parameter
     assert [rung.action for rung in found.ladder] == ["contradicted"]
+    assert "not as strong as the profile planted says" in verdict_sentence(found)
     assert found.gap.after < found.gap.before
 
 

@@ -58,6 +58,9 @@ class DarkCurrentNonuniformity(FixedPattern):
             return 0.0
         return float(norm.sf(np.log1p(signal / charge) / spread))
 
+    def strength_of(self, stated: Mapping[str, float]) -> float:
+        return float(stated["rate"] * np.sinh(stated["log_sigma"]))
+
     def standard_error(self, value: float, sensor_map: SensorMap) -> float:
         low, high = self.interval(value, sensor_map)
         return (high - low) / (2 * NORMAL_95)

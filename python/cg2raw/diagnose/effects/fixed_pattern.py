@@ -3,12 +3,14 @@
 
 """FixedPattern: the family of effects that are a map of the sensor."""
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
 from scipy.stats import chi2
 
+from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import (
     Effect,
     Estimates,
@@ -21,12 +23,14 @@ from cg2raw.diagnose.effects.base import (
     Whitened,
 )
 from cg2raw.diagnose.effects.families import TEMPORAL
+from cg2raw.diagnose.effects.profile_entries import listed_values
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.response import Response
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 MEDIAN_SQUARE = 0.4549  # of a normal value of variance 1
 LEAST_SHARE = 1e-3  # of a map's variance, that frames tell of it
@@ -146,6 +150,20 @@ class FixedPattern(Effect):
             return sum(float(each.sum()) for each in nats) / 2
 
         return gain
+
+    def strength_of(self, stated: Mapping[str, float]) -> float:
+        """Return its value, of a profile's parameters."""
+        return stated[self.parameters[0]]
+
+    def size_on(self, values: Estimates, sensor: Sensor) -> str:
+        """With what the profile says, if it says anything."""
+        listed = listed_values(sensor, self.name)
+        if listed is None:
+            return self.size(values)
+        stated = dict(zip(self.registry_parameters, listed, strict=False))
+        said, unit = self.strength_of(stated), self.units[0]
+        of_profile = {self.parameters[0]: Estimate(said, unit, (said, said))}
+        return f"{self.size(values)}; by the profile, {self.size(of_profile)}"
 
     def size(self, values: Estimates) -> str:
         return f"standard deviation {value_of(values, 'sigma'):.4g} of white"

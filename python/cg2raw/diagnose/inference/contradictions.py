@@ -21,7 +21,7 @@ from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import blending
 
-FAR = 4.0  # standard deviations that a pixel counts for at most
+FARTHEST_COUNTED = 4.0  # standard deviations that a pixel counts for at most
 
 
 def contradicted(model: Model, splits: Splits) -> dict[str, float]:
@@ -72,7 +72,7 @@ def _lost_by_repeats(model: Model, old: Term, new: Term) -> float:
     known = np.isfinite(a_error) & np.isfinite(b_error)
     spreads = [np.sqrt(error[known] + stated) for error in (a_error, b_error)]
     a, b = (
-        np.clip(one[known] / spread, -FAR, FAR)
+        np.clip(one[known] / spread, -FARTHEST_COUNTED, FARTHEST_COUNTED)
         for one, spread in zip((a, b), spreads, strict=True)
     )
     # Of values in units of their spread, what they have in common is this much of each.

@@ -153,12 +153,7 @@ def evidence(e_value: float) -> tuple[str, str]:
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """Return the verdict in one plain sentence."""
     sensor = diagnosis.sensor_id
-    names = listed([plain(effect.name) for effect in diagnosis.effects]) or "nothing"
-    is_one = len(diagnosis.effects) < 2
-    what = f"{names} {'is' if is_one else 'are'} missing from the profile {sensor}"
-    share = closed(diagnosis.gap)
-    closes = f"adding {'it' if is_one else 'them'} closes {percent(share)} of the gap"
-    what = f"{what}; {closes}" if share is not None else what
+    what = what_was_found(diagnosis)
     match diagnosis.verdict:
         case "no gap":
             text = f"nothing in these frames contradicts the profile {sensor}"
@@ -175,6 +170,26 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         case other:
             text = f"the verdict is: {other}"
     return text[:1].upper() + text[1:] + "."
+
+
+def what_was_found(diagnosis: Diagnosis) -> str:
+    """Return what is missing from the profile, and of what it says something wrong."""
+    corrected = {r.name for r in diagnosis.ladder if r.action == "contradicted"}
+    names = [effect.name for effect in diagnosis.effects]
+    lacks = [plain(name) for name in names if name not in corrected]
+    wrong = [plain(name) for name in names if name in corrected]
+    profile, parts = f"the profile {diagnosis.sensor_id}", []
+    if lacks or not wrong:
+        are = "is" if len(lacks) < 2 else "are"
+        text = f"{listed(lacks) or 'nothing'} {are} missing from {profile}"
+        share, them = closed(diagnosis.gap), "it" if len(lacks) < 2 else "them"
+        if share is not None:
+            text += f"; adding {them} closes {percent(share)} of the gap"
+        parts, profile = [text], "it"
+    if wrong:
+        are = "is" if len(wrong) < 2 else "are"
+        parts.append(f"{listed(wrong)} {are} not as strong as {profile} says")
+    return "; ".join(parts)
 
 
 def ambiguity(diagnosis: Diagnosis, sensor: str) -> str:
