@@ -70,7 +70,8 @@ def repeats_of(
         np.minimum(lowest, raw, out=lowest)
         scale = above[index] / above[index - 1] if lit else np.ones(sites.count)
         between = noise_between(previous, raw, sites, white, scale, black)
-        pairs += [between] if between is not None else []
+        if between is not None:
+            pairs.append(between)
         previous = raw
     if total is None or highest is None or lowest is None:
         raise ValueError("a group of no frames: give at least one")

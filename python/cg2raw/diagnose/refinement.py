@@ -10,13 +10,11 @@ pixels begin is a bound. Their likelihood takes them together, as a diagnosis do
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.frames import UniformFrame
 from cg2raw.calibration.measured import Measured
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
-from cg2raw.diagnose.captures.reader import LIGHT_OF_DARKS
+from cg2raw.diagnose.captures.reader import LIGHT_OF_DARKS, dark
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Effect
 from cg2raw.diagnose.effects.catalogue import candidates
@@ -70,7 +68,6 @@ def _stated_patterns(sensor: Sensor) -> list[Effect]:
 
 def capture_of(one: UniformFrame, shape: tuple[int, int]) -> Capture:
     """Return a frame as a capture of the fit; light is not known of any."""
-    dark = np.zeros(3, np.float32)
     return Capture(
         name=one.name,
         kind=one.kind,
@@ -81,7 +78,7 @@ def capture_of(one: UniformFrame, shape: tuple[int, int]) -> Capture:
         iso=one.iso,
         exposure_time=one.exposure_time,
         raw=one.pixels,
-        scene=(lambda: dark) if one.kind == "dark" else None,
+        scene=dark if one.kind == "dark" else None,
         temperature=one.temperature,
     )
 

@@ -97,7 +97,8 @@ def _held(
         model, values = fitted, estimates(fitted, splits.fit)
     whole = WholeFrames(splits.report, baseline.model, pieces, details)
     look = whole.look_at(model)
-    corrected = set(search.contradicted) & set(model.found_names)
+    corrected = {s.name for s in search.steps if s.action == "contradicted"}
+    corrected &= set(model.found_names)
     of_maps = sum(lost_as_stated(model, corrected, splits.report).values())
     if model.found_names and not is_better(look.before, look.after, of_maps):
         notes.append(not_better(model.found_names, look.before, look.after))

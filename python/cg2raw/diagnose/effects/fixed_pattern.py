@@ -23,7 +23,7 @@ from cg2raw.diagnose.effects.base import (
     Whitened,
 )
 from cg2raw.diagnose.effects.families import TEMPORAL
-from cg2raw.diagnose.effects.profile_entries import listed_values
+from cg2raw.diagnose.effects.profile_entries import listed_parameters
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
@@ -157,10 +157,9 @@ class FixedPattern(Effect):
 
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """With what the profile says, if it says anything."""
-        listed = listed_values(sensor, self.name)
-        if listed is None:
+        stated = listed_parameters(sensor, self.name)
+        if stated is None:
             return self.size(values)
-        stated = dict(zip(self.registry_parameters, listed, strict=False))
         said, unit = self.strength_of(stated), self.units[0]
         of_profile = {self.parameters[0]: Estimate(said, unit, (said, said))}
         return f"{self.size(values)}; by the profile, {self.size(of_profile)}"

@@ -13,9 +13,15 @@ from cg2raw.sensor import Sensor
 def listed_values(sensor: Sensor, name: str) -> tuple[float, ...] | None:
     """Return the parameters of an effect that a profile lists, in the registry's order;
     None if it does not."""
+    listed = listed_parameters(sensor, name)
+    return None if listed is None else tuple(listed.values())
+
+
+def listed_parameters(sensor: Sensor, name: str) -> dict[str, float] | None:
+    """Return the same by their names."""
     for effect in sensor.effects:
         if effect["name"] == name:
-            return tuple(stated_by(effect, None).values())
+            return stated_by(effect, None)
     return None
 
 

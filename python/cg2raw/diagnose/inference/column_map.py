@@ -10,19 +10,18 @@ is of the bias, but for what no ramp and no edge describes. The map has that as 
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
 from cg2raw.diagnose.inference.map_evidence import LEAST_INFORMATION, Evidence
 from cg2raw.diagnose.inference.map_prior import Stated, lost_by_variance, prior_of
 from cg2raw.diagnose.inference.outliers import FARTHEST
+from cg2raw.diagnose.inference.slow_part import SMOOTH, smoothed
 from cg2raw.diagnose.likelihood.model import Term
 
 MOST_BY_CHANCE = 4.0  # standard errors of a mean of columns
-SLOW_COLUMNS = 5.0  # of one site of the CFA; what is slower is not theirs
-# Of white noise's variance, that is left without its slow part.
-KEPT_OF_COLUMNS = 1 - (2 - np.sqrt(0.5)) / (np.sqrt(2 * np.pi) * SLOW_COLUMNS)
+# Of white noise's variance, that columns have left without their slow part.
+KEPT_OF_COLUMNS = 1 - (2 - np.sqrt(0.5)) / (np.sqrt(2 * np.pi) * SMOOTH)
 
 
 def fit_column_map(
@@ -43,13 +42,12 @@ def fit_column_map(
     alone = tiles.over_columns(evidence.information[0, 0] * (information > 0))
     used = a > 0
     estimate = np.where(used, b / np.maximum(a, LEAST_INFORMATION), 0)
-    repeat = evidence.repeat
-    for first in range(repeat):
-        same = np.s_[:, :, first::repeat]
+    for first in range(evidence.repeat):
+        same = np.s_[:, :, first :: evidence.repeat]
         _take_common_part(estimate[same], a[same])
     _take_ramp(estimate, a, tiles.field()[0][:, :1])
     error = 1 / np.maximum(a, LEAST_INFORMATION)
-    own = _own_variance(estimate, error, used, repeat)
+    own = _own_variance(estimate, error, used, evidence.repeat)
     lost = 0.0
     if stated is not None:
         said = stated.numbers["sigma"] ** 2
@@ -57,7 +55,7 @@ def fit_column_map(
         if stated.holds(lost, evidence.known(0).sum()):
             own, lost = said, 0.0
     # The slow part is as large as it is, whatever columns differ by beside it.
-    prior = own + max(prior_of((estimate**2)[used], error[used] + own), 0.0)
+    prior = own + prior_of((estimate**2)[used], error[used] + own)
     share = prior / (prior + error)
     shape = evidence.score[0].shape
     sensor_map = SensorMap(
@@ -70,20 +68,11 @@ def fit_column_map(
 
 def _own_variance(estimate: Array, error: Array, used: Mask, repeat: int) -> float:
     """Return the variance of columns beside their neighbours."""
-    rest = _without_slow_part(estimate, used / error, repeat)
-    return prior_of((rest**2 / KEPT_OF_COLUMNS)[used], error[used])
-
-
-def _without_slow_part(estimate: Array, told: Array, repeat: int) -> Array:
-    """told : what is known of each column."""
-    rest = np.zeros_like(estimate)
+    told, rest = used / error, np.zeros_like(estimate)
     for first in range(repeat):
         same = np.s_[:, :, first::repeat]
-        weight = told[same] / max(float(told[same].max(initial=0)), LEAST_INFORMATION)
-        level = gaussian_filter1d(weight * estimate[same], SLOW_COLUMNS)
-        level /= np.maximum(gaussian_filter1d(weight, SLOW_COLUMNS), LEAST_INFORMATION)
-        rest[same] = estimate[same] - level
-    return np.where(told > 0, rest, 0.0)
+        rest[same] = estimate[same] - smoothed(estimate[same], told[same])
+    return prior_of((rest**2 / KEPT_OF_COLUMNS)[used], error[used])
 
 
 def _without_far_pixels(evidence: Evidence) -> tuple[Array, Array]:

@@ -46,14 +46,14 @@ def fit_patterns(
         return model
     common = likelihood.of(_of_common_shape(likelihood.frames))
     known, chosen = unblended(model, common)
-    parts = _in_turn(effects)
+    parts, every = _in_turn(effects), [effect.name for effect in effects]
     is_new = any(_is_new(term) for term in model.terms)
     for _ in range(TURNS_OF_MAPS if is_new and len(parts) > 1 else 1):
         shown = without_shared_offsets(known, chosen)
         for together in parts:
-            for term in _fitted(known, together, sum(parts, []), shown):
+            for term in _fitted(known, together, every, shown):
                 known, model = known.with_term(term), model.with_term(term)
-    return _made_under_its_noise(model, [effect.name for effect in effects])
+    return _made_under_its_noise(model, every)
 
 
 def _in_turn(effects: Sequence[FixedPattern]) -> list[list[str]]:
@@ -125,7 +125,8 @@ def _stated(term: Term, model: Model) -> Stated | None:
     effect, said = term.effect, model.profile_parameters.get(term.name)
     if model.by_temperature and term.name in RATES:
         return None
-    hot = model.term(HOT_PIXELS) if getattr(effect, "is_log_normal", False) else None
+    log_normal = isinstance(effect, FixedPattern) and effect.is_log_normal
+    hot = model.term(HOT_PIXELS) if log_normal else None
     of_hot = None if hot is None else _stated(hot, model)
     numbers = said if said is not None and term.calibration else {}
     return Stated(numbers, term.held, of_hot) if numbers or of_hot else None

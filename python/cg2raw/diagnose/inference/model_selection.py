@@ -92,8 +92,6 @@ class Search:
         self.losses: dict[str, float] = {}
         # Nats that effects gain on captures that are drawn without them, too.
         self.refused: dict[str, float] = {}
-        # Nats, by what the profile says of how strong maps are, where that is wrong.
-        self.contradicted: dict[str, float] = {}
         # Maps of what the profile states, and the same of them.
         self._mapped: dict[str, float] = {}
 
@@ -169,7 +167,6 @@ class Search:
         said = fit_patterns(said, self.splits.fit)
         self.compared = replace(self.compared, model=said)
         self.steps += contradicted_steps(found)
-        self.contradicted = found
 
     def _start_full(self) -> bool:
         """Take all effects that uniform frames measure, and of them what is needed."""

@@ -32,7 +32,7 @@ def high_pass(image: Array, told: Array | Mask, repeat: int) -> Array:
     sites of one colour everywhere, and go by his."""
     rest = np.zeros_like(image)
     for at in _planes(repeat):
-        rest[at] = image[at] - _smoothed(image[at], told[at])
+        rest[at] = image[at] - smoothed(image[at], told[at])
     return np.where(told > 0, rest, 0)
 
 
@@ -63,7 +63,7 @@ def _slow(plane: Array, known: Mask) -> Array:
     for _ in range(SLOW_TURNS):
         rest = plane - found
         bound = FAR_OUT * 1.4826 * np.median(np.abs(rest[known]))
-        found = found + _smoothed(np.clip(rest, -bound, bound), known, SLOW_RATES)
+        found = found + smoothed(np.clip(rest, -bound, bound), known, SLOW_RATES)
     return np.asarray(found)
 
 
@@ -74,7 +74,8 @@ def _planes(repeat: int) -> Iterator[Any]:
         yield np.s_[:, row::step, col::step]
 
 
-def _smoothed(plane: Array, told: Array | Mask, size: int = SMOOTH) -> Array:
+def smoothed(plane: Array, told: Array | Mask, size: int = SMOOTH) -> Array:
+    """Return the smooth part of one site's plane (T, h, w), as far as it is told."""
     width = (0, size, size)
     share = told / max(float(told.max(initial=0)), LEAST_OF_BEST)
     weight = gaussian_filter(share, width)

@@ -131,9 +131,8 @@ class Model:
         """Return the model without a term; with a map as strong as the profile says, if
         it says that."""
         term = self.term(name)
-        if term is None or not isinstance(term.effect, FixedPattern):
-            return self.without(name)
-        if name not in self.profile_parameters:
+        is_map = term is not None and isinstance(term.effect, FixedPattern)
+        if term is None or not is_map or name not in self.profile_parameters:
             return self.without(name)
         return self.with_term(replace(term, calibration=True, held=True))
 

@@ -112,6 +112,10 @@ def listed(names: list[str], last: str = "and") -> str:
     return f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
+def be(names: list[str]) -> str:
+    return "is" if len(names) < 2 else "are"
+
+
 def closed(gap: Gap) -> float | None:
     """Return the closed share of the gap, 0..1 of it, or None where there was none."""
     if not (is_known(gap.before) and is_known(gap.after)) or gap.before <= 0:
@@ -180,15 +184,13 @@ def what_was_found(diagnosis: Diagnosis) -> str:
     wrong = [plain(name) for name in names if name in corrected]
     profile, parts = f"the profile {diagnosis.sensor_id}", []
     if lacks or not wrong:
-        are = "is" if len(lacks) < 2 else "are"
-        text = f"{listed(lacks) or 'nothing'} {are} missing from {profile}"
+        text = f"{listed(lacks) or 'nothing'} {be(lacks)} missing from {profile}"
         share, them = closed(diagnosis.gap), "it" if len(lacks) < 2 else "them"
         if share is not None:
             text += f"; adding {them} closes {percent(share)} of the gap"
         parts, profile = [text], "it"
     if wrong:
-        are = "is" if len(wrong) < 2 else "are"
-        parts.append(f"{listed(wrong)} {are} not as strong as {profile} says")
+        parts.append(f"{listed(wrong)} {be(wrong)} not as strong as {profile} says")
     return "; ".join(parts)
 
 
