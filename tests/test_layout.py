@@ -17,6 +17,7 @@ FLOW = (
     "random",
     "scene_file",
     "color",
+    "spectrum",
     "profile",
     "illuminant",
     "transform",

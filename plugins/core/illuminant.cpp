@@ -35,6 +35,19 @@ Vec3 over_green(const Vec3& camera)
              rounded(camera[2] / camera[1], 1e6) };
 }
 
+[[noreturn]] void fail_unknown_lamp(const SensorProfile& profile,
+                                    const std::string& name)
+{
+    std::vector<std::string> known;
+    for (const Lamp& lamp : profile.lamps)
+        known.push_back(lamp.name);
+    throw Error("sensor " + profile.id + " has no matrix for lamp \"" + name + "\": "
+                + (known.empty() ? "its profile lists no lamp"
+                                 : "its lamps are " + joined(known))
+                + "; cg2raw profile --ssf FILE --illuminant-spd LAMP makes a profile "
+                  "that has it");
+}
+
 Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
                 const std::optional<Vec3>& as_shot)
 {
@@ -50,6 +63,8 @@ Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
         const auto sample = sampled_neutral(profile, spec.index);
         return over_green({ sample[0], 1.0, sample[1] });
     }
+    case Kind::lamp:
+        fail_unknown_lamp(profile, spec.name);
     case Kind::as_shot:
         break;
     }
@@ -172,13 +187,23 @@ Vec3 neutral_from_xy(const SensorProfile& profile, Chromaticity xy)
     return over_green(camera);
 }
 
+SensorProfile calibrated_for(const SensorProfile& profile, std::string_view spec)
+{
+    SensorProfile result = profile;
+    if (const Lamp* const lamp = lamp_named(profile.lamps, spec))
+        result.calibrations = { lamp->calibration };
+    return result;
+}
+
 Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
                       const std::optional<Vec3>& as_shot)
 {
     if (profile.cfa.is_mono())
         return mono_illuminant(profile, spec);
-    const Vec3 neutral = neutral_of(profile, parse_illuminant(spec), as_shot);
-    const Chromaticity xy = xy_from_neutral(profile, neutral).xy;
+    const Lamp* const lamp = lamp_named(profile.lamps, spec);
+    const Vec3 neutral = lamp ? over_green({ lamp->neutral[0], 1.0, lamp->neutral[1] })
+                              : neutral_of(profile, parse_illuminant(spec), as_shot);
+    const Chromaticity xy = xy_from_neutral(calibrated_for(profile, spec), neutral).xy;
     return { std::string(spec), profile.id, neutral, xy,
              temperature_from_xy(xy, RobertsonTable::adobe) };
 }

@@ -44,6 +44,8 @@ std::string illuminant_from_alias(const std::string& alias)
             + parts[4];
     if (parts.size() == 2 && parts[0] == "sample")
         return "sample:" + parts[1];
+    if (parts.size() > 1 && parts[0] == "lamp")
+        return "lamp:" + alias.substr(5);
     if (alias == "as_shot")
         return "as-shot";
     std::string word = parts[0]; // "2856k", or "2856_5k" for 2856.5K

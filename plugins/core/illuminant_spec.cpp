@@ -12,7 +12,8 @@ namespace cg2raw {
 
 const char* const illuminant_grammar = "A, D50, D55, D65, D75, 3200K (1667K to "
                                        "25000K), xy:0.3457:0.3585, neutral:0.55:0.45 "
-                                       "(R/G and B/G), sample:7, as-shot";
+                                       "(R/G and B/G), sample:7, as-shot, FL2 or "
+                                       "lamp:NAME (lamps of the sensor's profile)";
 
 namespace {
 
@@ -68,6 +69,27 @@ IlluminantSpec sample_spec(std::string_view spec, const std::vector<std::string>
     return { Kind::sample, 0.0, 0.0, std::uint32_t(index) };
 }
 
+/// The CIE's names of fluorescent, LED and high pressure lamps, as in FL2, LED-B3, HP1;
+/// an alias has '_' or '.' for '-'. Source: CIE 015, tables 10 to 12.
+bool is_lamp_name(const std::string& word)
+{
+    const auto digit_at = [&](std::size_t i) {
+        return word.size() > i && word[i] >= '0' && word[i] <= '9';
+    };
+    const std::string start = word.substr(0, 2);
+    if (start == "fl" || start == "hp")
+        return digit_at(2);
+    return word.size() > 4 && word.substr(0, 3) == "led"
+        && std::string_view("-_.").find(word[3]) != std::string_view::npos;
+}
+
+IlluminantSpec lamp_spec(std::string_view spec, const std::string& name)
+{
+    if (name.empty())
+        fail(spec, "needs the name of a lamp, as in lamp:FL2");
+    return { Kind::lamp, 0.0, 0.0, 0, name };
+}
+
 /// "sample:0-9" -> its ten words; any other word alone.
 void append_words(const std::string& word, std::vector<std::string>& words)
 {
@@ -103,6 +125,10 @@ IlluminantSpec parse_illuminant(std::string_view spec)
         return pair_spec(Kind::neutral, spec, parts);
     if (parts[0] == "sample")
         return sample_spec(spec, parts);
+    if (parts[0] == "lamp" && parts.size() == 2)
+        return lamp_spec(spec, parts[1]);
+    if (is_lamp_name(word))
+        return lamp_spec(spec, word);
     if (word.size() > 1 && word.back() == 'k')
         return kelvin_spec(spec, word);
     fail(spec, "does not parse");

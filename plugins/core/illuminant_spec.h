@@ -9,9 +9,10 @@
 namespace cg2raw {
 
 struct IlluminantSpec {
-    enum class Kind { xy, kelvin, neutral, sample, as_shot } kind;
+    enum class Kind { xy, kelvin, neutral, sample, as_shot, lamp } kind;
     double a = 0.0, b = 0.0; ///< x, y; temperature; R/G, B/G
     std::uint32_t index = 0; ///< of a sample
+    std::string name {}; ///< of a lamp
 };
 
 /// Throws Error that lists the grammar.

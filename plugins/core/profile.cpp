@@ -5,6 +5,7 @@
 
 #include "cfa.h"
 #include "noise_table.h"
+#include "profile_lamps.h"
 #include "text.h"
 
 #include <algorithm>
@@ -134,8 +135,26 @@ void check_mono(const SensorProfile& profile, const std::string& file)
     if (!profile.calibrations.empty())
         fail(file, "cfa mono needs no colour matrix: leave it out");
     const NeutralDistribution& lights = profile.illuminants;
+    if (!profile.lamps.empty())
+        fail(file, "cfa mono sees all lamps alike: leave lamps out");
     if (!lights.neutrals.empty() || !lights.hull.empty())
         fail(file, "cfa mono has no neutrals: leave illuminants out");
+}
+
+/// A matrix has an inverse, and each channel sees white.
+void check_color_matrix(const Mat3& camera_from_xyz, const std::string& field,
+                        const std::string& file)
+{
+    try {
+        inverse(camera_from_xyz);
+    } catch (const Error& error) {
+        fail(file, field + ": " + error.what());
+    }
+    for (double channel : camera_from_xyz* xyz_from_xy(d50_white))
+        if (!(channel > 0.0))
+            fail(file,
+                 field + " maps white to " + number(channel)
+                     + "; each channel must see white (more than 0)");
 }
 
 void check_calibrations(const SensorProfile& profile, const std::string& file)
@@ -145,19 +164,13 @@ void check_calibrations(const SensorProfile& profile, const std::string& file)
     for (std::size_t i = 0; i < profile.calibrations.size(); ++i) {
         const std::string field = "color_matrix_" + std::to_string(i + 1);
         const Calibration& calibration = profile.calibrations[i];
+        check_color_matrix(calibration.camera_from_xyz, field, file);
         try {
-            inverse(calibration.camera_from_xyz);
             light_source_temperature(calibration.light_source);
         } catch (const Error& error) {
             fail(file, field + ": " + error.what());
         }
         check_forward_matrix(calibration, file, std::to_string(i + 1));
-        const Vec3 white = calibration.camera_from_xyz * xyz_from_xy(d50_white);
-        for (double channel : white)
-            if (!(channel > 0.0))
-                fail(file,
-                     field + " maps white to " + number(channel)
-                         + "; each channel must see white (more than 0)");
     }
     if (profile.calibrations.size() == 2
         && light_source_temperature(profile.calibrations[0].light_source).value
@@ -215,6 +228,8 @@ void check_neutrals(const SensorProfile& profile, const std::string& file)
              "illuminants: hull has " + std::to_string(lights.hull.size())
                  + " corners; at most " + std::to_string(most_hull_points)
                  + ": give a coarser one");
+    for (const Lamp& lamp : profile.lamps)
+        check_pair(("lamp " + lamp.name).c_str(), lamp.neutral);
     const auto& [rr, rb, bb] = lights.covariance;
     if (!(rr >= 0.0 && bb >= 0.0 && rb * rb <= rr * bb * (1 + 1e-9) + 1e-30))
         fail(file, "illuminants: covariance must be positive semi-definite");
@@ -248,6 +263,8 @@ std::string light_source_name(int light_source)
     for (const LightSource& light : light_sources)
         if (light.code == light_source)
             return light.name;
+    if (light_source == other_light_source)
+        return "other";
     return std::to_string(light_source);
 }
 
@@ -288,6 +305,11 @@ void check(const SensorProfile& profile, const std::string& file)
         check_mono(profile, file);
     else
         check_calibrations(profile, file);
+    for (const Lamp& lamp : profile.lamps)
+        check_color_matrix(lamp.calibration.camera_from_xyz, "lamp " + lamp.name, file);
+    check_names(profile.lamps, file);
+    if (profile.spectral_sensitivities)
+        check(*profile.spectral_sensitivities, file);
     check_noise(profile, file);
     check_neutrals(profile, file);
     if (profile.digital_gain

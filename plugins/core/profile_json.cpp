@@ -6,6 +6,8 @@
 
 #include "effect_names.h"
 #include "profile_json_fields.h"
+#include "profile_json_spectral.h"
+#include "profile_lamps.h"
 #include "profile_syntax.h"
 
 #include <algorithm>
@@ -53,7 +55,7 @@ void refuse_colors(Fields& fields)
 {
     for (const std::string field :
          { "calibration_illuminant_1", "color_matrix_1", "forward_matrix_1",
-           "calibration_illuminant_2", "color_matrix_2", "forward_matrix_2",
+           "calibration_illuminant_2", "color_matrix_2", "forward_matrix_2", "lamps",
            "illuminants" })
         if (fields.has(field))
             fields.fail(field,
@@ -89,6 +91,8 @@ void read_colors(Fields& fields, SensorProfile& profile)
         return;
     }
     profile.calibrations = calibrations(fields);
+    if (fields.has("lamps"))
+        profile.lamps = lamps_from_json(fields.objects("lamps"));
     if (fields.has("illuminants"))
         profile.illuminants = illuminants(fields.object("illuminants"));
 }
@@ -196,6 +200,9 @@ SensorProfile profile_from(Fields fields)
     profile.black_level = fields.per_site("black_level", profile.cfa);
     profile.white_level = fields.integer("white_level");
     read_colors(fields, profile);
+    if (fields.has("spectral_sensitivities"))
+        profile.spectral_sensitivities = sensitivities_from_json(
+            fields.object("spectral_sensitivities"), profile.cfa);
     if (fields.has("digital_gain")) {
         Fields gain = fields.object("digital_gain");
         profile.digital_gain = DigitalGain { gain.real("mean"), gain.real("sigma") };

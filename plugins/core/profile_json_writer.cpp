@@ -5,6 +5,8 @@
 #include "cg2raw/profile.h"
 
 #include "cfa.h"
+#include "profile_json_spectral.h"
+#include "profile_lamps.h"
 #include "profile_syntax.h"
 
 #include <nlohmann/json.hpp>
@@ -87,6 +89,11 @@ Json json_of(const SensorProfile& profile)
     for (const auto& [field, source] : profile.sources)
         json["sources"][field] = source;
     put_calibrations(profile, json);
+    for (const Lamp& lamp : profile.lamps)
+        json["lamps"].push_back(json_of(lamp));
+    if (profile.spectral_sensitivities)
+        json["spectral_sensitivities"]
+            = json_of(*profile.spectral_sensitivities, profile.cfa);
     const auto& lights = profile.illuminants;
     if (!lights.neutrals.empty() || !lights.hull.empty())
         json["illuminants"] = json_of(lights);

@@ -29,7 +29,7 @@ double drawn_gain(const SensorProfile& profile, const Run& run)
 } // namespace
 
 Simulation::State::State(const SensorProfile& sensor, const Run& asked, Size size)
-    : profile(sensor)
+    : profile(calibrated_for(sensor, asked.illuminant))
     , run(asked)
     , frame(size)
     , light(cg2raw::illuminant(profile, run.illuminant, run.as_shot))

@@ -146,13 +146,14 @@ CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant
                                   Convention convention, double digital_gain,
                                   bool keep_highlights)
 {
+    const SensorProfile calibrated = calibrated_for(profile, light.spec);
     if (!(digital_gain > 0.0 && digital_gain <= 1000.0))
         throw Error("digital gain " + number(digital_gain)
                     + " must be above 0 and at most 1000");
     CameraTransform transform = convention == Convention::paper
-        ? paper_transform(profile, light)
+        ? paper_transform(calibrated, light)
         : profile.cfa.is_mono() ? mono_transform()
-                                : dng_transform(profile, light);
+                                : dng_transform(calibrated, light);
     transform.is_grey = profile.cfa.is_mono();
     for (double& gain : transform.gains)
         gain *= digital_gain;
@@ -176,7 +177,7 @@ Mat3 srgb_from_balanced(const SensorProfile& profile, const Illuminant& light)
 {
     if (profile.cfa.is_mono())
         return diagonal({ 1, 1, 1 });
-    return inverse(balanced_from_srgb(profile, light));
+    return inverse(balanced_from_srgb(calibrated_for(profile, light.spec), light));
 }
 
 } // namespace cg2raw

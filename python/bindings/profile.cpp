@@ -33,6 +33,22 @@ py::dict dict_of(const Calibration& calibration)
                     = forward ? py::object(array_of(*forward)) : py::none());
 }
 
+py::object dict_of(const std::optional<SpectralSensitivities>& sensitivities)
+{
+    if (!sensitivities)
+        return py::none();
+    const auto& rgb = sensitivities->rgb;
+    py::array_t<double> values({ py::ssize_t(rgb.size()), py::ssize_t(3) });
+    auto to = values.mutable_unchecked<2>();
+    for (std::size_t i = 0; i < rgb.size(); ++i)
+        for (std::size_t channel : { 0, 1, 2 })
+            to(py::ssize_t(i), py::ssize_t(channel)) = rgb[i][channel];
+    return py::dict("wavelengths"_a = py::array_t<double>(
+                        py::ssize_t(rgb.size()), sensitivities->wavelengths.data()),
+                    "rgb"_a = values, "unit"_a = name_of(sensitivities->unit),
+                    "scale"_a = sensitivities->scale);
+}
+
 py::dict dict_of(const NeutralDistribution& lights)
 {
     const auto& [rr, rb, bb] = lights.covariance;
@@ -40,6 +56,14 @@ py::dict dict_of(const NeutralDistribution& lights)
     return py::dict("neutrals"_a = lights.neutrals, "mean"_a = lights.mean,
                     "covariance"_a = py::array_t<double>({ 2, 2 }, covariance.data()),
                     "hull"_a = lights.hull);
+}
+
+py::dict dict_of(const Lamp& lamp)
+{
+    const auto& [light_source, camera_from_xyz, forward] = lamp.calibration;
+    return py::dict(
+        "name"_a = lamp.name, "light_source"_a = light_source_name(light_source),
+        "neutral"_a = lamp.neutral, "camera_from_xyz"_a = array_of(camera_from_xyz));
 }
 
 py::dict dict_of(const EffectSetting& setting)
@@ -231,6 +255,18 @@ void bind_fields(py::class_<SensorProfile>& c)
          "None if monochrome, else one or two {\"light_source\", \"camera_from_xyz\", "
          "\"xyz_d50_from_camera\"}:\nname of the light, (3, 3) ColorMatrix, (3, 3) "
          "ForwardMatrix or None.")
+        .def_property_readonly(
+            "lamps", [](const Profile& p) { return dicts_of(p.lamps); },
+            "{\"name\", \"light_source\", \"neutral\", \"camera_from_xyz\"} per lamp "
+            "with a matrix of its own:\nits illuminant word, EXIF name or \"other\", "
+            "(R/G, B/G), (3, 3) ColorMatrix.")
+        .def_property_readonly(
+            "spectral_sensitivities",
+            [](const Profile& p) { return dict_of(p.spectral_sensitivities); },
+            "{\"wavelengths\", \"rgb\", \"unit\", \"scale\"} as measured, or None: "
+            "(n,) nm, rising;\n(n, 3), alike in all columns if monochrome; "
+            "\"energy\" or \"photon\", what they are\na response to; what 1 stands for "
+            "in the measurement's own unit.")
         .def_property_readonly(
             "illuminants", [](const Profile& p) { return dict_of(p.illuminants); },
             "{\"neutrals\", \"mean\", \"covariance\", \"hull\"} in (R/G, B/G):\nas "

@@ -44,6 +44,8 @@ class Sensor:
     neutrals: list[list[float]]
     sources: list[tuple[str, str]]
     calibrations: list[dict[str, Any]]
+    lamps: list[dict[str, Any]]
+    spectral_sensitivities: dict[str, Any] | None
     illuminants: dict[str, Any]
     noise: list[dict[str, Any]]
     noise_effects: list[str]

@@ -41,6 +41,7 @@ WITHOUT_MEANING = {
     "forward_matrix_1": MATRIX,
     "calibration_illuminant_1": "D65",
     "illuminants": {"neutrals": [[0.5, 0.5]]},
+    "lamps": [{"name": "FL2", "neutral": [0.5, 0.5], "color_matrix": MATRIX}],
 }
 
 

@@ -51,7 +51,14 @@ def lights():
 
 def colour_of(fields):
     """Return those fields that sensitivities tell."""
-    starts = ("calibration_illuminant", "color_matrix", "forward_matrix", "illuminants")
+    starts = (
+        "calibration_illuminant",
+        "color_matrix",
+        "forward_matrix",
+        "illuminants",
+        "lamps",
+        "spectral_sensitivities",
+    )
     return {name: value for name, value in fields.items() if name.startswith(starts)}
 
 
@@ -60,7 +67,9 @@ def expected(ssf, **known):
     names = {"make": "Acme", "model": "One"}
     known = {"cfa": "GRBG", "width": 600, "height": 400, "bits": 12, **known}
     levels = {"black_level": 0, "white_level": 4000}
-    return profile_from_ssf(ssf, lights=LIGHTS, **names, **known, **levels)
+    return profile_from_ssf(
+        ssf, lights=LIGHTS, lamps=LIGHTS, **names, **known, **levels
+    )
 
 
 def test_sensitivities_alone(ssf, tmp_path):
@@ -74,6 +83,9 @@ def test_sensitivities_alone(ssf, tmp_path):
     assert (sensor.id, sensor.cfa, sensor.bits) == ("acme-one", "GRBG", 12)
     assert (sensor.width, sensor.height, sensor.white_level) == (600, 400, 4000)
     assert len(sensor.neutrals) == 3
+    assert len(sensor.spectral_sensitivities["wavelengths"]) == 81
+    assert [lamp["name"] for lamp in sensor.lamps] == ["FL2"]  # A and D65 are there
+    assert "fitted to spectral_sensitivities" in fields["sources"]["lamps"]
 
 
 def test_sensitivities_replace_the_colour_of_a_dng_and_no_more(ssf, tmp_path):
@@ -88,6 +100,24 @@ def test_sensitivities_replace_the_colour_of_a_dng_and_no_more(ssf, tmp_path):
         assert now[name] == was[name]
     assert "ssf.csv" in now["sources"]["color_matrix_2"]
     assert not any("one matrix" in text for text in now["sources"].values())
+
+
+def test_a_lamp_of_a_file_is_called_like_it(ssf, tmp_path):
+    lamp, out = tmp_path / "my lamp.csv", tmp_path / "my.json"
+    lines = [f"{w},{1.0 if w == 545 else 0.1}" for w in range(380, 781, 5)]
+    lamp.write_text("\n".join(lines))
+    names = ("--make", "Acme", "--model", "One", "--illuminant-spd", lamp)
+    done = run("profile", "--ssf", ssf, *options(), *names, "-o", out)
+    assert done.code == 0, done.err
+    sensor = cg2raw.Sensor(out)
+    assert sensor.illuminant("lamp:my-lamp").neutral[0] == sensor.neutrals[0][0]
+    shown = run("sensors", out)
+    assert "lamps my-lamp" in shown.out and shown.code == 0
+    (tmp_path / "other").mkdir()
+    twin = tmp_path / "other" / "My-Lamp.csv"
+    twin.write_text(lamp.read_text())
+    line = fails("profile", "--ssf", ssf, *options(), *names, "--illuminant-spd", twin)
+    assert "would both be called My-Lamp" in line
 
 
 BAD = [

@@ -11,21 +11,10 @@ import cg2raw
 from cg2raw.profile import matrix_fit
 from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
 from cg2raw.profile.spectral import color_matrices, neutral_under, profile_from_ssf
-from cg2raw.profile.spectral_file import (
-    WAVELENGTHS,
-    Sensitivities,
-    read_sensitivities,
-)
+from cg2raw.profile.spectral_file import WAVELENGTHS, Sensitivities
 from oracles import adobe, spectral
+from python.spectra import SENSOR, camera_json, three_lobes
 
-SENSOR = {
-    "cfa": "RGGB",
-    "width": 6000,
-    "height": 4000,
-    "bits": 14,
-    "black_level": 1024,
-    "white_level": 15000,
-}
 # Camera from XYZ of cameras that see as the CIE 1931 observer does: their sensitivities
 # are linear combinations of its.
 LUTHER = {
@@ -38,36 +27,6 @@ LUTHER = {
 def luther(name):
     rgb = spectral.observer() @ np.transpose(LUTHER[name])
     return Sensitivities(file="luther.json", rgb=rgb)
-
-
-def three_lobes():
-    """Sensitivities of Gaussian shape, as broad as a real camera's."""
-    centres, widths = np.array([600.0, 535.0, 460.0]), np.array([35.0, 42.0, 30.0])
-    rgb = np.exp(-0.5 * ((WAVELENGTHS[:, None] - centres) / widths) ** 2)
-    return Sensitivities("lobes.json", rgb * [0.8, 1.0, 0.7], "Acme", "Lobes 3")
-
-
-def camera_json(rgb, **header):
-    rows = zip(WAVELENGTHS, rgb.tolist(), strict=True)
-    return {
-        "header": {"manufacturer": "Acme", "model": "Lobes 3", **header},
-        "spectral_data": {
-            "index": {"main": ["R", "G", "B"]},
-            "data": {"main": {f"{wavelength:g}": row for wavelength, row in rows}},
-        },
-    }
-
-
-@pytest.fixture
-def written(tmp_path):
-    """Return write(document or text, name): the path of a file."""
-
-    def write(content, name="camera.json"):
-        text = content if isinstance(content, str) else json.dumps(content)
-        (tmp_path / name).write_text(text)
-        return tmp_path / name
-
-    return write
 
 
 @pytest.mark.parametrize(
@@ -183,111 +142,12 @@ def test_levels_are_checked_by_the_core():
         profile_from_ssf(three_lobes(), **{**SENSOR, "bits": 12}, lights=["A"])
 
 
-def test_csv_and_json_hold_the_same_camera(written):
-    rgb = three_lobes().rgb
-    rows = [
-        f"{wavelength:g},{b!r},{r!r},{g!r}"
-        for wavelength, (r, g, b) in zip(WAVELENGTHS, rgb.tolist(), strict=True)
-    ]
-    text = "\n".join(["# Camera: Acme", "nm,B,R,G", *rows])
-    from_csv = read_sensitivities(written(text, "camera.csv"))
-    from_json = read_sensitivities(written(camera_json(rgb)))
-    assert np.array_equal(from_csv.rgb, from_json.rgb)
-    assert from_csv.rgb == pytest.approx(rgb, rel=1e-12, abs=1e-15)
-    with pytest.raises(ValueError, match="do not tell make, model; give each"):
-        profile_from_ssf(from_csv, **SENSOR)
-
-
-def test_a_coarser_table_is_the_same_camera(written):
-    rgb = three_lobes().rgb
-    coarse = camera_json(rgb)
-    rows = coarse["spectral_data"]["data"]
-    rows["main"] = dict(list(rows["main"].items())[::2])
-    found = neutral_under(read_sensitivities(written(coarse)), "A")
-    assert found == pytest.approx(neutral_under(three_lobes(), "A"), rel=2e-3)
-
-
 def test_a_narrow_line_between_steps_is_seen_where_it_is(written):
     wavelengths = np.arange(380, 781)
     lines = [f"{w},{1.0 if w == 547 else 0.0}" for w in wavelengths]
     found = neutral_under(three_lobes(), written("\n".join(lines), "line.csv"))
     at_547 = [np.interp(547.0, WAVELENGTHS, c) for c in three_lobes().rgb.T]
     assert found == pytest.approx(np.array(at_547) / at_547[1], rel=1e-12)
-
-
-def edited(edit):
-    document = camera_json(three_lobes().rgb)
-    rows = document["spectral_data"]["data"]["main"]
-    edit(document["spectral_data"], rows)
-    return document
-
-
-def swapped(data, rows):
-    data["data"]["main"] = dict(reversed(rows.items()))
-
-
-BAD = {
-    "no JSON": ("{", "is no JSON"),
-    "no data": ({"header": {}}, "spectral_data.index.main is missing"),
-    "no row": (edited(lambda d, r: r.clear()), "holds no row"),
-    "falling": (edited(swapped), "wavelength 775 nm comes after 780 nm"),
-    "gap": (edited(lambda d, r: r.pop("550")), "a gap from 545 to 555 nm"),
-    "short": (
-        edited(lambda d, r: [r.pop(f"{w}") for w in range(600, 781, 5)]),
-        "wavelengths 380 to 595 nm must cover 400 to 690",
-    ),
-    "channel": (
-        edited(lambda d, r: d["index"].update(main=["R", "G", "X"])),
-        "must name the channel B once",
-    ),
-    "twice": (
-        edited(lambda d, r: d["index"].update(main=["R", "R", "B"])),
-        "must name the channel R once",
-    ),
-    "two values": (edited(lambda d, r: r["500"].pop()), "'500' must be a list of 3"),
-    "text": (
-        edited(lambda d, r: r["500"].__setitem__(1, "x")),
-        "'500' 'x' must be a finite number",
-    ),
-    "nan": (
-        edited(lambda d, r: r["500"].__setitem__(1, float("nan"))),
-        "'500' nan must be a finite number",
-    ),
-    "wavelength": (edited(lambda d, r: r.update(x=r["500"])), "wavelength 'x' must be"),
-    "negative": (
-        edited(lambda d, r: r["700"].__setitem__(2, -0.05)),
-        "B at 700 nm is -0.05; noise may reach -0.007",
-    ),
-    "blind": (
-        edited(lambda d, r: [row.__setitem__(0, 0.0) for row in r.values()]),
-        "R is nowhere above 0",
-    ),
-    "huge": (
-        edited(lambda d, r: r["500"].__setitem__(1, 10**400)),
-        "'500' 1000.* must be a finite number",
-    ),
-    "deep": ('{"a":' * 100000, "is no JSON"),
-    "wide": ("4" * 200000 + ",1,2,3", "is no CSV"),
-    "repeated": ('{"a": 1, "a": 2}', "'a' stands there twice"),
-    "columns": ("400,1,2\n405,1,2\n", "line 1 has 3 columns"),
-    "header": ("nm,R,G\n400,1,2\n", "line 1 .* must name the channel B once"),
-    "empty": ("", "holds no row"),
-}
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_a_bad_file_is_refused_in_one_line(written, case):
-    content, message = BAD[case]
-    path = written(content)
-    with pytest.raises(ValueError, match=message) as caught:
-        read_sensitivities(path)
-    assert str(caught.value).startswith(f"{path}: ")
-    assert "\n" not in str(caught.value)
-
-
-def test_a_file_that_is_not_there_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="none.json: No such file"):
-        read_sensitivities(tmp_path / "none.json")
 
 
 @pytest.mark.parametrize(

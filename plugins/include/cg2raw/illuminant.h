@@ -22,12 +22,17 @@ struct Illuminant {
 };
 
 /// The illuminant that @p spec names ("A", "D65", "3200K", "xy:0.3457:0.3585",
-/// "neutral:0.55:0.45", "sample:7", "as-shot"); @p as_shot is the reference DNG's
-/// neutral, if there is one. sample:n is a pure function of profile and n. A monochrome
-/// sensor sees 1 of each light, needs no word, and has nothing to sample. Throws Error
-/// that lists the grammar.
+/// "neutral:0.55:0.45", "sample:7", "as-shot", "FL2" or "lamp:my-lamp", lamps that the
+/// profile lists; the name of such a lamp comes before its other meanings); @p as_shot
+/// is the reference DNG's neutral, if there is one. sample:n is a pure function of
+/// profile and n. A monochrome sensor sees 1 of each light, needs no word, and has
+/// nothing to sample. Throws Error that lists the grammar.
 Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
                       const std::optional<Vec3>& as_shot = std::nullopt);
+
+/// @p profile with the matrix of the lamp that @p spec names as its only calibration;
+/// as it is for the words of other lights.
+SensorProfile calibrated_for(const SensorProfile& profile, std::string_view spec);
 
 /// "A,D65,sample:0-9" -> its single words. Throws Error on a word that does not parse.
 std::vector<std::string> illuminant_list(std::string_view list);

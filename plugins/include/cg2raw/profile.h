@@ -5,6 +5,7 @@
 #pragma once
 
 #include "cg2raw/color.h"
+#include "cg2raw/spectrum.h"
 #include "cg2raw/types.h"
 
 #include <cstdint>
@@ -49,6 +50,21 @@ struct Calibration {
     Mat3 camera_from_xyz; ///< DNG ColorMatrix
     std::optional<Mat3> xyz_d50_from_camera; ///< DNG ForwardMatrix (balanced camera)
 };
+
+/// EXIF LightSource of a light that it has no name for.
+constexpr int other_light_source = 255;
+
+/// What was measured under a lamp whose spectrum no temperature describes, such as a
+/// fluorescent one.
+struct Lamp {
+    std::string name; ///< FL2: letters, digits, '.', '_' and '-'
+    std::array<double, 2> neutral; ///< R/G, B/G of grey
+    Calibration calibration; ///< its light source may be other_light_source
+};
+
+/// The lamp of this name, which may follow "lamp:"; upper and lower case, and '.', '_'
+/// and '-', are alike. nullptr: none of @p lamps.
+const Lamp* lamp_named(const std::vector<Lamp>& lamps, std::string_view word);
 
 /// Temperature that raw converters give an EXIF LightSource code (A = 2850, D50 = 5000,
 /// D65 = 6500 K). Throws Error for a code without one.
@@ -132,6 +148,8 @@ struct SensorProfile {
     /// One or two, in either order; none of a monochrome sensor, which has no neutrals
     /// either.
     std::vector<Calibration> calibrations;
+    std::vector<Lamp> lamps; ///< whose own matrix is used under them
+    std::optional<SpectralSensitivities> spectral_sensitivities; ///< as measured
     NeutralDistribution illuminants;
     std::optional<DigitalGain> digital_gain;
     std::vector<NoiseAtIso> noise; ///< by rising ISO; empty: not measured

@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="measured grey cards, columns r,g,b or r/g,b/g, in place of the files'",
     )
     add_sensitivities(parser.add_argument_group("spectral sensitivities"))
-    add("--plot", metavar="OUT.png", help="draw the illuminants")
+    add("--plot", metavar="OUT.png", help="draw illuminants and sensitivities")
     add("--skip-bad", action="store_true", help="go on without files that are no good")
     add("--json", action="store_true", help="the report as JSON, for programs")
     add("--quiet", action="store_true", help="no report, no progress")
@@ -68,7 +68,8 @@ def add_sensitivities(group: argparse._ArgumentGroup) -> None:
         action="append",
         default=[],
         metavar="LIGHT",
-        help="light whose neutral counts: a name, 3200K, D5500K, or a file of power",
+        help="light whose neutral counts and that gets a matrix: a name, 3200K, "
+        "D5500K, or a file of power",
     )
     for option, *metavar in (
         ("--cfa",),

@@ -30,7 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("id", nargs="?", metavar="ID", help="one sensor, or a .json")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
     parser.add_argument(
-        "--plot", metavar="OUT.png", help="draw the illuminants of ID as it sees them"
+        "--plot",
+        metavar="OUT.png",
+        help="draw illuminants and spectral sensitivities of ID",
     )
 
 
@@ -59,7 +61,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def run_one(arguments: argparse.Namespace) -> int:
     """Print all of one sensor; return 0."""
-    from cg2raw.profile import sensor_text
     from cg2raw.profile.summary import summary
 
     profile = load_one(arguments.id)
@@ -69,12 +70,20 @@ def run_one(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(found, indent=2))
     else:
-        print("\n".join(sensor_text.details(found, columns_of(sys.stdout))))
+        print("\n".join(details(found)))
     return 0
 
 
+def details(found: dict[str, Any]) -> list[str]:
+    """Return the lines on one sensor, as wide as the terminal."""
+    from cg2raw.profile import sensor_text
+
+    encoding = sys.stdout.encoding or "ascii"
+    return sensor_text.details(found, columns_of(sys.stdout), encoding)
+
+
 def plot(profile: _core.SensorProfile, found: dict[str, Any], path: str) -> None:
-    """Write the picture of the sensor's illuminants."""
+    """Write the picture of the sensor's illuminants and sensitivities."""
     from cg2raw.io.atomic_file import write_atomically
     from cg2raw.profile.plot import plot_png
 

@@ -9,13 +9,21 @@ from typing import Any
 from cg2raw.profile.from_files import Made
 
 SENSOR = ("cfa", "width", "height", "bits", "black_level", "white_level")
-COLOUR = ("calibration_illuminant", "color_matrix", "forward_matrix", "illuminants")
+COLOUR = (
+    "calibration_illuminant",
+    "color_matrix",
+    "forward_matrix",
+    "illuminants",
+    "lamps",
+    "spectral_sensitivities",
+)
 
 
 def made_of_sensitivities(path: str, lights: Sequence[str] = (), **known: Any) -> Made:
     """Return the Made profile of a file of spectral sensitivities alone.
 
-    lights : under which neutrals are computed; none: those that cameras meet.
+    lights : under which neutrals are computed, and a matrix for each; none: neutrals
+        of those that cameras meet.
     known : id, make, model and SENSOR; None or empty where not given.
     Raises ValueError that lists what is missing."""
     from cg2raw.profile.spectral import profile_from_ssf
@@ -23,7 +31,7 @@ def made_of_sensitivities(path: str, lights: Sequence[str] = (), **known: Any) -
     given = {name: value or None for name, value in known.items()}
     # A black level of 0 is a level, not a gap.
     given["black_level"] = known.get("black_level")
-    fields = profile_from_ssf(path, lights=list(lights) or None, **given)
+    fields = profile_from_ssf(path, lights=list(lights) or None, lamps=lights, **given)
     return Made(fields, "file of spectral sensitivities", 1)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The picture of a sensor's illuminants: the plane of R/G and B/G."""
+"""The picture of a sensor: illuminants in the plane of R/G and B/G, sensitivities."""
 
 import io
 from collections.abc import Mapping, Sequence
@@ -11,6 +11,7 @@ import numpy as np
 from cg2raw._core import SensorProfile
 from cg2raw.cfa import is_mono
 from cg2raw.profile.from_raw_files import camera_name
+from cg2raw.profile.plot_sensitivities import draw_sensitivities
 from cg2raw.profile.spectral_file import Array
 from cg2raw.profile.summary import kelvin_words
 
@@ -38,10 +39,12 @@ def plot_png(profile: SensorProfile, cct: Sequence[float] | None = None) -> byte
     """Return the PNG of a SensorProfile's illuminants; same profile, same bytes.
 
     Shows the neutrals, the ellipses of 1, 2 and 3 standard deviations of their
-    Gaussian, their hull, samples, and the Planckian locus as the sensor sees it.
+    Gaussian, their hull, samples, and the Planckian locus as the sensor sees it; below
+    them the spectral sensitivities that the profile has. Of a monochrome sensor, which
+    sees all lights alike, only those.
     cct : [lowest, highest] K of the neutrals, for the title.
-    Raises ValueError for a monochrome sensor, which sees all lights alike."""
-    if is_mono(profile.cfa):
+    Raises ValueError for a monochrome sensor without them."""
+    if is_mono(profile.cfa) and profile.spectral_sensitivities is None:
         raise ValueError(
             f"sensor {profile.id} is monochrome: it sees all illuminants alike, and "
             "there is nothing to draw; leave --plot out"
@@ -57,9 +60,25 @@ def drawing(profile: SensorProfile, cct: Sequence[float] | None) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8, 6.5), dpi=120, layout="constrained")
+    heights = [] if is_mono(profile.cfa) else [6.5]
+    if profile.spectral_sensitivities is not None:
+        heights.append(3.5)
+    figure = Figure(figsize=(8, sum(heights)), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
+    rows = figure.subplots(len(heights), height_ratios=heights, squeeze=False)[:, 0]
+    if profile.spectral_sensitivities is not None:
+        draw_sensitivities(rows[-1], profile.spectral_sensitivities)
+    if not is_mono(profile.cfa):
+        draw_illuminants(rows[0], profile, cct)
+    png = io.BytesIO()
+    figure.savefig(png, format="png", metadata={"Software": None})
+    return png.getvalue()
+
+
+def draw_illuminants(
+    axes: "Axes", profile: SensorProfile, cct: Sequence[float] | None
+) -> None:
+    """Draw neutrals, samples and the locus in the plane of R/G and B/G."""
     samples = drawn(profile)
     draw_lights(axes, profile, samples)
     locus = draw_locus(axes, profile)
@@ -70,9 +89,6 @@ def drawing(profile: SensorProfile, cct: Sequence[float] | None) -> bytes:
     axes.grid(color="0.9", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.legend(loc="upper right", fontsize=9, framealpha=0.9)
-    png = io.BytesIO()
-    figure.savefig(png, format="png", metadata={"Software": None})
-    return png.getvalue()
 
 
 def title(profile: SensorProfile, cct: Sequence[float] | None) -> str:

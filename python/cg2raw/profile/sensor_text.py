@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cg2raw.cfa import is_mono, sites_of
+from cg2raw.profile.sensitivity_text import sensitivity_fields
 from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words, neutral_words
 
 Summary = Mapping[str, Any]  # as summary() makes it
@@ -80,10 +81,12 @@ def short_sources(sources: Mapping[str, str]) -> str:
     return "; ".join(dict.fromkeys(filter(None, heads)))
 
 
-def details(sensor: Summary, columns: int) -> list[str]:
-    """Return the lines on everything of one sensor, each field with its source."""
+def details(sensor: Summary, columns: int, encoding: str = "utf-8") -> list[str]:
+    """Return the lines on everything of one sensor, each field with its source.
+
+    encoding : of the terminal, which may have no blocks to draw curves of."""
     lines, told = [], set()
-    pending = fields_of(sensor)
+    pending = fields_of(sensor, encoding)
     for index, (field, value) in enumerate(pending):
         key = source_key(field, sensor["sources"])
         lines += wrapped(field, value, columns)
@@ -117,7 +120,7 @@ def wrapped(label: str, text: str, columns: int) -> list[str]:
     return [f"{label:{FIELD}}{parts[0]}"] + [" " * FIELD + part for part in parts[1:]]
 
 
-def fields_of(sensor: Summary) -> list[tuple[str, str]]:
+def fields_of(sensor: Summary, encoding: str) -> list[tuple[str, str]]:
     """Return [(field, text), ...] of everything but the sources."""
     simple = ("id", "make", "model", "unique_camera_model", "cfa", "width", "height")
     black = per_site(sensor["black_level"], sensor["cfa"], 6)
@@ -127,6 +130,8 @@ def fields_of(sensor: Summary) -> list[tuple[str, str]]:
         ("black_level", f"{black} DN"),
         ("white_level", f"{sensor['white_level']} DN"),
         *calibration_fields(sensor["calibrations"]),
+        *((f"lamps {lamp['name']}", lamp_words(lamp)) for lamp in sensor["lamps"]),
+        *sensitivity_fields(sensor["spectral_sensitivities"], encoding),
         ("illuminants", neutrals_of(sensor)),
         ("digital_gain", gain_words(sensor["digital_gain"])),
         *noise_fields(sensor["noise"], sensor["cfa"]),
@@ -176,6 +181,12 @@ def calibration_fields(
             forward = matrix(calibration["xyz_d50_from_camera"])
             fields.append((f"forward_matrix_{number}", forward))
     return fields
+
+
+def lamp_words(lamp: Mapping[str, Any]) -> str:
+    """Return the neutral and the matrix of one lamp."""
+    red, blue = lamp["neutral"]
+    return f"R/G {red:.4f}, B/G {blue:.4f}, {matrix(lamp['camera_from_xyz'])}"
 
 
 def matrix(rows: Sequence[Sequence[float]]) -> str:

@@ -16,12 +16,19 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
+from cg2raw.profile.lamps import check_lamp_names, lamp_field, lamp_name
 from cg2raw.profile.matrix_fit import color_matrix, fit_xyz_d50_from_camera
-from cg2raw.profile.spectral_file import Array, Sensitivities, read_sensitivities
+from cg2raw.profile.spectral_file import (
+    WAVELENGTHS,
+    Array,
+    Sensitivities,
+    read_sensitivities,
+)
 
 CALIBRATION_ILLUMINANTS = ("A", "D65")
 DECIMALS_OF_MATRIX = 4  # steps of a DNG's ColorMatrix, as its renderer keeps it
 DECIMALS_OF_NEUTRAL = 6  # steps of a DNG's AsShotNeutral
+DECIMALS_OF_SENSITIVITY = 6  # of a peak of 1; measurements have three or four
 
 
 def neutral_under(sensitivities: Sensitivities, light: FilePath) -> Array:
@@ -42,16 +49,47 @@ def color_matrices(sensitivities: Sensitivities) -> dict[str, Array]:
     """Return {"A": (3, 3), "D65": (3, 3)}: DNG ColorMatrices, XYZ -> camera.
 
     Raises ValueError if the channels see too much the same."""
-    matrices = {}
-    for light in CALIBRATION_ILLUMINANTS:
-        power = illuminant_spectrum(light)
-        try:
-            fitted = fit_xyz_d50_from_camera(sensitivities.rgb, power)
-        except ValueError as error:
-            raise ValueError(f"{sensitivities.file}: {light}: {error}") from None
-        matrix = color_matrix(fitted, sensitivities.rgb, power)
-        matrices[light] = matrix.round(DECIMALS_OF_MATRIX)
-    return matrices
+    return {
+        light: fitted_matrix(sensitivities, light) for light in CALIBRATION_ILLUMINANTS
+    }
+
+
+def fitted_matrix(sensitivities: Sensitivities, light: FilePath) -> Array:
+    """Return the DNG ColorMatrix (3, 3), XYZ -> camera, of a light.
+
+    light : a word of illuminant_spectra.GRAMMAR.
+    Raises ValueError if the channels see too much the same."""
+    power = illuminant_spectrum(light)
+    try:
+        fitted = fit_xyz_d50_from_camera(sensitivities.rgb, power)
+    except ValueError as error:
+        raise ValueError(f"{sensitivities.file}: {os.fspath(light)}: {error}") from None
+    matrix = color_matrix(fitted, sensitivities.rgb, power)
+    return np.asarray(matrix.round(DECIMALS_OF_MATRIX))
+
+
+def spectral_field(sensitivities: Sensitivities) -> dict[str, Any]:
+    """Return a profile's "spectral_sensitivities": of the measured wavelengths.
+
+    Rows farther apart than 5 nm give way to the monotone curve through them, at every
+    5 nm, since the core takes rows for corners of straight lines. Where nothing was
+    measured of 380 to 780 nm there is 0."""
+    table = sensitivities.measured()
+    wavelengths, rgb = table.wavelengths, table.rgb
+    if np.max(np.diff(wavelengths)) > WAVELENGTHS[1] - WAVELENGTHS[0]:
+        inside = (wavelengths[0] <= WAVELENGTHS) & (wavelengths[-1] >= WAVELENGTHS)
+        wavelengths, rgb = WAVELENGTHS[inside], sensitivities.rgb[inside]
+    below = WAVELENGTHS[wavelengths[0] > WAVELENGTHS]
+    above = WAVELENGTHS[wavelengths[-1] < WAVELENGTHS]
+    nothing = [np.zeros((len(outside), 3)) for outside in (below, above)]
+    curves = np.concatenate([nothing[0], rgb, nothing[1]])
+    curves = curves.round(DECIMALS_OF_SENSITIVITY) + 0.0
+    return {
+        "unit": "energy",
+        "scale": table.scale,
+        "wavelengths": np.concatenate([below, wavelengths, above]).tolist(),
+        **{name: curves[:, i].tolist() for i, name in enumerate("RGB")},
+    }
 
 
 def profile_from_ssf(
@@ -67,6 +105,7 @@ def profile_from_ssf(
     model: str | None = None,
     id: str | None = None,
     lights: Sequence[FilePath] | None = None,
+    lamps: Sequence[FilePath] = (),
 ) -> dict[str, Any]:
     """Return the profile (a dict of schema 1) of a camera's spectral sensitivities.
 
@@ -76,6 +115,8 @@ def profile_from_ssf(
     make, model : by default those of the file's header; id : by default made of them.
     lights : words of illuminant_spectra.GRAMMAR whose neutrals make the distribution of
         illuminants; by default REAL_LIGHTS.
+    lamps : words of the same grammar that get a matrix of their own, beside those of A
+        and D65; dng:illuminant names them as "FL2", or "lamp:NAME" where a file does.
     Raises ValueError; what is missing is listed at once."""
     _need_libraries()
     if not isinstance(path, Sensitivities):
@@ -99,8 +140,13 @@ def profile_from_ssf(
     lights = REAL_LIGHTS if lights is None else tuple(lights)
     if not lights:
         raise ValueError(f"{measured.file}: lights is empty; name at least one light")
-    profile = {"schema": 1, **names, **profile, **_colour_fields(measured, lights)}
+    lamps = [lamp for lamp in lamps if lamp_name(lamp) not in CALIBRATION_ILLUMINANTS]
+    check_lamp_names(measured.file, lamps)
+    colours = _colour_fields(measured, lights, lamps)
+    profile = {"schema": 1, **names, **profile, **colours}
     profile["sources"] = _sources(measured, lights, make, model)
+    if lamps:
+        profile["sources"]["lamps"] = profile["sources"]["color_matrix_1"]
     _core.parse_profile(json.dumps(profile), measured.file)
     return profile
 
@@ -126,18 +172,27 @@ def _check_whole(file: str, profile: dict[str, Any]) -> None:
 
 
 def _colour_fields(
-    measured: Sensitivities, lights: Sequence[FilePath]
+    measured: Sensitivities, lights: Sequence[FilePath], lamps: Sequence[FilePath]
 ) -> dict[str, Any]:
     """Return the fields of a profile that sensitivities tell."""
-    fields = {}
+    fields: dict[str, Any] = {}
     for number, (light, matrix) in enumerate(color_matrices(measured).items(), start=1):
         fields[f"calibration_illuminant_{number}"] = light
         fields[f"color_matrix_{number}"] = (matrix.ravel() + 0.0).tolist()
-    neutrals = [
-        neutral_under(measured, light)[[0, 2]].round(DECIMALS_OF_NEUTRAL).tolist()
-        for light in lights
-    ]
+    if lamps:
+        fields["lamps"] = [
+            lamp_field(lamp, _neutral(measured, lamp), fitted_matrix(measured, lamp))
+            for lamp in lamps
+        ]
+    fields["spectral_sensitivities"] = spectral_field(measured)
+    neutrals = [_neutral(measured, light) for light in lights]
     return {**fields, "illuminants": {"neutrals": neutrals}}
+
+
+def _neutral(measured: Sensitivities, light: FilePath) -> list[float]:
+    """Return (R/G, B/G) of a light as profiles have it."""
+    neutral = neutral_under(measured, light)[[0, 2]]
+    return [float(ratio) for ratio in neutral.round(DECIMALS_OF_NEUTRAL)]
 
 
 def _id_of(make: str, model: str) -> str:
@@ -157,8 +212,9 @@ def _sources(
     header = f"header of {measured.file}"
     origin = f" ({measured.origin})" if measured.origin else ""
     matrices = (
-        f"spectral sensitivities {measured.file}{origin}: least mean CIEDE2000 of a "
-        "DNG renderer over the Academy's 190 training reflectances, white exact"
+        f"spectral sensitivities {measured.file}{origin}: fitted to "
+        "spectral_sensitivities by the least mean CIEDE2000 of a DNG renderer over the "
+        "Academy's 190 training reflectances, white exact"
     )
     sources = {
         "make": given if make else header,
@@ -168,8 +224,21 @@ def _sources(
     for number in (1, 2):
         sources[f"calibration_illuminant_{number}"] = matrices
         sources[f"color_matrix_{number}"] = matrices
+    sources["spectral_sensitivities"] = f"{measured.file}{origin}{_how_kept(measured)}"
     sources["illuminants"] = (
         f"neutrals of {measured.file} under {len(lights)} lights: "
         + ", ".join(os.path.basename(light) for light in lights)
     )
     return {field: text for key, text in sources.items() for field in key.split(", ")}
+
+
+def _how_kept(measured: Sensitivities) -> str:
+    """Return what of the profile's sensitivities was not measured."""
+    wavelengths = measured.measured().wavelengths
+    step = np.max(np.diff(wavelengths))
+    said = f"; rows of {step:g} nm, a monotone curve through them" if step > 5.0 else ""
+    if wavelengths[0] > WAVELENGTHS[0] or wavelengths[-1] < WAVELENGTHS[-1]:
+        said += (
+            f"; 0 outside {wavelengths[0]:g} to {wavelengths[-1]:g} nm, not measured"
+        )
+    return said

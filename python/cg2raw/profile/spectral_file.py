@@ -31,14 +31,28 @@ NEGATIVE_NOISE = 0.01
 
 
 @dataclasses.dataclass(frozen=True)
+class SpectralTable:
+    """Sensitivities at the wavelengths where they were measured."""
+
+    wavelengths: Array  # (n,), nm, rising
+    rgb: Array  # (n, 3), peak 1
+    scale: float = 1.0  # what 1 stands for in the file
+
+
+@dataclasses.dataclass(frozen=True)
 class Sensitivities:
-    """Relative spectral sensitivities of a camera's R, G and B."""
+    """Relative spectral sensitivities of a camera's R, G and B to radiant energy."""
 
     file: str  # where they were read, for messages and sources
     rgb: Array  # (81, 3), at WAVELENGTHS, peak 1; 0 outside the table
     make: str | None = None  # as the file's header has it
     model: str | None = None
     origin: str = ""  # creator, date and licence, as far as the header says them
+    table: SpectralTable | None = None  # None: rgb, at WAVELENGTHS
+
+    def measured(self) -> SpectralTable:
+        """Return the table that they were read from."""
+        return self.table or SpectralTable(WAVELENGTHS, self.rgb)
 
 
 def read_sensitivities(path: str | Path) -> Sensitivities:
@@ -52,7 +66,8 @@ def read_sensitivities(path: str | Path) -> Sensitivities:
     header, wavelengths, values = _table(path, ("R", "G", "B"))
     for channel, curve in zip("RGB", values.T, strict=True):
         _check_channel(path, channel, wavelengths, curve)
-    values = values / np.max(values)
+    scale = float(np.max(values))
+    values = values / scale
     curves = PchipInterpolator(wavelengths, values, extrapolate=False)
     rgb = np.nan_to_num(curves(WAVELENGTHS), nan=0.0)
     names = ("document_creator", "document_creation_date", "license")
@@ -63,6 +78,7 @@ def read_sensitivities(path: str | Path) -> Sensitivities:
         make=header.get("manufacturer"),
         model=header.get("model"),
         origin=", ".join(said),
+        table=SpectralTable(wavelengths, values, scale),
     )
 
 

@@ -30,6 +30,8 @@ def summary(profile: _core.SensorProfile) -> dict[str, Any]:
         "black_level": list(profile.black_level),
         "white_level": profile.white_level,
         "calibrations": [calibration_of(c) for c in profile.calibrations],
+        "lamps": [lamp_of(lamp) for lamp in profile.lamps],
+        "spectral_sensitivities": sensitivities_of(profile.spectral_sensitivities),
         "illuminants": illuminants_of(profile),
         "digital_gain": profile.digital_gain,
         "noise": {**noise_of(profile.noise), "effects": profile.noise_effects},
@@ -46,6 +48,19 @@ def calibration_of(calibration: Mapping[str, Any]) -> dict[str, Any]:
         "camera_from_xyz": calibration["camera_from_xyz"].tolist(),
         "xyz_d50_from_camera": None if forward is None else forward.tolist(),
     }
+
+
+def lamp_of(lamp: Mapping[str, Any]) -> dict[str, Any]:
+    """Return one lamp in JSON's types."""
+    matrix = lamp["camera_from_xyz"].tolist()
+    return {**lamp, "neutral": list(lamp["neutral"]), "camera_from_xyz": matrix}
+
+
+def sensitivities_of(table: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """Return spectral sensitivities in JSON's types; None if there are none."""
+    if table is None:
+        return None
+    return {**table, **{k: table[k].tolist() for k in ("wavelengths", "rgb")}}
 
 
 def illuminants_of(profile: _core.SensorProfile) -> dict[str, Any]:

@@ -24,6 +24,7 @@ CAMERAS = {
         "black_level": 128,
         "white_level": 3692,
         "neutrals": ("gehler_shi_illuminants.csv", "Canon EOS 5D"),
+        "sensitivities": "Canon_EOS_5D",
         "sources": {
             "width, height": "RawSpeed's crop (90, 34) 4386 x 2920 of dnglab's sample "
             "(rawler/data/testdata): raw 4476 x 2954",
@@ -41,6 +42,7 @@ CAMERAS = {
         "black_level": 512,
         "white_level": 16383,
         "noise": ("eld", "CanonEOS5D4"),
+        "sensitivities": "Canon_EOS_5D_Mark_IV",
         "sources": {
             "width, height": "dnglab's sample (rawler/data/testdata): active area "
             "(136, 42) 6744 x 4502 of raw 6880 x 4544; RawSpeed begins at (136, 44)",
@@ -99,6 +101,7 @@ CAMERAS = {
         "noise": ("eld", "NikonD850"),
         "noise_note": "; calibrated twice, of which the first is taken up to ISO 800 "
         "and the second above",
+        "sensitivities": "Nikon_D850",
         "sources": {
             "width, height": "dnglab's sample (rawler/data/testdata): raw 8288 x 5520, "
             "all of it active in RawSpeed and rawler",
@@ -118,6 +121,7 @@ CAMERAS = {
         "black_level": 512,
         "white_level": 16300,
         "noise": ("eld", "SonyA7S2"),
+        "sensitivities": "Sony_ILCE-7SM2",
         "sources": {
             "width, height": "dnglab's sample (rawler/data/testdata): raw 4288 x 2848 "
             "less the 32 columns that RawSpeed cuts from the right",

@@ -19,6 +19,7 @@ CAMERAS = {
         "white_level": 15280,
         "matrices": "NUS_CST_mats/Canon1DsMkIII",
         "neutrals": (NUS, "Canon1DsMkIII"),
+        "sensitivities": "Canon_EOS-1Ds_Mark_III",
         "sources": {
             "width, height": "RawSpeed's crop (62, 20) 5640 x 3752 of dnglab's sample "
             "(rawler/data/testdata): raw 5712 x 3774",
@@ -37,6 +38,7 @@ CAMERAS = {
         "white_level": 15303,
         "matrices": "NUS_CST_mats/Canon600D",
         "neutrals": (NUS, "Canon600D"),
+        "sensitivities": "Canon_EOS_600D",
         "sources": {
             "width, height": "rawler's active area, 142 columns and 51 rows in, of "
             "dnglab's sample (rawler/data/testdata): raw 5344 x 3516; RawSpeed begins "

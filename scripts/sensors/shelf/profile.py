@@ -11,6 +11,7 @@ rawler : model of rawler's rows: CFA, and the matrices if `matrices` is absent
 cfa : letters at the corner of the active area; without it rawler's, shifted
 active_area : (x, y, width, height) in the raw file
 matrices : key of the table of graphics2raw
+sensitivities : camera of the Academy's table of spectral sensitivities
 neutrals : (table, camera or None)
 noise : ("samsung" or "eld", name in that table)
 noise_note : what else is to be said of an "eld" camera
@@ -97,6 +98,19 @@ def calibrations(entry, folder):
     return fields, {", ".join(fields): text}
 
 
+def sensitivities(entry, folder):
+    """Return the spectral sensitivities that may be passed on, with their source."""
+    if "sensitivities" not in entry:
+        return {}, {}
+    camera = entry["sensitivities"]
+    field, file, creator = tables.rawtoaces_sensitivities(folder, camera)
+    text = (
+        f"rawtoaces-data of the Academy Software Foundation (Apache-2.0), {file} by "
+        f"{creator}; the matrices above are not fitted to them"
+    )
+    return {"spectral_sensitivities": field}, {"spectral_sensitivities": text}
+
+
 def illuminants(entry, folder):
     """Return the distribution of the neutrals, if any is published, with its source."""
     if "neutrals" not in entry:
@@ -134,7 +148,7 @@ def from_tables(name, entry, folder):
         more, texts = part(entry, folder)
         fields, sources = fields | more, sources | texts
     fields |= sensor
-    for part in (calibrations, illuminants, noise_rows):
+    for part in (calibrations, sensitivities, illuminants, noise_rows):
         more, texts = part(entry, folder)
         fields, sources = fields | more, sources | texts
         if part is illuminants and "digital_gain" in entry:

@@ -3,7 +3,8 @@
 """Rows of the published tables, and what a profile takes from them.
 
 The tables are those of the test data (see its README for origins and licences). Only
-single facts and distributions leave them: never a list of measurements.
+single facts and distributions leave them, and no list of measurements but spectral
+sensitivities under a licence that allows it.
 """
 
 import csv
@@ -70,6 +71,26 @@ def rawler_matrices(tables, model):
         light: [float(v) for v in rawler_row(tables, model, light)["matrix"].split()]
         for light in ("A", "D65")
     }
+
+
+def rawtoaces_sensitivities(tables, camera):
+    """Return (the field spectral_sensitivities, file, who measured) of a camera."""
+    file = f"{camera}_380_780_5.json"
+    path = tables / "ssf" / "rawtoaces-data" / "data" / "camera" / file
+    document = json.loads(path.read_text())
+    header, data = document["header"], document["spectral_data"]
+    if header["license"] != "Apache-2.0" or data["index"]["main"] != ["R", "G", "B"]:
+        raise ValueError(f"{file}: must be R, G and B under Apache-2.0")
+    rows = np.array(list(data["data"]["main"].values()))
+    peak = float(rows.max())
+    curves = (rows / peak).round(6) + 0.0
+    field = {
+        "unit": "energy",
+        "scale": peak,
+        "wavelengths": [int(wavelength) for wavelength in data["data"]["main"]],
+        **{name: curves[:, i].tolist() for i, name in enumerate("RGB")},
+    }
+    return field, file, header["document_creator"]
 
 
 def neutrals_of(tables, file, camera):

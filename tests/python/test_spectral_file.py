@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Files of spectral sensitivities: what is read, what a profile keeps, bad files."""
+
+import numpy as np
+import pytest
+
+from cg2raw.profile.spectral import neutral_under, profile_from_ssf, spectral_field
+from cg2raw.profile.spectral_file import WAVELENGTHS, read_sensitivities
+from python.spectra import SENSOR, camera_json, three_lobes
+
+
+def test_csv_and_json_hold_the_same_camera(written):
+    rgb = three_lobes().rgb
+    rows = [
+        f"{wavelength:g},{b!r},{r!r},{g!r}"
+        for wavelength, (r, g, b) in zip(WAVELENGTHS, rgb.tolist(), strict=True)
+    ]
+    text = "\n".join(["# Camera: Acme", "nm,B,R,G", *rows])
+    from_csv = read_sensitivities(written(text, "camera.csv"))
+    from_json = read_sensitivities(written(camera_json(rgb)))
+    assert np.array_equal(from_csv.rgb, from_json.rgb)
+    assert from_csv.rgb == pytest.approx(rgb, rel=1e-12, abs=1e-15)
+    with pytest.raises(ValueError, match="do not tell make, model; give each"):
+        profile_from_ssf(from_csv, **SENSOR)
+
+
+def test_a_coarser_table_is_the_same_camera(written):
+    rgb = three_lobes().rgb
+    coarse = camera_json(rgb)
+    rows = coarse["spectral_data"]["data"]
+    rows["main"] = dict(list(rows["main"].items())[::2])
+    found = neutral_under(read_sensitivities(written(coarse)), "A")
+    assert found == pytest.approx(neutral_under(three_lobes(), "A"), rel=2e-3)
+
+
+def test_a_profile_keeps_the_wavelengths_that_were_measured(written):
+    fine = np.arange(375.0, 790.0, 2.5)
+    curves = [np.interp(fine, WAVELENGTHS, c) for c in three_lobes().rgb.T]
+    rows = [
+        f"{w:g},{r!r},{g!r},{b!r}"
+        for w, r, g, b in zip(fine, *map(np.ndarray.tolist, curves), strict=True)
+    ]
+    found = read_sensitivities(written("\n".join(rows), "fine.csv"))
+    field = spectral_field(found)
+    assert field["wavelengths"] == fine.tolist()
+    assert field["R"] == pytest.approx(curves[0] / np.max(curves), abs=1e-6)
+    assert field["scale"] == pytest.approx(np.max(curves), rel=1e-12)
+
+
+def test_a_profile_has_0_where_nothing_was_measured(written):
+    rows = [
+        f"{w:g},{r!r},{g!r},{b!r}"
+        for w, (r, g, b) in zip(WAVELENGTHS, three_lobes().rgb.tolist(), strict=True)
+        if 400 <= w <= 720 and w % 10 == 0
+    ]
+    path = written("\n".join(rows), "short.csv")
+    profile = profile_from_ssf(
+        path, **SENSOR, make="Acme", model="One", lights=["A", "D65", "FL2"]
+    )
+    field = profile["spectral_sensitivities"]
+    assert field["wavelengths"] == WAVELENGTHS.tolist()
+    assert np.array(field["R"])[WAVELENGTHS > 720].max() == 0.0
+    assert np.array(field["B"])[WAVELENGTHS < 400].max() == 0.0
+    source = profile["sources"]["spectral_sensitivities"]
+    assert source == (
+        "short.csv; rows of 10 nm, a monotone curve through them; 0 outside 400 to "
+        "720 nm, not measured"
+    )
+    near = np.array(field["G"]) - three_lobes().rgb[:, 1]
+    assert np.abs(near).max() < 0.01
+
+
+def edited(edit):
+    document = camera_json(three_lobes().rgb)
+    rows = document["spectral_data"]["data"]["main"]
+    edit(document["spectral_data"], rows)
+    return document
+
+
+def swapped(data, rows):
+    data["data"]["main"] = dict(reversed(rows.items()))
+
+
+BAD = {
+    "no JSON": ("{", "is no JSON"),
+    "no data": ({"header": {}}, "spectral_data.index.main is missing"),
+    "no row": (edited(lambda d, r: r.clear()), "holds no row"),
+    "falling": (edited(swapped), "wavelength 775 nm comes after 780 nm"),
+    "gap": (edited(lambda d, r: r.pop("550")), "a gap from 545 to 555 nm"),
+    "short": (
+        edited(lambda d, r: [r.pop(f"{w}") for w in range(600, 781, 5)]),
+        "wavelengths 380 to 595 nm must cover 400 to 690",
+    ),
+    "channel": (
+        edited(lambda d, r: d["index"].update(main=["R", "G", "X"])),
+        "must name the channel B once",
+    ),
+    "twice": (
+        edited(lambda d, r: d["index"].update(main=["R", "R", "B"])),
+        "must name the channel R once",
+    ),
+    "two values": (edited(lambda d, r: r["500"].pop()), "'500' must be a list of 3"),
+    "text": (
+        edited(lambda d, r: r["500"].__setitem__(1, "x")),
+        "'500' 'x' must be a finite number",
+    ),
+    "nan": (
+        edited(lambda d, r: r["500"].__setitem__(1, float("nan"))),
+        "'500' nan must be a finite number",
+    ),
+    "wavelength": (edited(lambda d, r: r.update(x=r["500"])), "wavelength 'x' must be"),
+    "negative": (
+        edited(lambda d, r: r["700"].__setitem__(2, -0.05)),
+        "B at 700 nm is -0.05; noise may reach -0.007",
+    ),
+    "blind": (
+        edited(lambda d, r: [row.__setitem__(0, 0.0) for row in r.values()]),
+        "R is nowhere above 0",
+    ),
+    "huge": (
+        edited(lambda d, r: r["500"].__setitem__(1, 10**400)),
+        "'500' 1000.* must be a finite number",
+    ),
+    "deep": ('{"a":' * 100000, "is no JSON"),
+    "wide": ("4" * 200000 + ",1,2,3", "is no CSV"),
+    "repeated": ('{"a": 1, "a": 2}', "'a' stands there twice"),
+    "columns": ("400,1,2\n405,1,2\n", "line 1 has 3 columns"),
+    "header": ("nm,R,G\n400,1,2\n", "line 1 .* must name the channel B once"),
+    "empty": ("", "holds no row"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_file_is_refused_in_one_line(written, case):
+    content, message = BAD[case]
+    path = written(content)
+    with pytest.raises(ValueError, match=message) as caught:
+        read_sensitivities(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="none.json: No such file"):
+        read_sensitivities(tmp_path / "none.json")
