@@ -82,6 +82,11 @@ def camera_transform(
             f"sensor {profile.id} is monochrome and has no RAW colour space: leave it "
             "out, and write its DNG from the scene (dng:sensor)"
         )
+    if exposure.convention.lower() == "spectral":
+        raise ValueError(
+            "convention spectral is no matrix and has no RAW space: write its DNG from "
+            "the scene (dng:convention spectral)"
+        )
     if exposure.convention.lower() == "sensor":
         raise ValueError(
             "convention sensor has no RAW space of its own: take the unbounded space "

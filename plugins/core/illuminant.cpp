@@ -4,6 +4,7 @@
 #include "cg2raw/illuminant.h"
 
 #include "illuminant_spec.h"
+#include "illuminant_spectrum.h"
 #include "text.h"
 
 #include <algorithm>
@@ -48,6 +49,15 @@ Vec3 over_green(const Vec3& camera)
                   "that has it");
 }
 
+/// What sensitivities see of a lamp that the profile has no matrix for.
+Vec3 lamp_seen(const SensorProfile& profile, const std::string& name)
+{
+    const auto lamp = lamp_spectrum(name);
+    if (!lamp || !profile.spectral_sensitivities)
+        fail_unknown_lamp(profile, name);
+    return response(*profile.spectral_sensitivities, lamp->power);
+}
+
 Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
                 const std::optional<Vec3>& as_shot)
 {
@@ -64,7 +74,7 @@ Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
         return over_green({ sample[0], 1.0, sample[1] });
     }
     case Kind::lamp:
-        fail_unknown_lamp(profile, spec.name);
+        return over_green(lamp_seen(profile, spec.name));
     case Kind::as_shot:
         break;
     }

@@ -307,7 +307,7 @@ void check(const SensorProfile& profile, const std::string& file)
         check_calibrations(profile, file);
     for (const Lamp& lamp : profile.lamps)
         check_color_matrix(lamp.calibration.camera_from_xyz, "lamp " + lamp.name, file);
-    check_names(profile.lamps, file);
+    check_lamps(profile.lamps, file);
     if (profile.spectral_sensitivities)
         check(*profile.spectral_sensitivities, file);
     check_noise(profile, file);

@@ -6,6 +6,7 @@
 #include "text.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cg2raw {
 namespace {
@@ -36,6 +37,38 @@ int light_source_of(Fields& row)
     }
 }
 
+Spectrum power_of(Fields fields)
+{
+    Spectrum power { fields.reals("wavelengths", 0), fields.reals("values", 0) };
+    if (power.values.size() != power.wavelengths.size())
+        fields.fail("values",
+                    "has " + std::to_string(power.values.size())
+                        + " numbers; it needs one per wavelength, "
+                        + std::to_string(power.wavelengths.size()));
+    fields.done();
+    return power;
+}
+
+/// Wavelengths rise, and there is light in the visible range, nowhere less than none.
+void check_power(const Lamp& lamp, const std::string& file)
+{
+    const std::string start = file + ": lamps: power of " + lamp.name;
+    const auto& [nm, values] = *lamp.power;
+    for (std::size_t i = 1; i < nm.size(); ++i)
+        if (!(nm[i] > nm[i - 1]))
+            throw Error(start + ": wavelength " + number(nm[i]) + " nm comes after "
+                        + number(nm[i - 1]) + " nm; they must rise");
+    double total = 0.0;
+    for (std::size_t i = 0; i < nm.size(); ++i) {
+        if (!(values[i] >= 0.0 && std::isfinite(values[i])))
+            throw Error(start + ": " + number(values[i]) + " must be at least 0");
+        total += nm[i] > visible_from && nm[i] < visible_to ? values[i] : 0.0;
+    }
+    if (!(total > 0.0))
+        throw Error(start + " is nowhere above 0 between " + number(visible_from)
+                    + " and " + number(visible_to) + " nm");
+}
+
 } // namespace
 
 const Lamp* lamp_named(const std::vector<Lamp>& lamps, std::string_view word)
@@ -59,6 +92,8 @@ std::vector<Lamp> lamps_from_json(std::vector<Fields> rows)
         const std::vector<double> matrix = row.reals("color_matrix", 9);
         std::copy(matrix.begin(), matrix.end(),
                   lamp.calibration.camera_from_xyz.m.begin());
+        if (row.has("power"))
+            lamp.power = power_of(row.object("power"));
         row.done();
         result.push_back(lamp);
     }
@@ -67,14 +102,18 @@ std::vector<Lamp> lamps_from_json(std::vector<Fields> rows)
 
 Fields::Json json_of(const Lamp& lamp)
 {
-    return { { "name", lamp.name },
-             { "calibration_illuminant",
-               light_source_name(lamp.calibration.light_source) },
-             { "neutral", lamp.neutral },
-             { "color_matrix", lamp.calibration.camera_from_xyz.m } };
+    Fields::Json json { { "name", lamp.name },
+                        { "calibration_illuminant",
+                          light_source_name(lamp.calibration.light_source) },
+                        { "neutral", lamp.neutral },
+                        { "color_matrix", lamp.calibration.camera_from_xyz.m } };
+    if (lamp.power)
+        json["power"] = { { "wavelengths", lamp.power->wavelengths },
+                          { "values", lamp.power->values } };
+    return json;
 }
 
-void check_names(const std::vector<Lamp>& lamps, const std::string& file)
+void check_lamps(const std::vector<Lamp>& lamps, const std::string& file)
 {
     const auto legal
         = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._";
@@ -86,6 +125,8 @@ void check_names(const std::vector<Lamp>& lamps, const std::string& file)
             throw Error(file + ": lamps: \"" + lamp.name + "\" and \""
                         + lamp_named(lamps, lamp.name)->name
                         + "\" are one name; leave one of them out");
+        if (lamp.power)
+            check_power(lamp, file);
     }
 }
 

@@ -11,7 +11,8 @@ namespace cg2raw {
 std::vector<Lamp> lamps_from_json(std::vector<Fields> rows);
 Fields::Json json_of(const Lamp& lamp);
 
-/// Throws Error, led by @p file, for a name that is no word, or that two lamps have.
-void check_names(const std::vector<Lamp>& lamps, const std::string& file);
+/// Throws Error, led by @p file, for a name that is no word, or that two lamps have,
+/// or a power that is no light.
+void check_lamps(const std::vector<Lamp>& lamps, const std::string& file);
 
 } // namespace cg2raw

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <optional>
 
 namespace cg2raw {
 namespace {
@@ -67,7 +69,87 @@ void check_channel(const SpectralSensitivities& sensitivities, std::size_t chann
                  + number(-spectral_noise * peak) + ", 1 % of its peak");
 }
 
+/// Index of the wavelength that @p wavelength follows, and its share of the next one.
+struct Between {
+    std::size_t index;
+    double share;
+};
+
+/// None outside @p nm, which has two values at least.
+std::optional<Between> place(const std::vector<double>& nm, double wavelength)
+{
+    if (nm.size() < 2 || !(wavelength >= nm.front() && wavelength <= nm.back()))
+        return std::nullopt;
+    const auto above = std::upper_bound(nm.begin(), nm.end() - 1, wavelength);
+    const std::size_t index = std::size_t(above - nm.begin()) - 1;
+    return Between { index, (wavelength - nm[index]) / (nm[index + 1] - nm[index]) };
+}
+
+/// Gauss and Legendre's rule of three points, from -1 to 1.
+constexpr std::array<std::array<double, 2>, 3> gauss {
+    { { -0.7745966692414834, 5.0 / 9.0 },
+      { 0.0, 8.0 / 9.0 },
+      { 0.7745966692414834, 5.0 / 9.0 } }
+};
+
 } // namespace
+
+double Spectrum::at(double wavelength) const
+{
+    const auto between = place(wavelengths, wavelength);
+    if (!between)
+        return 0.0;
+    const auto& [i, share] = *between;
+    return values[i] + share * (values[i + 1] - values[i]);
+}
+
+Vec3 SpectralSensitivities::at(double wavelength) const
+{
+    const auto between = place(wavelengths, wavelength);
+    if (!between)
+        return {};
+    const auto& [i, share] = *between;
+    // A photon's energy goes by 1 / wavelength; 555 nm keeps numbers near 1.
+    const double per_energy = unit == SpectralUnit::photon ? wavelength / 555.0 : 1.0;
+    Vec3 result;
+    for (std::size_t c = 0; c < 3; ++c)
+        result[c] = per_energy * (rgb[i][c] + share * (rgb[i + 1][c] - rgb[i][c]));
+    return result;
+}
+
+double integral(const std::function<double(double)>& integrand,
+                const std::vector<double>& nodes, double from, double to)
+{
+    double sum = 0.0;
+    for (std::size_t i = 1; i < nodes.size(); ++i) {
+        const double a = std::max(nodes[i - 1], from), b = std::min(nodes[i], to);
+        if (!(b > a))
+            continue;
+        const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
+        for (const auto& [at, weight] : gauss)
+            sum += half * weight * integrand(middle + half * at);
+    }
+    return sum;
+}
+
+std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b)
+{
+    std::vector<double> all;
+    std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all));
+    return all;
+}
+
+Vec3 response(const SpectralSensitivities& sensitivities, const Spectrum& light)
+{
+    const std::vector<double> nodes
+        = merged(sensitivities.wavelengths, light.wavelengths);
+    Vec3 result;
+    for (std::size_t c = 0; c < 3; ++c)
+        result[c] = integral(
+            [&](double nm) { return sensitivities.at(nm)[c] * light.at(nm); }, nodes,
+            visible_from, visible_to);
+    return result;
+}
 
 SpectralUnit spectral_unit_from_name(std::string_view name)
 {

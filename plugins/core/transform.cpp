@@ -4,7 +4,9 @@
 #include "cg2raw/transform.h"
 
 #include "illuminant_spec.h"
+#include "illuminant_spectrum.h"
 #include "text.h"
+#include "transform_uplift.h"
 
 #include <algorithm>
 #include <cmath>
@@ -86,6 +88,19 @@ CameraTransform dng_transform(const SensorProfile& profile, const Illuminant& li
     return transform;
 }
 
+CameraTransform spectral_transform(const SensorProfile& profile,
+                                   const Illuminant& light)
+{
+    if (profile.cfa.is_mono())
+        throw Error("convention spectral: sensor " + profile.id
+                    + " is monochrome; say dng or sensor");
+    CameraTransform transform = dng_transform(profile, light);
+    const auto [power, name] = spectrum_of(profile, light);
+    transform.uplift = balanced_from_terms(*profile.spectral_sensitivities, power);
+    transform.spectrum = name;
+    return transform;
+}
+
 CameraTransform paper_transform(const SensorProfile& profile, const Illuminant& light)
 {
     if (profile.cfa.is_mono())
@@ -114,13 +129,15 @@ Convention convention_from_name(std::string_view name)
         return Convention::paper;
     if (word == "sensor")
         return Convention::sensor;
+    if (word == "spectral")
+        return Convention::spectral;
     throw Error("convention \"" + std::string(name)
-                + "\" must be dng, paper or sensor");
+                + "\" must be dng, paper, sensor or spectral");
 }
 
 const char* name_of(Convention convention)
 {
-    constexpr const char* names[] = { "dng", "paper", "sensor" };
+    constexpr const char* names[] = { "dng", "paper", "sensor", "spectral" };
     return names[std::size_t(convention)];
 }
 
@@ -152,20 +169,26 @@ CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant
                     + " must be above 0 and at most 1000");
     CameraTransform transform = convention == Convention::paper
         ? paper_transform(calibrated, light)
-        : profile.cfa.is_mono() ? mono_transform()
-                                : dng_transform(calibrated, light);
+        : convention == Convention::spectral ? spectral_transform(calibrated, light)
+        : profile.cfa.is_mono()              ? mono_transform()
+                                             : dng_transform(calibrated, light);
     transform.is_grey = profile.cfa.is_mono();
     for (double& gain : transform.gains)
         gain *= digital_gain;
-    transform.is_light = convention == Convention::sensor;
+    transform.is_light
+        = convention == Convention::sensor || convention == Convention::spectral;
     transform.keep_highlights = keep_highlights && !transform.is_light;
     return transform;
 }
 
 SceneTransform scene_from_camera(const CameraTransform& camera_from_scene)
 {
-    const auto& [first, two_steps, second, gains, keep, clip, light, grey]
+    const auto& [first, two_steps, second, gains, keep, clip, light, grey, uplift,
+                 spectrum]
         = camera_from_scene;
+    if (uplift)
+        throw Error("convention spectral has no inverse: many spectra are one colour; "
+                    "say dng");
     if (grey)
         return { gains, diagonal({ 1, 1, 1 }), false, diagonal({ 1, 1, 1 }) };
     if (two_steps)

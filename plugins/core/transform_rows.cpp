@@ -22,6 +22,7 @@ constexpr float highlight_start = 0.9f, highlight_range = 0.1f;
 /// A transform in the arithmetic of pixels.
 struct Coefficients {
     float first[9], second[9], gain[3];
+    float uplift[3][7]; ///< if it has one
     float highlight; ///< 1: kept, 0: not
     float product_ceiling; ///< of the products
     float ceiling; ///< of the result
@@ -34,6 +35,10 @@ Coefficients coefficients_of(const CameraTransform& transform)
     std::copy(transform.first.m.begin(), transform.first.m.end(), c.first);
     std::copy(transform.second.m.begin(), transform.second.m.end(), c.second);
     std::copy(transform.gains.begin(), transform.gains.end(), c.gain);
+    if (transform.uplift)
+        for (std::size_t i = 0; i < 3; ++i)
+            std::copy((*transform.uplift)[i].begin(), (*transform.uplift)[i].end(),
+                      c.uplift[i]);
     c.highlight = transform.keep_highlights ? 1.0f : 0.0f;
     c.product_ceiling = transform.is_light ? largest_radiance : 1.0f;
     c.ceiling = transform.clip_result ? 1.0f : largest_radiance;
@@ -67,6 +72,28 @@ inline void multiply(const float m[9], float ceiling, float& r, float& g, float&
     b = clipped(dot(m + 6, r, g, b), ceiling);
     r = x;
     g = y;
+}
+
+/// The terms of transform_uplift.h times @p m, in place.
+inline void uplifted(const float m[3][7], float ceiling, float& red, float& green,
+                     float& blue)
+{
+    const float r = std::max(red, 0.0f), g = std::max(green, 0.0f),
+                b = std::max(blue, 0.0f);
+    const float rg = std::sqrt(r * g), gb = std::sqrt(g * b), rb = std::sqrt(r * b);
+    const float mean = (r + g + b) * (1.0f / 3.0f);
+    const float over_mean = 1.0f / std::max(mean, 1e-30f);
+    const float even = (r * over_mean) * (g * over_mean) * (b * over_mean);
+    const float even_2 = even * even, even_4 = even_2 * even_2;
+    const float grey = mean * (even_4 * even_4);
+    float result[3];
+    for (int c = 0; c < 3; ++c)
+        result[c] = clipped(dot(m[c], red, green, blue) + dot(m[c] + 3, rg, gb, rb)
+                                + m[c][6] * grey,
+                            ceiling);
+    red = result[0];
+    green = result[1];
+    blue = result[2];
 }
 
 inline float unbalanced(float x, float gain, float m, float ceiling)
@@ -116,6 +143,13 @@ CG2RAW_MULTIVERSION void product_piece(const float m[9], float ceiling, int coun
         multiply(m, ceiling, r[i], g[i], b[i]);
 }
 
+CG2RAW_MULTIVERSION void uplift_piece(const float m[3][7], float ceiling, int count,
+                                      float* r, float* g, float* b)
+{
+    for (int i = 0; i < count; ++i)
+        uplifted(m, ceiling, r[i], g[i], b[i]);
+}
+
 CG2RAW_MULTIVERSION void balance_piece(const float gain[3], int count, float* r,
                                        float* g, float* b)
 {
@@ -163,7 +197,10 @@ void to_camera(const CameraTransform& transform, const float* scene,
         const int count = std::min(piece, width - start);
         float *r = camera[0] + start, *g = camera[1] + start, *b = camera[2] + start;
         make_legal(scene + start * pixel_stride, pixel_stride, count, r, g, b, illegal);
-        product_piece(c.first, c.product_ceiling, count, r, g, b);
+        if (transform.uplift)
+            uplift_piece(c.uplift, c.product_ceiling, count, r, g, b);
+        else
+            product_piece(c.first, c.product_ceiling, count, r, g, b);
         if (c.two_steps)
             product_piece(c.second, c.product_ceiling, count, r, g, b);
         camera_piece(c, count, r, g, b);

@@ -61,9 +61,10 @@ py::dict dict_of(const NeutralDistribution& lights)
 py::dict dict_of(const Lamp& lamp)
 {
     const auto& [light_source, camera_from_xyz, forward] = lamp.calibration;
-    return py::dict(
-        "name"_a = lamp.name, "light_source"_a = light_source_name(light_source),
-        "neutral"_a = lamp.neutral, "camera_from_xyz"_a = array_of(camera_from_xyz));
+    return py::dict("name"_a = lamp.name,
+                    "light_source"_a = light_source_name(light_source),
+                    "neutral"_a = lamp.neutral, "has_power"_a = bool(lamp.power),
+                    "camera_from_xyz"_a = array_of(camera_from_xyz));
 }
 
 py::dict dict_of(const EffectSetting& setting)
@@ -204,6 +205,26 @@ void bind_numbers(py::class_<SensorProfile>& c)
             "and B/G),\n    sample:7 (drawn from the sensor's neutrals) or as-shot.\n"
             "Raises ValueError that lists the grammar.")
         .def(
+            "spectrum",
+            [](const SensorProfile& p, const Illuminant& light) {
+                const auto [power, name] = spectrum_of(p, light);
+                const auto array = [](const std::vector<double>& values) {
+                    return py::array_t<double>(py::ssize_t(values.size()),
+                                               values.data());
+                };
+                return py::dict("name"_a = name,
+                                "wavelengths"_a = array(power.wavelengths),
+                                "power"_a = array(power.values));
+            },
+            "illuminant"_a,
+            "{\"name\", \"wavelengths\", \"power\"} of an Illuminant, as convention "
+            "spectral takes it: (n,) nm\nand (n,), relative. That of a lamp or of a "
+            "word "
+            "of the CIE; of other neutrals the\nnearest of black bodies, daylight, "
+            "lamps "
+            "and mixtures of two. Raises ValueError for a\nprofile without "
+            "spectral_sensitivities.")
+        .def(
             "xy_from_neutral",
             [](const SensorProfile& p, const Vec3& neutral) {
                 const NeutralChromaticity n = xy_from_neutral(p, neutral);
@@ -257,9 +278,11 @@ void bind_fields(py::class_<SensorProfile>& c)
          "ForwardMatrix or None.")
         .def_property_readonly(
             "lamps", [](const Profile& p) { return dicts_of(p.lamps); },
-            "{\"name\", \"light_source\", \"neutral\", \"camera_from_xyz\"} per lamp "
-            "with a matrix of its own:\nits illuminant word, EXIF name or \"other\", "
-            "(R/G, B/G), (3, 3) ColorMatrix.")
+            "{\"name\", \"light_source\", \"neutral\", \"has_power\", "
+            "\"camera_from_xyz\"} "
+            "per lamp with a\nmatrix of its own: its illuminant word, EXIF name or "
+            "\"other\", (R/G, B/G), whether its\nspectrum is known, (3, 3) "
+            "ColorMatrix.")
         .def_property_readonly(
             "spectral_sensitivities",
             [](const Profile& p) { return dict_of(p.spectral_sensitivities); },

@@ -26,7 +26,21 @@ void bind_transform(py::module_& m)
         .def_readonly("clip_result", &CameraTransform::clip_result,
                       "Whether the result is clipped to 0..1.")
         .def_readonly("is_light", &CameraTransform::is_light,
-                      "Whether nothing is clipped but negative light.");
+                      "Whether nothing is clipped but negative light.")
+        .def_property_readonly(
+            "uplift",
+            [](const CameraTransform& t) -> py::object {
+                if (!t.uplift)
+                    return py::none();
+                return py::array_t<double>({ 3, 7 }, t.uplift->front().data());
+            },
+            "(3, 7) in convention spectral, else None: balanced camera from r, g, b,\n"
+            "sqrt(rg), sqrt(gb), sqrt(rb) and m (rgb / m^3)^8 with m = (r + g + b) / "
+            "3,\n"
+            "of linear sRGB; in place of first.")
+        .def_readonly(
+            "spectrum", &CameraTransform::spectrum,
+            "Light whose power was taken in convention spectral, else empty.");
     m.def(
         "camera_from_scene",
         [](const SensorProfile& profile, const Illuminant& illuminant,

@@ -28,8 +28,10 @@ class Run:
         from the profile, by seed and frame.
     convention : "dng" (inverse of a DNG renderer), "paper", or "sensor": the light as a
         camera takes it, which clips where its effects and its white level say and no
-        earlier; noise falls on every site.
-    highlights : keep white white while white balance is undone; not with "sensor".
+        earlier; noise falls on every site. "spectral" is "sensor" with colours as the
+        spectral_sensitivities see reflectances under the illuminant's spectrum.
+    highlights : keep white white while white balance is undone; not with "sensor" or
+        "spectral".
     effects : False for neither the profile's effects nor noise.
     camera_input : the image already is camera RGB under this illuminant.
     as_shot : (3,) neutral that the word as-shot stands for.

@@ -137,7 +137,8 @@ WRONG = [
     ([{**FL2, "color_matrix": [1, 2, 3] * 3}], "lamp FL2: .*singular"),
     ([{**FL2, "color_matrix": [-v for v in M]}], "lamp FL2 maps white"),
     ([{**FL2, "calibration_illuminant": "LED"}], "must be one of A, B.*, other"),
-    ([{**FL2, "power": [1]}], "power is unknown"),
+    ([{**FL2, "watts": 5}], "watts is unknown"),
+    ([{**FL2, "power": [1]}], "power.*object"),
     ({}, "list"),
 ]
 

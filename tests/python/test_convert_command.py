@@ -30,6 +30,8 @@ COMBINATIONS = [
     ("gopro-hero6-black", "A", 100, 8, "dng"),
     ("nikon-d850", "D55", 100, 9, "dng"),
     ("blackmagic-pocket", "4000K", None, 10, "paper"),
+    ("nikon-d850", "FL2", 400, 11, "spectral"),
+    ("canon-600d", "sample:5", None, 12, "spectral"),
 ]
 
 

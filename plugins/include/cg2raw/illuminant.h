@@ -34,6 +34,17 @@ Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
 /// as it is for the words of other lights.
 SensorProfile calibrated_for(const SensorProfile& profile, std::string_view spec);
 
+/// Relative power of a light, and what it is called in messages.
+struct LightSpectrum {
+    Spectrum power;
+    std::string name; ///< "FL2", "black body of 3200 K", "half FL2, half D6500 K"
+};
+/// Spectrum of a light that @p profile sees: of its lamp's power, or of what the word
+/// names; of a word for a neutral or a chromaticity the nearest of black bodies,
+/// daylight and lamps, or of their mixtures, as the sensor sees them. Throws Error for
+/// a sensor without sensitivities.
+LightSpectrum spectrum_of(const SensorProfile& profile, const Illuminant& light);
+
 /// "A,D65,sample:0-9" -> its single words. Throws Error on a word that does not parse.
 std::vector<std::string> illuminant_list(std::string_view list);
 

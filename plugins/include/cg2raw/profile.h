@@ -60,6 +60,7 @@ struct Lamp {
     std::string name; ///< FL2: letters, digits, '.', '_' and '-'
     std::array<double, 2> neutral; ///< R/G, B/G of grey
     Calibration calibration; ///< its light source may be other_light_source
+    std::optional<Spectrum> power {}; ///< relative; none: not known
 };
 
 /// The lamp of this name, which may follow "lamp:"; upper and lower case, and '.', '_'

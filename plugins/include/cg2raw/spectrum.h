@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file What a sensor's channels see of each wavelength.
+/// @file Spectra, and what a sensor's channels see of them.
 #pragma once
 
 #include "cg2raw/color.h"
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace cg2raw {
+
+/// A quantity over wavelengths: linear between them, 0 outside.
+struct Spectrum {
+    std::vector<double> wavelengths; ///< nm, rising
+    std::vector<double> values;
+
+    double at(double wavelength) const;
+};
 
 /// What the response of a channel is a response to.
 enum class SpectralUnit {
@@ -28,6 +37,9 @@ struct SpectralSensitivities {
     std::vector<Vec3> rgb; ///< of a monochrome sensor all three are alike
     SpectralUnit unit = SpectralUnit::energy;
     double scale = 1.0; ///< what 1 stands for in the numbers that were measured
+
+    /// Response to radiant energy at @p wavelength, whatever the unit.
+    Vec3 at(double wavelength) const;
 };
 
 /// The visible range, which sensitivities have to cover, and the longest step between
@@ -39,5 +51,16 @@ constexpr double spectral_noise = 0.01;
 /// Throws Error, led by @p file, unless wavelengths rise, cover the visible range
 /// without a gap, and each channel sees something.
 void check(const SpectralSensitivities& sensitivities, const std::string& file);
+
+/// Integral of @p integrand from @p from to @p to nm, exact where that is of degree 5
+/// at most between @p nodes, which rise: a product of spectra between all their
+/// wavelengths. No line between two nodes is lost.
+double integral(const std::function<double(double)>& integrand,
+                const std::vector<double>& nodes, double from, double to);
+/// All of both, rising, each once.
+std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b);
+
+/// What the channels see of @p light over the visible range.
+Vec3 response(const SpectralSensitivities& sensitivities, const Spectrum& light);
 
 } // namespace cg2raw

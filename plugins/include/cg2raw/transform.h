@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file 3 - Scene linear -> camera RGB under an illuminant, in three conventions.
+/// @file 3 - Scene linear -> camera RGB under an illuminant, in four conventions.
 #pragma once
 
 #include "cg2raw/illuminant.h"
@@ -12,9 +12,13 @@ enum class Convention {
     dng, ///< exact inverse of a DNG renderer (default)
     paper, ///< as the published reference implementation of Graphics2RAW computes it
     sensor, ///< light as it enters a camera: dng, but nothing clips before the sensor
+    spectral, ///< sensor, of reflectances that the sensitivities see under the light
 };
 Convention convention_from_name(std::string_view name);
 const char* name_of(Convention convention);
+
+/// Balanced camera RGB from the seven terms of transform_uplift.h.
+using UpliftMatrix = std::array<std::array<double, 7>, 3>;
 
 /// Scene-linear Rec.709 -> camera RGB, decided before the first pixel:
 /// balanced = clip(second clip(first scene)), camera = highlights(balanced, gains).
@@ -25,8 +29,10 @@ struct CameraTransform {
     std::array<double, 3> gains; ///< g_c, white balance undone, times the digital gain
     bool keep_highlights; ///< false: camera = balanced * gains
     bool clip_result; ///< paper: clip to 0..1 after the gains
-    bool is_light; ///< sensor: clip() is at 0 alone, and highlights are not kept
+    bool is_light; ///< sensor, spectral: clip() is at 0 alone, no highlights are kept
     bool is_grey; ///< monochrome: the planes are one, and no inverse tells colours
+    std::optional<UpliftMatrix> uplift {}; ///< spectral: in place of first
+    std::string spectrum {}; ///< spectral: the light whose power was taken
 };
 
 /// The transform of @p profile under @p illuminant; of a monochrome sensor, luminance

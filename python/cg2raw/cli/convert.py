@@ -76,7 +76,11 @@ def add_exposure(group: argparse._ArgumentGroup) -> None:
         help="frame numbers: in names (default), inputs counted from --frame, or none",
     )
     add("--gain", type=gain, metavar="X", help="digital gain, 0.001 to 1000, or sample")
-    add("--convention", choices=("dng", "paper", "sensor"), help="default: dng")
+    add(
+        "--convention",
+        choices=("dng", "paper", "sensor", "spectral"),
+        help="default: dng",
+    )
     add(
         "--highlights",
         action=argparse.BooleanOptionalAction,

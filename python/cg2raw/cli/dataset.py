@@ -89,7 +89,7 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         metavar="SECONDS",
         help="of dark current and hot pixels (default: each image's Exif)",
     )
-    add("--convention", default="dng", choices=["dng", "paper", "sensor"])
+    add("--convention", default="dng", choices=["dng", "paper", "sensor", "spectral"])
     add(
         "--method",
         default="graphics2raw",

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from cg2raw.io.atomic_file import FilePath
+from cg2raw.profile.illuminant_spectra import illuminant_spectrum
+from cg2raw.profile.spectral_file import WAVELENGTHS
 
 # The light source of EXIF 2.32 whose range of temperatures a fluorescent lamp of CIE
 # 015 is in; other lamps have none. Source: CIPA DC-008, LightSource.
@@ -18,6 +20,7 @@ FLUORESCENT = {
     **dict.fromkeys(("FL2", "FL6", "FL9", "FL11"), "cool white fluorescent"),
     "FL3": "white fluorescent",
 }
+DECIMALS_OF_POWER = 6  # of a peak of 1
 DAYLIGHT = ("D50", "D55", "D75")
 
 
@@ -53,10 +56,16 @@ def check_lamp_names(file: str, lamps: Iterable[FilePath]) -> None:
 def lamp_field(light: FilePath, neutral: Any, color_matrix: Any) -> dict[str, Any]:
     """Return the entry of a profile's "lamps".
 
-    neutral : (R/G, B/G) of grey. color_matrix : (3, 3), XYZ -> camera."""
+    light : a word of illuminant_spectra.GRAMMAR. neutral : (R/G, B/G) of grey.
+    color_matrix : (3, 3), XYZ -> camera."""
+    power = illuminant_spectrum(light)
     return {
         "name": lamp_name(light),
         "calibration_illuminant": calibration_illuminant(light),
         "neutral": [float(value) for value in neutral],
         "color_matrix": (color_matrix.ravel() + 0.0).tolist(),
+        "power": {
+            "wavelengths": WAVELENGTHS.tolist(),
+            "values": (power / power.max()).round(DECIMALS_OF_POWER).tolist(),
+        },
     }
