@@ -4,7 +4,8 @@
 
 plugins/core/illuminant_lamp_tables.h: power of the CIE's lamps, as colour-science has
 it (CIE 015, tables 10 to 12).
-plugins/core/illuminant_daylight_tables.h: components of daylight (table 6 there).
+plugins/core/illuminant_daylight_tables.h: components of daylight (table 6 there), and
+what the eye sees of each wavelength (table 1).
 plugins/core/transform_uplift_basis.h: spectra that reflectances are made of by RGB,
 fitted to the Academy's 190 training reflectances.
 
@@ -91,6 +92,13 @@ def table(name, rows, comment):
     return f"/// {comment}\ninline constexpr {shape} {name} {{{{\n{numbers}\n}}}};\n\n"
 
 
+def row(name, values, comment):
+    """Return the C++ of values (81,) as a constant."""
+    numbers = ", ".join(f"{value:.{DIGITS}g}" for value in values)
+    shape = f"std::array<double, {len(WAVELENGTHS)}>"
+    return f"/// {comment}\ninline constexpr {shape} {name} {{ {numbers} }};\n\n"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=ROOT / "plugins" / "core")
@@ -107,6 +115,7 @@ def main():
     write(out / "illuminant_lamp_tables.h", text)
     text = HEAD.format(what="Components of daylight, 380 to 780 nm by 5.")
     text += table("daylight_components", components, "S0, S1, S2: CIE 015, table 6.")
+    text += row("luminous", observer(), "V of the CIE 1931 observer: CIE 015, table 1.")
     write(out / "illuminant_daylight_tables.h", text)
     what = "Spectra whose sum reflectances are, 380 to 780 nm by 5; see its cpp."
     text = HEAD.format(what=what)
@@ -114,6 +123,12 @@ def main():
     comment = "Of the terms of transform_uplift.h; columns sum to 1."
     text += table("uplift_basis", basis, comment)
     write(out / "transform_uplift_basis.h", text)
+
+
+def observer():
+    """Return the luminous efficiency (81,) of the CIE 1931 observer."""
+    table = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    return table[WAVELENGTHS][:, 1]
 
 
 def write(path, text):

@@ -20,6 +20,7 @@ FLOW = (
     "spectrum",
     "profile",
     "illuminant",
+    "spectral_image",
     "transform",
     "mosaic",
     "demosaic",

@@ -18,6 +18,7 @@ ROOMS = (
     "cg2raw.cfa",
     "cg2raw.exposure",
     "cg2raw.sensor",
+    "cg2raw.spectra",
     "cg2raw.dng",
     "cg2raw.upi",
     "cg2raw.oiio",

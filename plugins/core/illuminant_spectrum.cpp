@@ -82,9 +82,12 @@ struct Candidate {
 void append(std::vector<Candidate>& all, const SensorProfile& profile, Spectrum power,
             const std::string& name)
 {
-    const Vec3 seen = response(*profile.spectral_sensitivities, power);
-    if (!(std::min({ seen[0], seen[1], seen[2] }) > 0.0))
-        return;
+    Vec3 seen;
+    try {
+        seen = response(*profile.spectral_sensitivities, power);
+    } catch (const Error&) {
+        return; // no light for this sensor
+    }
     for (double& value : power.values)
         value /= seen[1];
     all.push_back(
@@ -145,6 +148,9 @@ LightSpectrum nearest(const SensorProfile& profile, const Vec3& neutral)
             second = j;
         }
     };
+    if (all.empty())
+        throw Error("sensor " + profile.id
+                    + ": its spectral_sensitivities see no light at all");
     for (std::size_t i = 0; i < all.size(); ++i)
         consider(i, i);
     if (least > alike)

@@ -12,6 +12,7 @@ namespace cg2raw {
 namespace {
 
 constexpr std::string_view prefix = "lamp:";
+constexpr double least_power = 1e-9, most_power = 1e9; ///< relative
 
 /// A name as all its spellings: the alias of a colour space has '_' for '.' and '-'.
 std::string folded(std::string_view name)
@@ -60,11 +61,12 @@ void check_power(const Lamp& lamp, const std::string& file)
                         + number(nm[i - 1]) + " nm; they must rise");
     double total = 0.0;
     for (std::size_t i = 0; i < nm.size(); ++i) {
-        if (!(values[i] >= 0.0 && std::isfinite(values[i])))
-            throw Error(start + ": " + number(values[i]) + " must be at least 0");
+        if (!(values[i] >= 0.0 && values[i] <= most_power))
+            throw Error(start + ": " + number(values[i]) + " must be 0 to "
+                        + number(most_power));
         total += nm[i] > visible_from && nm[i] < visible_to ? values[i] : 0.0;
     }
-    if (!(total > 0.0))
+    if (!(total > least_power))
         throw Error(start + " is nowhere above 0 between " + number(visible_from)
                     + " and " + number(visible_to) + " nm");
 }

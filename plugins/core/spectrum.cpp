@@ -14,6 +14,7 @@
 namespace cg2raw {
 namespace {
 
+constexpr double least_peak = 1e-9, most_peak = 1e9;
 constexpr double shortest_wavelength = 100.0, longest_wavelength = 5000.0; // nm
 
 [[noreturn]] void fail(const std::string& file, const std::string& what)
@@ -63,6 +64,11 @@ void check_channel(const SpectralSensitivities& sensitivities, std::size_t chann
     }
     if (!(peak > 0.0))
         fail(file, name + " is nowhere above 0");
+    if (!(peak >= least_peak && peak <= most_peak))
+        fail(file,
+             name + " has a peak of " + number(peak) + "; it must be "
+                 + number(least_peak) + " to " + number(most_peak)
+                 + ": divide the curves, and say the divisor as scale");
     if (lowest < -spectral_noise * peak)
         fail(file,
              name + " falls to " + number(lowest) + "; noise may reach "
@@ -148,6 +154,10 @@ Vec3 response(const SpectralSensitivities& sensitivities, const Spectrum& light)
         result[c] = integral(
             [&](double nm) { return sensitivities.at(nm)[c] * light.at(nm); }, nodes,
             visible_from, visible_to);
+    for (double seen : result)
+        if (!(seen > 0.0))
+            throw Error("spectral_sensitivities: a channel sees " + number(seen)
+                        + " of the light; each must see something of it");
     return result;
 }
 

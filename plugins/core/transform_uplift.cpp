@@ -17,6 +17,7 @@ UpliftMatrix balanced_from_terms(const SpectralSensitivities& sensitivities,
         basis.wavelengths.push_back(visible_from + 5.0 * double(i));
     const std::vector<double> nodes = merged(
         merged(sensitivities.wavelengths, light.wavelengths), basis.wavelengths);
+    response(sensitivities, light); // throws where a channel sees nothing
     UpliftMatrix result {};
     for (std::size_t term = 0; term < uplift_basis.size(); ++term) {
         basis.values.assign(uplift_basis[term].begin(), uplift_basis[term].end());

@@ -122,6 +122,10 @@ constexpr Known known[] = {
       [](Attributes& a, const Given& g) {
           a.iso = g.real(1.0, 1e7, "an ISO from 1 to 10000000");
       } },
+    { "dng:exposure",
+      [](Attributes& a, const Given& g) {
+          a.exposure = g.real(1e-6, 1e12, "the luminance of white in cd/m2, above 0");
+      } },
     { "dng:noise",
       [](Attributes& a, const Given& g) { a.noise = g.named(noise_model_from_name); } },
     { "dng:seed", [](Attributes& a, const Given& g) { a.seed = g.whole(); } },

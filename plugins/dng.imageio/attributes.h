@@ -13,7 +13,7 @@ namespace cg2raw {
 /// The attributes as they were given; absent ones are empty.
 struct Attributes {
     std::string sensor, reference, illuminant, layer;
-    std::optional<double> iso, gain;
+    std::optional<double> iso, gain, exposure;
     std::optional<bool> highlights;
     std::optional<Convention> convention;
     std::optional<NoiseModel> noise;

@@ -48,6 +48,7 @@ private:
 
     std::string m_name;
     std::array<int, 3> m_channels {}; ///< of red, green and blue in the host's pixels
+    std::optional<SpectralResponse> m_spectral; ///< of pixels that are spectra
     std::optional<FrameWindow> m_window;
     std::unique_ptr<FrameSink> m_sink; ///< of the file that is open
     std::mutex m_guard; ///< hosts may write one file from several threads
@@ -111,6 +112,7 @@ void DngOutput::start(const std::string& name)
 {
     const Request request = request_of(m_spec, name);
     m_channels = request.layer.channels;
+    m_spectral = request.spectral;
     m_window.emplace(m_spec);
     m_sink = frame_sink(name, request, m_window->size());
     m_spec.format = TypeDesc::UINT16;
@@ -157,7 +159,9 @@ HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width,
              height,
              xstride,
              ystride,
-             m_channels };
+             m_channels,
+             m_spec.nchannels,
+             m_spectral ? &*m_spectral : nullptr };
 }
 
 /// Pixels of the data window.

@@ -31,6 +31,29 @@ std::string text_of(int x, int y, int width, int height)
         + std::to_string(x) + "," + std::to_string(y);
 }
 
+/// Camera RGB of spectra, in @p room; a row at a time is converted to float.
+RgbView spectral_view(const HostPixels& host, std::vector<float>& room)
+{
+    const std::size_t width = std::size_t(host.width);
+    const bool in_place
+        = host.format == TypeDesc::FLOAT && host.xstride % stride_t(sizeof(float)) == 0;
+    room.resize(3 * width * std::size_t(host.height));
+    std::vector<float> row(in_place ? 0 : width * std::size_t(host.nchannels));
+    for (int y = 0; y < host.height; ++y) {
+        const char* const data = host.data + y * host.ystride;
+        if (!in_place)
+            OIIO::convert_image(host.nchannels, host.width, 1, 1, data, host.format,
+                                host.xstride, OIIO::AutoStride, OIIO::AutoStride,
+                                row.data(), TypeDesc::FLOAT, OIIO::AutoStride,
+                                OIIO::AutoStride, OIIO::AutoStride);
+        host.spectral->to_camera(
+            in_place ? reinterpret_cast<const float*>(data) : row.data(),
+            in_place ? host.xstride / stride_t(sizeof(float)) : host.nchannels,
+            host.width, room.data() + 3 * width * std::size_t(y));
+    }
+    return { room.data(), host.width, host.height, 3, 3 * std::ptrdiff_t(host.width) };
+}
+
 } // namespace
 
 HostPixels HostPixels::rows(int first, int count) const
@@ -43,6 +66,8 @@ HostPixels HostPixels::rows(int first, int count) const
 
 RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
 {
+    if (host.spectral)
+        return spectral_view(host, room);
     const auto channel = [&](int color) {
         return host.data
             + host.channels[std::size_t(color)] * stride_t(host.format.size());
@@ -100,7 +125,8 @@ HostPixels FrameWindow::black(Size size)
              size.height,
              0,
              0,
-             { 0, 1, 2 } };
+             { 0, 1, 2 },
+             3 };
 }
 
 } // namespace cg2raw

@@ -4,6 +4,7 @@
 /// @file Pixels as a host hands them over -> views of float RGB.
 #pragma once
 
+#include "cg2raw/spectral_image.h"
 #include "cg2raw/types.h"
 
 #include <OpenImageIO/imageio.h>
@@ -21,12 +22,15 @@ struct HostPixels {
     int width, height;
     OIIO::stride_t xstride, ystride; ///< bytes
     std::array<int, 3> channels; ///< of red, green and blue
+    int nchannels; ///< of a pixel
+    const SpectralResponse* spectral = nullptr; ///< if the channels are a spectrum
 
     /// Rows @p first ... first + count - 1.
     HostPixels rows(int first, int count) const;
 };
 
-/// A view of host pixels as float RGB; @p room holds them when they must be converted.
+/// A view of host pixels as float RGB, camera RGB if they are spectra; @p room holds
+/// them when they must be converted.
 RgbView rgb_view(const HostPixels& host, std::vector<float>& room);
 
 /// Where the pixels of an image lie in the frame that is written: its display window.

@@ -93,6 +93,62 @@ SceneLayer layer_of(const ImageSpec& spec, const std::string& asked)
     return beauty_layer({ part }, asked, hints);
 }
 
+/// The bins of a spectrum among the channels, unless a layer is asked for.
+std::optional<SpectralChannels> bins_of(const ImageSpec& spec,
+                                        const Attributes& attributes)
+{
+    if (!attributes.layer.empty())
+        return std::nullopt;
+    return spectral_channels(
+        spec.channelnames, [&](const std::string& channel) -> std::optional<double> {
+            const double metres = spec.get_float_attribute(channel + ".wavelength", 0);
+            return metres == 0.0 ? std::nullopt : std::optional(metres);
+        });
+}
+
+/// The luminance that is white, as it is asked for or as OpenEXR files say it.
+double white_of(const ImageSpec& spec, const Attributes& attributes)
+{
+    const double said = spec.get_float_attribute(
+        "whiteLuminance", spec.get_float_attribute("openexr:whiteLuminance", 0));
+    if (!attributes.exposure && said == 0.0)
+        throw Error("which luminance is white? Its channels are spectral radiance in "
+                    "W/(m2 sr nm): add --attrib dng:exposure CD_PER_M2, such as 100");
+    return attributes.exposure.value_or(said);
+}
+
+/// What belongs to RGB alone.
+void refuse_rgb_options(const Attributes& attributes)
+{
+    const std::string start = "its channels are a spectrum, so that ";
+    if (attributes.convention && *attributes.convention != Convention::sensor
+        && *attributes.convention != Convention::spectral)
+        throw Error(
+            start + "dng:convention " + name_of(*attributes.convention)
+            + " has no meaning: leave it out, or name the picture by dng:layer");
+    if (attributes.highlights.value_or(false))
+        throw Error(start + "dng:highlights has no meaning: leave it out");
+    if (attributes.gain || attributes.sample_gain)
+        throw Error(start + "dng:gain has no meaning: change dng:exposure");
+}
+
+/// Pixels are light as the sensor's channels see it, white by its sensitivities.
+void put_spectrum(const ImageSpec& spec, const Attributes& attributes,
+                  const SpectralChannels& bins, Request& request)
+{
+    refuse_rgb_options(attributes);
+    if (!request.profile.spectral_sensitivities)
+        throw Error("its channels are a spectrum, and sensor " + request.profile.id
+                    + " has no spectral_sensitivities: make a profile with cg2raw "
+                      "profile --ssf, or take the RGB picture (oiiotool --ch R,G,B)");
+    Run& run = request.run;
+    const Illuminant light = illuminant(request.profile, run.illuminant, run.as_shot);
+    request.spectral.emplace(request.profile, light, bins, white_of(spec, attributes));
+    run.illuminant = seen_by_sensitivities(request.profile, run.illuminant);
+    run.camera_input = true;
+    run.convention = Convention::sensor;
+}
+
 /// The name that a file will have: oiiotool writes <stem>.<8 hex digits>.temp.<ending>
 /// and renames that.
 std::string final_name(const std::string& file)
@@ -195,12 +251,15 @@ Run run_of(const Attributes& attributes)
 }
 
 /// What pixels that are no RAW must have beside them: a sensor and Rec.709.
-void require_scene(const ImageSpec& spec, const Attributes& attributes, bool has_sensor)
+void require_scene(const ImageSpec& spec, const Attributes& attributes, bool has_sensor,
+                   bool is_spectral)
 {
     if (!has_sensor && attributes.reference.empty())
         throw Error("which sensor? Add --attrib dng:sensor ID (cg2raw doctor lists "
                     "them) or --attrib dng:reference FILE.dng, or convert with "
                     "--tocolorspace \"RAW - <sensor> - <illuminant>\"");
+    if (is_spectral)
+        return;
     require_rec709(color_space_of(spec));
     require_rec709_primaries(spec);
 }
@@ -236,29 +295,35 @@ void put_reference(const std::string& file, const std::optional<SensorProfile>& 
 Request request_of(const ImageSpec& spec, const std::string& file)
 {
     const Attributes attributes = attributes_of(spec);
-    const SceneLayer layer = layer_of(spec, attributes.layer);
+    const auto bins = bins_of(spec, attributes);
+    if (!bins && attributes.exposure)
+        throw Error("dng:exposure is the luminance of white of a spectral image, and "
+                    "this one has no channels such as S0.550nm: leave it out");
+    const SceneLayer layer = bins ? SceneLayer {} : layer_of(spec, attributes.layer);
     std::optional<SensorProfile> sensor;
     if (!attributes.sensor.empty())
         sensor = load_profile(attributes.sensor);
-    Request request {
-        layer, {}, run_of(attributes), attributes.options, shot_of(spec)
-    };
+    Request request { layer,        {}, {}, run_of(attributes), attributes.options,
+                      shot_of(spec) };
     request.run.frame = frame_of(spec, attributes, file);
 
-    if (const auto space = raw_space_of(spec, attributes, sensor)) {
+    if (const auto space
+        = bins ? std::nullopt : raw_space_of(spec, attributes, sensor)) {
         request.run.camera_input = true;
         request.run.color_effects = false;
         request.run.illuminant = space->illuminant;
         if (!sensor)
             sensor = load_profile(space->sensor);
     } else {
-        require_scene(spec, attributes, sensor.has_value());
+        require_scene(spec, attributes, sensor.has_value(), bins.has_value());
     }
     if (attributes.reference.empty())
         request.profile = *sensor;
     else
         put_reference(attributes.reference, sensor, request);
     require_light(request);
+    if (bins)
+        put_spectrum(spec, attributes, *bins, request);
     request.run.exposure_time = request.shot.exposure_time;
     if (attributes.iso)
         request.shot.iso = int(std::lround(*attributes.iso));

@@ -6,6 +6,7 @@
 
 #include "cg2raw/dng_writer.h"
 #include "cg2raw/scene_file.h"
+#include "cg2raw/spectral_image.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -14,6 +15,7 @@ namespace cg2raw {
 /// Everything that decides a file, from the attributes of the image.
 struct Request {
     SceneLayer layer; ///< the channels to take
+    std::optional<SpectralResponse> spectral; ///< of spectra, which are taken instead
     SensorProfile profile;
     Run run;
     DngOptions options;

@@ -12,6 +12,7 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_color(m);
     cg2raw::python::bind_scene_file(m);
     cg2raw::python::bind_profile(m);
+    cg2raw::python::bind_spectral_image(m);
     cg2raw::python::bind_transform(m);
     cg2raw::python::bind_simulation(m);
     cg2raw::python::bind_signal(m);

@@ -36,6 +36,7 @@ class Request:
     run: Mapping[str, Any] = field(default_factory=dict)  # fields of cg2raw.Run
     frame: int | None = None  # None: by the names of files, or the time code
     exposure: float = 0.0  # EV
+    white: float | None = None  # cd/m2 of white in spectral images
     layer: str | None = None  # None: the picture, by the conventions of renderers
     space: str | None = None  # the name of the pixels' colour space, if the file errs
     linearize: str | None = None  # "srgb"
@@ -47,10 +48,8 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
     """Write the DNG @output of the image at @path; return the report, of JSON's types.
 
     Raises ValueError or OSError in one line; then there is no new file."""
-    image = image_file.read_image(
-        path, request.layer, undo=request.linearize, space=request.space
-    )
-    asked = {**request.run, "frame": frame_of(image, output, request)}
+    image, of_pixels = image_of(path, request)
+    asked = {**request.run, **of_pixels, "frame": frame_of(image, output, request)}
     pixels = image.pixels
     if request.exposure:
         pixels = pixels * np.float32(2.0**request.exposure)
@@ -80,6 +79,63 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
         "linearized": image.undone or None,
         "nan": int(nan),
         "inf": int(inf),
+    }
+
+
+def image_of(path: FilePath, request: Request) -> tuple[Image, dict[str, Any]]:
+    """Return (Image, the fields of a Run that its pixels decide) of a file.
+
+    Raises ValueError, OSError."""
+    bins = image_file.spectral_channels(path) if request.layer is None else None
+    if bins is not None:
+        return spectral_image_of(path, bins, request)
+    if request.white is not None:
+        raise ValueError(
+            f"{path}: --white-luminance is for spectral images, and this one has no "
+            "channels such as S0.550nm: leave it out"
+        )
+    image = image_file.read_image(
+        path, request.layer, undo=request.linearize, space=request.space
+    )
+    return image, {}
+
+
+def spectral_image_of(
+    path: FilePath, bins: _core.SpectralChannels, request: Request
+) -> tuple[Image, dict[str, Any]]:
+    """Return what image_of does of a spectral image: camera RGB of its spectra.
+
+    Raises ValueError, OSError."""
+    start = f"{path}: its channels are a spectrum"
+    sensor = request.sensor
+    if request.upi or sensor is None or sensor.spectral_sensitivities is None:
+        raise ValueError(
+            f"{start}: give a --sensor that has spectral_sensitivities, and no --method"
+        )
+    for name, option in CONVERTING.items():
+        if request.run.get(name, "sensor") not in ("sensor", "spectral", False):
+            raise ValueError(f"{start}: --{option} has no meaning, leave it out")
+    white = request.white or image_file.white_luminance(path)
+    if white is None:
+        raise ValueError(
+            f"{start} in W/(m2 sr nm): which luminance is white? Add --white-luminance "
+            "CD_PER_M2, such as 100"
+        )
+    word = request.run.get("illuminant")
+    if word is None:
+        raise ValueError(
+            f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
+        )
+    as_shot = None
+    if request.reference:
+        as_shot = _core.read_dng_metadata(request.reference).as_shot_neutral
+    light = sensor.profile.illuminant(word, as_shot)
+    response = _core.SpectralResponse(sensor.profile, light, bins.wavelengths, white)
+    image = image_file.read_spectra(path, bins, response)
+    return image, {
+        "illuminant": _core.seen_by_sensitivities(sensor.profile, word),
+        "convention": "sensor",
+        "camera_input": True,
     }
 
 

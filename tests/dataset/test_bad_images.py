@@ -40,7 +40,7 @@ def png_of_no_size():
 
 @pytest.fixture
 def mixed(tmp_path, repository):
-    """Return a folder of five good and ten bad images."""
+    """Return a folder of five good and eleven bad images."""
     folder = folder_of_images(tmp_path / "in")
     whole = (repository / "tests/data/interior.exr").read_bytes()
     (folder / "cut.exr").write_bytes(whole[: len(whole) // 2])
@@ -53,6 +53,8 @@ def mixed(tmp_path, repository):
     write_image(folder / "one.exr", scene()[..., :1].copy())
     write_image(folder / "row.exr", scene((1, 30000)))
     write_image(folder / "col.exr", scene((30000, 1)))
+    bins = {"R.wavelength": 6e-7, "G.wavelength": 5.5e-7}
+    write_image(folder / "spectral.exr", scene(), **bins)
     return folder
 
 
@@ -65,6 +67,7 @@ REASONS = {
     "nothing.png": "Not a PNG",
     "one.exr": "needs R, G and B",
     "row.exr": "is 30000x1 pixels",
+    "spectral.exr": "its channels are a spectrum",
     "text.exr": "magic",
     "zero.png": "IHDR",
 }
@@ -74,7 +77,7 @@ def test_bad_images_are_listed_and_the_rest_is_done(mixed, images, tmp_path):
     done = run("dataset", mixed, tmp_path / "out", *OPTIONS)
     assert done.code == 1 and done.out.startswith("wrote")
     *lines, last = done.err.splitlines()
-    assert last == "cg2raw dataset: 10 of 15 images could not be used"
+    assert last == "cg2raw dataset: 11 of 16 images could not be used"
     assert len(lines) == len(REASONS)
     for line, (name, reason) in zip(lines, REASONS.items(), strict=True):
         assert line.startswith(f"cg2raw dataset: {name}: ") and reason in line
@@ -85,7 +88,7 @@ def test_bad_images_are_listed_and_the_rest_is_done(mixed, images, tmp_path):
 
 def test_bad_images_are_listed_again_until_mended_or_gone(mixed, tmp_path):
     run("dataset", mixed, tmp_path / "out", *OPTIONS)
-    assert run("dataset", mixed, tmp_path / "out", *OPTIONS).err.count("\n") == 11
+    assert run("dataset", mixed, tmp_path / "out", *OPTIONS).err.count("\n") == 12
     write_image(mixed / "text.exr", scene())
     for name in REASONS.keys() - {"text.exr"}:
         (mixed / name).unlink()

@@ -219,6 +219,12 @@ def profiles():
     shading = {"r2": -0.3, "r4": 0.1, "r6": 0.0, "tilt_x": 0.01, "tilt_y": 0.0}
     shading |= {"tilt_x_r2": 0.0, "tilt_y_r2": -0.02}
     x_trans = {"cfa": X_TRANS, "black_level": [512, 513, 514]}
+    lamp = {"name": "x", "neutral": [0.5, 0.6], "color_matrix": second}
+    power = {"wavelengths": [400, 545, 546, 700], "values": [0.2, 0, 9, 0.4]}
+    curves = {"wavelengths": list(range(380, 781, 20))}
+    for channel, peak in (("R", 600), ("G", 540), ("B", 460)):
+        away = [abs(nm - peak) / 100 for nm in curves["wavelengths"]]
+        curves[channel] = [max(0.01, round(1 - far, 3)) for far in away]
     return {
         "one_matrix": profile(),
         "two_matrices": profile(**pair),
@@ -253,6 +259,13 @@ def profiles():
             calibration_illuminant_1=None,
             color_matrix_1=None,
             noise=noise,
+        ),
+        "lamps": profile(lamps=[lamp, {**lamp, "name": "FL2", "power": power}]),
+        "spectra": profile(
+            spectral_sensitivities=curves, lamps=[{**lamp, "power": power}]
+        ),
+        "photons": profile(
+            spectral_sensitivities={**curves, "unit": "photon", "scale": 0.5}
         ),
         "digital_gain": profile(digital_gain={"mean": 0.9, "sigma": 0.1}),
         "effects": profile(

@@ -6,6 +6,7 @@
 #include "counted_memory.h"
 
 #include "cg2raw/effect.h"
+#include "cg2raw/spectral_image.h"
 #include "cg2raw/transform.h"
 
 #include <algorithm>
@@ -72,7 +73,23 @@ void use_light(const SensorProfile& profile, const char* spec)
                     expect_finite(transform.first.m, "camera_from_scene");
                 expect_finite(transform.gains, "a gain of the white balance");
             });
+        try_step([&] {
+            const auto uplift
+                = camera_from_scene(profile, light, Convention::spectral).uplift;
+            for (const auto& row : *uplift)
+                expect_finite(row, "a matrix of terms");
+        });
         try_step([&] { srgb_from_balanced(profile, light); });
+    });
+}
+
+void use_spectra(const SensorProfile& profile)
+{
+    const SpectralChannels bins { { 0, 1, 2 }, { 400, 500, 640 } };
+    try_step([&] {
+        const SpectralResponse response(profile, illuminant(profile, "D65"), bins, 100);
+        for (const Vec3& bin : response.per_bin())
+            expect_finite(bin, "camera RGB of a bin");
     });
 }
 
@@ -109,8 +126,10 @@ void use(const SensorProfile& profile)
     for (const NoiseAtIso& row : profile.noise)
         for (double stops : { -1.1, -1.0, 0.0, 0.3, 1.0 })
             use_noise(profile, row.iso * std::exp2(stops));
-    for (const char* light : { "sample:3", "A", "D65", "25000K", "neutral:0.5:0.6" })
+    for (const char* light :
+         { "sample:3", "A", "D65", "25000K", "neutral:0.5:0.6", "FL2", "lamp:x" })
         use_light(profile, light);
+    use_spectra(profile);
     try_step([&] {
         for (const EffectSetting& setting : profile.effects)
             values_of(effect(setting.name), setting.parameters, profile.cfa,

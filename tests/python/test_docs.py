@@ -191,6 +191,8 @@ def test_the_reference_lists_all_public_names_and_no_others():
     parts = classes_of_a_diagnosis() - set(diagnose.__all__)
     assert set(reference()) == {
         "cg2raw",
+        "cg2raw.spectra.camera_from_spectra",
+        "cg2raw.spectra.simulate_spectra",
         "cg2raw.calibration",
         "cg2raw.diagnose",
         "cg2raw.synthetic",

@@ -49,6 +49,8 @@ SensorProfile with_measurements(SensorProfile reference, const SensorProfile& me
                     + "\": give only one of them, or a pair of the same camera");
     reference.id = measured.id;
     reference.illuminants = measured.illuminants;
+    reference.lamps = measured.lamps;
+    reference.spectral_sensitivities = measured.spectral_sensitivities;
     reference.digital_gain = measured.digital_gain;
     reference.effects = measured.effects;
     if (!measured.noise.empty())

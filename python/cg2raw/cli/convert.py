@@ -52,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--json", action="store_true", help="the report as JSON, for programs")
     add("--quiet", action="store_true", help="no report, no progress; errors only")
     add_exposure(parser.add_argument_group("exposure"))
+    add_picture(parser.add_argument_group("input"))
     add_upi(parser.add_argument_group("method upi"))
     add_writing(parser.add_argument_group("file"))
 
@@ -87,6 +88,12 @@ def add_exposure(group: argparse._ArgumentGroup) -> None:
         help="keep white white; default: yes",
     )
     add("--effects", choices=("profile", "none"), default="profile", help="of sensors")
+    add("--method", choices=("g2r", "upi"), default="g2r", help="default: g2r")
+
+
+def add_picture(group: argparse._ArgumentGroup) -> None:
+    """Declare what is asked of the file that is read."""
+    add = group.add_argument
     add(
         "--exposure",
         type=number(-64, 64),
@@ -94,10 +101,15 @@ def add_exposure(group: argparse._ArgumentGroup) -> None:
         metavar="EV",
         help="brightens or darkens the render first, as oiiotool --mulc 2^EV",
     )
+    add(
+        "--white-luminance",
+        type=number(1e-6, 1e12),
+        metavar="CD_PER_M2",
+        help="of white in spectral images (channels S0.550nm ...)",
+    )
     add("--layer", metavar="NAME", help="of a layered or multi-part file")
     add("--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says")
     add("--linearize", choices=("srgb",), help="undo sRGB's curve in sRGB pictures")
-    add("--method", choices=("g2r", "upi"), default="g2r", help="default: g2r")
 
 
 def add_upi(group: argparse._ArgumentGroup) -> None:
@@ -188,6 +200,7 @@ def request_of(arguments: argparse.Namespace) -> "Request":
         run=run_of(arguments),
         layer=arguments.layer,
         exposure=arguments.exposure,
+        white=arguments.white_luminance,
         linearize=arguments.linearize,
         space=arguments.iscolorspace,
         upi=upi,

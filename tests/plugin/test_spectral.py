@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Spectral images through oiiotool: others' files, the frames of Python, errors."""
+
+from pathlib import Path
+
+import colour
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+import cg2raw
+from cg2raw.spectra import simulate_spectra
+from dng import dng_files
+from images import attributes, read_dn
+from python import commands
+
+# colour-science's examples of the layout: a render by ART, reflectances.
+FICHET = Path(colour.__file__).parent / "io" / "tests" / "resources"
+CENTRES = np.arange(380.0, 781.0, 12.5)
+ASKED = {"sensor": "canon-600d", "illuminant": "FL2", "exposure": "2000"}
+
+
+def name_of(nm):
+    return "S0." + f"{nm:.1f}nm".replace(".", ",")
+
+
+def write_spectra(path, pixels, names, kind="float", said=(), tile=0):
+    """Write (H, W, N) pixels with named channels; return the path."""
+    height, width, count = pixels.shape
+    spec = oiio.ImageSpec(width, height, count, kind)
+    spec.channelnames = tuple(names)
+    spec.tile_width = spec.tile_height = tile
+    for name, value in said:
+        spec.attribute(name, value)
+    image = oiio.ImageOutput.create(str(path))
+    assert image.open(str(path), spec), image.geterror()
+    assert image.write_image(np.ascontiguousarray(pixels, np.float32))
+    image.close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def spectra():
+    """Return (40, 56, N) spectra: smooth ones, and lines."""
+    rng = np.random.default_rng(8)
+    smooth = rng.random((40, 56, 6)) @ rng.random((6, len(CENTRES)))
+    lines = (rng.random((40, 56, len(CENTRES))) > 0.97) * 8.0
+    return (smooth + lines).astype(np.float32)
+
+
+def expected(spectra, centres=CENTRES, **run):
+    return simulate_spectra(
+        cg2raw.Sensor("canon-600d"),
+        spectra,
+        centres,
+        illuminant="FL2",
+        white=2000.0,
+        **run,
+    )
+
+
+@pytest.mark.parametrize("tile", [0, 16])
+def test_pixels_are_those_of_python(oiiotool, tmp_path, spectra, tile):
+    names = [name_of(nm) for nm in CENTRES]
+    path = write_spectra(tmp_path / "s.exr", spectra, names, tile=tile)
+    oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "s.dng")
+    assert np.array_equal(read_dn(tmp_path / "s.dng"), expected(spectra))
+
+
+def test_half_floats_are_read_too(oiiotool, tmp_path, spectra):
+    names = [name_of(nm) for nm in CENTRES]
+    path = write_spectra(tmp_path / "s.exr", spectra, names, kind="half")
+    oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "s.dng")
+    rounded = spectra.astype(np.float16).astype(np.float32)
+    assert np.array_equal(read_dn(tmp_path / "s.dng"), expected(rounded))
+
+
+def test_other_channels_and_their_order_do_not_matter(oiiotool, tmp_path, spectra):
+    """A preview, other Stokes components, and bins from long to short."""
+    names = ["R", "G", "B", "A", *(name_of(nm) for nm in CENTRES[::-1]), "S1.550nm"]
+    others = np.full((*spectra.shape[:2], 4), 0.5, np.float32)
+    pixels = np.concatenate([others, spectra[..., ::-1], others[..., :1]], axis=2)
+    path = write_spectra(tmp_path / "s.exr", pixels, names)
+    oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "s.dng")
+    # Each pixel adds its bins by rising wavelength, wherever they lie.
+    assert np.array_equal(read_dn(tmp_path / "s.dng"), expected(spectra))
+
+
+def test_wavelengths_in_attributes(oiiotool, tmp_path, spectra):
+    names = [f"wl{i:02}" for i in range(len(CENTRES))]
+    metres = zip(names, CENTRES * 1e-9, strict=True)
+    said = [(f"{name}.wavelength", metre) for name, metre in metres]
+    path = write_spectra(tmp_path / "s.exr", spectra, names, said=said)
+    oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "s.dng")
+    found, wanted = read_dn(tmp_path / "s.dng"), expected(spectra)
+    # Attributes are single precision: 380 nm may be 380.00001 nm.
+    assert np.abs(found.astype(int) - wanted.astype(int)).max() <= 1
+
+
+def test_effects_of_the_whole_frame_take_spectra_too(oiiotool, tmp_path, spectra):
+    known = {effect["name"]: effect["parameters"] for effect in cg2raw.effects()}
+    values = {p["name"]: p["null"] for p in known["blur"]} | {"ring_1": 0.2}
+    blur = {"name": "blur", "parameters": values}
+    sensor = dng_files.sensor("canon-600d", effects=[blur])
+    (tmp_path / "blurred.json").write_text(sensor.to_json())
+    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
+    asked = {**ASKED, "sensor": str(tmp_path / "blurred.json")}
+    oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng")
+    wanted = simulate_spectra(sensor, spectra, CENTRES, illuminant="FL2", white=2000.0)
+    assert np.array_equal(read_dn(tmp_path / "s.dng"), wanted)
+
+
+def test_a_polarised_render_by_art(oiiotool, tmp_path):
+    path = FICHET / "Polarised.exr"
+    asked = {"sensor": "nikon-d850", "illuminant": "D65", "exposure": "500"}
+    oiiotool(path, *attributes(**asked), "-o", tmp_path / "art.dng")
+    pixels = oiio.ImageBuf(str(path))
+    names = list(pixels.spec().channelnames)
+    centres = np.arange(400.0, 681.0, 40.0)
+    at = [names.index(f"S0.{nm:.0f},000000nm") for nm in centres]
+    spectra = pixels.get_pixels(oiio.FLOAT)[..., at]
+    wanted = simulate_spectra(
+        cg2raw.Sensor("nikon-d850"), spectra, centres, illuminant="D65", white=500.0
+    )
+    found = read_dn(tmp_path / "art.dng")
+    assert np.array_equal(found, wanted)
+    assert found.max() > found.min() + 1000
+    tags = dng_files.tags_of(tmp_path / "art.dng")[0]
+    neutral = np.divide(tags["AsShotNeutral"][::2], tags["AsShotNeutral"][1::2])
+    rgb = illuminated(cg2raw.Sensor("nikon-d850"))
+    assert neutral == pytest.approx(rgb / rgb[1], rel=3e-3)
+
+
+def illuminated(sensor):
+    """What the sensitivities see of D65."""
+    from cg2raw.profile.illuminant_spectra import illuminant_spectrum
+
+    return illuminant_spectrum("D65") @ sensor.spectral_sensitivities["rgb"]
+
+
+def test_white_luminance_of_the_file_stands_in_for_exposure(
+    oiiotool, tmp_path, spectra
+):
+    names = [name_of(nm) for nm in CENTRES]
+    said = [("whiteLuminance", 2000.0)]
+    path = write_spectra(tmp_path / "s.exr", spectra, names, said=said)
+    asked = {name: value for name, value in ASKED.items() if name != "exposure"}
+    oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng")
+    assert np.array_equal(read_dn(tmp_path / "s.dng"), expected(spectra))
+
+
+WRONG = {
+    "no exposure": ({"exposure": None}, "which luminance is white"),
+    "no light": ({"illuminant": None}, "under which light"),
+    "no sensor": ({"sensor": None}, "which sensor"),
+    "no sensitivities": ({"sensor": "nikon-d40"}, "no spectral_sensitivities: make a"),
+    "exposure 0": ({"exposure": "0"}, "the luminance of white in cd/m2"),
+    "paper": ({"convention": "paper"}, "dng:convention paper has no meaning"),
+    "gain": ({"gain": "2"}, "dng:gain has no meaning: change dng:exposure"),
+    "highlights": ({"highlights": "1"}, "dng:highlights has no meaning"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_does_not_go_together_is_one_error(oiiotool, tmp_path, spectra, case):
+    changes, message = WRONG[case]
+    asked = {k: v for k, v in {**ASKED, **changes}.items() if v is not None}
+    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
+    done = oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
+    assert message in done.stdout + done.stderr
+    assert not list(tmp_path.glob("*.dng"))
+
+
+def test_a_reflectance_is_no_light(oiiotool, tmp_path):
+    path = FICHET / "Ohta1997.exr"
+    done = oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "s.dng", check=False)
+    assert "is a reflectance (channels T.), not light" in done.stdout + done.stderr
+
+
+def test_exposure_is_for_spectra_alone(oiiotool, exr, tmp_path):
+    done = oiiotool(exr, *attributes(**ASKED), "-o", tmp_path / "s.dng", check=False)
+    assert "dng:exposure is the luminance of white" in done.stdout + done.stderr
+
+
+def test_a_named_layer_is_taken_instead(oiiotool, tmp_path, spectra):
+    names = [f"preview.{c}" for c in "RGB"] + [name_of(nm) for nm in CENTRES]
+    rgb = np.full((*spectra.shape[:2], 3), 0.25, np.float32)
+    path = write_spectra(
+        tmp_path / "s.exr", np.concatenate([rgb, spectra], axis=2), names
+    )
+    asked = {"sensor": "canon-600d", "illuminant": "D65", "layer": "preview"}
+    oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng")
+    wanted = cg2raw.Sensor("canon-600d").simulate(rgb, illuminant="D65")
+    assert np.array_equal(read_dn(tmp_path / "s.dng"), wanted)
+
+
+def test_the_command_writes_the_same_bytes(oiiotool, tmp_path, spectra):
+    names = ["R", "G", "B", *(name_of(nm) for nm in CENTRES)]
+    pixels = np.concatenate([spectra[..., :3], spectra], axis=2)
+    path = write_spectra(tmp_path / "s.exr", pixels, names)
+    oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "a.dng")
+    words = ["--sensor", "canon-600d", "--illuminant", "FL2", "--white-luminance", 2000]
+    done = commands.run("convert", path, "-o", tmp_path / "b.dng", *words)
+    assert done.code == 0, done.err
+    assert (tmp_path / "a.dng").read_bytes() == (tmp_path / "b.dng").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--sensor", "canon-600d", "--illuminant", "FL2"], "Add --white-luminance"),
+        (["--sensor", "nikon-d40", "--illuminant", "A"], "has spectral_sensitivities"),
+        (["--sensor", "canon-600d", "--white-luminance", 5], "under which light"),
+        (
+            ["--sensor", "canon-600d", "--illuminant", "A", "--gain", "2"],
+            "--gain has no meaning",
+        ),
+    ],
+)
+def test_what_the_command_needs_is_one_line(tmp_path, spectra, words, message):
+    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
+    assert message in commands.fails("convert", path, "-o", tmp_path / "b.dng", *words)
+    assert not list(tmp_path.glob("*.dng"))
+
+
+def test_the_command_tells_pictures_from_spectra(exr, tmp_path):
+    words = ["--sensor", "canon-600d", "--illuminant", "A", "--white-luminance", 5]
+    line = commands.fails("convert", exr, "-o", tmp_path / "b.dng", *words)
+    assert "--white-luminance is for spectral images" in line
+    words = ["--sensor", "canon-600d", "--illuminant", "A"]
+    path = FICHET / "Ohta1997.exr"
+    line = commands.fails("convert", path, "-o", tmp_path / "b.dng", *words)
+    assert "is a reflectance" in line
