@@ -271,7 +271,7 @@ def test_convention_sensor_clips_at_white_alone():
     assert noisy.predict(white, **run, convention="sensor")[1].min() > 1e-6
     dark = sensor.signal(-white, **run, convention="sensor")
     assert dark.max() == dark.min() == 0.0
-    with pytest.raises(ValueError, match="dng, paper or sensor"):
+    with pytest.raises(ValueError, match="dng, paper, sensor or spectral"):
         sensor.to_camera(dim, convention="film", **how)
 
 

@@ -60,8 +60,8 @@ double integral(const std::function<double(double)>& integrand,
 /// All of both, rising, each once.
 std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b);
 
-/// What the channels see of @p light over the visible range. Throws Error if one of them
-/// sees nothing.
+/// What the channels see of @p light over the visible range. Throws Error if one of
+/// them sees nothing.
 Vec3 response(const SpectralSensitivities& sensitivities, const Spectrum& light);
 
 } // namespace cg2raw

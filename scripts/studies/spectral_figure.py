@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Draw a ColorChecker under a fluorescent lamp: spectra, matrices, convention spectral.
+
+    python scripts/studies/spectral_figure.py OUT.png [--sensor ID] [--light FL2]
+
+Each DNG is rendered by LibRaw. The chart's spectra are those of ISO 17321-1, as
+colour-science has them; the RGB is their colour under D65."""
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import rawpy
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "scripts" / "studies")]
+
+import cg2raw  # noqa: E402
+from cg2raw.profile.illuminant_spectra import illuminant_spectrum  # noqa: E402
+from cg2raw.profile.spectral_file import WAVELENGTHS  # noqa: E402
+from cg2raw.spectra import simulate_spectra  # noqa: E402
+from oracles import spectral  # noqa: E402
+from spectral_study import rec709  # noqa: E402
+
+SIDE = 60  # pixels of a patch
+STEP = WAVELENGTHS[1] - WAVELENGTHS[0]
+GAIN = 4  # of the maps of differences
+
+
+def chart_of(patches):
+    """Return the (H, W, n) float32 image of 24 patches (24, n)."""
+    rows = patches.reshape(4, 6, -1)
+    return rows.repeat(SIDE, axis=0).repeat(SIDE, axis=1).astype(np.float32)
+
+
+def rendered(frame, folder):
+    """Return LibRaw's (H, W, 3) uint8 sRGB of a RAW frame."""
+    path = Path(folder) / "chart.dng"
+    cg2raw.write_dng(path, frame)
+    with rawpy.imread(str(path)) as raw:
+        return raw.postprocess(use_camera_wb=True, no_auto_bright=True)
+
+
+def pictures(id, light, folder):
+    """Return {title: (H, W, 3) uint8} of the chart, the spectral one first."""
+    sensor, power = cg2raw.Sensor(id), illuminant_spectrum(light)
+    patches = spectral.held_out()["ColorChecker"]
+    lumens = 683.0 * STEP * (power @ spectral.observer()[:, 1])
+    radiance = chart_of(patches * power)
+    frames = {
+        "spectral image": simulate_spectra(
+            sensor, radiance, WAVELENGTHS, illuminant=light, white=lumens
+        )
+    }
+    for convention in ("sensor", "spectral"):
+        frames[f"RGB, convention {convention}"] = sensor.simulate(
+            chart_of(rec709(patches)), illuminant=light, convention=convention
+        )
+    return {title: rendered(frame, folder) for title, frame in frames.items()}
+
+
+def draw(found, title):
+    """Return the figure: pictures above, their differences from the first below."""
+    figure = Figure(figsize=(11, 5.2), dpi=100, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(2, len(found))
+    truth = next(iter(found.values())).astype(np.int32)
+    for (name, picture), above, below in zip(found.items(), *axes, strict=True):
+        difference = np.abs(picture.astype(np.int32) - truth)
+        above.imshow(picture)
+        above.set_title(name, fontsize=11)
+        below.imshow(np.clip(GAIN * difference, 0, 255).astype(np.uint8))
+        below.set_title(
+            f"difference x {GAIN}, mean {difference.mean():.1f}", fontsize=10
+        )
+        for panel in (above, below):
+            panel.set_axis_off()
+    figure.suptitle(title, fontsize=12)
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", metavar="OUT.png")
+    parser.add_argument("--sensor", default="canon-600d")
+    parser.add_argument("--light", default="FL2")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        found = pictures(arguments.sensor, arguments.light, folder)
+    title = f"{arguments.sensor} under {arguments.light}, rendered by LibRaw"
+    figure = draw(found, title)
+    figure.savefig(arguments.out, metadata={"Software": None})
+
+
+if __name__ == "__main__":
+    main()
