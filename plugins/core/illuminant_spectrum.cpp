@@ -30,14 +30,6 @@ constexpr double mired_step = 4.0;
 /// Two neutrals whose ratios differ by no more are taken for one light: 2 %.
 constexpr double alike = 0.02;
 
-std::vector<double> table_wavelengths()
-{
-    std::vector<double> nm;
-    for (double at = visible_from; at <= visible_to; at += table_step)
-        nm.push_back(at);
-    return nm;
-}
-
 template <std::size_t n> Spectrum spectrum_from(const std::array<double, n>& values)
 {
     return { table_wavelengths(), { values.begin(), values.end() } };
@@ -98,9 +90,10 @@ void append(std::vector<Candidate>& all, const SensorProfile& profile, Spectrum 
 std::vector<Candidate> candidates(const SensorProfile& profile)
 {
     std::vector<Candidate> all;
-    for (double mired = 1e6 / least_black_body; mired >= 1e6 / most_daylight;
-         mired -= mired_step) {
-        const double kelvin = std::round(1e6 / mired);
+    constexpr double warmest = 1e6 / least_black_body, coolest = 1e6 / most_daylight;
+    constexpr int steps = int((warmest - coolest) / mired_step);
+    for (int step = 0; step <= steps; ++step) {
+        const double kelvin = std::round(1e6 / (warmest - mired_step * step));
         const std::string name = number(kelvin) + " K";
         if (kelvin < least_daylight)
             append(all, profile, black_body(kelvin), "black body of " + name);
@@ -174,6 +167,14 @@ std::optional<LightSpectrum> named(const std::string& word)
 }
 
 } // namespace
+
+std::vector<double> table_wavelengths()
+{
+    std::vector<double> nm(lamp_powers[0].size());
+    for (std::size_t i = 0; i < nm.size(); ++i)
+        nm[i] = visible_from + table_step * double(i);
+    return nm;
+}
 
 std::optional<LightSpectrum> lamp_spectrum(const std::string& name)
 {

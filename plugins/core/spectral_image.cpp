@@ -5,6 +5,7 @@
 
 #include "illuminant_daylight_tables.h"
 #include "illuminant_spec.h"
+#include "illuminant_spectrum.h"
 #include "multiversion.h"
 #include "text.h"
 
@@ -44,9 +45,8 @@ Vec3 seen_between(const SpectralSensitivities& sensitivities, double from, doubl
 /// cd/m2 of a radiance in W/(m2 sr nm).
 double luminance_of(const Spectrum& radiance)
 {
-    Spectrum luminosity { {}, { luminous.begin(), luminous.end() } };
-    for (std::size_t i = 0; i < luminous.size(); ++i)
-        luminosity.wavelengths.push_back(visible_from + 5.0 * double(i));
+    const Spectrum luminosity { table_wavelengths(),
+                                { luminous.begin(), luminous.end() } };
     const std::vector<double> nodes
         = merged(luminosity.wavelengths, radiance.wavelengths);
     return luminous_efficacy
@@ -104,7 +104,7 @@ CG2RAW_MULTIVERSION void add_bins(const float* pixels, std::ptrdiff_t pixel_stri
             of_c += weight * c[channel];
             of_d += weight * d[channel];
         }
-        float* const to = rgb + 3 * first;
+        float* const to = rgb + 3 * std::ptrdiff_t(first);
         put(of_a, to);
         put(of_b, to + 3);
         put(of_c, to + 6);
@@ -115,7 +115,7 @@ CG2RAW_MULTIVERSION void add_bins(const float* pixels, std::ptrdiff_t pixel_stri
         for (std::size_t bin = 0; bin < count; ++bin)
             sums
                 += sums_of(weights[bin]) * pixels[first * pixel_stride + channels[bin]];
-        put(sums, rgb + 3 * first);
+        put(sums, rgb + 3 * std::ptrdiff_t(first));
     }
 }
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace cg2raw {
 namespace {
@@ -129,8 +130,8 @@ std::optional<SpectralChannels> spectral_channels(
             "picture alone is taken after oiiotool --ch R,G,B");
     if (bins.empty())
         return std::nullopt;
-    std::stable_sort(bins.begin(), bins.end(), [](const Bin& a, const Bin& b) {
-        return a.wavelength < b.wavelength;
+    std::sort(bins.begin(), bins.end(), [](const Bin& a, const Bin& b) {
+        return std::pair(a.wavelength, a.channel) < std::pair(b.wavelength, b.channel);
     });
     SpectralChannels result;
     for (const auto& [nm, channel] : bins) {

@@ -3,6 +3,7 @@
 
 #include "transform_uplift.h"
 
+#include "illuminant_spectrum.h"
 #include "transform_uplift_basis.h"
 
 #include <numeric>
@@ -12,9 +13,7 @@ namespace cg2raw {
 UpliftMatrix balanced_from_terms(const SpectralSensitivities& sensitivities,
                                  const Spectrum& light)
 {
-    Spectrum basis;
-    for (std::size_t i = 0; i < uplift_basis[0].size(); ++i)
-        basis.wavelengths.push_back(visible_from + 5.0 * double(i));
+    Spectrum basis { table_wavelengths(), {} };
     const std::vector<double> nodes = merged(
         merged(sensitivities.wavelengths, light.wavelengths), basis.wavelengths);
     response(sensitivities, light); // throws where a channel sees nothing
