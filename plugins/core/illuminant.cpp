@@ -30,12 +30,6 @@ Mat3 as_converters_read(Mat3 camera_from_xyz)
     return camera_from_xyz;
 }
 
-Vec3 over_green(const Vec3& camera)
-{
-    return { rounded(camera[0] / camera[1], 1e6), 1.0,
-             rounded(camera[2] / camera[1], 1e6) };
-}
-
 [[noreturn]] void fail_unknown_lamp(const SensorProfile& profile,
                                     const std::string& name)
 {
@@ -115,6 +109,12 @@ Illuminant mono_illuminant(const SensorProfile& profile, std::string_view spec)
 }
 
 } // namespace
+
+Vec3 over_green(const Vec3& camera)
+{
+    return { rounded(camera[0] / camera[1], 1e6), 1.0,
+             rounded(camera[2] / camera[1], 1e6) };
+}
 
 std::array<std::size_t, 2> warm_and_cool(const SensorProfile& profile)
 {
@@ -213,7 +213,10 @@ Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
     const Lamp* const lamp = lamp_named(profile.lamps, spec);
     const Vec3 neutral = lamp ? over_green({ lamp->neutral[0], 1.0, lamp->neutral[1] })
                               : neutral_of(profile, parse_illuminant(spec), as_shot);
-    const Chromaticity xy = xy_from_neutral(calibrated_for(profile, spec), neutral).xy;
+    const Chromaticity xy
+        = (lamp ? xy_from_neutral(calibrated_for(profile, spec), neutral)
+                : xy_from_neutral(profile, neutral))
+              .xy;
     return { std::string(spec), profile.id, neutral, xy,
              temperature_from_xy(xy, RobertsonTable::adobe) };
 }

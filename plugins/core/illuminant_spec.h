@@ -24,6 +24,9 @@ IlluminantSpec parse_illuminant(std::string_view spec);
 std::array<double, 2> sampled_neutral(const SensorProfile& profile,
                                       std::uint32_t index);
 
+/// A neutral of camera RGB: G = 1, at 1e-6.
+Vec3 over_green(const Vec3& camera);
+
 /// Index of the warmer and the cooler calibration; the same if there is but one.
 std::array<std::size_t, 2> warm_and_cool(const SensorProfile& profile);
 

@@ -162,9 +162,8 @@ std::string seen_by_sensitivities(const SensorProfile& profile, const std::strin
     if (names_chromaticity || (kind != Kind::xy && kind != Kind::kelvin))
         return spec;
     const Spectrum power = spectrum_of(profile, illuminant(profile, spec)).power;
-    const Vec3 seen = response(*profile.spectral_sensitivities, power);
-    return "neutral:" + number(std::round(1e6 * seen[0] / seen[1]) / 1e6) + ":"
-        + number(std::round(1e6 * seen[2] / seen[1]) / 1e6);
+    const Vec3 neutral = over_green(response(*profile.spectral_sensitivities, power));
+    return "neutral:" + number(neutral[0]) + ":" + number(neutral[2]);
 }
 
 } // namespace cg2raw

@@ -25,6 +25,7 @@ CONVERTING = {
     "digital_gain": "gain",
     "highlights": "highlights",
 }
+NO_LIGHT = f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
 
 
 @dataclass(frozen=True)
@@ -86,9 +87,9 @@ def image_of(path: FilePath, request: Request) -> tuple[Image, dict[str, Any]]:
     """Return (Image, the fields of a Run that its pixels decide) of a file.
 
     Raises ValueError, OSError."""
-    bins = image_file.spectral_channels(path) if request.layer is None else None
-    if bins is not None:
-        return spectral_image_of(path, bins, request)
+    spectra = image_file.spectra_in(path) if request.layer is None else None
+    if spectra is not None:
+        return spectral_image_of(path, spectra, request)
     if request.white is not None:
         raise ValueError(
             f"{path}: --white-luminance is for spectral images, and this one has no "
@@ -101,7 +102,7 @@ def image_of(path: FilePath, request: Request) -> tuple[Image, dict[str, Any]]:
 
 
 def spectral_image_of(
-    path: FilePath, bins: _core.SpectralChannels, request: Request
+    path: FilePath, spectra: image_file.Spectra, request: Request
 ) -> tuple[Image, dict[str, Any]]:
     """Return what image_of does of a spectral image: camera RGB of its spectra.
 
@@ -115,7 +116,7 @@ def spectral_image_of(
     for name, option in CONVERTING.items():
         if request.run.get(name, "sensor") not in ("sensor", "spectral", False):
             raise ValueError(f"{start}: --{option} has no meaning, leave it out")
-    white = request.white or image_file.white_luminance(path)
+    bins, white = spectra.bins, request.white or spectra.white
     if white is None:
         raise ValueError(
             f"{start} in W/(m2 sr nm): which luminance is white? Add --white-luminance "
@@ -123,9 +124,7 @@ def spectral_image_of(
         )
     word = request.run.get("illuminant")
     if word is None:
-        raise ValueError(
-            f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
-        )
+        raise ValueError(NO_LIGHT)
     as_shot = None
     if request.reference:
         as_shot = _core.read_dng_metadata(request.reference).as_shot_neutral
@@ -179,9 +178,7 @@ def exposure_of(
         raise ValueError("which sensor? Add --sensor ID (cg2raw sensors lists them)")
     image_file.check_rec709(image)
     if "illuminant" not in asked and not is_mono_sensor(request):
-        raise ValueError(
-            f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
-        )
+        raise ValueError(NO_LIGHT)
     return request.sensor, asked
 
 

@@ -18,14 +18,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "scripts" / "studies")]
+sys.path.insert(0, str(ROOT / "tests"))
 
 import cg2raw  # noqa: E402
 from cg2raw.profile.illuminant_spectra import illuminant_spectrum  # noqa: E402
 from cg2raw.profile.spectral_file import WAVELENGTHS  # noqa: E402
 from cg2raw.spectra import simulate_spectra  # noqa: E402
 from oracles import spectral  # noqa: E402
-from spectral_study import rec709  # noqa: E402
 
 SIDE = 60  # pixels of a patch
 STEP = WAVELENGTHS[1] - WAVELENGTHS[0]
@@ -59,7 +58,9 @@ def pictures(id, light, folder):
     }
     for convention in ("sensor", "spectral"):
         frames[f"RGB, convention {convention}"] = sensor.simulate(
-            chart_of(rec709(patches)), illuminant=light, convention=convention
+            chart_of(spectral.rec709_under_d65(patches)),
+            illuminant=light,
+            convention=convention,
         )
     return {title: rendered(frame, folder) for title, frame in frames.items()}
 

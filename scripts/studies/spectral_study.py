@@ -54,20 +54,6 @@ def held_out(charts):
     return np.concatenate([sets[name] for name in charts])
 
 
-def rec709(reflectances):
-    """Return linear Rec.709 (n, 3) of reflectances under D65, white exactly 1, 1, 1."""
-    d65 = spectral.light("D65")
-    to_rgb = np.linalg.inv(spectral.colour.RGB_COLOURSPACES["sRGB"].matrix_RGB_to_XYZ)
-    white = to_rgb @ spectral.xyz(d65)
-    return spectral.xyz(d65, reflectances) @ to_rgb.T / white
-
-
-def angles(a, b):
-    """Return the angles (n,) between vectors (n, 3), degrees."""
-    cosine = (a * b).sum(1) / np.linalg.norm(a, axis=1) / np.linalg.norm(b, axis=1)
-    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-
-
 def rendered(sensor, light, camera):
     """Return XYZ D50 (n, 3) that the sensor's matrices make of camera RGB (n, 3)."""
     transform = sensor.transform(light, "sensor")
@@ -97,10 +83,12 @@ def errors(sensor, rgb_of_camera, light, reflectances):
     reference = rendered(sensor, light, truth)
     return {
         name: (
-            angles(truth, camera),
+            spectral.degrees(truth, camera),
             spectral.difference(rendered(sensor, light, camera), reference),
         )
-        for name, camera in seen(sensor, light, rec709(reflectances), truth).items()
+        for name, camera in seen(
+            sensor, light, spectral.rec709_under_d65(reflectances), truth
+        ).items()
     }
 
 

@@ -63,6 +63,24 @@ def xyz(power, reflectances=None):
     return seen[0] if len(seen) == 1 else seen
 
 
+def rec709_under_d65(reflectances):
+    """Linear Rec.709 (n, 3) of objects under D65, white exactly 1, 1, 1."""
+    to_rgb = np.linalg.inv(
+        [
+            [0.4123908, 0.3575843, 0.1804808],
+            [0.2126390, 0.7151687, 0.0721923],
+            [0.0193308, 0.1191948, 0.9505322],
+        ]
+    )
+    return xyz(light("D65"), reflectances) @ to_rgb.T / (to_rgb @ xyz(light("D65")))
+
+
+def degrees(a, b):
+    """The angles (n,) between vectors (n, 3)."""
+    cosine = (a * b).sum(1) / np.linalg.norm(a, axis=1) / np.linalg.norm(b, axis=1)
+    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+
+
 def to_d50(white):
     return adobe.bradford(adobe.D50, adobe.chromaticity(white))
 

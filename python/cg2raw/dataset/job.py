@@ -20,7 +20,7 @@ from cg2raw.dataset import journal, manifest, packed
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.methods import METHODS
 from cg2raw.dataset.plan import Plan, Variant
-from cg2raw.io.image_file import read_image, spectral_channels
+from cg2raw.io.image_file import read_image, spectra_in
 
 Write = Callable[[str], None]  # of the file at a path
 
@@ -204,7 +204,7 @@ def make_variants(target: Target, header: Row, todo: list[tuple[int, Variant]]) 
     """Read the image once and make the files of @todo."""
     path, plan = target.job.path, target.plan
     try:
-        if plan.layer is None and spectral_channels(path) is not None:
+        if plan.layer is None and spectra_in(path) is not None:
             raise ValueError(
                 "its channels are a spectrum, of which data sets are not made: use "
                 "cg2raw convert, or name its RGB picture by --layer"

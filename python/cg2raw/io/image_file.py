@@ -96,20 +96,31 @@ def read_image(
     )
 
 
-def spectral_channels(path: FilePath) -> _core.SpectralChannels | None:
-    """Return the bins of a spectrum among the channels of the first image at @path.
+@dataclass(frozen=True)
+class Spectra:
+    """What a file says of its spectra: bins, and cd/m2 of white if it states that."""
 
-    None: there are none. Raises ValueError, OSError."""
+    bins: _core.SpectralChannels
+    white: float | None
+
+
+def spectra_in(path: FilePath) -> Spectra | None:
+    """Return the Spectra of the first image at @path, None if it has none.
+
+    Raises ValueError, OSError."""
     with contextlib.closing(opened(path)) as source:
         spec = source.spec()
         names = spec.channelnames
         said = {name: spec.getattribute(f"{name}.wavelength") for name in names}
         try:
-            return _core.spectral_channels(
+            bins = _core.spectral_channels(
                 names, {name: float(metres) for name, metres in said.items() if metres}
             )
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
+        whites = map(spec.getattribute, ("whiteLuminance", "openexr:whiteLuminance"))
+        white = next((float(value) for value in whites if value), None)
+    return None if bins is None else Spectra(bins, white)
 
 
 def read_spectra(
@@ -117,7 +128,7 @@ def read_spectra(
 ) -> Image:
     """Return the Image at @path with camera RGB of its spectra as pixels.
 
-    A few rows of spectra are held at a time. bins : its spectral_channels.
+    A few rows of spectra are held at a time. bins : of its spectra_in.
     Raises ValueError, OSError."""
     path = str(path)
     with contextlib.closing(opened(path)) as source:
@@ -133,15 +144,6 @@ def read_spectra(
         shot=shot_of(spec),
         time_code=spec.get_string_attribute("smpte:TimeCode"),
     )
-
-
-def white_luminance(path: FilePath) -> float | None:
-    """Return the cd/m2 of white that an OpenEXR file states, None if it does not."""
-    with contextlib.closing(opened(path)) as source:
-        spec = source.spec()
-        names = ("whiteLuminance", "openexr:whiteLuminance")
-        said = (spec.getattribute(name) for name in names)
-        return next((float(value) for value in said if value), None)
 
 
 def read_plane(path: FilePath) -> FloatImage:
