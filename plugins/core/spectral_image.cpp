@@ -18,7 +18,17 @@ namespace {
 
 /// Luminous efficacy of 555 nm, lm/W. Source: BIPM, The International System of Units.
 constexpr double luminous_efficacy = 683.0;
+constexpr std::size_t most_nodes
+    = 20000; ///< of responses; more would be no measurement
 constexpr double least_white = 1e-6, most_white = 1e12; // cd/m2
+
+void require_sensitivities(const SensorProfile& profile)
+{
+    if (!profile.spectral_sensitivities)
+        throw Error("sensor " + profile.id
+                    + " has no spectral_sensitivities: make a profile with cg2raw "
+                      "profile --ssf");
+}
 
 /// Boundaries of boxes around @p centres: half way to the neighbours, and as far beyond
 /// the ends.
@@ -32,14 +42,62 @@ std::vector<double> box_edges(const std::vector<double>& centres)
     return edges;
 }
 
-/// What the channels see of a radiance of 1 between two wavelengths.
-Vec3 seen_between(const SpectralSensitivities& sensitivities, double from, double to)
+/// Of one bin: what the channels see of a radiance of 1, and widths().
+struct Bin {
+    Vec3 seen {};
+    std::array<double, 2> width {};
+};
+
+/// Bins that are boxes from edge to edge.
+std::vector<Bin> boxes(const SpectralSensitivities& sensitivities,
+                       const std::vector<double>& edges)
 {
-    Vec3 result;
-    for (std::size_t c = 0; c < 3; ++c)
-        result[c] = integral([&](double nm) { return sensitivities.at(nm)[c]; },
-                             sensitivities.wavelengths, from, to);
-    return result;
+    const auto& nm = sensitivities.wavelengths;
+    std::vector<Bin> bins(edges.size() - 1);
+    for (std::size_t i = 0; i < bins.size(); ++i) {
+        const double from = edges[i], to = edges[i + 1];
+        for (const auto& [wavelength, weight] : quadrature(nm, from, to))
+            for (std::size_t c = 0; c < 3; ++c)
+                bins[i].seen[c] += weight * sensitivities.at(wavelength)[c];
+        const double reached = std::min(to, nm.back()) - std::max(from, nm.front());
+        bins[i].width = { to - from, std::max(reached, 0.0) };
+    }
+    return bins;
+}
+
+/// Bins that share out each wavelength by their responses.
+std::vector<Bin> shared_out(const SpectralSensitivities& sensitivities,
+                            const std::vector<Spectrum>& responses)
+{
+    const auto& nm = sensitivities.wavelengths;
+    std::vector<double> nodes = nm;
+    for (const Spectrum& response : responses) {
+        nodes = merged(nodes, response.wavelengths);
+        if (nodes.size() > most_nodes)
+            throw Error("responses of the channels have more than "
+                        + number(double(most_nodes))
+                        + " wavelengths in all: state them in fewer steps");
+    }
+    std::vector<Bin> bins(responses.size());
+    std::vector<double> shares(responses.size());
+    for (const auto& [wavelength, weight] :
+         quadrature(nodes, nodes.front(), nodes.back())) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < bins.size(); ++i)
+            sum += shares[i] = responses[i].at(wavelength);
+        if (!(sum > 0.0))
+            continue;
+        const bool is_reached = wavelength >= nm.front() && wavelength <= nm.back();
+        const Vec3 sensitivity = sensitivities.at(wavelength);
+        for (std::size_t i = 0; i < bins.size(); ++i) {
+            const double share = weight * shares[i] / sum;
+            for (std::size_t c = 0; c < 3; ++c)
+                bins[i].seen[c] += share * sensitivity[c];
+            bins[i].width[0] += share;
+            bins[i].width[1] += is_reached ? share : 0.0;
+        }
+    }
+    return bins;
 }
 
 /// cd/m2 of a radiance in W/(m2 sr nm).
@@ -49,20 +107,23 @@ double luminance_of(const Spectrum& radiance)
                                 { luminous.begin(), luminous.end() } };
     const std::vector<double> nodes
         = merged(luminosity.wavelengths, radiance.wavelengths);
-    return luminous_efficacy
-        * integral([&](double nm) { return luminosity.at(nm) * radiance.at(nm); },
-                   nodes, visible_from, visible_to);
+    double sum = 0.0;
+    for (const auto& [nm, weight] : quadrature(nodes, visible_from, visible_to))
+        sum += weight * luminosity.at(nm) * radiance.at(nm);
+    return luminous_efficacy * sum;
 }
 
 /// What makes 1 of the channel that sees most of white.
-double over_white(const SensorProfile& profile, const Illuminant& light, double white)
+double over_white(const SensorProfile& profile, const Spectrum& light, double white)
 {
     if (!(white >= least_white && white <= most_white))
         throw Error("luminance of white " + number(white) + " cd/m2 must be "
                     + number(least_white) + " to " + number(most_white));
-    const Spectrum power = spectrum_of(profile, light).power;
-    const double seen = max_of(response(*profile.spectral_sensitivities, power));
-    return luminance_of(power) / (white * seen);
+    const double seen = max_of(response(*profile.spectral_sensitivities, light));
+    const double luminance = luminance_of(light);
+    if (!(luminance > 0.0))
+        throw Error("the light has no luminance: nothing of it is visible");
+    return luminance / (white * seen);
 }
 
 /// Sums over bins of one pixel: R, G, B, and a fourth that makes it a register.
@@ -121,21 +182,23 @@ CG2RAW_MULTIVERSION void add_bins(const float* pixels, std::ptrdiff_t pixel_stri
 
 } // namespace
 
-SpectralResponse::SpectralResponse(const SensorProfile& profile,
-                                   const Illuminant& light,
+SpectralResponse::SpectralResponse(const SensorProfile& profile, const Spectrum& light,
                                    const SpectralChannels& bins, double white)
     : m_channels(bins.channels)
 {
+    require_sensitivities(profile);
     const double scale = over_white(profile, light, white);
-    const std::vector<double> edges = box_edges(bins.wavelengths);
+    const SpectralSensitivities& sensitivities = *profile.spectral_sensitivities;
+    const auto found = bins.responses.empty()
+        ? boxes(sensitivities, box_edges(bins.wavelengths))
+        : shared_out(sensitivities, bins.responses);
     double most = 0.0;
-    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-        Vec3 seen
-            = seen_between(*profile.spectral_sensitivities, edges[i], edges[i + 1]);
+    for (auto [seen, width] : found) {
         for (double& value : seen)
             value *= scale;
         most = std::max(most, max_of(seen));
         m_per_bin.push_back(seen);
+        m_widths.push_back(width);
         m_weights.push_back({ float(seen[0]), float(seen[1]), float(seen[2]), 0.0f });
     }
     if (!(most > 0.0))
@@ -161,8 +224,13 @@ std::string seen_by_sensitivities(const SensorProfile& profile, const std::strin
     const bool names_chromaticity = lower_case(spec).rfind("xy:", 0) == 0;
     if (names_chromaticity || (kind != Kind::xy && kind != Kind::kelvin))
         return spec;
-    const Spectrum power = spectrum_of(profile, illuminant(profile, spec)).power;
-    const Vec3 neutral = over_green(response(*profile.spectral_sensitivities, power));
+    return neutral_word(profile, spectrum_of(profile, illuminant(profile, spec)).power);
+}
+
+std::string neutral_word(const SensorProfile& profile, const Spectrum& light)
+{
+    require_sensitivities(profile);
+    const Vec3 neutral = over_green(response(*profile.spectral_sensitivities, light));
     return "neutral:" + number(neutral[0]) + ":" + number(neutral[2]);
 }
 

@@ -4,82 +4,15 @@
 /// @file Which channels are bins of a spectrum, by their names.
 #include "cg2raw/spectral_image.h"
 
+#include "spectrum_text.h"
 #include "text.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <string_view>
 #include <utility>
 
 namespace cg2raw {
 namespace {
-
-constexpr double light_speed = 299792458.0; // m/s
-constexpr double shortest = 1.0, longest = 1e6; // nm
-constexpr std::size_t longest_number = 40; ///< characters
-
-struct Prefix {
-    std::string_view name;
-    double factor;
-};
-
-/// SI prefixes of the layout; the longer name first.
-constexpr std::array<Prefix, 17> prefixes { {
-    { "da", 1e1 },
-    { "Y", 1e24 },
-    { "Z", 1e21 },
-    { "E", 1e18 },
-    { "P", 1e15 },
-    { "T", 1e12 },
-    { "G", 1e9 },
-    { "M", 1e6 },
-    { "k", 1e3 },
-    { "h", 1e2 },
-    { "d", 1e-1 },
-    { "c", 1e-2 },
-    { "m", 1e-3 },
-    { "u", 1e-6 },
-    { "n", 1e-9 },
-    { "p", 1e-12 },
-    { "", 1.0 },
-} };
-
-bool ends_with(std::string_view text, std::string_view ending)
-{
-    return text.size() >= ending.size()
-        && text.substr(text.size() - ending.size()) == ending;
-}
-
-/// The number of "550,5" or "5,5e-7"; NaN if it is none. Its comma is a decimal point.
-double number_before_unit(std::string_view text)
-{
-    if (text.empty() || text.size() > longest_number
-        || text.find_first_not_of("0123456789,eE+-") != text.npos)
-        return std::nan("");
-    std::string digits(text);
-    std::replace(digits.begin(), digits.end(), ',', '.');
-    return parsed_number(digits);
-}
-
-/// nm of "550,0nm", "5,5e-7m" or "545THz"; nothing for other words.
-std::optional<double> wavelength_of(std::string_view word)
-{
-    const bool is_frequency = ends_with(word, "Hz");
-    if (!is_frequency && !ends_with(word, "m"))
-        return std::nullopt;
-    word.remove_suffix(is_frequency ? 2 : 1);
-    for (const auto& [name, factor] : prefixes) {
-        if (!ends_with(word, name))
-            continue;
-        const double value
-            = number_before_unit(word.substr(0, word.size() - name.size())) * factor;
-        const double nm = 1e9 * (is_frequency ? light_speed / value : value);
-        if (nm >= shortest && nm <= longest)
-            return nm;
-    }
-    return std::nullopt;
-}
 
 struct Bin {
     double wavelength;
@@ -92,35 +25,60 @@ struct Found {
     bool reflectance = false;
 };
 
-Found bins_among(const std::vector<std::string>& names,
-                 const std::function<std::optional<double>(const std::string&)>& stated)
+Found bins_among(const std::vector<std::string>& names, const StatedWavelength& stated)
 {
     Found found;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const std::string_view name = names[i];
         std::optional<double> nm;
         if (name.substr(0, 3) == "S0.")
-            nm = wavelength_of(name.substr(3));
+            nm = wavelength_of(name.substr(3), ',');
         else if (name.substr(0, 2) == "T.")
-            found.reflectance |= wavelength_of(name.substr(2)).has_value();
+            found.reflectance |= wavelength_of(name.substr(2), ',').has_value();
         else if (const auto metres = stated(names[i]))
             nm = 1e9 * *metres;
-        if (nm && !(*nm >= shortest && *nm <= longest))
-            throw Error("channel " + names[i] + " has a wavelength of "
-                        + ::cg2raw::number(*nm) + " nm; it must be "
-                        + ::cg2raw::number(shortest) + " to "
-                        + ::cg2raw::number(longest) + " nm");
+        if (nm && !(*nm >= shortest_of_channels && *nm <= longest_of_channels))
+            throw Error("channel " + names[i] + " has a wavelength of " + number(*nm)
+                        + " nm; it must be " + number(shortest_of_channels) + " to "
+                        + number(longest_of_channels) + " nm");
         if (nm)
             found.bins.push_back({ *nm, int(i) });
     }
     return found;
 }
 
+/// The responses that channels state, as their attributes say them; none if none does.
+std::vector<Spectrum> responses_of(const std::vector<int>& channels,
+                                   const std::vector<std::string>& names,
+                                   const StatedResponse& stated)
+{
+    std::vector<Spectrum> responses;
+    std::string without;
+    for (int channel : channels) {
+        const std::string& name = names[std::size_t(channel)];
+        if (const auto text = stated(name)) {
+            try {
+                responses.push_back(spectrum_from_text(*text));
+            } catch (const Error& error) {
+                throw Error("attribute " + name
+                            + ", the response of that channel: " + error.what());
+            }
+        } else if (without.empty()) {
+            without = name;
+        }
+    }
+    if (!responses.empty() && !without.empty())
+        throw Error("channel " + without
+                    + " states no response, which others do (attributes of the "
+                      "channels' names): state all of them, or none");
+    return responses;
+}
+
 } // namespace
 
-std::optional<SpectralChannels> spectral_channels(
-    const std::vector<std::string>& names,
-    const std::function<std::optional<double>(const std::string&)>& stated)
+std::optional<SpectralChannels> spectral_channels(const std::vector<std::string>& names,
+                                                  const StatedWavelength& stated,
+                                                  const StatedResponse& response)
 {
     auto [bins, reflectance] = bins_among(names, stated);
     if (bins.empty() && reflectance)
@@ -145,6 +103,8 @@ std::optional<SpectralChannels> spectral_channels(
     if (bins.size() < 2)
         throw Error("channel " + names[std::size_t(bins[0].channel)]
                     + " is the only bin of its spectrum; at least two are needed");
+    if (response)
+        result.responses = responses_of(result.channels, names, response);
     return result;
 }
 

@@ -123,19 +123,19 @@ Vec3 SpectralSensitivities::at(double wavelength) const
     return result;
 }
 
-double integral(const std::function<double(double)>& integrand,
-                const std::vector<double>& nodes, double from, double to)
+std::vector<QuadraturePoint> quadrature(const std::vector<double>& nodes, double from,
+                                        double to)
 {
-    double sum = 0.0;
+    std::vector<QuadraturePoint> points;
     for (std::size_t i = 1; i < nodes.size(); ++i) {
         const double a = std::max(nodes[i - 1], from), b = std::min(nodes[i], to);
         if (!(b > a))
             continue;
         const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
         for (const auto& [at, weight] : gauss)
-            sum += half * weight * integrand(middle + half * at);
+            points.push_back({ middle + half * at, half * weight });
     }
-    return sum;
+    return points;
 }
 
 std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b)
@@ -149,11 +149,13 @@ Vec3 response(const SpectralSensitivities& sensitivities, const Spectrum& light)
 {
     const std::vector<double> nodes
         = merged(sensitivities.wavelengths, light.wavelengths);
-    Vec3 result;
-    for (std::size_t c = 0; c < 3; ++c)
-        result[c] = integral(
-            [&](double nm) { return sensitivities.at(nm)[c] * light.at(nm); }, nodes,
-            visible_from, visible_to);
+    Vec3 result {};
+    for (const auto& [nm, weight] : quadrature(nodes, visible_from, visible_to)) {
+        const double power = weight * light.at(nm);
+        const Vec3 sensitivity = sensitivities.at(nm);
+        for (std::size_t c = 0; c < 3; ++c)
+            result[c] += power * sensitivity[c];
+    }
     for (double seen : result)
         if (!(seen > 0.0))
             throw Error("spectral_sensitivities: a channel sees " + number(seen)

@@ -13,19 +13,20 @@ namespace cg2raw {
 UpliftMatrix balanced_from_terms(const SpectralSensitivities& sensitivities,
                                  const Spectrum& light)
 {
-    Spectrum basis { table_wavelengths(), {} };
-    const std::vector<double> nodes = merged(
-        merged(sensitivities.wavelengths, light.wavelengths), basis.wavelengths);
+    const std::vector<double> table = table_wavelengths();
+    const std::vector<double> nodes
+        = merged(merged(sensitivities.wavelengths, light.wavelengths), table);
+    std::vector<Spectrum> basis;
+    for (const auto& values : uplift_basis)
+        basis.push_back({ table, { values.begin(), values.end() } });
     response(sensitivities, light); // throws where a channel sees nothing
     UpliftMatrix result {};
-    for (std::size_t term = 0; term < uplift_basis.size(); ++term) {
-        basis.values.assign(uplift_basis[term].begin(), uplift_basis[term].end());
-        for (std::size_t c = 0; c < 3; ++c)
-            result[c][term] = integral(
-                [&](double nm) {
-                    return sensitivities.at(nm)[c] * light.at(nm) * basis.at(nm);
-                },
-                nodes, visible_from, visible_to);
+    for (const auto& [nm, weight] : quadrature(nodes, visible_from, visible_to)) {
+        const double power = weight * light.at(nm);
+        const Vec3 sensitivity = sensitivities.at(nm);
+        for (std::size_t term = 0; term < basis.size(); ++term)
+            for (std::size_t c = 0; c < 3; ++c)
+                result[c][term] += power * sensitivity[c] * basis[term].at(nm);
     }
     for (auto& row : result) {
         const double white = std::accumulate(row.begin(), row.end(), 0.0);

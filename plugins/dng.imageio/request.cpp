@@ -5,6 +5,7 @@
 
 #include "attributes.h"
 #include "cg2raw/dng_reader.h"
+#include "request_spectrum.h"
 
 #include <OpenImageIO/color.h>
 #include <OpenImageIO/strutil.h>
@@ -91,62 +92,6 @@ SceneLayer layer_of(const ImageSpec& spec, const std::string& asked)
     const ScenePart part { std::string(spec.get_string_attribute("oiio:subimagename")),
                            spec.channelnames };
     return beauty_layer({ part }, asked, hints);
-}
-
-/// The bins of a spectrum among the channels, unless a layer is asked for.
-std::optional<SpectralChannels> bins_of(const ImageSpec& spec,
-                                        const Attributes& attributes)
-{
-    if (!attributes.layer.empty())
-        return std::nullopt;
-    return spectral_channels(
-        spec.channelnames, [&](const std::string& channel) -> std::optional<double> {
-            const double metres = spec.get_float_attribute(channel + ".wavelength", 0);
-            return metres == 0.0 ? std::nullopt : std::optional(metres);
-        });
-}
-
-/// The luminance that is white, as it is asked for or as OpenEXR files say it.
-double white_of(const ImageSpec& spec, const Attributes& attributes)
-{
-    const double said = spec.get_float_attribute(
-        "whiteLuminance", spec.get_float_attribute("openexr:whiteLuminance", 0));
-    if (!attributes.exposure && said == 0.0)
-        throw Error("which luminance is white? Its channels are spectral radiance in "
-                    "W/(m2 sr nm): add --attrib dng:exposure CD_PER_M2, such as 100");
-    return attributes.exposure.value_or(said);
-}
-
-/// What belongs to RGB alone.
-void refuse_rgb_options(const Attributes& attributes)
-{
-    const std::string start = "its channels are a spectrum, so that ";
-    if (attributes.convention && *attributes.convention != Convention::sensor
-        && *attributes.convention != Convention::spectral)
-        throw Error(
-            start + "dng:convention " + name_of(*attributes.convention)
-            + " has no meaning: leave it out, or name the picture by dng:layer");
-    if (attributes.highlights.value_or(false))
-        throw Error(start + "dng:highlights has no meaning: leave it out");
-    if (attributes.gain || attributes.sample_gain)
-        throw Error(start + "dng:gain has no meaning: change dng:exposure");
-}
-
-/// Pixels are light as the sensor's channels see it, white by its sensitivities.
-void put_spectrum(const ImageSpec& spec, const Attributes& attributes,
-                  const SpectralChannels& bins, Request& request)
-{
-    refuse_rgb_options(attributes);
-    if (!request.profile.spectral_sensitivities)
-        throw Error("its channels are a spectrum, and sensor " + request.profile.id
-                    + " has no spectral_sensitivities: make a profile with cg2raw "
-                      "profile --ssf, or take the RGB picture (oiiotool --ch R,G,B)");
-    Run& run = request.run;
-    const Illuminant light = illuminant(request.profile, run.illuminant, run.as_shot);
-    request.spectral.emplace(request.profile, light, bins, white_of(spec, attributes));
-    run.illuminant = seen_by_sensitivities(request.profile, run.illuminant);
-    run.camera_input = true;
-    run.convention = Convention::sensor;
 }
 
 /// The name that a file will have: oiiotool writes <stem>.<8 hex digits>.temp.<ending>
@@ -317,6 +262,8 @@ Request request_of(const ImageSpec& spec, const std::string& file)
     } else {
         require_scene(spec, attributes, sensor.has_value(), bins.has_value());
     }
+    if (!bins)
+        refuse_estimate(request.run.illuminant);
     if (attributes.reference.empty())
         request.profile = *sensor;
     else

@@ -11,12 +11,30 @@
 namespace cg2raw::python {
 namespace {
 
-SpectralResponse response_of(const SensorProfile& profile, const Illuminant& light,
-                             const std::vector<double>& wavelengths, double white)
+/// An Illuminant, or rows of wavelength in nm and power.
+using Rows = std::vector<std::pair<double, double>>;
+using Light = std::variant<Illuminant, Rows>;
+/// Centres of boxes in nm, or the bins of an image.
+using Bins = std::variant<SpectralChannels, std::vector<double>>;
+
+/// Of pixels that hold the bins alone, in their order.
+SpectralResponse response_of(const SensorProfile& profile, const Light& light,
+                             const Bins& bins, double white)
 {
-    SpectralChannels bins { std::vector<int>(wavelengths.size()), wavelengths };
-    std::iota(bins.channels.begin(), bins.channels.end(), 0);
-    return { profile, light, bins, white };
+    SpectralChannels found;
+    if (const auto* const channels = std::get_if<SpectralChannels>(&bins))
+        found = *channels;
+    else
+        found.wavelengths = std::get<std::vector<double>>(bins);
+    if (found.wavelengths.size() < 2)
+        throw Error("a spectrum has two or more bins");
+    found.channels.resize(found.wavelengths.size());
+    std::iota(found.channels.begin(), found.channels.end(), 0);
+    const auto* const rows = std::get_if<Rows>(&light);
+    const Spectrum power = rows
+        ? spectrum_from_rows(*rows)
+        : spectrum_of(profile, std::get<Illuminant>(light)).power;
+    return { profile, power, found, white };
 }
 
 /// (height, width, 3) of (height, width, bins).
@@ -40,11 +58,23 @@ FloatArray camera_of(const SpectralResponse& response, const FloatArray& spectra
     return out;
 }
 
-py::array_t<double> per_bin(const SpectralResponse& response)
+/// (bins, n) of n numbers a bin.
+template <std::size_t n>
+py::array_t<double> array_of(const std::vector<std::array<double, n>>& bins)
 {
-    const auto& bins = response.per_bin();
-    return py::array_t<double>({ py::ssize_t(bins.size()), py::ssize_t(3) },
+    return py::array_t<double>({ py::ssize_t(bins.size()), py::ssize_t(n) },
                                bins.front().data());
+}
+
+/// What an image says of its channels.
+template <class Value>
+std::function<std::optional<Value>(const std::string&)>
+lookup(const std::map<std::string, Value>& stated)
+{
+    return [&](const std::string& name) {
+        const auto found = stated.find(name);
+        return found == stated.end() ? std::nullopt : std::optional(found->second);
+    };
 }
 
 } // namespace
@@ -59,29 +89,52 @@ void bind_spectral_image(py::module_& m)
     m.def(
         "spectral_channels",
         [](const std::vector<std::string>& names,
-           const std::map<std::string, double>& stated) {
-            return spectral_channels(
-                names, [&](const std::string& name) -> std::optional<double> {
-                    const auto found = stated.find(name);
-                    return found == stated.end() ? std::nullopt
-                                                 : std::optional(found->second);
-                });
+           const std::map<std::string, double>& stated,
+           const std::map<std::string, std::string>& responses) {
+            return spectral_channels(names, lookup(stated), lookup(responses));
         },
         "names"_a, "stated"_a = std::map<std::string, double> {},
+        "responses"_a = std::map<std::string, std::string> {},
         "The SpectralChannels among an image's channels (\"S0.550,0nm\"), or None.\n\n"
         "stated : {channel: wavelength in m}, as files of Ocean say it in "
-        "attributes.\nRaises ValueError.");
+        "attributes.\nresponses : {channel: \"550nm:0.3;...\"}, its spectral "
+        "response.\nRaises ValueError.");
     py::class_<SpectralResponse>(m, "SpectralResponse",
                                  "Camera RGB (white 1) of spectral radiance.")
-        .def(py::init(&response_of), "profile"_a, "illuminant"_a, "wavelengths"_a,
-             "white"_a)
-        .def_property_readonly("per_bin", &per_bin,
-                               "(n, 3): camera RGB of 1 W/(m2 sr nm) in each bin.")
+        .def(py::init(&response_of), "profile"_a, "light"_a, "bins"_a, "white"_a,
+             "light : Illuminant, or [(nm, power)]. bins : centres of boxes, (n,) nm, "
+             "or\nSpectralChannels. white : cd/m2.")
+        .def_property_readonly(
+            "per_bin", [](const SpectralResponse& r) { return array_of(r.per_bin()); },
+            "(n, 3): camera RGB of 1 W/(m2 sr nm) in each bin.")
+        .def_property_readonly(
+            "widths", [](const SpectralResponse& r) { return array_of(r.widths()); },
+            "(n, 2): nm that a bin stands for, and how many of them the sensitivities "
+            "reach.")
         .def("to_camera", &camera_of, "spectra"_a, "threads"_a = 0,
              "(H, W, 3) float32 camera RGB of (H, W, n) spectra.");
     m.def("seen_by_sensitivities", &seen_by_sensitivities, "profile"_a, "spec"_a,
           "The word of an illuminant whose neutral is the one that the sensitivities "
           "see.");
+    m.def(
+        "neutral_word",
+        [](const SensorProfile& profile, const Rows& power) {
+            return neutral_word(profile, spectrum_from_rows(power));
+        },
+        "profile"_a, "power"_a,
+        "The word neutral: of a light, [(nm, power)], as the sensitivities see it.");
+    m.def(
+        "spectrum_from_text",
+        [](const std::string& text) {
+            const Spectrum spectrum = spectrum_from_text(text);
+            Rows rows;
+            for (std::size_t i = 0; i < spectrum.values.size(); ++i)
+                rows.emplace_back(spectrum.wavelengths[i], spectrum.values[i]);
+            return rows;
+        },
+        "text"_a,
+        "[(nm, value)] of \"550nm:0.3;560nm:0.4;\", as spectral images state lights. "
+        "Raises\nValueError.");
 }
 
 } // namespace cg2raw::python

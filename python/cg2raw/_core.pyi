@@ -90,20 +90,28 @@ class SpectralResponse:
     def __init__(
         self,
         profile: SensorProfile,
-        illuminant: Illuminant,
-        wavelengths: Sequence[float],
+        light: Illuminant | Sequence[tuple[float, float]],
+        bins: SpectralChannels | Sequence[float],
         white: float,
     ) -> None: ...
     @property
     def per_bin(self) -> NDArray[np.float64]: ...
+    @property
+    def widths(self) -> NDArray[np.float64]: ...
     def to_camera(
         self, spectra: NDArray[np.float32], threads: int = 0
     ) -> NDArray[np.float32]: ...
 
 def spectral_channels(
-    names: Sequence[str], stated: Mapping[str, float] = {}
+    names: Sequence[str],
+    stated: Mapping[str, float] = {},
+    responses: Mapping[str, str] = {},
 ) -> SpectralChannels | None: ...
 def seen_by_sensitivities(profile: SensorProfile, spec: str) -> str: ...
+def neutral_word(
+    profile: SensorProfile, power: Sequence[tuple[float, float]]
+) -> str: ...
+def spectrum_from_text(text: str) -> list[tuple[float, float]]: ...
 
 class CameraTransform:
     @property

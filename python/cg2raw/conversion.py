@@ -12,11 +12,12 @@ from cg2raw import _core
 from cg2raw.cfa import is_mono
 from cg2raw.dng import write_dng
 from cg2raw.exposure import Run
-from cg2raw.io import image_file
+from cg2raw.io import image_file, spectra_file
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.io.image_file import Image
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
+from cg2raw.spectra import Rows, estimated_light, is_estimate, seen_light
 from cg2raw.upi import Upi, UpiDraw
 
 # Fields of a Run that belong to the conversion to camera RGB, and their options.
@@ -49,7 +50,7 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
     """Write the DNG @output of the image at @path; return the report, of JSON's types.
 
     Raises ValueError or OSError in one line; then there is no new file."""
-    image, of_pixels = image_of(path, request)
+    image, of_pixels, unseen = image_of(path, request)
     asked = {**request.run, **of_pixels, "frame": frame_of(image, output, request)}
     pixels = image.pixels
     if request.exposure:
@@ -78,36 +79,45 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
         **report,
         "layer": image.layer or None,
         "linearized": image.undone or None,
+        "unseen_energy": unseen,
         "nan": int(nan),
         "inf": int(inf),
     }
 
 
-def image_of(path: FilePath, request: Request) -> tuple[Image, dict[str, Any]]:
-    """Return (Image, the fields of a Run that its pixels decide) of a file.
+def image_of(
+    path: FilePath, request: Request
+) -> tuple[Image, dict[str, Any], float | None]:
+    """Return (Image, the fields of a Run that its pixels decide, the share of the
+    spectra's energy that the sensor does not see) of a file.
 
     Raises ValueError, OSError."""
-    spectra = image_file.spectra_in(path) if request.layer is None else None
-    if spectra is not None:
-        return spectral_image_of(path, spectra, request)
+    file = spectra_file.spectra_in(path) if request.layer is None else None
+    if file is not None:
+        return spectral_image_of(file, request)
     if request.white is not None:
         raise ValueError(
             f"{path}: --white-luminance is for spectral images, and this one has no "
             "channels such as S0.550nm: leave it out"
         )
+    if is_estimate(request.run.get("illuminant", "")):
+        raise ValueError(
+            f"{path}: --illuminant {request.run['illuminant']} is for spectral images, "
+            "and this one has no channels such as S0.550nm: name the light"
+        )
     image = image_file.read_image(
         path, request.layer, undo=request.linearize, space=request.space
     )
-    return image, {}
+    return image, {}, None
 
 
 def spectral_image_of(
-    path: FilePath, spectra: image_file.Spectra, request: Request
-) -> tuple[Image, dict[str, Any]]:
-    """Return what image_of does of a spectral image: camera RGB of its spectra.
+    file: spectra_file.SpectraFile, request: Request
+) -> tuple[Image, dict[str, Any], float]:
+    """Return what image_of does of spectra: the Image is camera RGB.
 
     Raises ValueError, OSError."""
-    start = f"{path}: its channels are a spectrum"
+    start = f"{file.path}: its channels are a spectrum"
     sensor = request.sensor
     if request.upi or sensor is None or sensor.spectral_sensitivities is None:
         raise ValueError(
@@ -116,26 +126,27 @@ def spectral_image_of(
     for name, option in CONVERTING.items():
         if request.run.get(name, "sensor") not in ("sensor", "spectral", False):
             raise ValueError(f"{start}: --{option} has no meaning, leave it out")
-    bins, white = spectra.bins, request.white or spectra.white
+    white = request.white or file.white
     if white is None:
         raise ValueError(
             f"{start} in W/(m2 sr nm): which luminance is white? Add --white-luminance "
             "CD_PER_M2, such as 100"
         )
-    word = request.run.get("illuminant")
-    if word is None:
+    asked = request.run.get("illuminant")
+    if asked is None:
         raise ValueError(NO_LIGHT)
     as_shot = None
     if request.reference:
         as_shot = _core.read_dng_metadata(request.reference).as_shot_neutral
-    light = sensor.profile.illuminant(word, as_shot)
-    response = _core.SpectralResponse(sensor.profile, light, bins.wavelengths, white)
-    image = image_file.read_spectra(path, bins, response)
-    return image, {
-        "illuminant": _core.seen_by_sensitivities(sensor.profile, word),
-        "convention": "sensor",
-        "camera_input": True,
-    }
+
+    def estimate(word: str) -> Rows:
+        return estimated_light(word, file.light, file.bins.wavelengths, file.statistic)
+
+    light, word = seen_light(sensor, asked, estimate, as_shot)
+    response = _core.SpectralResponse(sensor.profile, light, file.bins, white)
+    image, unseen = spectra_file.read_camera(file, response)
+    fixed = {"illuminant": word, "convention": "sensor", "camera_input": True}
+    return image, fixed, unseen
 
 
 def frame_of(image: Image, output: FilePath, request: Request) -> int:

@@ -73,6 +73,57 @@ def test_wrong_channels_are_refused(case):
         _core.spectral_channels(names, stated)
 
 
+TEXTS = {
+    "550nm:0.3;560nm:0.4;": [(550.0, 0.3), (560.0, 0.4)],
+    "560.0nm:0.4; 550nm:3e-1": [(550.0, 0.3), (560.0, 0.4)],
+    "0.55um:1;5.6e-7m:0;": [(550.0, 1.0), (560.0, 0.0)],
+    "\t550nm : 1 ;\n500THz:2;;": None,
+    "500THz:2;550nm:1;": [(550.0, 1.0), (599.584916, 2.0)],
+}
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_a_text_says_a_spectrum(text):
+    if TEXTS[text] is None:
+        with pytest.raises(ValueError, match="must be pairs of wavelength and value"):
+            _core.spectrum_from_text(text)
+        return
+    found = np.array(_core.spectrum_from_text(text))
+    assert found == pytest.approx(np.array(TEXTS[text]))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "two or more wavelengths, and a value above 0"),
+        ("550nm:1", "two or more wavelengths"),
+        ("550nm:0;560nm:0", "a value above 0"),
+        ("550nm:1;550,0nm:1", "must be pairs"),
+        ("550nm:1;0.55um:2", "has 550 nm twice"),
+        ("550nm:1;560nm:-1", "not negative, not -1 at 560 nm"),
+        ("550nm:1;560nm:nan", "must be pairs"),
+        ("550nm:1;560nm:inf", "finite"),
+        ("D65", 'spectrum "D65" must be pairs'),
+        ("550nm;560nm", "must be pairs"),
+        ("x" * 5000, 'spectrum "' + "x" * 24 + ' ..." must be'),
+    ],
+)
+def test_other_texts_are_none(text, message):
+    with pytest.raises(ValueError, match=message):
+        _core.spectrum_from_text(text)
+
+
+@given(st.text(alphabet="0123456789.:;,eE+- nmuTHzkM\x00", max_size=60))
+def test_any_text_is_a_spectrum_or_one_error(text):
+    try:
+        found = np.array(_core.spectrum_from_text(text))
+    except ValueError as error:
+        assert str(error)
+        return
+    assert (np.diff(found[:, 0]) > 0.0).all()
+    assert (found[:, 1] >= 0.0).all() and found[:, 1].max() > 0.0
+
+
 def simpson(nodes, function):
     """Integral of what is a parabola between nodes, exactly."""
     a, b = nodes[:-1], nodes[1:]

@@ -286,6 +286,7 @@ def test_files_without_a_row_are_an_error(tmp_path):
         digital_gains=(1.0,),
         isos=(None,),
         exposure_time=None,
+        white_luminance=None,
         noise=None,
         convention="dng",
         method="graphics2raw",

@@ -2,8 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """Write the seeds that fuzzing starts from: python tests/fuzz/make_seeds.py FOLDER.
 
-All of them are made up here; none holds a byte of a camera's file. FOLDER/dng and
-FOLDER/profile are made. Tag numbers: DNG specification 1.7.1; types: TIFF 6.0."""
+All of them are made up here; none holds a byte of a camera's file. FOLDER/dng,
+FOLDER/profile and FOLDER/spectra are made. Tag numbers: DNG specification 1.7.1;
+types: TIFF 6.0."""
 
 import json
 import struct
@@ -289,9 +290,51 @@ def profiles():
     }
 
 
+def spectra():
+    """Return {name: channels of an image}, a line each: name, wavelength, response."""
+    nm = range(400, 701, 50)
+    box = "{}nm:0;{}nm:1;{}nm:0;"
+    boxes = {w: box.format(w - 25, w, w + 25) for w in nm}
+    return {
+        "commas": lines(f"S0.{w},0nm" for w in nm),
+        "dots_are_none": lines(f"S0.{w}.0nm" for w in nm),
+        "whole": lines(f"S0.{w}nm" for w in nm),
+        "falling": lines(f"S0.{w}nm" for w in reversed(nm)),
+        "metres": lines(f"S0.{w}e-9m" for w in nm),
+        "micrometres": lines(f"S0.0,{w}um" for w in nm),
+        "terahertz": lines(f"S0.{w}THz" for w in range(430, 750, 40)),
+        "hertz": lines(f"S0.{w}e12Hz" for w in range(430, 750, 40)),
+        "stokes": lines(f"S{i}.{w}nm" for w in nm for i in range(4)),
+        "with_rgb": lines(["R", "G", "B", "A", *(f"S0.{w}nm" for w in nm)]),
+        "attributes": lines(f"wl{w}\t{w}e-9" for w in nm),
+        "both_ways": lines(["S0.550nm", "wl\t6e-7", "S0.500nm\t7e-7"]),
+        "responses": lines(f"S0.{w}nm\t\t{boxes[w]}" for w in nm),
+        "spaces": lines(f"S0.{w}nm\t\t 400nm : 1" for w in nm),
+        "of_frequencies": lines(f"S0.{w}nm\t\t500THz:1;600THz:2" for w in nm),
+        "gaps": lines(["S0.400nm\t\t390nm:1;410nm:1;", "S0.700nm\t\t690nm:1;710nm:1;"]),
+        "lines": lines(f"S0.{w},00001nm" for w in (400, 401, 700)),
+        "far": lines(["S0.1nm", "S0.550nm", "S0.1000000nm"]),
+        "one": lines(["S0.550nm", "R"]),
+        "twice": lines(["S0.550nm", "S0.550,0nm"]),
+        "reflectances": lines(f"T.{w}nm" for w in nm),
+        "some_responses": lines(["S0.400nm", f"S0.500nm\t\t{boxes[500]}"]),
+        "no_response": lines(["S0.400nm\t\tD65", "S0.500nm\t\tD65"]),
+        "nm_for_m": lines(["a\t400", "b\t500"]),
+        "not_finite": lines(["a\tnan", "b\tinf", "c\t5e-7"]),
+        "empty": "",
+        "many": lines(f"S0.{w}nm" for w in range(380, 781)),
+    }
+
+
+def lines(words):
+    """Return a text of a line each."""
+    return "".join(f"{word}\n" for word in words)
+
+
 def main(folder):
-    """Write all seeds to folder/dng and folder/profile."""
-    for kind, seeds in (("dng", dngs()), ("profile", profiles())):
+    """Write all seeds to a folder of folder for each reader."""
+    kinds = {"dng": dngs(), "profile": profiles(), "spectra": spectra()}
+    for kind, seeds in kinds.items():
         place = Path(folder) / kind
         place.mkdir(parents=True, exist_ok=True)
         for name, seed in seeds.items():

@@ -87,7 +87,8 @@ void use_spectra(const SensorProfile& profile)
 {
     const SpectralChannels bins { { 0, 1, 2 }, { 400, 500, 640 } };
     try_step([&] {
-        const SpectralResponse response(profile, illuminant(profile, "D65"), bins, 100);
+        const Spectrum light = spectrum_of(profile, illuminant(profile, "D65")).power;
+        const SpectralResponse response(profile, light, bins, 100);
         for (const Vec3& bin : response.per_bin())
             expect_finite(bin, "camera RGB of a bin");
     });

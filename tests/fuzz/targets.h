@@ -25,6 +25,7 @@ struct MemoryBound {
 };
 constexpr MemoryBound dng_memory { 64 * 1024, 8 };
 constexpr MemoryBound profile_memory { 64 * 1024, 128 };
+constexpr MemoryBound spectra_memory { 64 * 1024, 64 };
 
 /// @p bytes as a DNG, to its profile. Throws Finding for an Error that does not name
 /// the file, for memory beyond dng_memory, and as use() does. Returns false if the
@@ -32,6 +33,10 @@ constexpr MemoryBound profile_memory { 64 * 1024, 128 };
 bool fuzz_dng_reader(std::string_view bytes);
 /// @p bytes as a profile's JSON, likewise within profile_memory.
 bool fuzz_profile(std::string_view bytes);
+/// @p bytes as the channels of an image, a line each: a name and, after tabs, its
+/// wavelength in m and its response as attributes say them; likewise within
+/// spectra_memory. Returns false if they are no spectrum.
+bool fuzz_spectra(std::string_view bytes);
 
 /// Runs @p read, whose input has @p size bytes. Throws Finding if it held more memory
 /// than @p bound allows, or threw an Error that does not start with @p name and a

@@ -15,7 +15,7 @@ HERE = Path(__file__).parent
 OTHERS = re.compile(r"found_\w+|[0-9a-f]{40}")
 
 
-@pytest.mark.parametrize("kind", ["dng", "profile"])
+@pytest.mark.parametrize("kind", ["dng", "profile", "spectra"])
 def test_seeds_are_those_of_the_script(tmp_path, kind):
     make_seeds.main(tmp_path)
     made = {path.name: path.read_bytes() for path in (tmp_path / kind).iterdir()}

@@ -6,9 +6,9 @@
 
 #include "cg2raw/color.h"
 
-#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace cg2raw {
@@ -20,6 +20,15 @@ struct Spectrum {
 
     double at(double wavelength) const;
 };
+
+/// A spectrum of pairs of wavelength in nm and value, in any order. Throws Error unless
+/// there are two or more, of wavelengths that differ, and values are finite and not
+/// negative, one of them above 0.
+Spectrum spectrum_from_rows(std::vector<std::pair<double, double>> rows);
+/// The same of "550nm:0.3;560nm:0.4;", as spectral images state lights and responses;
+/// frequencies too (545THz:0.3;).
+/// Source: Fichet, Pacanowski and Wilkie, JCGT 10(3), 2021.
+Spectrum spectrum_from_text(std::string_view text);
 
 /// What the response of a channel is a response to.
 enum class SpectralUnit {
@@ -52,11 +61,16 @@ constexpr double spectral_noise = 0.01;
 /// without a gap, and each channel sees something.
 void check(const SpectralSensitivities& sensitivities, const std::string& file);
 
-/// Integral of @p integrand from @p from to @p to nm, exact where that is of degree 5
-/// at most between @p nodes, which rise: a product of spectra between all their
-/// wavelengths. No line between two nodes is lost.
-double integral(const std::function<double(double)>& integrand,
-                const std::vector<double>& nodes, double from, double to);
+/// Where an integrand is taken, and what its value there counts.
+struct QuadraturePoint {
+    double wavelength; ///< nm
+    double weight; ///< nm
+};
+/// Points whose sum is the integral from @p from to @p to nm, exact for an integrand of
+/// degree 5 at most between @p nodes, which rise: a product of spectra between all
+/// their wavelengths. No line between two nodes is lost.
+std::vector<QuadraturePoint> quadrature(const std::vector<double>& nodes, double from,
+                                        double to);
 /// All of both, rising, each once.
 std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b);
 

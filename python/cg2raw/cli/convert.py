@@ -43,6 +43,8 @@ if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.conversion import Request
     from cg2raw.upi import Upi
 
+WORTH_SAYING = 0.001  # of the energy of spectra, outside the sensitivities
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw convert."""
@@ -62,7 +64,12 @@ def add_exposure(group: argparse._ArgumentGroup) -> None:
     add = group.add_argument
     add("--sensor", metavar="ID", help="an installed sensor, or a profile (.json)")
     add("--reference", metavar="REF.dng", help="a DNG of the camera: levels, Exif ...")
-    add("--illuminant", metavar="WORD", help="A, D65, 3200K, sample:7, as-shot ...")
+    add(
+        "--illuminant",
+        metavar="WORD",
+        help="A, D65, 3200K, sample:7, as-shot ...; estimate, estimate:mean, "
+        "estimate:max of spectral images",
+    )
     add("--iso", type=number(1, 1e7), metavar="ISO", help="adds noise of this ISO")
     add(
         "--noise",
@@ -289,4 +296,6 @@ def line_of(report: dict[str, Any]) -> str:
         words.append(f"{report['nan']} NaN values became 0")
     if report["inf"]:
         words.append(f"{report['inf']} infinite ones black or white")
+    if report["unseen_energy"] and report["unseen_energy"] >= WORTH_SAYING:
+        words.append(f"{report['unseen_energy']:.1%} of the energy is unseen")
     return f"wrote     {os.fspath(report['output'])}: {', '.join(words)}"

@@ -32,10 +32,11 @@ import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeVar
 
-from cg2raw.cli._numbers import number_list
-from cg2raw.cli._pairs import asked_illuminants, asked_sensors
+from cg2raw.cli._numbers import number, number_list
+from cg2raw.cli._pairs import asked_illuminants, asked_sensors, refuse_twice
 from cg2raw.cli._progress import tracked
 from cg2raw.dataset.methods import METHODS
+from cg2raw.spectra import is_estimate
 
 if TYPE_CHECKING:  # only the work itself loads its modules
     from cg2raw.dataset.plan import Plan
@@ -78,7 +79,8 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         "--illuminants",
         required=True,
         metavar="N|WORDS",
-        help="how many are drawn for each image, or a list as A,D65,sample:0-3",
+        help="how many are drawn for each image, or a list as A,D65,sample:0-3; "
+        "estimate of spectral images",
     )
     add("--gains", default="1", help='digital gains as 1,0.8, or "sample" (default 1)')
     add("--iso", default="clean", help="as clean,100,3200 (default clean)")
@@ -88,6 +90,12 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         type=seconds,
         metavar="SECONDS",
         help="of dark current and hot pixels (default: each image's Exif)",
+    )
+    add(
+        "--white-luminance",
+        type=number(1e-6, 1e12),
+        metavar="CD_PER_M2",
+        help="of white in spectral images (channels S0.550nm ...)",
     )
     add("--convention", default="dng", choices=["dng", "paper", "sensor", "spectral"])
     add(
@@ -190,6 +198,7 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
         isos=tuple(None if iso == "clean" else iso for iso in isos),
         noise=arguments.noise,
         exposure_time=arguments.exposure_time,
+        white_luminance=arguments.white_luminance,
         convention=arguments.convention,
         method=arguments.method,
         crop=crop_of(arguments),
@@ -207,7 +216,13 @@ def illuminants(words: str) -> int | tuple[str, ...]:
         if not 1 <= int(words) <= 100000:
             raise ValueError(f"--illuminants {words}: must be 1 to 100000")
         return int(words)
-    return tuple(asked_illuminants(words))
+    found = [
+        light
+        for word in words.split(",")
+        for light in ([word.strip()] if is_estimate(word) else asked_illuminants(word))
+    ]
+    refuse_twice("--illuminants", found)
+    return tuple(found)
 
 
 def files_of(arguments: argparse.Namespace) -> dict[str, str]:

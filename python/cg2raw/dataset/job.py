@@ -11,16 +11,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
 from cg2raw import Illuminant, RawFrame, Sensor, __version__, _core, write_dng
 from cg2raw.arrays import FloatImage
 from cg2raw.cfa import is_mono
 from cg2raw.dataset import journal, manifest, packed
 from cg2raw.dataset.journal import Row
-from cg2raw.dataset.methods import METHODS
+from cg2raw.dataset.methods import METHODS, Camera
 from cg2raw.dataset.plan import Plan, Variant
-from cg2raw.io.image_file import read_image, spectra_in
+from cg2raw.dataset.source import Source, read_source
 
 Write = Callable[[str], None]  # of the file at a path
 
@@ -204,54 +202,57 @@ def make_variants(target: Target, header: Row, todo: list[tuple[int, Variant]]) 
     """Read the image once and make the files of @todo."""
     path, plan = target.job.path, target.plan
     try:
-        if plan.layer is None and spectra_in(path) is not None:
-            raise ValueError(
-                "its channels are a spectrum, of which data sets are not made: use "
-                "cg2raw convert, or name its RGB picture by --layer"
-            )
-        image = read_image(path, plan.layer, undo="stated")
-        height, width = image.pixels.shape[:2]
+        source = read_source(path, plan)
+        height, width = source.image.pixels.shape[:2]
         crops = [
             plan.crop_at(target.job.image, patch, width, height)
             for patch in range(plan.patches)
         ]
-        seconds = plan.seconds(_core.Shot(**image.shot).exposure_time)
+        shot = _core.Shot(**source.image.shot)
+        seconds = plan.seconds(shot.exposure_time)
     except (ValueError, OSError, MemoryError) as error:
         reason = str(error) or "needs more memory than there is"
         raise BadImage(reason.removeprefix(f"{path}: ")) from None
     journal.start(target.journal, header, target.rows.values())
-    seen = {
-        "layer": image.layer,
-        "transfer": image.undone or "linear",
-        "exposure_time": seconds,
-    }
-    patch, scene = -1, image.pixels
+    of_image = source.row() | {"exposure_time": seconds}
     for order, variant in todo:
-        if variant.patch != patch:
-            patch = variant.patch
-            x, y, columns, rows = crops[patch]
-            scene = np.ascontiguousarray(image.pixels[y : y + rows, x : x + columns])
-        about = expected(header, order, variant) | seen | {"crop": list(crops[patch])}
-        make_variant(target, variant, scene, about)
+        box = crops[variant.patch]
+        about = expected(header, order, variant) | {"crop": list(box)}
+        make_variant(target, variant, source, about, of_image)
 
 
 def make_variant(
-    target: Target, variant: Variant, scene: FloatImage, about: Row
+    target: Target, variant: Variant, source: Source, about: Row, of_image: Row
 ) -> None:
-    """Make one file; its pixels are gone before the next one's are there."""
-    write, row = simulated(target.plan, variant, scene, about["exposure_time"])
-    target.publish(write, variant, {**about, **row})
+    """Make one file; its pixels are gone before the next one's are there.
 
-
-def simulated(
-    plan: Plan, variant: Variant, scene: FloatImage, seconds: float | None
-) -> tuple[Write, Row]:
-    """Return (write(path), what the manifest says of the simulation)."""
+    about, of_image : what the manifest says of the file, and of its image."""
+    plan = target.plan
     camera = METHODS[plan.method](
         plan.cameras[variant.sensor], variant.scene, plan.seed
     )
+    x, y, columns, rows = about["crop"]
+    try:
+        seen = source.seen((x, y, columns, rows), camera.sensor, camera.illuminant)
+    except ValueError as error:
+        raise BadImage(str(error)) from None
+    write, row = simulated(plan, variant, camera, seen, of_image["exposure_time"])
+    target.publish(write, variant, {**about, **row, **of_image})
+
+
+def simulated(
+    plan: Plan,
+    variant: Variant,
+    camera: Camera,
+    seen: tuple[FloatImage, dict[str, Any]],
+    seconds: float | None,
+) -> tuple[Write, Row]:
+    """Return (write(path), what the manifest says of the simulation).
+
+    seen : pixels, and the fields of a Run that they decide."""
     sensor, gain = camera.sensor, camera.digital_gain
-    run = plan.run(camera, variant.iso, seconds)
+    scene, of_pixels = seen
+    run = plan.run(camera, variant.iso, seconds) | of_pixels
     raw = sensor.simulate(scene, threads=1, frame=variant.frame, **run)
     shape = raw.shape
     if plan.format == "dng":
@@ -269,7 +270,8 @@ def simulated(
     drawn = {"illuminant": camera.illuminant, "method_seed": camera.seed}
     simulation = raw.simulation
     assert simulation is not None  # of what Sensor.simulate returns
-    return write, drawn | truth(plan, sensor, simulation.illuminant, gain, shape)
+    light, convention = simulation.illuminant, run["convention"]
+    return write, drawn | truth(sensor, light, convention, gain, shape)
 
 
 def dng_writer(plan: Plan, raw: RawFrame, seconds: float | None) -> Write:
@@ -286,16 +288,14 @@ def dng_writer(plan: Plan, raw: RawFrame, seconds: float | None) -> Write:
 
 
 def truth(
-    plan: Plan,
     sensor: Sensor,
     illuminant: Illuminant,
+    convention: str,
     gain: float,
     shape: Sequence[int],
 ) -> Row:
     """Return what is known of the light and of the file's numbers."""
-    transform = _core.camera_from_scene(
-        sensor.profile, illuminant, plan.convention, gain
-    )
+    transform = _core.camera_from_scene(sensor.profile, illuminant, convention, gain)
     return {
         "width": shape[1],
         "height": shape[0],

@@ -24,6 +24,7 @@ COLUMNS = (
     ("input_sha256", "string"),
     ("layer", "string"),
     ("transfer", "string"),
+    ("white_luminance", "double"),
     ("sensor", "string"),
     ("profile_sha256", "string"),
     ("cfa", "string"),

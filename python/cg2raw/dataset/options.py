@@ -10,12 +10,14 @@ from cg2raw import Sensor, __version__
 from cg2raw.cfa import is_mono, sites_of
 from cg2raw.dataset.methods import METHODS, Scene
 from cg2raw.dataset.plan import Plan, short
+from cg2raw.spectra import is_estimate
 
 # The option that decides a field of the plan, for messages.
 OPTIONS = {
     "digital_gains": "--gains",
     "isos": "--iso",
     "exposure_time": "--exposure-time",
+    "white_luminance": "--white-luminance",
     "element_type": "--type",
     "profiles": "--sensors (the profiles)",
 }
@@ -101,6 +103,8 @@ def check_runs(plan: Plan, sensor: Sensor) -> None:
     words = plan.illuminants
     if isinstance(words, int):
         words = ("sample:0",)
+    elif any(map(is_estimate, words)):  # of spectra, which each image has or has not
+        words = tuple(w for w in words if not is_estimate(w)) or ("D65",)
     elif plan.method == "upi":
         raise ValueError(
             "--illuminants: --method upi draws the light itself; say how many"

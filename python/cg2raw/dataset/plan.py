@@ -30,6 +30,7 @@ class Plan:
     crop : (width, height) of the random crops, or None; patches : how many per image.
     element_type : "float32" or "uint16", of packed files.
     exposure_time : seconds; None for what each image's Exif says.
+    white_luminance : cd/m2 of white in spectral images; None for what each says.
     layer : of layered images; None for the picture by the conventions of renderers.
     frame_from : what tells the noise of one image from that of another: its "name", its
     "index" among the images, or "none", nothing.
@@ -40,6 +41,7 @@ class Plan:
     digital_gains: tuple[float | str, ...]
     isos: tuple[float | None, ...]
     exposure_time: float | None
+    white_luminance: float | None
     noise: str | None
     convention: str
     method: str

@@ -3,7 +3,7 @@
 """Renders and pictures of any format that OpenImageIO reads: one reader for all."""
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -92,56 +92,6 @@ def read_image(
         shot=shot_of(spec),
         undone=image_spaces.name_of(curve),
         layer=chosen.name,
-        time_code=spec.get_string_attribute("smpte:TimeCode"),
-    )
-
-
-@dataclass(frozen=True)
-class Spectra:
-    """What a file says of its spectra: bins, and cd/m2 of white if it states that."""
-
-    bins: _core.SpectralChannels
-    white: float | None
-
-
-def spectra_in(path: FilePath) -> Spectra | None:
-    """Return the Spectra of the first image at @path, None if it has none.
-
-    Raises ValueError, OSError."""
-    with contextlib.closing(opened(path)) as source:
-        spec = source.spec()
-        names = spec.channelnames
-        said = {name: spec.getattribute(f"{name}.wavelength") for name in names}
-        try:
-            bins = _core.spectral_channels(
-                names, {name: float(metres) for name, metres in said.items() if metres}
-            )
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
-        whites = map(spec.getattribute, ("whiteLuminance", "openexr:whiteLuminance"))
-        white = next((float(value) for value in whites if value), None)
-    return None if bins is None else Spectra(bins, white)
-
-
-def read_spectra(
-    path: FilePath, bins: _core.SpectralChannels, response: _core.SpectralResponse
-) -> Image:
-    """Return the Image at @path with camera RGB of its spectra as pixels.
-
-    A few rows of spectra are held at a time. bins : of its spectra_in.
-    Raises ValueError, OSError."""
-    path = str(path)
-    with contextlib.closing(opened(path)) as source:
-        spec = source.spec()
-        check_size(path, spec)
-        pixels = read_pixels(
-            path, source, spec, bins.channels, None, response.to_camera
-        )
-    return Image(
-        path=path,
-        pixels=pixels,
-        space="",
-        shot=shot_of(spec),
         time_code=spec.get_string_attribute("smpte:TimeCode"),
     )
 
@@ -237,16 +187,21 @@ def check_size(path: FilePath, spec: Any) -> None:
 
 
 def read_pixels(
-    path: FilePath,
-    source: Any,
-    spec: Any,
-    channels: Sequence[int],
-    curve: Curve | None,
-    of_spectra: Callable[[FloatImage], FloatImage] | None = None,
+    path: FilePath, source: Any, spec: Any, channels: Sequence[int], curve: Curve | None
 ) -> FloatImage:
-    """Return (H, W, C) float32 of the display window, a few rows at a time.
+    """Return (H, W, C) float32 of the display window, a few rows at a time."""
+    whole = np.zeros((spec.full_height, spec.full_width, len(channels)), np.float32)
+    for rows, cols, part in visible_rows(path, source, spec, channels, curve):
+        whole[rows, cols] = image_spaces.light_of(part, curve)
+    return whole
 
-    of_spectra : makes C = 3 of rows of all channels; None: C is their number."""
+
+def visible_rows(
+    path: FilePath, source: Any, spec: Any, channels: Sequence[int], curve: Curve | None
+) -> Iterator[tuple[slice, slice, NDArray[Any]]]:
+    """Yield (rows, cols, (h, w, C) pixels) of the display window where there are data.
+
+    The pixels are as read_rows gives them."""
     left, top = spec.x - spec.full_x, spec.y - spec.full_y
     cols = slice(max(left, 0), min(left + spec.width, spec.full_width))
     first, last = max(top, 0), min(top + spec.height, spec.full_height)
@@ -257,19 +212,13 @@ def read_pixels(
             f"{spec.full_width}x{spec.full_height} at {spec.full_x},{spec.full_y}: "
             "nothing would be seen (oiiotool --origin, or --fullpixels)"
         )
-    depth = len(channels) if of_spectra is None else 3
-    whole = np.zeros((spec.full_height, spec.full_width, depth), np.float32)
     step = spec.tile_height or ROWS
     for row in range((first - top) // step * step, last - top, step):
         count = min(step, spec.height - row)
         part = read_rows(path, source, spec, row, count, channels, curve)
-        if of_spectra is not None:
-            part = of_spectra(np.ascontiguousarray(part, np.float32))
         begin, end = max(first - top - row, 0), min(last - top - row, count)
-        whole[top + row + begin : top + row + end, cols] = image_spaces.light_of(
-            part[begin:end, cols.start - left : cols.stop - left], curve
-        )
-    return whole
+        rows = slice(top + row + begin, top + row + end)
+        yield rows, cols, part[begin:end, cols.start - left : cols.stop - left]
 
 
 def read_rows(
