@@ -14,6 +14,7 @@ from cg2raw import _core
 from cg2raw.spectra import simulate_spectra
 from dng import dng_files
 from images import attributes, read_dn
+from oracles import cameras
 from python import commands
 
 # colour-science's examples of the layout: a render by ART, reflectances.
@@ -319,3 +320,30 @@ def test_the_command_estimates_by_all_pixels(tmp_path, spectra):
             cg2raw.Sensor("canon-600d"), spectra, CENTRES, illuminant=word, white=WHITE
         )
         assert np.array_equal(read_dn(tmp_path / "b.dng"), wanted)
+
+
+def test_a_sensor_without_filters(oiiotool, tmp_path, spectra):
+    """Its DN are one integral; both commands agree."""
+    nm = np.arange(380, 781, 10)
+    curve = np.exp(-0.5 * ((nm - 540) / 80.0) ** 2)
+    field = {"wavelengths": nm.tolist(), "mono": curve.tolist()}
+    (tmp_path / "mono.json").write_text(
+        cameras.mono_text(spectral_sensitivities=field, black_level=[0.0])
+    )
+    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
+    asked = {**ASKED, "sensor": str(tmp_path / "mono.json"), "illuminant": "D65"}
+    oiiotool(path, *attributes(**asked), "-o", tmp_path / "a.dng")
+    words = ["--sensor", tmp_path / "mono.json", "--illuminant", "D65"]
+    words += ["--white-luminance", WHITE]
+    assert commands.run("convert", path, "-o", tmp_path / "b.dng", *words).code == 0
+    assert (tmp_path / "a.dng").read_bytes() == (tmp_path / "b.dng").read_bytes()
+    found = read_dn(tmp_path / "a.dng").astype(float)
+    fine = np.arange(373.75, 786.26, 0.05)
+    weights = np.interp(fine, nm, curve, left=0, right=0)
+    bins = np.searchsorted(CENTRES + 6.25, fine)
+    per_bin = np.bincount(bins, weights, minlength=len(CENTRES))[: len(CENTRES)]
+    wanted = spectra.astype(float) @ per_bin
+    inside = (found > 800) & (found < found.max())
+    ratio = (found / wanted)[inside]
+    assert inside.mean() > 0.5
+    assert ratio == pytest.approx(np.median(ratio), rel=4e-3)

@@ -2,9 +2,13 @@
 # Copyright Contributors to the cg2raw Project.
 """Files of spectral sensitivities: what is read, what a profile keeps, bad files."""
 
+import json
+
 import numpy as np
 import pytest
 
+import cg2raw
+from cg2raw import _core
 from cg2raw.profile.spectral import neutral_under, profile_from_ssf, spectral_field
 from cg2raw.profile.spectral_file import WAVELENGTHS, read_sensitivities
 from python.spectra import SENSOR, camera_json, three_lobes
@@ -144,3 +148,56 @@ def test_a_bad_file_is_refused_in_one_line(written, case):
 def test_a_file_that_is_not_there_is_refused(tmp_path):
     with pytest.raises(ValueError, match="none.json: No such file"):
         read_sensitivities(tmp_path / "none.json")
+
+
+MONO = {**SENSOR, "cfa": "mono", "make": "Acme", "model": "Mono"}
+
+
+@pytest.mark.parametrize("head", ["nm,QE", "nm,mono", "wavelength,R,mono"])
+def test_a_sensor_without_filters_has_one_curve(written, head):
+    """Named, or the only column; its profile has no matrices and no neutrals."""
+    curve = three_lobes().rgb.max(axis=1)
+    others = ["0.5"] * (head.count(",") - 1)
+    rows = [
+        ",".join([f"{w:g}", *others, repr(value)])
+        for w, value in zip(WAVELENGTHS, curve.tolist(), strict=True)
+    ]
+    profile = profile_from_ssf(written("\n".join([head, *rows]), "qe.csv"), **MONO)
+    field = profile["spectral_sensitivities"]
+    assert set(field) == {"unit", "scale", "wavelengths", "mono"}
+    assert field["mono"] == pytest.approx(curve / curve.max(), abs=1e-6)
+    assert not [name for name in profile if "matrix" in name or name == "illuminants"]
+    assert set(profile["sources"]) <= set(profile)
+    assert profile["black_level"] == [1024]
+
+
+def test_a_mono_sensor_has_no_matrix_of_a_lamp(written):
+    path = written("nm,QE\n" + "\n".join(f"{w:g},0.5" for w in WAVELENGTHS), "qe.csv")
+    with pytest.raises(ValueError, match="no matrix that light 'FL2' could have"):
+        profile_from_ssf(path, **MONO, lamps=["FL2"])
+
+
+@pytest.mark.parametrize("step", [1, 2])
+def test_quantum_efficiencies_are_the_same_camera(written, step):
+    """A photon of twice the wavelength has half the energy."""
+    rgb = three_lobes().rgb[::step]
+    photons = rgb / WAVELENGTHS[::step, None]
+    found = []
+    for curves, unit in ((rgb, "energy"), (photons, "photon")):
+        rows = [
+            f"{w:g},{r!r},{g!r},{b!r}"
+            for w, (r, g, b) in zip(WAVELENGTHS[::step], curves.tolist(), strict=True)
+        ]
+        path = written("\n".join(rows), f"{unit}.csv")
+        profile = profile_from_ssf(
+            path, **SENSOR, make="Acme", model="One", lights=["A"], unit=unit
+        )
+        assert profile["spectral_sensitivities"]["unit"] == unit
+        sensor = cg2raw.Sensor.from_json(json.dumps(profile))
+        seen = _core.seen_by_sensitivities(sensor.profile, "A").split(":")[1:]
+        stated = profile["illuminants"]["neutrals"][0]
+        assert [float(word) for word in seen] == pytest.approx(stated, rel=2e-4)
+        found.append([*profile["color_matrix_1"], *stated])
+    assert found[1] == pytest.approx(found[0], abs=2e-3)
+    with pytest.raises(ValueError, match="unit 'watt' must be one of energy, photon"):
+        read_sensitivities(path, unit="watt")

@@ -64,6 +64,11 @@ def add_sensitivities(group: argparse._ArgumentGroup) -> None:
     add = group.add_argument
     add("--ssf", metavar="FILE", help="spectral sensitivities (.json or .csv)")
     add(
+        "--ssf-unit",
+        choices=("energy", "photon"),
+        help="what they are a response to; photon: quantum efficiency (default energy)",
+    )
+    add(
         "--illuminant-spd",
         action="append",
         default=[],
@@ -130,6 +135,8 @@ def check_inputs(arguments: argparse.Namespace) -> None:
         raise ValueError(f"--{given[0]}: needs --ssf")
     if arguments.illuminant_spd and not arguments.ssf:
         raise ValueError("--illuminant-spd: needs --ssf")
+    if arguments.ssf_unit and not arguments.ssf:
+        raise ValueError("--ssf-unit: needs --ssf")
 
 
 def make(arguments: argparse.Namespace) -> "Made":
@@ -139,12 +146,14 @@ def make(arguments: argparse.Namespace) -> "Made":
     from cg2raw.profile import from_sensitivities as ssf
 
     path, lights = arguments.ssf, arguments.illuminant_spd
+    unit = arguments.ssf_unit or "energy"
     if arguments.files:
-        return ssf.with_sensitivities(make_of_files(arguments), path, lights)
+        return ssf.with_sensitivities(make_of_files(arguments), path, lights, unit)
     width, height = size_of(arguments.size)
     return ssf.made_of_sensitivities(
         path,
         lights,
+        unit,
         id=arguments.id,
         make=arguments.make,
         model=arguments.model,

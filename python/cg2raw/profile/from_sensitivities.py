@@ -19,11 +19,13 @@ COLOUR = (
 )
 
 
-def made_of_sensitivities(path: str, lights: Sequence[str] = (), **known: Any) -> Made:
+def made_of_sensitivities(
+    path: str, lights: Sequence[str] = (), unit: str = "energy", **known: Any
+) -> Made:
     """Return the Made profile of a file of spectral sensitivities alone.
 
     lights : under which neutrals are computed, and a matrix for each; none: neutrals
-        of those that cameras meet.
+        of those that cameras meet. unit : of the file's numbers, "energy" or "photon".
     known : id, make, model and SENSOR; None or empty where not given.
     Raises ValueError that lists what is missing."""
     from cg2raw.profile.spectral import profile_from_ssf
@@ -31,15 +33,19 @@ def made_of_sensitivities(path: str, lights: Sequence[str] = (), **known: Any) -
     given = {name: value or None for name, value in known.items()}
     # A black level of 0 is a level, not a gap.
     given["black_level"] = known.get("black_level")
-    fields = profile_from_ssf(path, lights=list(lights) or None, lamps=lights, **given)
+    fields = profile_from_ssf(
+        path, lights=list(lights) or None, lamps=lights, unit=unit, **given
+    )
     return Made(fields, "file of spectral sensitivities", 1)
 
 
-def with_sensitivities(made: Made, path: str, lights: Sequence[str] = ()) -> Made:
+def with_sensitivities(
+    made: Made, path: str, lights: Sequence[str] = (), unit: str = "energy"
+) -> Made:
     """Return @made with matrices and neutrals of a file of spectral sensitivities."""
     names = ("id", "make", "model", *SENSOR)
     known = {name: made.fields[name] for name in names}
-    measured = made_of_sensitivities(path, lights, **known).fields
+    measured = made_of_sensitivities(path, lights, unit, **known).fields
     fields = {k: v for k, v in made.fields.items() if not k.startswith(COLOUR)}
     colour = {k: v for k, v in measured.items() if k.startswith(COLOUR)}
     sources = {

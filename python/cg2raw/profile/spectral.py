@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 
 from cg2raw import _core
+from cg2raw.cfa import is_mono
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
 from cg2raw.profile.lamps import check_lamp_names, lamp_field, lamp_name
 from cg2raw.profile.matrix_fit import color_matrix, fit_xyz_d50_from_camera
 from cg2raw.profile.spectral_file import (
+    MONO,
     WAVELENGTHS,
     Array,
     Sensitivities,
@@ -68,9 +70,10 @@ def fitted_matrix(sensitivities: Sensitivities, light: FilePath) -> Array:
     return np.asarray(matrix.round(DECIMALS_OF_MATRIX))
 
 
-def spectral_field(sensitivities: Sensitivities) -> dict[str, Any]:
+def spectral_field(sensitivities: Sensitivities, mono: bool = False) -> dict[str, Any]:
     """Return a profile's "spectral_sensitivities": of the measured wavelengths.
 
+    mono : the one channel of a monochrome sensor.
     Rows farther apart than 5 nm give way to the monotone curve through them, at every
     5 nm, since the core takes rows for corners of straight lines. Where nothing was
     measured of 380 to 780 nm there is 0."""
@@ -78,17 +81,18 @@ def spectral_field(sensitivities: Sensitivities) -> dict[str, Any]:
     wavelengths, rgb = table.wavelengths, table.rgb
     if np.max(np.diff(wavelengths)) > WAVELENGTHS[1] - WAVELENGTHS[0]:
         inside = (wavelengths[0] <= WAVELENGTHS) & (wavelengths[-1] >= WAVELENGTHS)
-        wavelengths, rgb = WAVELENGTHS[inside], sensitivities.rgb[inside]
+        wavelengths, rgb = WAVELENGTHS[inside], table.at(WAVELENGTHS[inside])
     below = WAVELENGTHS[wavelengths[0] > WAVELENGTHS]
     above = WAVELENGTHS[wavelengths[-1] < WAVELENGTHS]
     nothing = [np.zeros((len(outside), 3)) for outside in (below, above)]
     curves = np.concatenate([nothing[0], rgb, nothing[1]])
     curves = curves.round(DECIMALS_OF_SENSITIVITY) + 0.0
+    channels = MONO if mono else "RGB"
     return {
-        "unit": "energy",
+        "unit": table.unit,
         "scale": table.scale,
         "wavelengths": np.concatenate([below, wavelengths, above]).tolist(),
-        **{name: curves[:, i].tolist() for i, name in enumerate("RGB")},
+        **{name: curves[:, i].tolist() for i, name in enumerate(channels)},
     }
 
 
@@ -106,6 +110,7 @@ def profile_from_ssf(
     id: str | None = None,
     lights: Sequence[FilePath] | None = None,
     lamps: Sequence[FilePath] = (),
+    unit: str = "energy",
 ) -> dict[str, Any]:
     """Return the profile (a dict of schema 1) of a camera's spectral sensitivities.
 
@@ -117,10 +122,12 @@ def profile_from_ssf(
         illuminants; by default REAL_LIGHTS.
     lamps : words of the same grammar that get a matrix of their own, beside those of A
         and D65; dng:illuminant names them as "FL2", or "lamp:NAME" where a file does.
+    unit : of the file's numbers, "energy" (A/W) or "photon" (quantum efficiency).
     Raises ValueError; what is missing is listed at once."""
     _need_libraries()
+    mono = cfa is not None and is_mono(cfa)
     if not isinstance(path, Sensitivities):
-        path = read_sensitivities(os.fspath(path))
+        path = read_sensitivities(os.fspath(path), mono, unit)
     measured = path
     profile: dict[str, Any] = {
         "make": make or measured.make,
@@ -134,9 +141,12 @@ def profile_from_ssf(
     }
     _check_whole(measured.file, profile)
     black = np.ravel(np.array(black_level)).tolist()
-    profile["black_level"] = black * 4 if len(black) == 1 else black
+    sites = 1 if mono else 4
+    profile["black_level"] = black * sites if len(black) == 1 else black
     names = {"id": id or _id_of(profile["make"], profile["model"])}
     names["unique_camera_model"] = f"{profile['make']} {profile['model']}"
+    if mono:
+        return _mono_profile({"schema": 1, **names, **profile}, measured, lamps)
     lights = REAL_LIGHTS if lights is None else tuple(lights)
     if not lights:
         raise ValueError(f"{measured.file}: lights is empty; name at least one light")
@@ -147,6 +157,26 @@ def profile_from_ssf(
     profile["sources"] = _sources(measured, lights, make, model)
     if lamps:
         profile["sources"]["lamps"] = profile["sources"]["color_matrix_1"]
+    _core.parse_profile(json.dumps(profile), measured.file)
+    return profile
+
+
+def _mono_profile(
+    profile: dict[str, Any], measured: Sensitivities, lamps: Sequence[FilePath]
+) -> dict[str, Any]:
+    """Return the profile of a monochrome sensor: it has no matrices and no neutrals.
+
+    Raises ValueError."""
+    if lamps:
+        raise ValueError(
+            f"{measured.file}: a monochrome sensor has no matrix that light "
+            f"{os.fspath(lamps[0])!r} could have; leave it out"
+        )
+    profile["spectral_sensitivities"] = spectral_field(measured, mono=True)
+    sources = _sources(measured, (), profile["make"], profile["model"])
+    profile["sources"] = {
+        name: text for name, text in sources.items() if name in profile
+    }
     _core.parse_profile(json.dumps(profile), measured.file)
     return profile
 

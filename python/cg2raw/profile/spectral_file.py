@@ -22,6 +22,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Rows = list[tuple[float, list[float]]]  # wavelength, values of the channels
 
+UNITS = ("energy", "photon")
+MONO = ("mono",)  # the channel of a sensor without filters
+
 WAVELENGTHS = np.arange(380.0, 781.0, 5.0)  # nm
 # What a table must cover at least (as ISO 7589's do), and how far apart rows may lie.
 COVERED = (400.0, 690.0)  # nm
@@ -37,6 +40,14 @@ class SpectralTable:
     wavelengths: Array  # (n,), nm, rising
     rgb: Array  # (n, 3), peak 1
     scale: float = 1.0  # what 1 stands for in the file
+    unit: str = "energy"  # what they are a response to; or "photon"
+
+    def at(self, wavelengths: Array) -> Array:
+        """Return (m, 3) of the monotone curves through the table, 0 outside it."""
+        from scipy.interpolate import PchipInterpolator
+
+        curves = PchipInterpolator(self.wavelengths, self.rgb, extrapolate=False)
+        return np.asarray(np.nan_to_num(curves(wavelengths), nan=0.0))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,21 +66,31 @@ class Sensitivities:
         return self.table or SpectralTable(WAVELENGTHS, self.rgb)
 
 
-def read_sensitivities(path: str | Path) -> Sensitivities:
+def read_sensitivities(
+    path: str | Path, mono: bool = False, unit: str = "energy"
+) -> Sensitivities:
     """Return the Sensitivities of a JSON or CSV file (channels R, G and B).
 
+    mono : of a monochrome sensor: the channel is called mono, or is the only one, and
+        all three are alike.
+    unit : what they are a response to, radiant "energy" or a "photon" (quantum
+        efficiency).
     Raises ValueError that names file, field and value: wavelengths must rise without a
     gap and cover 400 to 690 nm, values be finite, none below -1 % of its channel's
     peak, and every channel see something."""
-    from scipy.interpolate import PchipInterpolator
-
-    header, wavelengths, values = _table(path, ("R", "G", "B"))
-    for channel, curve in zip("RGB", values.T, strict=True):
+    if unit not in UNITS:
+        raise ValueError(f"unit {unit!r} must be one of {', '.join(UNITS)}")
+    channels = MONO if mono else ("R", "G", "B")
+    header, wavelengths, values = _table(path, channels)
+    for channel, curve in zip(channels, values.T, strict=True):
         _check_channel(path, channel, wavelengths, curve)
+    values = np.broadcast_to(values, (len(values), 3))
     scale = float(np.max(values))
-    values = values / scale
-    curves = PchipInterpolator(wavelengths, values, extrapolate=False)
-    rgb = np.nan_to_num(curves(WAVELENGTHS), nan=0.0)
+    table = SpectralTable(wavelengths, values / scale, scale, unit)
+    rgb = table.at(WAVELENGTHS)
+    if unit == "photon":  # whose energy goes by 1 / wavelength
+        rgb = rgb * WAVELENGTHS[:, None]
+        rgb = rgb / np.max(rgb)
     names = ("document_creator", "document_creation_date", "license")
     said = [str(header[name]) for name in names if header.get(name)]
     return Sensitivities(
@@ -78,7 +99,7 @@ def read_sensitivities(path: str | Path) -> Sensitivities:
         make=header.get("manufacturer"),
         model=header.get("model"),
         origin=", ".join(said),
-        table=SpectralTable(wavelengths, values, scale),
+        table=table,
     )
 
 
@@ -190,7 +211,10 @@ def _field(path: str | Path, document: Any, dotted: str, kind: type) -> Any:
 def _columns(
     path: str | Path, field: str, names: Sequence[Any], channels: Sequence[str]
 ) -> list[int]:
-    """Return where the wanted channels stand among the names of the columns."""
+    """Return where the wanted channels stand among the names of the columns; the only
+    column is that of a monochrome sensor, whatever it is called."""
+    if channels == MONO and len(names) == 1:
+        return [0]
     folded = [str(name).casefold() for name in names]
     for channel in channels:
         if folded.count(channel.casefold()) != 1:
