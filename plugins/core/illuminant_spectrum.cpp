@@ -166,6 +166,15 @@ std::optional<LightSpectrum> named(const std::string& word)
     return std::nullopt;
 }
 
+/// All lights are alike to a monochrome sensor, so that none of them is the nearest.
+Error no_spectrum(const SensorProfile& profile)
+{
+    return Error(
+        "sensor " + profile.id
+        + " is monochrome, and its neutral tells no spectrum: name the light, as "
+          "A, D65, 3200K or FL2");
+}
+
 } // namespace
 
 std::vector<double> table_wavelengths()
@@ -199,6 +208,9 @@ LightSpectrum spectrum_of(const SensorProfile& profile, const Illuminant& light)
         return { *lamp->power, lamp->name };
     if (const auto found = lamp ? std::nullopt : named(lower_case(light.spec)))
         return *found;
+    const bool mono = profile.cfa.is_mono();
+    if (mono && light.spec.empty())
+        throw no_spectrum(profile);
     const IlluminantSpec spec = lamp
         ? IlluminantSpec { Kind::lamp, 0.0, 0.0, 0, lamp->name }
         : parse_illuminant(light.spec);
@@ -207,6 +219,8 @@ LightSpectrum spectrum_of(const SensorProfile& profile, const Illuminant& light)
             return *found;
     if (spec.kind == Kind::kelvin)
         return { black_body(spec.a), "black body of " + number(spec.a) + " K" };
+    if (mono)
+        throw no_spectrum(profile);
     return nearest(profile, light.neutral);
 }
 

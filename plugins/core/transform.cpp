@@ -91,10 +91,8 @@ CameraTransform dng_transform(const SensorProfile& profile, const Illuminant& li
 CameraTransform spectral_transform(const SensorProfile& profile,
                                    const Illuminant& light)
 {
-    if (profile.cfa.is_mono())
-        throw Error("convention spectral: sensor " + profile.id
-                    + " is monochrome; say dng or sensor");
-    CameraTransform transform = dng_transform(profile, light);
+    CameraTransform transform
+        = profile.cfa.is_mono() ? mono_transform() : dng_transform(profile, light);
     const auto [power, name] = spectrum_of(profile, light);
     transform.uplift = balanced_from_terms(*profile.spectral_sensitivities, power);
     transform.spectrum = name;

@@ -9,7 +9,8 @@ import pytest
 
 import cg2raw
 from cg2raw import _core
-from oracles import cameras
+from cg2raw.profile.illuminant_spectra import illuminant_spectrum
+from oracles import cameras, spectral
 
 # Relative luminance of linear Rec.709. Source: ITU-R BT.709-6, item 3.2.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -247,3 +248,51 @@ def test_a_matrix_is_asked_of_it_in_vain():
 def test_a_made_up_profile_of_another_word_says_that_mono_is_one():
     with pytest.raises(ValueError, match=r'cfa "grey" must be .*, or mono$'):
         cg2raw.Sensor.from_json(json.dumps({**cameras.profile(), "cfa": "grey"}))
+
+
+CURVE = {
+    "wavelengths": list(range(380, 781, 10)),
+    "mono": np.exp(-0.5 * ((np.arange(380, 781, 10) - 600) / 90.0) ** 2).tolist(),
+}
+
+
+def seen_by_curve(light):
+    """Relative signal of 129 reflectances, white 1, and their Rec.709 under D65."""
+    sets = spectral.held_out()
+    reflectances = np.concatenate([sets["CIE 224"], sets["PMC"]])
+    curve = np.interp(spectral.SHAPE.wavelengths, CURVE["wavelengths"], CURVE["mono"])
+    weights = curve * illuminant_spectrum(light)
+    return reflectances @ weights / weights.sum(), spectral.rec709_under_d65(
+        reflectances
+    )
+
+
+@pytest.mark.parametrize("light", ["A", "D65", "FL2", "HP1"])
+def test_convention_spectral_weighs_colours_as_the_sensitivity_does(light):
+    sensor = sensor_of(spectral_sensitivities=CURVE)
+    truth, rgb = seen_by_curve(light)
+    scene = rgb.astype(np.float32)[None]
+    found = {
+        name: sensor.to_camera(
+            scene, illuminant=light, convention=name, highlights=False
+        )[0]
+        for name in ("sensor", "spectral")
+    }
+    assert np.ptp(found["spectral"], axis=1).max() < 1e-6
+    error = {name: np.abs(v[:, 0] - truth).mean() for name, v in found.items()}
+    assert error["spectral"] < 0.5 * error["sensor"]
+    white = np.ones((2, 2, 3), np.float32)
+    one = sensor.to_camera(white, illuminant=light, convention="spectral")
+    assert one == pytest.approx(1.0, abs=1e-6)
+    raw = sensor.simulate(white * 0.5, illuminant=light, convention="spectral")
+    plain = sensor.simulate(white * 0.5, illuminant=light)
+    assert np.array_equal(raw, plain)
+
+
+@pytest.mark.parametrize("word", ["", "xy:0.3:0.3", "neutral:1:1"])
+def test_convention_spectral_needs_a_spectrum(word):
+    sensor = sensor_of(spectral_sensitivities=CURVE)
+    with pytest.raises(ValueError, match="name the light, as A, D65, 3200K or FL2"):
+        sensor.simulate(scene_of(), illuminant=word, convention="spectral")
+    with pytest.raises(ValueError, match="no spectral_sensitivities"):
+        sensor_of().simulate(scene_of(), illuminant="A", convention="spectral")
