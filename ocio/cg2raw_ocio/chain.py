@@ -25,6 +25,8 @@ Op = Any
 Space = Any
 Config = Any
 Array = NDArray[np.float64]
+# Of the four channels: (4,) coefficients and an offset.
+Form = tuple[Array, float]
 
 # Radiance beyond this is infinite, as in the core.
 LARGEST_RADIANCE = 1e6
@@ -123,9 +125,7 @@ def unbalanced(gains: ArrayLike) -> list[Op]:
     """Balanced camera RGB, clipped to 0..1, times max(m + (1 - m) g, g) with the mask
     m = max(mean(R, G, B) - 0.9, 0)^2 / 0.1^2: white balance undone, white kept white.
 
-    A product of two channels is two inverse XYZ_TO_xyY: (x, y, Y) becomes
-    (x Y / y, Y, Y / y - x Y / y - Y), and with (X, X + Y + Z, Y) as the next (x, y, Y)
-    the first channel is x Y; y, which must not be 0, comes back as X + Y + Z."""
+    See product() for how two channels are multiplied."""
     gains = np.asarray(gains, float)
     # Above 1, max(m + (1 - m) g, g) is g.
     todo = sorted((c for c in range(3) if gains[c] < 1.0), key=lambda c: gains[c])
@@ -146,7 +146,7 @@ class _Channels:
     def __init__(self, parked: int) -> None:
         self.parked = parked
         self.first, self.last = (c for c in range(3) if c != parked)
-        self.form: dict[int | str, tuple[Array, float]] = {}
+        self.form: dict[int | str, Form] = {}
 
     def begin(self) -> list[Op]:
         """Balanced RGB -> (first, mask, last, parked), the colours less 0.9: there the
@@ -167,9 +167,7 @@ class _Channels:
         mask, offset = self.form["mask"]
         scale = ((1.0 - gain) * mask, (1.0 - gain) * offset + gain)
         carry = (self.form[carried][0], self.form[carried][1] + 1.0)
-        to_xyy = self._matrix([self.form[channel], carry, scale, self.form[aside]])
-        again = np.eye(4)
-        again[:3] = [[1, 0, 0, 0], [1, 1, 1, 0], [0, 1, 0, 0]]
+        ops = product(self.form[channel], carry, scale, self.form[aside])
         unit = np.eye(4)
         self.form = {
             channel: (unit[0], 0.0),
@@ -177,7 +175,7 @@ class _Channels:
             carried: (unit[0] + unit[1] + unit[2], -1.0),
             aside: (unit[3], 0.0),
         }
-        return [to_xyy, xyz_from_xyy(), matrix(again), xyz_from_xyy()]
+        return ops
 
     def end(self, late: Array) -> list[Op]:
         """Back to R, G, B in order, times the gains above 1; alpha 1."""
@@ -186,9 +184,21 @@ class _Channels:
         full = np.vstack([late @ rows, np.zeros(4)])
         return [matrix(full, (*(late @ offset), 1.0))]
 
-    @staticmethod
-    def _matrix(forms: Sequence[tuple[Array, float]]) -> Op:
-        return matrix(np.stack([form[0] for form in forms]), [f[1] for f in forms])
+
+def product(x: Form, y: Form, z: Form, aside: Form) -> list[Op]:
+    """(x z, z, y - x z - z, aside) of four linear forms of R, G, B, A; y must not be 0.
+
+    A product of two channels is two inverse XYZ_TO_xyY: (x, y, Y) becomes
+    (x Y / y, Y, Y / y - x Y / y - Y), and with (X, X + Y + Z, Y) as the next (x, y, Y)
+    the first channel is x Y; y comes back as X + Y + Z."""
+    again = np.eye(4)
+    again[:3] = [[1, 0, 0, 0], [1, 1, 1, 0], [0, 1, 0, 0]]
+    return [forms(x, y, z, aside), xyz_from_xyy(), matrix(again), xyz_from_xyy()]
+
+
+def forms(*rows: Form) -> Op:
+    """The matrix of four linear forms."""
+    return matrix(np.stack([row[0] for row in rows]), [row[1] for row in rows])
 
 
 def xyz_from_xyy() -> Op:

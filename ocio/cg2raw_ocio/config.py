@@ -29,6 +29,7 @@ def make_config(
     illuminants: Sequence[str],
     exposure: Exposure | None = None,
     version: str = "2.1",
+    folder: str | None = None,
 ) -> chain.Config:
     """Return a validated config with a RAW space for each profile x illuminant.
 
@@ -36,9 +37,12 @@ def make_config(
     illuminants : words of the illuminant grammar; see illuminant_list.
     exposure : an Exposure; None for the default one.
     version : "2.0" or "2.1", of the config's format.
+    folder : where table_files() lie, relative to the config, if the exposure has_table.
     Raises ValueError for a version that is not among these, a duplicate, or an
     illuminant that a sensor cannot have."""
     config = base_config(version)
+    if folder is not None:
+        config.setSearchPath(folder)
     spaces, inactive = all_raw_spaces(profiles, illuminants, exposure)
     for space in spaces:
         add_space(config, space)

@@ -3,7 +3,8 @@
 """One sensor under one illuminant as a file of its own, and how exact that file is.
 
 A CTF holds the chain itself. A CLF has no operator that could multiply two channels, so
-it holds matrices and clips without protected highlights. A .cube is a preview."""
+it holds matrices and clips without protected highlights, or the table of convention
+spectral over the roots themselves. A .cube is a preview."""
 
 import functools
 import os
@@ -19,8 +20,8 @@ from numpy.typing import NDArray
 from cg2raw._core import CameraTransform, SensorProfile
 from cg2raw.arrays import FloatImage
 
-from . import chain, color_effects, cube, measure, names
-from .spaces import Exposure, camera_transform, group, seen_by
+from . import chain, color_effects, cube, measure, names, spectral_chain
+from .spaces import Exposure, camera_chain, camera_transform, group, seen_by
 
 FORMATS = {
     ".ctf": "Color Transform Format",
@@ -34,18 +35,25 @@ SAME_DN = 0.02
 def ctf(
     profile: SensorProfile, illuminant: str, exposure: Exposure
 ) -> tuple[str, list[str]]:
-    """Return (text, findings) of a CTF: scene-linear Rec.709 -> camera RGB, exact."""
-    transform = camera_transform(profile, illuminant, exposure)
-    effects = color_effects.matrix(profile, illuminant)
-    ops = chain.camera_from_scene(transform, effects)
-    space = (profile.id, illuminant)
-    text = chain_text(ops, ".ctf", space, seen_by(profile, illuminant, exposure))
+    """Return (text, findings) of a CTF: scene-linear Rec.709 -> camera RGB, exact but
+    for the table of convention spectral."""
+    text, ops = raw_text(profile, illuminant, exposure)
     pixels = measure.random_pixels()
     error = measure.error(
         read_back(text, ".ctf", ops, pixels),
         measure.exact_camera(profile, illuminant, exposure, pixels),
     )
     return text, [f"error     {error} (of 65535)"]
+
+
+def raw_text(
+    profile: SensorProfile, illuminant: str, exposure: Exposure
+) -> tuple[str, list[chain.Op]]:
+    """Return (text, transforms) of that CTF."""
+    transform = camera_transform(profile, illuminant, exposure)
+    ops = camera_chain(transform, color_effects.matrix(profile, illuminant))
+    seen = seen_by(profile, illuminant, exposure)
+    return chain_text(ops, ".ctf", (profile.id, illuminant), seen), ops
 
 
 def clf(
@@ -63,6 +71,11 @@ def clf(
     exact = measure.exact_camera(profile, illuminant, exposure, pixels)
     below = measure.below_highlights(transform, pixels)
     findings = [f"error     {measure.error(found, exact)} (of 65535)"]
+    if exposure.has_table:
+        findings.append(
+            "          a CLF takes negative components for 0, and what is above "
+            f"{spectral_chain.CLF_LIMIT**2:g} for that; a CTF (--ctf) does not"
+        )
     if transform.keep_highlights:
         inner = measure.error(found[below], exact[below])
         findings += [
@@ -101,7 +114,10 @@ def preview(
 def plain_chain(
     transform: CameraTransform, effects: chain.Array | None = None
 ) -> list[chain.Op]:
-    """Return matrices and clips alone: a chain without protected highlights."""
+    """Return matrices and clips alone: a chain without protected highlights; in
+    convention spectral a table over roots."""
+    if transform.uplift is not None:
+        return spectral_chain.of_roots(transform, effects)
     ops = chain.legal() + chain.clipped_product(transform.first)
     if transform.two_steps:
         ops += chain.clipped_product(transform.second)
@@ -134,7 +150,17 @@ def chain_text(
     about.setID("urn:uuid:")
     text = whole.write(FORMATS[ending], config)
     about.setID(uuid.uuid5(uuid.NAMESPACE_OID, text).urn)
-    return str(whole.write(FORMATS[ending], config))
+    return narrow(str(whole.write(FORMATS[ending], config)))
+
+
+def narrow(text: str) -> str:
+    """Return a file's text with the rows of its 3D table, if it has one, as short as
+    can be: OpenColorIO pads "0 0 0" to 36 bytes."""
+    start, end = text.find("<LUT3D"), text.find("</LUT3D>")
+    if start < 0:
+        return text
+    rows = (" ".join(row.split()) for row in text[start:end].splitlines())
+    return text[:start] + "\n".join(rows) + text[end:]
 
 
 def read_back(

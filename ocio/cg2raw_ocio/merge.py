@@ -89,9 +89,12 @@ def merged_config(
     profiles: Sequence[SensorProfile],
     illuminants: Sequence[str],
     exposure: Exposure | None = None,
+    folder: str | None = None,
 ) -> Config:
     """Return @studio with a RAW space, and its unbounded twin, for each profile x
     illuminant; all else is the studio's. Raises ValueError for a name it has already.
+
+    folder : where table_files() lie, relative to the config, if the exposure has_table.
     """
     check_can_merge()
     name = studio.getRoleColorSpace(ocio.ROLE_INTERCHANGE_SCENE)
@@ -109,8 +112,18 @@ def merged_config(
         merged = ocio.ConfigMergingHelpers.MergeConfigs(_spaces_only(), studio, ours)
         listed = [studio.getInactiveColorSpaces(), *inactive]
         merged.setInactiveColorSpaces(", ".join(filter(None, listed)))
+        if folder is not None:
+            _look_for_files_in(merged, folder)
         merged.validate()
     return merged
+
+
+def _look_for_files_in(config: Config, folder: str) -> None:
+    """Add a folder to where a config looks for files. One that names no folders looks
+    beside itself, and goes on doing so."""
+    if not list(config.getSearchPaths()):
+        config.addSearchPath(".")
+    config.addSearchPath(folder)
 
 
 def _spaces_only() -> Any:

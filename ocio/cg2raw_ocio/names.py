@@ -30,6 +30,12 @@ def unbounded_space(sensor: str, illuminant: str) -> tuple[str, str]:
     )
 
 
+def table_file(sensor: str, illuminant: str) -> str:
+    """Return the name of the file that holds the chain of a RAW space with a table: one
+    that all file systems allow."""
+    return f"{raw_space(sensor, illuminant)[1]}.ctf"
+
+
 def family(profile: _core.SensorProfile) -> str:
     """Return "RAW/<make>": "NIKON CORPORATION" is Nikon in a menu."""
     make = (profile.make.split() or ["Other"])[0].replace("/", " ")

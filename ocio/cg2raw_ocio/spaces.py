@@ -10,27 +10,36 @@ import PyOpenColorIO as ocio
 from cg2raw import _core
 from cg2raw.cfa import is_mono
 
-from . import chain, color_effects, names
+from . import chain, color_effects, names, spectral_chain
 
 
 @dataclasses.dataclass(frozen=True)
 class Exposure:
     """How sensors are exposed: the same for all spaces of a config.
 
-    convention : "dng" (the exact inverse of a DNG renderer) or "paper".
+    convention : "dng" (the exact inverse of a DNG renderer), "paper" or "spectral".
     digital_gain : multiplies the white balance before highlights are protected.
-    highlights : keep white white."""
+    highlights : keep white white; not in convention spectral, where nothing clips."""
 
     convention: str = "dng"
     digital_gain: float = 1.0
     highlights: bool = True
+
+    @property
+    def has_table(self) -> bool:
+        """Return whether chains to RAW have a table, which a config cannot hold."""
+        return self.convention.lower() == "spectral"
 
 
 def raw_spaces(
     profile: _core.SensorProfile, illuminant: str, exposure: Exposure
 ) -> list[chain.Space]:
     """Return the RAW space of a sensor (a core profile) under an illuminant (a word of
-    the grammar) and its unbounded twin. Raises ValueError."""
+    the grammar) and its unbounded twin. Raises ValueError.
+
+    With a table it has no twin, and its chain is the file names.table_file()."""
+    if exposure.has_table:
+        return [table_space(profile, illuminant, exposure)]
     transform = camera_transform(profile, illuminant, exposure)
     effects = color_effects.matrix(profile, illuminant)
     seen = seen_by(profile, illuminant, exposure)
@@ -51,6 +60,28 @@ def raw_spaces(
     return [bounded, unbounded]
 
 
+def table_space(
+    profile: _core.SensorProfile, illuminant: str, exposure: Exposure
+) -> chain.Space:
+    """Return the RAW space of a sensor whose chain is a file."""
+    transform = camera_transform(profile, illuminant, exposure)
+    effects = color_effects.matrix(profile, illuminant)
+    return raw_space(
+        *names.raw_space(profile.id, illuminant),
+        names.family(profile),
+        f"RAW of the {seen_by(profile, illuminant, exposure)} {TABLE_REMARK}",
+        [ocio.FileTransform(names.table_file(profile.id, illuminant))],
+        chain.scene_from_camera(transform, effects),
+    )
+
+
+# Of the spaces of convention spectral.
+TABLE_REMARK = (
+    "Never clipped: the sensor does that. To the scene: white balance, clip, colour "
+    "matrix of the profile, as in a camera, which is no inverse."
+)
+
+
 def all_raw_spaces(
     profiles: Sequence[_core.SensorProfile],
     illuminants: Sequence[str],
@@ -66,7 +97,7 @@ def all_raw_spaces(
         for profile in profiles
         for illuminant in illuminants
     ]
-    inactive = [list(unbounded.getAliases())[0] for _, unbounded in pairs]
+    inactive = [list(twin.getAliases())[0] for _, *twins in pairs for twin in twins]
     return [space for pair in pairs for space in pair], inactive
 
 
@@ -82,11 +113,6 @@ def camera_transform(
             f"sensor {profile.id} is monochrome and has no RAW colour space: leave it "
             "out, and write its DNG from the scene (dng:sensor)"
         )
-    if exposure.convention.lower() == "spectral":
-        raise ValueError(
-            "convention spectral is no matrix and has no RAW space: write its DNG from "
-            "the scene (dng:convention spectral)"
-        )
     if exposure.convention.lower() == "sensor":
         raise ValueError(
             "convention sensor has no RAW space of its own: take the unbounded space "
@@ -101,6 +127,15 @@ def camera_transform(
     )
 
 
+def camera_chain(
+    transform: _core.CameraTransform, effects: chain.Array | None
+) -> list[chain.Op]:
+    """Return linear Rec.709 -> camera RGB as a list of transforms."""
+    if transform.uplift is None:
+        return chain.camera_from_scene(transform, effects)
+    return spectral_chain.camera_from_scene(transform, effects)
+
+
 def seen_by(profile: _core.SensorProfile, illuminant: str, exposure: Exposure) -> str:
     """Return in words what a RAW space holds: camera, light, exposure."""
     light = profile.illuminant(illuminant)
@@ -110,6 +145,9 @@ def seen_by(profile: _core.SensorProfile, illuminant: str, exposure: Exposure) -
         f"{light.duv:+.4f}; neutral R/G {red:.4f}, B/G {blue:.4f}), convention "
         f"{exposure.convention}"
     )
+    if exposure.has_table:
+        spectrum = camera_transform(profile, illuminant, exposure).spectrum
+        text += f", by the spectrum of {spectrum}"
     if exposure.digital_gain != 1.0:
         text += f", digital gain {exposure.digital_gain:g}"
     if not exposure.highlights:

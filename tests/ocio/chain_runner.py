@@ -3,8 +3,10 @@
 """Chains applied to pixels, in this process or by another version of OpenColorIO.
 
 As a program: chain_runner.py INPUT.npz OUTPUT.npz. It needs neither the core nor the
-packages of the test environment, but PyOpenColorIO, NumPy and cg2raw_ocio.chain."""
+packages of the test environment, but PyOpenColorIO, NumPy and the modules of chains in
+cg2raw_ocio."""
 
+import importlib
 import json
 import sys
 import types
@@ -18,14 +20,18 @@ FIELDS = ("first", "two_steps", "second", "gains", "keep_highlights", "clip_resu
 def plain(transform):
     """Return the fields of a CameraTransform as JSON can hold them."""
     values = {name: getattr(transform, name) for name in FIELDS}
+    values["uplift"] = getattr(transform, "uplift", None)
     return {name: np.asarray(value).tolist() for name, value in values.items()}
 
 
 def applied(direction, transform, pixels):
-    """Return (N, 3) float32 of a chain of cg2raw_ocio.chain on (N, 3) pixels."""
-    from cg2raw_ocio import chain
+    """Return (N, 3) float32 of a chain on (N, 3) pixels.
 
-    group = ocio.GroupTransform(getattr(chain, direction)(transform))
+    direction : name of a function of cg2raw_ocio.chain, or <module>.<name> of another.
+    """
+    module, _, name = direction.rpartition(".")
+    module = importlib.import_module(f"cg2raw_ocio.{module or 'chain'}")
+    group = ocio.GroupTransform(getattr(module, name)(transform))
     processor = ocio.Config.CreateRaw().getProcessor(group).getDefaultCPUProcessor()
     out = np.array(pixels, np.float32, order="C")
     processor.applyRGB(out)

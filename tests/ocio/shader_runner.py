@@ -21,6 +21,7 @@ def shader_of(transform):
     """Return the GpuShaderDesc of a transform, GLSL 4."""
     processor = ocio.Config.CreateRaw().getProcessor(transform)
     shader = ocio.GpuShaderDesc.CreateShaderDesc(language=ocio.GPU_LANGUAGE_GLSL_4_0)
+    shader.setAllowTexture1D(False)  # moderngl has none
     processor.getDefaultGPUProcessor().extractGpuShaderInfo(shader)
     return shader
 
@@ -39,7 +40,29 @@ def drawn(context, shader, pixels):
     square = np.array([-1, -1, 1, -1, -1, 1, 1, 1], np.float32)
     frame = context.framebuffer([target])
     frame.use()
+    kept = bound(context, program, shader)
     scene.use(0)
     array = context.simple_vertex_array(program, context.buffer(square), "position")
     array.render(5)  # GL_TRIANGLE_STRIP
+    del kept
     return np.frombuffer(target.read(), np.float32).reshape(height, width, 4)[..., :3]
+
+
+def bound(context, program, shader):
+    """Return the textures of a shader, bound from unit 1 on; they must outlive it."""
+    flat, solid = list(shader.getTextures()), list(shader.get3DTextures())
+    found = [
+        context.texture(
+            (lut.width, lut.height), 3, lut.getValues().tobytes(), dtype="f4"
+        )
+        for lut in flat
+    ]
+    found += [
+        context.texture3d([lut.edgeLen] * 3, 3, lut.getValues().tobytes(), dtype="f4")
+        for lut in solid
+    ]
+    for unit, (lut, texture) in enumerate(zip(flat + solid, found, strict=True), 1):
+        texture.repeat_x = texture.repeat_y = False
+        texture.use(unit)
+        program[lut.samplerName] = unit
+    return found

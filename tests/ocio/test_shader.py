@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""RAW spaces on a GPU: GLSL without a texture, drawn without a window."""
+"""RAW spaces on a GPU: GLSL without a texture, drawn without a window; and with one."""
 
 import types
 
@@ -9,7 +9,7 @@ import PyOpenColorIO as ocio
 import pytest
 
 from cg2raw import _core
-from cg2raw_ocio import chain
+from cg2raw_ocio import chain, spectral_chain
 from ocio import shader_runner
 from ocio.pixels import BLACK_AND_WHITE, kinds_of_pixels
 from oracles import camera_transform
@@ -87,3 +87,20 @@ def test_infinite_pixels_are_drawn_white(context, profiles):
     camera = shader_runner.drawn(context, shader_of(transform), rgb)
     expected = camera_transform.camera_from_scene(rgb, transform)
     assert np.abs(camera - expected).max() <= MAX_DN
+
+
+def test_a_table_is_drawn(context):
+    """Neutrals stand on nodes. Others are as near as the GPU's filter: Mesa's has the
+    digits of float32, most hardware takes 8 bits between two nodes, 1 % of white."""
+    profile = _core.load_profile("canon-600d")
+    transform = _core.camera_from_scene(profile, profile.illuminant("FL2"), "spectral")
+    ops = spectral_chain.camera_from_scene(transform)
+    shader = shader_runner.shader_of(ocio.GroupTransform(ops))
+    assert shader_runner.textures(shader) == 2 and "e+" not in shader.getShaderText()
+    rgb = np.random.default_rng(2).random((1, 2000, 3)).astype(np.float32)
+    rgb[:, 1000:] = rgb[:, 1000:, :1]
+    expected = _core.to_camera(transform, rgb)
+    error = np.abs(shader_runner.drawn(context, shader, rgb) - expected)
+    assert error[:, 1000:].max() <= 1.5 / 65535.0
+    exact = context.info["GL_RENDERER"].startswith("llvmpipe")
+    assert error.max() <= (3.0 / 65535.0 if exact else 0.01)

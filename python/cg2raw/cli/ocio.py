@@ -17,6 +17,9 @@ of these configs (profile 2.4).
 environment variables CG2RAW_SENSOR and CG2RAW_ILLUMINANT choose one. Its files lie in
 OUT_raw beside OUT.ocio. On Windows leave out illuminants with a colon.
 
+--convention spectral needs a table for each pair, which a config cannot hold: its files
+lie in OUT_raw beside OUT.ocio, too, 0.4 MB each. It has no unbounded spaces.
+
 --ctf, --clf and --cube write one sensor under one illuminant as a file of its own.
 
 examples:
@@ -38,6 +41,7 @@ from cg2raw.cli._outputs import check_output, to_file
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, check_pairs
 
 if TYPE_CHECKING:  # only the work itself loads OpenColorIO
+    from cg2raw_ocio.pair_files import PairFiles
     from cg2raw_ocio.spaces import Exposure
 
 Profiles = list[SensorProfile]
@@ -62,7 +66,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="such as A,D65,3200K,sample:0-9",
     )
     add("-o", "--output", metavar="OUT.ocio", help="the config; replaces a file")
-    add("--convention", choices=("dng", "paper"), default="dng", help="default: dng")
+    add(
+        "--convention",
+        choices=("dng", "paper", "spectral"),
+        default="dng",
+        help="default: dng",
+    )
     add("--gain", type=float, default=1.0, metavar="X", help="digital gain, 0 to 1000")
     add("--no-highlights", action="store_true", help="highlights are not kept white")
     add("--profile-version", choices=("2.0", "2.1"), help="default: 2.1")
@@ -103,8 +112,7 @@ def check(arguments: argparse.Namespace) -> None:
         raise ValueError("--context: does not go with --merge")
     if arguments.merge is not None and arguments.profile_version:
         raise ValueError("--profile-version: does not go with --merge, which keeps its")
-    if arguments.context and not to_file(arguments.output):
-        raise ValueError("--context: needs -o OUT.ocio, beside which its files lie")
+    check_files_beside(arguments)
     for option in ("cube_size", "cube_input"):
         if getattr(arguments, option) is not None and arguments.cube is None:
             raise ValueError(f"--{option.replace('_', '-')}: needs --cube")
@@ -119,11 +127,27 @@ def check(arguments: argparse.Namespace) -> None:
             raise ValueError(f"-o {arguments.output}: is the file to be read")
 
 
+def check_files_beside(arguments: argparse.Namespace) -> None:
+    """Raise ValueError if a config has files beside it, and goes to no file."""
+    if to_file(arguments.output):
+        return
+    if arguments.context:
+        raise ValueError("--context: needs -o OUT.ocio, beside which its files lie")
+    exports = any(getattr(arguments, option) for option, _ in EXPORTS)
+    if arguments.convention == "spectral" and (arguments.output or not exports):
+        raise ValueError(
+            "--convention spectral: needs -o OUT.ocio, beside which its tables lie, or "
+            "--ctf OUT.ctf for one pair"
+        )
+
+
 def make(arguments: argparse.Namespace) -> None:
     """Write the config, the files, or both."""
     from cg2raw_ocio.spaces import Exposure
 
     profiles = with_colors(arguments, asked_sensors(arguments.sensors))
+    if arguments.convention == "spectral" and arguments.sensors == "all":
+        profiles = with_sensitivities(arguments, profiles)
     illuminants = asked_illuminants(arguments.illuminants)
     check_pairs(profiles, illuminants)
     exposure = Exposure(
@@ -159,6 +183,20 @@ def with_colors(
     return colored
 
 
+def with_sensitivities(
+    arguments: argparse.Namespace, profiles: list[SensorProfile]
+) -> list[SensorProfile]:
+    """Return the sensors of "all" that see spectra; say how many do not."""
+    seeing = [p for p in profiles if p.spectral_sensitivities is not None]
+    if len(seeing) < len(profiles):
+        note(
+            arguments,
+            f"{len(profiles) - len(seeing)} sensors have no spectral_sensitivities: "
+            "left out",
+        )
+    return seeing
+
+
 def report(
     arguments: argparse.Namespace, text: str, stream: TextIO | None = None
 ) -> None:
@@ -178,12 +216,14 @@ def make_config(
 ) -> None:
     """Write a config of all pairs, merged with another if so asked."""
     from cg2raw_ocio import config as plain
+    from cg2raw_ocio.pair_files import PairFiles, table_files
 
+    folder = os.path.basename(folder_of(arguments)) if exposure.has_table else None
     if arguments.merge is not None:
-        config = merged(arguments, profiles, illuminants, exposure)
+        config = merged(arguments, profiles, illuminants, exposure, folder)
     else:
         version = arguments.profile_version or "2.1"
-        config = plain.make_config(profiles, illuminants, exposure, version)
+        config = plain.make_config(profiles, illuminants, exposure, version, folder)
     count = len(profiles) * len(illuminants)
     if count > MANY:
         note(arguments, f"{count} RAW spaces load slowly; see --context")
@@ -192,6 +232,9 @@ def make_config(
         sys.stdout.write(text)
         sys.stdout.flush()
         return
+    if exposure.has_table:
+        files = PairFiles(table_files, profiles, illuminants, exposure)
+        write_beside(arguments, files, f"{count} files")
     write(arguments.output, text)
     version = f"{config.getMajorVersion()}.{config.getMinorVersion()}"
     report(
@@ -205,13 +248,14 @@ def merged(
     profiles: Profiles,
     illuminants: list[str],
     exposure: "Exposure",
+    folder: str | None,
 ) -> Any:
     """Return the config of --merge with RAW spaces; say what its files need."""
     from cg2raw_ocio import merge
 
     merge.check_can_merge()
     studio = merge.studio_config(arguments.merge)
-    config = merge.merged_config(studio, profiles, illuminants, exposure)
+    config = merge.merged_config(studio, profiles, illuminants, exposure, folder)
     folders = merge.relative_folders(studio)
     here = os.path.dirname(os.path.realpath(arguments.merge))
     there = os.path.dirname(os.path.realpath(arguments.output or ""))
@@ -231,31 +275,37 @@ def make_context(
     exposure: "Exposure",
 ) -> None:
     """Write a config of one space and the folder of its files."""
-    from cg2raw.io.atomic_file import write_folder
     from cg2raw_ocio import context
+    from cg2raw_ocio.pair_files import PairFiles
 
-    stem = os.path.splitext(arguments.output)[0]
-    folder = f"{stem}_raw"
-    files = {}
-    for profile in profiles:
-        for illuminant in illuminants:
-            files.update(context.chain_files(profile, illuminant, exposure))
     config = context.context_config(
         profiles[0],
         illuminants[0],
-        os.path.basename(folder),
+        os.path.basename(folder_of(arguments)),
         arguments.profile_version or "2.1",
+        exposure.has_table,
     )
     text = config.serialize()
-    write_folder(
-        folder,
-        {name: chain.encode() for name, chain in files.items()},
-        lambda name: name.endswith(".ctf"),
-    )
-    write(arguments.output, text)
     pairs = len(profiles) * len(illuminants)
-    report(arguments, f"wrote     {folder}{os.sep}: {len(files)} files, {pairs} pairs")
+    count = pairs * (2 if exposure.has_table else 3)
+    files = PairFiles(context.chain_files, profiles, illuminants, exposure)
+    write_beside(arguments, files, f"{count} files, {pairs} pairs")
+    write(arguments.output, text)
     report(arguments, f"wrote     {arguments.output}: RAW - context")
+
+
+def folder_of(arguments: argparse.Namespace) -> str:
+    """Return the path of the folder of a config's files."""
+    return f"{os.path.splitext(arguments.output)[0]}_raw"
+
+
+def write_beside(arguments: argparse.Namespace, files: "PairFiles", words: str) -> None:
+    """Write the folder of a config's files."""
+    from cg2raw.io.atomic_file import write_folder
+
+    folder = folder_of(arguments)
+    write_folder(folder, files, lambda name: name.endswith(".ctf"))
+    report(arguments, f"wrote     {folder}{os.sep}: {words}")
 
 
 def make_exports(
