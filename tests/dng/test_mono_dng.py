@@ -77,6 +77,40 @@ def test_dcraw(written, program, tmp_path):
     assert "Raw colors: 1\n" in dng_files.run("dcraw", "-i", "-v", path).stdout.decode()
 
 
+def ramp(tmp_path):
+    """Return the path of a grey ramp from left to right, 400x600."""
+    sensor, path = sensor_of(noise=None), tmp_path / "ramp.dng"
+    scene = np.linspace(0.02, 0.9, 600, dtype=np.float32)
+    image = np.broadcast_to(scene[None, :, None], (400, 600, 3))
+    cg2raw.write_dng(path, sensor.simulate(image), compression="none")
+    return path
+
+
+def check_grey_ramp(picture, border):
+    """Assert that a picture is of the ramp, grey and rising."""
+    assert picture.shape[:2] == (400 - 2 * border, 600 - 2 * border)
+    colours = picture.reshape(*picture.shape[:2], -1).astype(float)
+    assert np.ptp(colours, axis=2).max() <= 0.02 * colours.max()
+    columns = colours.mean(axis=(0, 2))[::20]
+    assert (np.diff(columns) > 0).all()
+
+
+@pytest.mark.slow
+def test_rawtherapee(program, tmp_path):
+    tool, out = program("rawtherapee-cli"), tmp_path / "out.tif"
+    dng_files.run(tool, "-q", "-o", out, "-t", "-b16", "-Y", "-c", ramp(tmp_path))
+    check_grey_ramp(tifffile.imread(out), 0)
+
+
+@pytest.mark.slow
+def test_darktable(program, tmp_path):
+    tool, out = program("darktable-cli"), tmp_path / "out.tif"
+    core = ("--core", "--configdir", tmp_path, "--library", ":memory:")
+    words = (*core, "--conf", "write_sidecar_files=never")
+    dng_files.run(tool, ramp(tmp_path), out, *words)
+    check_grey_ramp(tifffile.imread(out), 2)  # DefaultCropOrigin
+
+
 def test_tifffile(written):
     path, mosaic = written
     with tifffile.TiffFile(path) as tiff:
