@@ -2,65 +2,32 @@
 # Copyright Contributors to the cg2raw Project.
 """Spectral images through oiiotool: others' files, the frames of Python, errors."""
 
-from pathlib import Path
-
-import colour
 import numpy as np
 import OpenImageIO as oiio
 import pytest
 
 import cg2raw
-from cg2raw import _core
 from cg2raw.spectra import simulate_spectra
 from dng import dng_files
 from images import attributes, read_dn
 from oracles import cameras
 from python import commands
-
-# colour-science's examples of the layout: a render by ART, reflectances.
-FICHET = Path(colour.__file__).parent / "io" / "tests" / "resources"
-CENTRES = np.arange(380.0, 781.0, 12.5)
-WHITE = 400000.0  # cd/m2; what the spectra below reach
-ASKED = {"sensor": "canon-600d", "illuminant": "FL2", "exposure": WHITE}
-
-
-def name_of(nm):
-    return "S0." + f"{nm:.1f}nm".replace(".", ",")
-
-
-def write_spectra(path, pixels, names, kind="float", said=(), tile=0):
-    """Write (H, W, N) pixels with named channels; return the path."""
-    height, width, count = pixels.shape
-    spec = oiio.ImageSpec(width, height, count, kind)
-    spec.channelnames = tuple(names)
-    spec.tile_width = spec.tile_height = tile
-    for name, value in said:
-        spec.attribute(name, value)
-    image = oiio.ImageOutput.create(str(path))
-    assert image.open(str(path), spec), image.geterror()
-    assert image.write_image(np.ascontiguousarray(pixels, np.float32))
-    image.close()
-    return path
+from spectral_files import (
+    ASKED,
+    CENTRES,
+    FICHET,
+    WHITE,
+    check_command,
+    expected,
+    name_of,
+    random_spectra,
+    write_spectra,
+)
 
 
 @pytest.fixture(scope="module")
 def spectra():
-    """Return (40, 56, N) spectra: smooth ones, and lines."""
-    rng = np.random.default_rng(8)
-    smooth = rng.random((40, 56, 6)) @ rng.random((6, len(CENTRES)))
-    lines = (rng.random((40, 56, len(CENTRES))) > 0.97) * 8.0
-    return (smooth + lines).astype(np.float32)
-
-
-def expected(spectra, centres=CENTRES, **run):
-    return simulate_spectra(
-        cg2raw.Sensor("canon-600d"),
-        spectra,
-        centres,
-        illuminant="FL2",
-        white=WHITE,
-        **run,
-    )
+    return random_spectra()
 
 
 @pytest.mark.parametrize("tile", [0, 16])
@@ -200,17 +167,6 @@ def test_a_named_layer_is_taken_instead(oiiotool, tmp_path, spectra):
     assert np.array_equal(read_dn(tmp_path / "s.dng"), wanted)
 
 
-def check_command(oiiotool, path, folder):
-    """Assert that plugin and command write the same bytes; return the DN."""
-    oiiotool(path, *attributes(**ASKED), "-o", folder / "a.dng")
-    words = ["--sensor", "canon-600d", "--illuminant", "FL2"]
-    words += ["--white-luminance", WHITE]
-    done = commands.run("convert", path, "-o", folder / "b.dng", *words)
-    assert done.code == 0, done.err
-    assert (folder / "a.dng").read_bytes() == (folder / "b.dng").read_bytes()
-    return read_dn(folder / "a.dng")
-
-
 def test_the_command_writes_the_same_bytes(oiiotool, tmp_path, spectra):
     names = ["R", "G", "B", *(name_of(nm) for nm in CENTRES)]
     pixels = np.concatenate([spectra[..., :3], spectra], axis=2)
@@ -244,82 +200,6 @@ def test_the_command_tells_pictures_from_spectra(exr, tmp_path):
     path = FICHET / "Ohta1997.exr"
     line = commands.fails("convert", path, "-o", tmp_path / "b.dng", *words)
     assert "is a reflectance" in line
-
-
-def stated(nm, power):
-    return "".join(f"{w:g}nm:{p!r};" for w, p in zip(nm, power.tolist(), strict=True))
-
-
-def test_the_light_that_a_file_states(oiiotool, tmp_path):
-    """colour-science's example of a light, whose attribute illuminant is D65."""
-    large = tmp_path / "d65.exr"
-    oiiotool(FICHET / "D65.exr", "--resize", "8x6", "-o", large)
-    asked = {"sensor": "canon-600d", "illuminant": "estimate", "exposure": "3e4"}
-    oiiotool(large, *attributes(**asked), "-o", tmp_path / "a.dng")
-    words = ["--sensor", "canon-600d", "--illuminant", "estimate"]
-    done = commands.run(
-        *("convert", large, "-o", tmp_path / "b.dng", *words),
-        *("--white-luminance", 3e4),
-    )
-    assert done.code == 0, done.err
-    assert (tmp_path / "a.dng").read_bytes() == (tmp_path / "b.dng").read_bytes()
-    # The file has 300 to 780 nm, and the sensitivities begin at 380.
-    assert "of the energy is unseen" in done.out
-    light = cg2raw.Sensor("canon-600d")
-    wanted = _core.seen_by_sensitivities(light.profile, "D65").split(":")[1:]
-    tags = dng_files.tags_of(tmp_path / "a.dng")[0]["AsShotNeutral"]
-    neutral = np.divide(tags[::2], tags[1::2])
-    assert neutral[[0, 2]] == pytest.approx([float(word) for word in wanted], rel=1e-4)
-
-
-def test_responses_that_a_file_states(oiiotool, tmp_path, spectra):
-    names = [name_of(nm) for nm in CENTRES]
-    responses = {
-        name: stated([nm - 12.5, nm, nm + 12.5], np.array([0.0, 2.0, 0.0]))
-        for name, nm in zip(names, CENTRES, strict=True)
-    }
-    path = write_spectra(tmp_path / "s.exr", spectra, names, said=responses.items())
-    found = check_command(oiiotool, path, tmp_path)
-    assert not np.array_equal(found, expected(spectra))
-
-
-ESTIMATES = {
-    "estimate": "the image states no light's spectrum (--attrib illuminant",
-    "estimate:mean": "needs the whole image before its first row",
-}
-
-
-@pytest.mark.parametrize("word", ESTIMATES)
-def test_what_a_host_cannot_estimate(oiiotool, tmp_path, spectra, word):
-    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
-    asked = {**ASKED, "illuminant": word}
-    done = oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
-    assert ESTIMATES[word] in done.stdout + done.stderr
-    assert not list(tmp_path.glob("*.dng"))
-
-
-def test_pictures_have_no_light_to_estimate(oiiotool, exr, tmp_path):
-    asked = {"sensor": "canon-600d", "illuminant": "estimate"}
-    done = oiiotool(exr, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
-    assert "dng:illuminant estimate is for spectral images" in done.stdout + done.stderr
-    words = ["--sensor", "canon-600d", "--illuminant", "estimate:max"]
-    line = commands.fails("convert", exr, "-o", tmp_path / "b.dng", *words)
-    assert "--illuminant estimate:max is for spectral images" in line
-
-
-def test_the_command_estimates_by_all_pixels(tmp_path, spectra):
-    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
-    for word in ("estimate:mean", "estimate:max"):
-        words = ["--sensor", "canon-600d", "--illuminant", word]
-        done = commands.run(
-            *("convert", path, "-o", tmp_path / "b.dng", *words),
-            *("--white-luminance", WHITE),
-        )
-        assert done.code == 0, done.err
-        wanted = simulate_spectra(
-            cg2raw.Sensor("canon-600d"), spectra, CENTRES, illuminant=word, white=WHITE
-        )
-        assert np.array_equal(read_dn(tmp_path / "b.dng"), wanted)
 
 
 def test_a_sensor_without_filters(oiiotool, tmp_path, spectra):

@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from cg2raw import _core
 from cg2raw.arrays import FloatImage
 from cg2raw.io.atomic_file import FilePath
-from cg2raw.io.image_file import Image, check_size, opened, shot_of, visible_rows
+from cg2raw.io.image_file import (
+    Image,
+    check_flat,
+    check_size,
+    opened,
+    shot_of,
+    visible_rows,
+)
 from cg2raw.spectra import Rows, Statistic
 
 
@@ -21,22 +28,37 @@ from cg2raw.spectra import Rows, Statistic
 class SpectraFile:
     """A file of spectra, and what it says of them.
 
-    bins : the channels that are a spectrum. white : cd/m2 of white, and light : the
-    light's spectrum, [(nm, power)], where the file states them."""
+    bins : the channels that are a spectrum. white : cd/m2 of white, where the file
+    states it."""
 
     path: str
+    spec: Any  # OpenImageIO's ImageSpec
     bins: _core.SpectralChannels
     white: float | None
-    light: Rows | None
+
+    @property
+    def light(self) -> Rows | None:
+        """Return the spectrum that an attribute "illuminant" states, None if none does.
+
+        Raises ValueError."""
+        words = ("illuminant", "openexr:illuminant")
+        texts = [text for text in map(self.spec.getattribute, words) if is_text(text)]
+        if not texts:
+            return None
+        try:
+            return _core.spectrum_from_text(texts[0])
+        except ValueError as error:
+            raise ValueError(
+                f"attribute illuminant, the light's spectrum: {error}"
+            ) from None
 
     def rows(self) -> Iterator[tuple[slice, slice, FloatImage]]:
         """Yield (rows, cols, (h, w, N) spectra) of the display window.
 
         Raises ValueError, OSError."""
+        channels = self.bins.channels
         with contextlib.closing(opened(self.path)) as source:
-            spec = source.spec()
-            check_size(self.path, spec)
-            found = visible_rows(self.path, source, spec, self.bins.channels, None)
+            found = visible_rows(self.path, source, self.spec, channels, None)
             for rows, cols, part in found:
                 yield rows, cols, np.ascontiguousarray(part, np.float32)
 
@@ -46,17 +68,14 @@ class SpectraFile:
 
     def image(self, pixels: FloatImage) -> Image:
         """Return the Image of pixels that were made of the spectra."""
-        with contextlib.closing(opened(self.path)) as source:
-            spec = source.spec()
-            code = spec.get_string_attribute("smpte:TimeCode")
-            return Image(self.path, pixels, "", shot=shot_of(spec), time_code=code)
+        code = self.spec.get_string_attribute("smpte:TimeCode")
+        return Image(self.path, pixels, "", shot=shot_of(self.spec), time_code=code)
 
     def empty(self, depth: int) -> FloatImage:
-        """Return (H, W, depth) zeros of the display window."""
-        with contextlib.closing(opened(self.path)) as source:
-            spec = source.spec()
-            check_size(self.path, spec)
-            return np.zeros((spec.full_height, spec.full_width, depth), np.float32)
+        """Return (H, W, depth) zeros of the display window. Raises ValueError."""
+        check_size(self.path, self.spec)
+        size = self.spec.full_height, self.spec.full_width
+        return np.zeros((*size, depth), np.float32)
 
 
 def spectra_in(path: FilePath) -> SpectraFile | None:
@@ -69,31 +88,22 @@ def spectra_in(path: FilePath) -> SpectraFile | None:
     said = {name: spec.getattribute(f"{name}.wavelength") for name in names}
     stated = {name: float(metres) for name, metres in said.items() if metres}
     texts = {name: spec.getattribute(name) for name in names}
-    responses = {name: text for name, text in texts.items() if isinstance(text, str)}
+    responses = {name: text for name, text in texts.items() if is_text(text)}
     try:
         bins = _core.spectral_channels(names, stated, responses)
         if bins is None:
             return None
-        light = light_in(spec)
+        check_flat(spec)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     whites = map(spec.getattribute, ("whiteLuminance", "openexr:whiteLuminance"))
     white = next((float(value) for value in whites if value), None)
-    return SpectraFile(str(path), bins, white, light)
+    return SpectraFile(str(path), spec, bins, white)
 
 
-def light_in(spec: Any) -> Rows | None:
-    """Return the spectrum that an attribute "illuminant" states; None if none does."""
-    texts = map(spec.getattribute, ("illuminant", "openexr:illuminant"))
-    text = next((text for text in texts if isinstance(text, str)), None)
-    if text is None:
-        return None
-    try:
-        return _core.spectrum_from_text(text)
-    except ValueError as error:
-        raise ValueError(
-            f"attribute illuminant, the light's spectrum: {error}"
-        ) from None
+def is_text(value: Any) -> bool:
+    """Return whether an attribute's value is a text."""
+    return isinstance(value, str)
 
 
 def read_camera(

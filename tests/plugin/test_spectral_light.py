@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Spectral images through oiiotool: their own light, responses that they state."""
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+import cg2raw
+from cg2raw import _core
+from cg2raw.spectra import simulate_spectra
+from dng import dng_files
+from images import attributes, read_dn
+from python import commands
+from spectral_files import (
+    ASKED,
+    CENTRES,
+    FICHET,
+    WHITE,
+    check_command,
+    expected,
+    name_of,
+    random_spectra,
+    write_spectra,
+)
+
+
+@pytest.fixture(scope="module")
+def spectra():
+    return random_spectra()
+
+
+def stated(nm, power):
+    return "".join(f"{w:g}nm:{p!r};" for w, p in zip(nm, power.tolist(), strict=True))
+
+
+def test_the_light_that_a_file_states(oiiotool, tmp_path):
+    """colour-science's example of a light, whose attribute illuminant is D65."""
+    large = tmp_path / "d65.exr"
+    oiiotool(FICHET / "D65.exr", "--resize", "8x6", "-o", large)
+    asked = {"sensor": "canon-600d", "illuminant": "estimate", "exposure": "3e4"}
+    oiiotool(large, *attributes(**asked), "-o", tmp_path / "a.dng")
+    words = ["--sensor", "canon-600d", "--illuminant", "estimate"]
+    done = commands.run(
+        *("convert", large, "-o", tmp_path / "b.dng", *words),
+        *("--white-luminance", 3e4),
+    )
+    assert done.code == 0, done.err
+    assert (tmp_path / "a.dng").read_bytes() == (tmp_path / "b.dng").read_bytes()
+    # The file has 300 to 780 nm, and the sensitivities begin at 380.
+    assert "of the energy is unseen" in done.out
+    light = cg2raw.Sensor("canon-600d")
+    wanted = _core.seen_by_sensitivities(light.profile, "D65").split(":")[1:]
+    tags = dng_files.tags_of(tmp_path / "a.dng")[0]["AsShotNeutral"]
+    neutral = np.divide(tags[::2], tags[1::2])
+    assert neutral[[0, 2]] == pytest.approx([float(word) for word in wanted], rel=1e-4)
+
+
+def test_responses_that_a_file_states(oiiotool, tmp_path, spectra):
+    names = [name_of(nm) for nm in CENTRES]
+    responses = {
+        name: stated([nm - 12.5, nm, nm + 12.5], np.array([0.0, 2.0, 0.0]))
+        for name, nm in zip(names, CENTRES, strict=True)
+    }
+    path = write_spectra(tmp_path / "s.exr", spectra, names, said=responses.items())
+    found = check_command(oiiotool, path, tmp_path)
+    assert not np.array_equal(found, expected(spectra))
+
+
+ESTIMATES = {
+    "estimate": "the image states no light's spectrum (--attrib illuminant",
+    "estimate:mean": "needs the whole image before its first row",
+}
+
+
+@pytest.mark.parametrize("word", ESTIMATES)
+def test_what_a_host_cannot_estimate(oiiotool, tmp_path, spectra, word):
+    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
+    asked = {**ASKED, "illuminant": word}
+    done = oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
+    assert ESTIMATES[word] in done.stdout + done.stderr
+    assert not list(tmp_path.glob("*.dng"))
+
+
+def test_pictures_have_no_light_to_estimate(oiiotool, exr, tmp_path):
+    asked = {"sensor": "canon-600d", "illuminant": "estimate"}
+    done = oiiotool(exr, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
+    assert "dng:illuminant estimate is for spectral images" in done.stdout + done.stderr
+    words = ["--sensor", "canon-600d", "--illuminant", "estimate:max"]
+    line = commands.fails("convert", exr, "-o", tmp_path / "b.dng", *words)
+    assert "--illuminant estimate:max is for spectral images" in line
+
+
+def test_the_command_estimates_by_all_pixels(tmp_path, spectra):
+    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
+    for word in ("estimate:mean", "estimate:max"):
+        words = ["--sensor", "canon-600d", "--illuminant", word]
+        done = commands.run(
+            *("convert", path, "-o", tmp_path / "b.dng", *words),
+            *("--white-luminance", WHITE),
+        )
+        assert done.code == 0, done.err
+        wanted = simulate_spectra(
+            cg2raw.Sensor("canon-600d"), spectra, CENTRES, illuminant=word, white=WHITE
+        )
+        assert np.array_equal(read_dn(tmp_path / "b.dng"), wanted)
+
+
+def test_a_light_that_is_no_spectrum_matters_to_estimate_alone(oiiotool, tmp_path):
+    spectra = np.full((24, 32, len(CENTRES)), 0.5, np.float32)
+    names, said = [name_of(nm) for nm in CENTRES], [("illuminant", "tungsten")]
+    path = write_spectra(tmp_path / "s.exr", spectra, names, said=said)
+    check_command(oiiotool, path, tmp_path)
+    words = ["--sensor", "canon-600d", "--illuminant", "estimate"]
+    words += ["--white-luminance", WHITE]
+    line = commands.fails("convert", path, "-o", tmp_path / "c.dng", *words)
+    message = 'attribute illuminant, the light\'s spectrum: spectrum "tungsten" must be'
+    assert f"{path}: {message}" in line
+    asked = {**ASKED, "illuminant": "estimate"}
+    done = oiiotool(path, *attributes(**asked), "-o", tmp_path / "d.dng", check=False)
+    assert message in done.stdout + done.stderr
+
+
+def test_deep_spectra_are_refused(oiiotool, tmp_path):
+    names = [name_of(nm) for nm in CENTRES]
+    spec = oiio.ImageSpec(8, 8, len(names), "float")
+    spec.channelnames, spec.deep = tuple(names), True
+    deep = oiio.DeepData()
+    deep.init(64, len(names), ["float"] * len(names), names)
+    path = tmp_path / "deep.exr"
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec) and file.write_deep_image(deep) and file.close()
+    words = ["--sensor", "canon-600d", "--illuminant", "A", "--white-luminance", 9]
+    line = commands.fails("convert", path, "-o", tmp_path / "c.dng", *words)
+    assert "flatten first (oiiotool --flatten)" in line
+    done = oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "d.dng", check=False)
+    assert "flatten first" in done.stdout + done.stderr
