@@ -23,10 +23,16 @@ from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
 
 SensorLike = Sensor | str | os.PathLike[str]
+Range = tuple[float, float]
 
 # Section 3.2 and 4 of the paper: white balance gains, and what a global gain is the
 # inverse of.
-RED_GAIN, BLUE_GAIN = (1.9, 2.4), (1.5, 1.9)
+# By name: red's and blue's. Sources: Brooks et al.; what Seo et al. compared with.
+GAINS = {
+    "published": ((1.9, 2.4), (1.5, 1.9)),
+    "graphics2raw": ((1.0, 3.3), (1.3, 4.4)),
+}
+LEAST_GAIN, MOST_GAIN = 0.01, 100.0
 DIGITAL_GAIN_MEAN, DIGITAL_GAIN_SIGMA = 0.8, 0.1
 # Noise of the Darmstadt data set's cameras: variance = shot x + read, x in 0..1.
 SHOT_NOISE = (1e-4, 1.2e-2)
@@ -75,8 +81,10 @@ class Upi:
 
     sensor : Sensor, or its id or path.
     matrices : sensors whose D65 matrices are mixed, at least one.
-    gains : "published" (red 1.9..2.4, blue 1.5..1.9), or "camera" (those of the box
-        around the hull of @sensor's neutrals); independent and uniform.
+    gains : "published" (red 1.9..2.4, blue 1.5..1.9), "graphics2raw" (1.0..3.3,
+        1.3..4.4: what that paper compared with), "camera" (those of the box around the
+        hull of @sensor's neutrals), or ranges ((low, high) of red, (low, high) of
+        blue); independent and uniform.
     digital_gain : "upi" for N(0.8, 0.1), the inverse of UPI's global gain, or a number.
     noise : "sensor" (at the ISO of each `simulate`, none without one), or "upi" (drawn,
         on every Bayer sensor).
@@ -88,7 +96,7 @@ class Upi:
         sensor: SensorLike,
         *,
         matrices: Iterable[SensorLike] = PAPER_SENSORS,
-        gains: str = "published",
+        gains: str | Sequence[Sequence[float]] = "published",
         digital_gain: float | str = "upi",
         noise: str = "sensor",
     ) -> None:
@@ -96,7 +104,6 @@ class Upi:
         self.matrices = {s.id: d65_matrix(s) for s in map(_sensor, matrices)}
         if not self.matrices:
             raise ValueError("matrices is empty: name at least one sensor")
-        _one_of("gains", gains, ("published", "camera"))
         _one_of("noise", noise, ("sensor", "upi"))
         if is_mono(self.sensor.cfa):
             raise ValueError(
@@ -108,10 +115,7 @@ class Upi:
                 f"noise upi: is for Bayer sensors; the CFA of {self.sensor.id} is of "
                 f"{len(sites_of(self.sensor.cfa))} sites"
             )
-        published = (RED_GAIN, BLUE_GAIN)
-        ranges = published if gains == "published" else gain_ranges(self.sensor)
-        self.red_gains: tuple[float, float] = ranges[0]
-        self.blue_gains: tuple[float, float] = ranges[1]
+        self.red_gains, self.blue_gains = asked_ranges(gains, self.sensor)
         if isinstance(digital_gain, str):
             _one_of("digital_gain", digital_gain, ("upi",))
         self.digital_gain = digital_gain
@@ -202,7 +206,31 @@ def d65_matrix(sensor: Sensor) -> NDArray[np.float64]:
     raise ValueError(f"sensor {sensor.id} has no colour matrix for D65")
 
 
-def gain_ranges(sensor: Sensor) -> tuple[tuple[float, float], tuple[float, float]]:
+def asked_ranges(
+    gains: str | Sequence[Sequence[float]], sensor: Sensor
+) -> tuple[Range, Range]:
+    """Return (red's, blue's) ranges of what Upi takes for gains. Raises ValueError."""
+    if isinstance(gains, str):
+        _one_of("gains", gains, (*GAINS, "camera"))
+        return gain_ranges(sensor) if gains == "camera" else GAINS[gains]
+    try:
+        ranges = np.array(gains, float)
+    except (TypeError, ValueError):
+        ranges = np.empty(0)
+    if ranges.shape != (2, 2) or not (
+        LEAST_GAIN <= ranges.min() and ranges.max() <= MOST_GAIN
+    ):
+        raise ValueError(
+            f"gains {gains!r} must be ((low, high), (low, high)) of red and blue, "
+            f"{LEAST_GAIN:g} to {MOST_GAIN:g}"
+        )
+    if (ranges[:, 0] > ranges[:, 1]).any():
+        raise ValueError(f"gains {gains!r}: a range goes from low to high")
+    (red_low, red_high), (blue_low, blue_high) = ranges.tolist()
+    return (red_low, red_high), (blue_low, blue_high)
+
+
+def gain_ranges(sensor: Sensor) -> tuple[Range, Range]:
     """Return ((low, high) of red, (low, high) of blue) white balance gains of a sensor.
 
     They are 1 over its neutrals, over the hull of what was measured. Raises ValueError

@@ -194,11 +194,30 @@ def test_draws_are_pure_functions_of_the_seed():
     assert upi.draw(6).red_gain != upi.draw(5).red_gain
 
 
+def test_gains_of_any_range():
+    """Also of a sensor whose neutrals nobody has measured."""
+    upi = Upi("sony-a7s-ii", gains=((2.0, 2.0), (1.25, 1.75)))
+    draws = [upi.draw(seed) for seed in range(300)]
+    assert {draw.red_gain for draw in draws} == {2.0}
+    blue = [draw.blue_gain for draw in draws]
+    assert uniform_p(blue, 1.25, 1.75) > LEAST_P
+    named = Upi("nikon-d40", gains="graphics2raw")
+    ranges = Upi("nikon-d40", gains=((1.0, 3.3), (1.3, 4.4)))
+    assert [named.draw(s).illuminant for s in range(9)] == [
+        ranges.draw(s).illuminant for s in range(9)
+    ]
+
+
 BAD = [
     ({"matrices": []}, {}, "at least one"),
     ({"matrices": ["gopro-hero6-black"]}, {}, "no colour matrix for D65"),
     ({"sensor": "blackmagic-pocket", "gains": "camera"}, {}, "fewer than 3"),
-    ({"gains": "wide"}, {}, "published or camera"),
+    ({"gains": "wide"}, {}, "published or graphics2raw or camera"),
+    ({"gains": ((1, 2), (3,))}, {}, "must be .* of red and blue, 0.01 to 100"),
+    ({"gains": (1, 2)}, {}, "must be .* of red and blue"),
+    ({"gains": ((1, 2), (0, 3))}, {}, "must be .* of red and blue"),
+    ({"gains": ((1, 2), (1, float("nan")))}, {}, "must be .* of red and blue"),
+    ({"gains": ((2, 1), (1, 2))}, {}, "from low to high"),
     ({"noise": "loud"}, {}, "sensor or upi"),
     ({"digital_gain": "sample"}, {}, "upi"),
     ({"noise": "upi"}, {"iso": 100}, "leave iso"),

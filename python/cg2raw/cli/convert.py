@@ -125,8 +125,8 @@ def add_upi(group: argparse._ArgumentGroup) -> None:
     add("--upi-sensors", metavar="IDS", help="matrices; default: the paper's ten")
     add(
         "--upi-gains",
-        choices=("published", "camera"),
-        help="red 1.9-2.4, blue 1.5-1.9, or the range of --sensor",
+        choices=("published", "graphics2raw", "camera"),
+        help="red 1.9-2.4, blue 1.5-1.9; 1.0-3.3, 1.3-4.4; or the range of --sensor",
     )
 
 
