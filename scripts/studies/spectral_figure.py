@@ -65,20 +65,33 @@ def pictures(id, light, folder):
     return {title: rendered(frame, folder) for title, frame in frames.items()}
 
 
-def draw(found, title):
-    """Return the figure: pictures above, their differences from the first below."""
-    figure = Figure(figsize=(11, 5.2), dpi=100, layout="constrained")
+def difference(picture, truth, block=1):
+    """Return (h, w, 3) float: between means of block x block pixels, of 255."""
+    error = picture.astype(np.float64) - truth
+    height, width = (side // block for side in error.shape[:2])
+    blocks = error.reshape(height, block, width, block, 3)
+    return np.abs(blocks.mean(axis=(1, 3)))
+
+
+def draw(found, title, again=None, block=1):
+    """Return the figure: pictures above, their differences from the first below.
+
+    again : the first with other noise, which is what is below itself. block : pixels
+    whose mean is compared, height and width."""
+    figure = Figure(
+        figsize=(5.0 + 2.0 * len(found), 5.2), dpi=100, layout="constrained"
+    )
     FigureCanvasAgg(figure)
     axes = figure.subplots(2, len(found))
-    truth = next(iter(found.values())).astype(np.int32)
+    truth = next(iter(found.values()))
     for (name, picture), above, below in zip(found.items(), *axes, strict=True):
-        difference = np.abs(picture.astype(np.int32) - truth)
-        above.imshow(picture)
+        is_first = above is axes[0, 0]
+        other = again if is_first and again is not None else picture
+        error = difference(other, truth, block)
+        above.imshow(picture, interpolation="nearest")
         above.set_title(name, fontsize=11)
-        below.imshow(np.clip(GAIN * difference, 0, 255).astype(np.uint8))
-        below.set_title(
-            f"difference x {GAIN}, mean {difference.mean():.1f}", fontsize=10
-        )
+        below.imshow(np.clip(GAIN * error, 0, 255).astype(np.uint8))
+        below.set_title(f"difference x {GAIN}, mean {error.mean():.1f}", fontsize=10)
         for panel in (above, below):
             panel.set_axis_off()
     figure.suptitle(title, fontsize=12)

@@ -170,3 +170,30 @@ def test_channels_that_see_the_same_have_no_matrix():
     same = Sensitivities("grey.json", np.column_stack([rgb[:, 1]] * 3))
     with pytest.raises(ValueError, match="grey.json: A: no colour matrix fits"):
         color_matrices(same)
+
+
+@pytest.mark.parametrize("light", ["FL2", "FL4", "LED-B4", "HP1"])
+def test_a_lamps_matrix_is_nearly_the_best_there_is(light):
+    """Mean angle of camera RGB, over reflectances that no fit has seen."""
+    measured = three_lobes()
+    given = {**SENSOR, "make": "Acme", "model": "One", "lights": ["A"]}
+    profile = profile_from_ssf(measured, **given, lamps=[light])
+    with_lamp = cg2raw.Sensor.from_json(json.dumps(profile))
+    del profile["lamps"], profile["sources"]["lamps"]
+    without = cg2raw.Sensor.from_json(json.dumps(profile))
+    sets = spectral.held_out()
+    reflectances = np.concatenate([sets["CIE 224"], sets["PMC"]])
+    rgb = spectral.rec709_under_d65(reflectances)
+    response = illuminant_spectrum(light)[:, None] * measured.rgb
+    truth = reflectances @ response
+    red, _, blue = with_lamp.illuminant(light).neutral
+
+    def degrees(sensor, word):
+        asked = {"illuminant": word, "convention": "sensor", "highlights": False}
+        camera = sensor.to_camera(rgb.astype(np.float32)[None], **asked)[0]
+        return spectral.degrees(truth, camera.astype(float)).mean()
+
+    best = rgb @ np.linalg.lstsq(rgb, truth, rcond=None)[0]
+    least = spectral.degrees(truth, best).mean()
+    assert degrees(with_lamp, light) < 1.4 * least
+    assert degrees(without, f"neutral:{red}:{blue}") > 1.8 * least

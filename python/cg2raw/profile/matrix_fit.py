@@ -5,8 +5,9 @@
 A DNG renderer inverts the matrix and adapts the light's white to D50 by Bradford (DNG
 specification 1.7, chapter 6). The matrix sought makes its mean CIEDE2000 over training
 reflectances least, against the CIE 1931 observer's colours of the same objects under
-the same light, adapted alike. White is exact: the matrix maps the light's XYZ to the
-camera's neutral. Six numbers stay free; they start from linear least squares.
+the same light or another, adapted alike. White is exact: the matrix maps the light's
+XYZ to the camera's neutral. Six numbers stay free; they start from linear least
+squares.
 """
 
 import functools
@@ -60,20 +61,26 @@ def delta_e(xyz_d50: Array, reference_xyz_d50: Array) -> Array:
 
 
 def fit_xyz_d50_from_camera(
-    rgb: Array, power: Array, reflectances: Array | None = None
+    rgb: Array,
+    power: Array,
+    reflectances: Array | None = None,
+    observed_under: Array | None = None,
 ) -> Array:
     """Return (3, 3) XYZ D50 from balanced camera RGB with the least mean CIEDE2000.
 
     rgb : (81, 3) sensitivities. power : (81,) of the light. reflectances : (n, 81), by
-    default training_reflectances(). White (1, 1, 1) becomes XYZ of D50. That is a DNG
-    ForwardMatrix. Raises ValueError if the fit does not end in an invertible matrix."""
+    default training_reflectances(). observed_under : (81,) of the light under which the
+    observer sees the colours that are sought; by default power. White (1, 1, 1) becomes
+    XYZ of D50. That is a DNG ForwardMatrix. Raises ValueError if the fit does not end
+    in an invertible matrix."""
     from scipy.optimize import minimize
 
     if reflectances is None:
         reflectances = training_reflectances()
     camera = balanced_camera(rgb, power, reflectances)
-    white = xyz_under(power)
-    truth = xyz_under(power, reflectances) @ adaptation_to_d50(white).T
+    observed = power if observed_under is None else observed_under
+    to_d50 = adaptation_to_d50(xyz_under(observed))
+    truth = xyz_under(observed, reflectances) @ to_d50.T
 
     def loss(free: Array) -> float:
         difference = delta_e(camera @ _white_preserving(free).T, truth)

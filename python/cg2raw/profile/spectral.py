@@ -59,11 +59,18 @@ def color_matrices(sensitivities: Sensitivities) -> dict[str, Array]:
 def fitted_matrix(sensitivities: Sensitivities, light: FilePath) -> Array:
     """Return the DNG ColorMatrix (3, 3), XYZ -> camera, of a light.
 
+    A and D65 are fitted to what the observer sees under them. Another light is fitted
+    to the colours under D65, as a scene in Rec.709 has them: under a lamp with lines
+    an observer's colours are not those, and a photographer wants the latter, too.
     light : a word of illuminant_spectra.GRAMMAR.
     Raises ValueError if the channels see too much the same."""
     power = illuminant_spectrum(light)
+    calibrates = os.fspath(light) in CALIBRATION_ILLUMINANTS
+    observed = power if calibrates else illuminant_spectrum("D65")
     try:
-        fitted = fit_xyz_d50_from_camera(sensitivities.rgb, power)
+        fitted = fit_xyz_d50_from_camera(
+            sensitivities.rgb, power, observed_under=observed
+        )
     except ValueError as error:
         raise ValueError(f"{sensitivities.file}: {os.fspath(light)}: {error}") from None
     matrix = color_matrix(fitted, sensitivities.rgb, power)
@@ -156,7 +163,10 @@ def profile_from_ssf(
     profile = {"schema": 1, **names, **profile, **colours}
     profile["sources"] = _sources(measured, lights, make, model)
     if lamps:
-        profile["sources"]["lamps"] = profile["sources"]["color_matrix_1"]
+        profile["sources"]["lamps"] = (
+            profile["sources"]["color_matrix_1"]
+            + ", to the colours that they have under D65"
+        )
     _core.parse_profile(json.dumps(profile), measured.file)
     return profile
 
