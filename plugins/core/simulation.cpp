@@ -152,6 +152,10 @@ const Run& Simulation::run() const { return m_state->run; }
 Size Simulation::frame() const { return m_state->frame; }
 const Illuminant& Simulation::illuminant() const { return m_state->light; }
 double Simulation::digital_gain() const { return m_state->gain; }
+std::string Simulation::spectrum() const
+{
+    return m_state->run.camera_input ? "" : m_state->transform.spectrum;
+}
 const std::optional<NoiseAtIso>& Simulation::noise() const { return m_state->noise; }
 
 std::optional<Values> Simulation::active(std::string_view effect_name) const

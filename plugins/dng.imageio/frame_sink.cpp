@@ -156,6 +156,9 @@ std::unique_ptr<FrameSink> frame_sink(const std::string& name, const Request& re
                                       Size frame)
 {
     Simulation simulation(request.profile, request.run, frame);
+    if (const std::string spectrum = simulation.spectrum(); !spectrum.empty())
+        OIIO::debug("dng: " + name + ": the light's spectrum is that of " + spectrum
+                    + "\n");
     auto writer = std::make_unique<DngWriter>(
         name, describe(simulation, request.options, request.shot), request.options,
         parallel);

@@ -141,6 +141,10 @@ void bind_simulation(py::module_& m)
              "profile"_a, "shape"_a, "run"_a)
         .def_property_readonly("illuminant", &Simulation::illuminant,
                                "The light, as the sensor sees it.")
+        .def_property_readonly(
+            "spectrum", &Simulation::spectrum,
+            "What convention spectral takes for the light's spectrum, in words; else "
+            "empty.")
         .def_property_readonly("digital_gain", &Simulation::digital_gain,
                                "What multiplies the white balance gains.")
         .def(

@@ -249,6 +249,7 @@ def report_of(
             "neutral": list(light.neutral),
             "cct": light.cct,
             "duv": light.duv,
+            "spectrum": simulation.spectrum or None,
         },
         "digital_gain": simulation.digital_gain,
         "iso": asked.get("iso"),

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Spectral images through oiiotool: their own light, responses that they state."""
 
+import json
+
 import numpy as np
 import OpenImageIO as oiio
 import pytest
@@ -135,3 +137,29 @@ def test_deep_spectra_are_refused(oiiotool, tmp_path):
     assert "flatten first (oiiotool --flatten)" in line
     done = oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "d.dng", check=False)
     assert "flatten first" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("word", "spectrum"),
+    [
+        ("FL2", "FL2"),
+        ("3200K", "black body of 3200 K"),
+        ("neutral:0.53:0.61", "half daylight of 7359 K, half FL12"),
+    ],
+)
+def test_the_spectrum_that_is_taken_is_said(oiiotool, exr, tmp_path, word, spectrum):
+    asked = {"sensor": "canon-600d", "illuminant": word, "convention": "spectral"}
+    debug = {"OPENIMAGEIO_DEBUG": "1"}
+    out = tmp_path / "a.dng"
+    done = oiiotool(exr, *attributes(**asked), "-o", out, env=debug)
+    assert f"the light's spectrum is that of {spectrum}" in done.stdout + done.stderr
+    words = ["--sensor", "canon-600d", "--illuminant", word]
+    done = commands.run(
+        *("convert", exr, "-o", tmp_path / "b.dng", *words),
+        *("--convention", "spectral", "--json"),
+    )
+    (file,) = json.loads(done.out)["files"]
+    assert file["illuminant"]["spectrum"] == spectrum
+    plain = commands.run("convert", exr, "-o", tmp_path / "c.dng", *words, "--json")
+    (file,) = json.loads(plain.out)["files"]
+    assert file["illuminant"]["spectrum"] is None

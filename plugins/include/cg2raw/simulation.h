@@ -48,6 +48,9 @@ public:
     const Run& run() const;
     Size frame() const;
     const Illuminant& illuminant() const;
+    /// What convention spectral takes for the light's spectrum, in words; empty if
+    /// another convention does not.
+    std::string spectrum() const;
     /// After sampling, if that was asked.
     double digital_gain() const;
     /// Noise of the run's ISO; nothing when the run is clean.

@@ -286,6 +286,8 @@ def line_of(report: dict[str, Any]) -> str:
     words = [f"{report['width']}x{report['height']}", report["sensor"]]
     if light["word"]:
         words.append(f"{light['word']} ({light['cct']:.0f} K)")
+    if light["spectrum"] and light["spectrum"].lower() != light["word"].lower():
+        words.append(f"the spectrum of {light['spectrum']}")
     if report["iso"] is not None:
         words.append(f"ISO {report['iso']:g}, frame {report['frame']}")
     if report["layer"]:

@@ -270,6 +270,7 @@ def simulated(
     drawn = {"illuminant": camera.illuminant, "method_seed": camera.seed}
     simulation = raw.simulation
     assert simulation is not None  # of what Sensor.simulate returns
+    drawn["spectrum"] = simulation.spectrum or None
     light, convention = simulation.illuminant, run["convention"]
     return write, drawn | truth(sensor, light, convention, gain, shape)
 

@@ -36,6 +36,7 @@ COLUMNS = (
     ("xy", "list"),
     ("cct", "double"),
     ("duv", "double"),
+    ("spectrum", "string"),
     ("camera_from_xyz", "list"),
     ("transform_first", "list"),
     ("transform_second", "list"),
