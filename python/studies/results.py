@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""results.json: every frame of every study, and what it was measured with."""
+
+import hashlib
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import cg2raw
+from cg2raw import _core
+from studies.cameras import Camera
+from studies.world.shots import World
+
+FOLDER = Path(__file__).parent
+ROOMS = ("world", "sources", "learners", "tasks")
+FILE = "results.json"
+Results = dict[str, Any]
+
+
+def fingerprint(world: World) -> dict[str, str]:
+    """Return what numbers of one table must have in common."""
+    sources = [FOLDER / name for name in ("cameras.py", "protocol.py", "protocol.toml")]
+    for room in ROOMS:
+        sources += sorted((FOLDER / room).rglob("*.py"))
+    return {
+        "cg2raw": cg2raw.__version__,
+        "core": file_hash([Path(_core.__file__)]),
+        "numpy": np.__version__,
+        "studies": file_hash(sources),
+        **world.hashes(),
+    }
+
+
+def file_hash(paths: Iterable[Path]) -> str:
+    """Return the hash of files' bytes, in their order."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def camera_hash(camera: Camera) -> str:
+    """Return the hash of a camera's profile and sensitivities."""
+    digest = hashlib.sha256(camera.sensor.to_json().encode())
+    digest.update(",".join(f"{v:.9g}" for v in camera.sensitivities.flat).encode())
+    return digest.hexdigest()[:16]
+
+
+def read_results(folder: Path, expected: dict[str, str]) -> tuple[Results, list[str]]:
+    """Return (what a folder holds of the same fingerprint, what differs otherwise).
+
+    Numbers of another fingerprint are left out: no table mixes two versions. Raises
+    ValueError for a file that is not of this study."""
+    path = folder / FILE
+    empty: Results = {"fingerprint": expected, "cameras": {}}
+    if not path.exists():
+        return empty, []
+    try:
+        found = json.loads(path.read_text())
+        before = dict(found["fingerprint"])
+        cameras = dict(found["cameras"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{path}: is no file of this study: {error}") from None
+    names = sorted({*before, *expected})
+    differs = [name for name in names if before.get(name) != expected.get(name)]
+    return (empty, differs) if differs else ({**found, "cameras": cameras}, [])
+
+
+def add(results: Results, camera: Camera, study: str, entry: Any) -> None:
+    """Put a study's entry of a camera into results, in place of an earlier one.
+
+    What was measured with another profile or other sensitivities is dropped."""
+    own, cameras = camera_hash(camera), results["cameras"]
+    if cameras.get(camera.id, {}).get("hash") != own:
+        cameras[camera.id] = {"hash": own, "studies": {}}
+    cameras[camera.id]["studies"][study] = entry
+
+
+def of_study(results: Results, study: str) -> dict[str, Any]:
+    """Return {camera: entry} of a study."""
+    return {
+        camera: found["studies"][study]
+        for camera, found in results["cameras"].items()
+        if study in found["studies"]
+    }
+
+
+def write_results(folder: Path, results: Results) -> None:
+    """Write results.json; the same numbers are the same bytes."""
+    folder.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(results, indent=1, sort_keys=True)
+    (folder / FILE).write_text(text + "\n")

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Source ours: cg2raw's RAW of rendered images, by published matrices.
+
+Its lights are those given, or drawn from the neutrals that the sensor's profile has."""
+
+from collections.abc import Sequence
+
+from cg2raw import Sensor
+from studies.sources.frames import Frames, Image, framed
+
+CONVENTIONS = ("dng", "paper", "spectral")
+
+
+def ours(
+    images: Sequence[Image],
+    sensor: Sensor,
+    convention: str = "dng",
+    *,
+    lights: Sequence[str] = (),
+    seed: int = 0,
+) -> Frames:
+    """Return the Frames of rendered images (H, W, 3), linear sRGB.
+
+    convention : one of CONVENTIONS; spectral needs a sensor with sensitivities.
+    lights : words, one for each image; by default drawn, the same of the same @seed."""
+    words = lights or drawn(len(images), seed)
+    return framed(
+        (
+            sensor.to_camera(image, illuminant=word, convention=convention),
+            sensor.illuminant(word).neutral,
+        )
+        for image, word in zip(images, words, strict=True)
+    )
+
+
+def drawn(count: int, seed: int) -> list[str]:
+    """Return words of lights drawn from a profile's distribution; seeds share none."""
+    return [f"sample:{seed * count + number}" for number in range(count)]

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Tables of study 1: errors of each source, and which differences are sure."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple
+
+import numpy as np
+
+from studies.tables import numbers, table
+from studies.tasks.angles import Summary, summary
+from studies.tasks.paired import BEATS, Difference, difference, share_left
+
+Errors = Mapping[str, Sequence[Sequence[float]]]  # source: (seeds, frames), degrees
+OWN, REAL, FLOOR = "ours, dng", "real", "real, other scenes"
+BASELINES = ("upi, graphics2raw", "upi, camera")
+LEFT = 0.3  # the goal: of a baseline's gap to real
+
+
+def illuminant_tables(found: Mapping[str, Errors]) -> str:
+    """Return the tables of {camera: errors}."""
+    first = next(iter(found.values()))
+    seeds, frames = np.shape(first[REAL])
+    rows = [
+        [source, *(cell(np.array(found[camera][source])) for camera in found)]
+        for source in first
+    ]
+    return (
+        f"### Illuminant, {seeds} seeds, {frames} test frames a camera\n\n"
+        "Degrees: mean +- sd over seeds; median; mean of the best and of the worst "
+        f"quarter.\n\n{table(['trained on', *found], rows)}\n\n{sure(found)}"
+    )
+
+
+def cell(errors: np.ndarray) -> str:
+    """Return a source's errors (seeds, frames) in one cell."""
+    of_seeds = [astuple(summary(row)) for row in errors]
+    found = Summary(*np.mean(of_seeds, axis=0).tolist())
+    spread = errors.mean(axis=1).std(ddof=1)
+    mean, *others = numbers(found).split("; ")
+    return "; ".join([f"{mean} +- {spread:.2f}", *others])
+
+
+def sure(found: Mapping[str, Errors]) -> str:
+    """Return the differences that the goals are about."""
+    rows = [
+        [f"{one} - {other}"]
+        + [words(difference(errors[one], errors[other])) for errors in found.values()]
+        for one, other in (
+            (OWN, REAL),
+            (FLOOR, REAL),
+            *((OWN, baseline) for baseline in BASELINES),
+            (OWN, "ours, paper"),
+            ("ours, spectral", OWN),
+        )
+    ]
+    rows += [
+        [f"share of the gap of {baseline} left (goal {LEFT})"]
+        + [
+            f"{share_left(errors[OWN], errors[baseline], errors[REAL]):.2f}"
+            for errors in found.values()
+        ]
+        for baseline in BASELINES
+    ]
+    return (
+        f"Paired differences, degrees (SE over seeds and frames); beats: by more than "
+        f"{BEATS:g} SE.\n\n{table(['difference', *found], rows)}"
+    )
+
+
+def words(found: Difference) -> str:
+    """Return a Difference of errors in one cell."""
+    return f"{found.mean:+.2f} ({found.error:.2f})" + (" beats" if found.beats else "")

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Tables of study 3: how near each source's neural ISP comes to the renderer."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from studies.tables import table
+from studies.tables_illuminant import BASELINES, FLOOR, OWN, REAL, words
+from studies.tasks.paired import difference
+
+Entry = Mapping[str, Mapping[str, Sequence[Sequence[float]]]]  # source: measure: (d, n)
+
+
+def isp_tables(found: Mapping[str, Entry]) -> str:
+    """Return the tables of {camera: errors}."""
+    first = next(iter(found.values()))
+    draws, frames = np.shape(first[REAL]["difference"])
+    rows = [
+        [source, *(cell(found[camera][source]) for camera in found)] for source in first
+    ]
+    apart = [
+        [f"{one} - {other}"]
+        + [
+            words(difference(entry[one]["difference"], entry[other]["difference"]))
+            for entry in found.values()
+        ]
+        for one, other in (
+            (OWN, REAL),
+            (FLOOR, REAL),
+            *((baseline, REAL) for baseline in BASELINES),
+            *((OWN, baseline) for baseline in BASELINES),
+            (OWN, "ours, paper"),
+        )
+    ]
+    return (
+        f"### Neural ISP, {draws} draws, {frames} test frames a camera\n\n"
+        "CIEDE2000 +- sd over draws; PSNR in dB.\n\n"
+        f"{table(['trained on', *found], rows)}\n\n"
+        "Paired differences of CIEDE2000 (SE over draws and frames).\n\n"
+        f"{table(['difference', *found], apart)}"
+    )
+
+
+def cell(measures: Mapping[str, Sequence[Sequence[float]]]) -> str:
+    """Return a source's measures in one cell."""
+    of_draws = np.mean(measures["difference"], axis=1)
+    psnr = np.mean(measures["psnr"])
+    return f"{of_draws.mean():.2f} +- {of_draws.std(ddof=1):.2f}; {psnr:.2f}"

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The studies' folder on the path, and a Python that has Blender's module bpy."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.append(str(ROOT / "python" / "studies"))
+
+
+@pytest.fixture(scope="session")
+def studies():
+    """Return the folder that python -m night_scenes.main needs on its path."""
+    return ROOT / "python" / "studies"
+
+
+@pytest.fixture(scope="session")
+def blender_python():
+    """Return a Python with bpy: the one named, or that of scripts/night_scenes."""
+    named = os.environ.get("CG2RAW_BLENDER_PYTHON")
+    python = named or ROOT / "build" / "night_venv" / "bin" / "python"
+    if not named and not os.path.exists(python):
+        pytest.skip("no bpy: CG2RAW_BLENDER_PYTHON names a Python with it")
+    found = subprocess.run([python, "-c", "import bpy"], capture_output=True, text=True)
+    if found.returncode and named:
+        pytest.fail(f"CG2RAW_BLENDER_PYTHON: {named} cannot import bpy")
+    if found.returncode:
+        pytest.skip(f"{python} cannot import bpy")
+    return str(python)

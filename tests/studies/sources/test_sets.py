@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""studies.sources.sets: what the sources of a seed share, and seeds do not."""
+
+import numpy as np
+import pytest
+
+from studies.sources import sets
+
+COUNT = 12
+
+
+@pytest.fixture(scope="module")
+def camera(camera_of):
+    return camera_of("canon-600d")
+
+
+def material(world, camera, seed, kind="day"):
+    seeds = world.protocol.seeds
+    return sets.material(world, camera, kind, seeds, COUNT, seed)
+
+
+@pytest.mark.parametrize("kind", sets.KINDS)
+def test_seeds_share_no_frame(world, camera, kind):
+    first, second = (material(world, camera, seed, kind) for seed in (0, 1))
+    for a in (*first.captures.images, *first.other_captures.images):
+        for b in (*second.captures.images, *second.other_captures.images):
+            assert not np.array_equal(a, b)
+    for a in first.captures.images:
+        assert not any(np.array_equal(a, b) for b in first.other_captures.images)
+
+
+def test_all_sources_have_as_many_frames_of_one_size(world, camera):
+    found = material(world, camera, 0)
+    for name, make in sets.sources(found, camera, 0).items():
+        made = make()
+        assert len(made.images) == len(made.neutrals) == COUNT, name
+        assert {image.shape for image in made.images} == {(96, 128, 3)}, name
+        assert np.isfinite(np.stack(made.images)).all(), name
+
+
+def test_ours_knows_the_neutrals_of_captures_alone(world, camera):
+    """Its lights lie in the hull of the training captures' neutrals."""
+    from scipy.spatial import Delaunay
+
+    found = material(world, camera, 0)
+    drawn = sets.sources(found, camera, 0)["ours, dng"]().neutrals[:, [0, 2]]
+    hull = Delaunay(found.captures.neutrals[:, [0, 2]] * [1.0, 1.0])
+    assert (hull.find_simplex(drawn) >= 0).mean() > 0.9

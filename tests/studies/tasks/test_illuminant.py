@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Study 1: thumbnails, what is missing without PyTorch, a run of a few frames."""
+
+import importlib.util
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studies.tables_illuminant import illuminant_tables
+from studies.tasks import illuminant as study
+
+
+@pytest.fixture(scope="module")
+def camera(camera_of):
+    return camera_of("canon-600d")
+
+
+@pytest.fixture(scope="module")
+def small(world):
+    """The world with few frames and seeds."""
+    few = {"frames": {"quick": 12}, "tests": {"quick": 8}, "draws": {"quick": 2}}
+    rules = replace(world.protocol.illuminant, **few, epochs={"quick": 2}, batch=8)
+    return replace(world, protocol=replace(world.protocol, illuminant=rules))
+
+
+def test_thumbnails_are_means_of_what_the_sensor_keeps(small, camera):
+    tests = study.test_frames(small, camera, small.protocol.illuminant, "quick")
+    small_images = study.thumbnails(tests, 3)
+    assert small_images.shape == (8, 32, 42, 3)
+    assert small_images.min() >= 0.0 and small_images.max() <= 1.0
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("torch") is not None, reason="PyTorch is installed"
+)
+def test_without_torch_one_line_says_what_to_install():
+    with pytest.raises(ValueError, match="needs PyTorch: pip install torch"):
+        study.need_torch()
+
+
+def test_a_run_has_each_seed_and_frame(small, camera):
+    pytest.importorskip("torch", reason="PyTorch is not installed")
+    errors = study.illuminant(small, camera, "quick")
+    assert {np.shape(e) for e in errors.values()} == {(2, 8)}
+    assert errors == study.illuminant(small, camera, "quick")
+    text = illuminant_tables({"canon-600d": errors})
+    assert "| share of the gap of upi, camera left (goal 0.3) |" in text

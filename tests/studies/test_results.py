@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""results.json never mixes two versions, and is the same bytes each time."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from studies.results import add, camera_hash, of_study, read_results, write_results
+
+OWN = {"cg2raw": "1", "core": "a"}
+
+
+@pytest.fixture
+def camera(camera_of):
+    return camera_of("canon-600d")
+
+
+def test_results_are_kept_and_added_to(tmp_path, camera):
+    results, differs = read_results(tmp_path, OWN)
+    assert differs == [] and results["cameras"] == {}
+    add(results, camera, "colour", {"a": [1.0]})
+    write_results(tmp_path, results)
+    again, differs = read_results(tmp_path, OWN)
+    assert differs == []
+    add(again, camera, "classical", {"b": [2.0]})
+    assert of_study(again, "colour") == {"canon-600d": {"a": [1.0]}}
+    assert of_study(again, "classical") == {"canon-600d": {"b": [2.0]}}
+
+
+@pytest.mark.parametrize("other", [{"cg2raw": "2", "core": "a"}, {"cg2raw": "1"}])
+def test_another_version_is_left_out_and_named(other, tmp_path, camera):
+    results, _ = read_results(tmp_path, OWN)
+    add(results, camera, "colour", {})
+    write_results(tmp_path, results)
+    found, differs = read_results(tmp_path, other)
+    assert found["cameras"] == {} and len(differs) == 1
+
+
+def test_another_profile_of_the_same_name_is_another_camera(tmp_path, camera):
+    results, _ = read_results(tmp_path, OWN)
+    add(results, camera, "colour", {"a": 1})
+    measured = replace(camera.measured, rgb=camera.measured.rgb * 0.5)
+    changed = replace(camera, measured=measured)
+    assert camera_hash(changed) != camera_hash(camera)
+    add(results, changed, "classical", {"b": 1})
+    assert of_study(results, "colour") == {}
+
+
+def test_the_same_numbers_are_the_same_bytes(tmp_path):
+    for folder, keys in (("a", ("x", "y")), ("b", ("y", "x"))):
+        write_results(tmp_path / folder, {key: [0.1] for key in keys})
+    one, other = ((tmp_path / f / "results.json").read_bytes() for f in ("a", "b"))
+    assert one == other
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[1]", json.dumps({"fingerprint": 1})])
+def test_a_file_of_something_else_is_refused(text, tmp_path):
+    (tmp_path / "results.json").write_text(text)
+    with pytest.raises(ValueError, match="is no file of this study"):
+        read_results(tmp_path, OWN)
