@@ -229,7 +229,7 @@ def test_what_cannot_be_is_said():
     ):
         cg2raw.Sensor("nikon-d40").simulate(image, **asked)
     mono = cg2raw.Sensor.from_json(cameras.mono_text())
-    with pytest.raises(ValueError, match="convention spectral: sensor .* monochrome"):
+    with pytest.raises(ValueError, match="sensor .* has no spectral_sensitivities"):
         mono.simulate(image, convention="spectral")
     with pytest.raises(ValueError, match="has no inverse: many spectra are one colour"):
         cg2raw.Sensor("canon-600d").to_scene(image, **asked)
