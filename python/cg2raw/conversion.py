@@ -17,7 +17,7 @@ from cg2raw.io.atomic_file import FilePath
 from cg2raw.io.image_file import Image
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
-from cg2raw.spectra import Rows, estimated_light, is_estimate, seen_light
+from cg2raw.spectra import SEEN, Rows, estimated_light, is_estimate, seen_light
 from cg2raw.upi import Upi, UpiDraw
 
 # Fields of a Run that belong to the conversion to camera RGB, and their options.
@@ -145,8 +145,7 @@ def spectral_image_of(
     light, word = seen_light(sensor, asked, estimate, as_shot)
     response = _core.SpectralResponse(sensor.profile, light, file.bins, white)
     image, unseen = spectra_file.read_camera(file, response)
-    fixed = {"illuminant": word, "convention": "sensor", "camera_input": True}
-    return image, fixed, unseen
+    return image, {"illuminant": word, **SEEN}, unseen
 
 
 def frame_of(image: Image, output: FilePath, request: Request) -> int:

@@ -18,6 +18,8 @@ from cg2raw.sensor import Sensor
 # A spectrum: (wavelength in nm, power), ...
 Rows = list[tuple[float, float]]
 
+# Fields of a Run whose image is camera RGB of spectra.
+SEEN = {"convention": "sensor", "camera_input": True}
 ESTIMATE = "estimate"
 STEP = 1e-6  # nm, between the two ends of a step in a spectrum of boxes
 
@@ -157,8 +159,7 @@ def simulate_spectra(
         camera_input; all else as of camera_from_spectra. Raises ValueError."""
     camera, word = seen(sensor, spectra, wavelengths, illuminant, white, threads)
     run["illuminant"] = word
-    fixed = {"convention": "sensor", "camera_input": True}
-    return sensor.simulate(camera, threads=threads, **fixed, **run)
+    return sensor.simulate(camera, threads=threads, **SEEN, **run)
 
 
 def seen(

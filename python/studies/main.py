@@ -24,11 +24,11 @@ from studies.tables_denoising import denoising_tables
 from studies.tables_illuminant import illuminant_tables
 from studies.tables_isp import isp_tables
 from studies.tasks.classical import classical
-from studies.tasks.colour import KINDS, colour
+from studies.tasks.colour import colour
 from studies.tasks.denoising import denoising
 from studies.tasks.illuminant import illuminant, need_torch
 from studies.tasks.isp import isp
-from studies.world.shots import World, load_world
+from studies.world.shots import KINDS, World, load_world
 
 Study = Callable[[World, Camera, str], Any]  # world, camera, quick or full
 TABLES = "tables.md"

@@ -13,7 +13,7 @@ import numpy as np
 import cg2raw
 from cg2raw import _core
 from studies.cameras import Camera
-from studies.world.shots import World
+from studies.world.shots import World, array_hash
 
 FOLDER = Path(__file__).parent
 ROOMS = ("world", "sources", "learners", "tasks")
@@ -46,7 +46,7 @@ def file_hash(paths: Iterable[Path]) -> str:
 def camera_hash(camera: Camera) -> str:
     """Return the hash of a camera's profile and sensitivities."""
     digest = hashlib.sha256(camera.sensor.to_json().encode())
-    digest.update(",".join(f"{v:.9g}" for v in camera.sensitivities.flat).encode())
+    digest.update(array_hash([camera.sensitivities]).encode())
     return digest.hexdigest()[:16]
 
 

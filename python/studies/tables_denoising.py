@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from studies.tables import table
-from studies.tables_illuminant import BASELINES, FLOOR, OWN, REAL
-from studies.tasks.paired import difference
+from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, decibel_rows
 
 Entry = Mapping[
     str, Mapping[str, Sequence[Sequence[float]]]
@@ -24,27 +23,16 @@ def denoising_tables(found: Mapping[str, Entry]) -> str:
         f"### Denoising, {draws} draws, {frames} test frames a camera\n\n"
         "PSNR in dB, and paired differences (SE over draws and frames)."
     ]
+    pairs = (
+        (OWN, REAL),
+        (FLOOR, REAL),
+        *((OWN, baseline) for baseline in BASELINES),
+    )
     for condition in first:
         rows = [
             [source, *(f"{np.mean(e[condition][source]):.2f}" for e in found.values())]
             for source in sources
         ]
-        rows += [
-            [
-                f"{one} - {other}",
-                *(apart(e[condition], one, other) for e in found.values()),
-            ]
-            for one, other in (
-                (OWN, REAL),
-                (FLOOR, REAL),
-                *((OWN, baseline) for baseline in BASELINES),
-            )
-        ]
+        rows += decibel_rows(pairs, [entry[condition] for entry in found.values()])
         parts.append(table([condition, *found], rows))
     return "\n\n".join(parts)
-
-
-def apart(entry: Mapping[str, Sequence[Sequence[float]]], one: str, other: str) -> str:
-    """Return in one cell by how many dB a source is better than another."""
-    less = difference(np.negative(entry[one]), np.negative(entry[other]))
-    return f"{-less.mean:+.3f} ({less.error:.3f})" + (" beats" if less.beats else "")

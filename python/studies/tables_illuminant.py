@@ -8,12 +8,11 @@ from dataclasses import astuple
 import numpy as np
 
 from studies.tables import numbers, table
+from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, error_rows
 from studies.tasks.angles import Summary, summary
-from studies.tasks.paired import BEATS, Difference, difference, share_left
+from studies.tasks.paired import BEATS, share_left
 
 Errors = Mapping[str, Sequence[Sequence[float]]]  # source: (seeds, frames), degrees
-OWN, REAL, FLOOR = "ours, dng", "real", "real, other scenes"
-BASELINES = ("upi, graphics2raw", "upi, camera")
 LEFT = 0.3  # the goal: of a baseline's gap to real
 
 
@@ -43,17 +42,14 @@ def cell(errors: np.ndarray) -> str:
 
 def sure(found: Mapping[str, Errors]) -> str:
     """Return the differences that the goals are about."""
-    rows = [
-        [f"{one} - {other}"]
-        + [words(difference(errors[one], errors[other])) for errors in found.values()]
-        for one, other in (
-            (OWN, REAL),
-            (FLOOR, REAL),
-            *((OWN, baseline) for baseline in BASELINES),
-            (OWN, "ours, paper"),
-            ("ours, spectral", OWN),
-        )
-    ]
+    pairs = (
+        (OWN, REAL),
+        (FLOOR, REAL),
+        *((OWN, baseline) for baseline in BASELINES),
+        (OWN, "ours, paper"),
+        ("ours, spectral", OWN),
+    )
+    rows = error_rows(pairs, list(found.values()))
     rows += [
         [f"share of the gap of {baseline} left (goal {LEFT})"]
         + [
@@ -66,8 +62,3 @@ def sure(found: Mapping[str, Errors]) -> str:
         f"Paired differences, degrees (SE over seeds and frames); beats: by more than "
         f"{BEATS:g} SE.\n\n{table(['difference', *found], rows)}"
     )
-
-
-def words(found: Difference) -> str:
-    """Return a Difference of errors in one cell."""
-    return f"{found.mean:+.2f} ({found.error:.2f})" + (" beats" if found.beats else "")

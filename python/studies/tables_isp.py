@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from studies.tables import table
-from studies.tables_illuminant import BASELINES, FLOOR, OWN, REAL, words
-from studies.tasks.paired import difference
+from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, error_rows
 
 Entry = Mapping[str, Mapping[str, Sequence[Sequence[float]]]]  # source: measure: (d, n)
 
@@ -20,20 +19,18 @@ def isp_tables(found: Mapping[str, Entry]) -> str:
     rows = [
         [source, *(cell(found[camera][source]) for camera in found)] for source in first
     ]
-    apart = [
-        [f"{one} - {other}"]
-        + [
-            words(difference(entry[one]["difference"], entry[other]["difference"]))
-            for entry in found.values()
-        ]
-        for one, other in (
-            (OWN, REAL),
-            (FLOOR, REAL),
-            *((baseline, REAL) for baseline in BASELINES),
-            *((OWN, baseline) for baseline in BASELINES),
-            (OWN, "ours, paper"),
-        )
+    pairs = (
+        (OWN, REAL),
+        (FLOOR, REAL),
+        *((baseline, REAL) for baseline in BASELINES),
+        *((OWN, baseline) for baseline in BASELINES),
+        (OWN, "ours, paper"),
+    )
+    differences = [
+        {source: measures["difference"] for source, measures in entry.items()}
+        for entry in found.values()
     ]
+    apart = error_rows(pairs, differences)
     return (
         f"### Neural ISP, {draws} draws, {frames} test frames a camera\n\n"
         "CIEDE2000 +- sd over draws; PSNR in dB.\n\n"

@@ -4,6 +4,8 @@
 
 import numpy as np
 
+from spectral_data import spectral
+
 STEPS = 15  # of the reweighting; the mean angle then changes by less than 1e-3 of it
 SMALLEST = 1e-3  # radians: nearer colours count as if they were so far
 
@@ -15,8 +17,7 @@ def least_squares(rgb, truth):
 
 def angles(truth, other):
     """Return (n,) radians between vectors (n, 3)."""
-    lengths = np.linalg.norm(truth, axis=1) * np.linalg.norm(other, axis=1)
-    return np.arccos(np.clip((truth * other).sum(axis=1) / lengths, -1.0, 1.0))
+    return np.radians(spectral.degrees(truth, other))
 
 
 def least_angle(rgb, truth):

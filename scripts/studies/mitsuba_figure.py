@@ -17,23 +17,14 @@ import cg2raw
 from cg2raw.spectra import simulate_spectra
 from mitsuba_scene import (
     CENTRES,
-    WAVELENGTHS,
     Rec709,
     Spectra,
-    illuminant_spectrum,
     render,
-    spectral,
 )
-from spectral_figure import difference, draw, rendered
+from spectral_figure import difference, draw, rendered, white_luminance
 
 BLOCK = 4  # pixels' side, whose means are compared: less of it is noise
 CONVENTIONS = ("dng", "paper", "spectral")
-
-
-def white_luminance(light):
-    """Return cd/m2 of the light's spectrum in W/(m2 sr nm), which RGB calls 1."""
-    step = WAVELENGTHS[1] - WAVELENGTHS[0]
-    return 683.0 * step * (illuminant_spectrum(light) @ spectral.observer()[:, 1])
 
 
 def pictures(mi, given, folder):

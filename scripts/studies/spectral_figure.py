@@ -45,15 +45,23 @@ def rendered(frame, folder):
         return raw.postprocess(use_camera_wb=True, no_auto_bright=True)
 
 
+def white_luminance(light):
+    """Return cd/m2 of the light's spectrum in W/(m2 sr nm), which RGB calls 1."""
+    return 683.0 * STEP * (illuminant_spectrum(light) @ spectral.observer()[:, 1])
+
+
 def pictures(id, light, folder):
     """Return {title: (H, W, 3) uint8} of the chart, the spectral one first."""
     sensor, power = cg2raw.Sensor(id), illuminant_spectrum(light)
     patches = spectral.held_out()["ColorChecker"]
-    lumens = 683.0 * STEP * (power @ spectral.observer()[:, 1])
     radiance = chart_of(patches * power)
     frames = {
         "spectral image": simulate_spectra(
-            sensor, radiance, WAVELENGTHS, illuminant=light, white=lumens
+            sensor,
+            radiance,
+            WAVELENGTHS,
+            illuminant=light,
+            white=white_luminance(light),
         )
     }
     for convention in ("sensor", "spectral"):

@@ -8,6 +8,7 @@ import pytest
 
 import cg2raw
 from images import write_image
+from spectral_files import random_spectra
 
 
 @pytest.fixture(scope="session")
@@ -28,6 +29,12 @@ def writing_openimageio():
         cg2raw.register_oiio_plugin()
     except ValueError as error:
         pytest.skip(str(error))
+
+
+@pytest.fixture(scope="session")
+def spectra():
+    """Return (40, 56, N) spectra: smooth ones, and lines."""
+    return random_spectra()
 
 
 @pytest.fixture

@@ -20,14 +20,8 @@ from spectral_files import (
     check_command,
     expected,
     name_of,
-    random_spectra,
     write_spectra,
 )
-
-
-@pytest.fixture(scope="module")
-def spectra():
-    return random_spectra()
 
 
 @pytest.mark.parametrize("tile", [0, 16])

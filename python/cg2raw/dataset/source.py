@@ -11,10 +11,9 @@ from cg2raw.arrays import FloatImage
 from cg2raw.dataset.plan import Plan
 from cg2raw.io.image_file import Image, read_image
 from cg2raw.io.spectra_file import SpectraFile, read_spectra, spectra_in
-from cg2raw.spectra import Rows, estimated_light, is_estimate, seen_light
+from cg2raw.spectra import SEEN, Rows, estimated_light, is_estimate, seen_light
 
 Box = tuple[int, int, int, int]  # x, y, width, height
-NAMED_LIGHT = "--illuminants WORD, or estimate"
 
 
 class Source(Protocol):
@@ -84,6 +83,7 @@ class SpectralSource:
         self.file, self.white = file, white_of(file, plan)
         self.image = read_spectra(file)
         self.last: tuple[tuple[Box, str, str], FloatImage, str] | None = None
+        self.lights: dict[str, Rows] = {}  # by their words
 
     def seen(
         self, box: Box, sensor: Sensor, word: str
@@ -93,8 +93,7 @@ class SpectralSource:
         if self.last is None or self.last[0] != key:
             self.last = key, *self.camera(box, sensor, word)
         _, pixels, white = self.last
-        fixed = {"illuminant": white, "convention": "sensor", "camera_input": True}
-        return pixels, fixed
+        return pixels, {"illuminant": white, **SEEN}
 
     def camera(self, box: Box, sensor: Sensor, word: str) -> tuple[FloatImage, str]:
         """Return (camera RGB of a crop, the word for what is white)."""
@@ -105,13 +104,15 @@ class SpectralSource:
         return response.to_camera(crop(self.image.pixels, box), threads=1), white
 
     def estimate(self, word: str) -> Rows:
-        """Return the light's spectrum, of the whole image."""
-        return estimated_light(
-            word,
-            self.file.light,
-            self.file.bins.wavelengths,
-            lambda statistic: statistic.of([self.image.pixels]),
-        )
+        """Return the light's spectrum, of the whole image, measured once a word."""
+        if word not in self.lights:
+            self.lights[word] = estimated_light(
+                word,
+                self.file.light,
+                self.file.bins.wavelengths,
+                lambda statistic: statistic.of([self.image.pixels]),
+            )
+        return self.lights[word]
 
     def row(self) -> dict[str, Any]:
         """As Source says it; no matrix has made its camera RGB."""
@@ -151,7 +152,7 @@ def check_plan(plan: Plan) -> None:
     if isinstance(plan.illuminants, int):
         raise ValueError(
             f"{start}its light is in them, and --illuminants {plan.illuminants} draws "
-            f"others: {NAMED_LIGHT}"
+            "others: --illuminants WORD, or estimate"
         )
     for id, sensor in plan.cameras.items():
         if sensor.spectral_sensitivities is None:

@@ -14,10 +14,8 @@ from studies.sources.ours import ours
 from studies.sources.real import real
 from studies.sources.upi import GAINS, upi
 from studies.world.colouring import rendered
-from studies.world.scene import Shot
-from studies.world.shots import World, card_lights, day_shots, night_shots
+from studies.world.shots import World, shots
 
-KINDS = ("day", "night")
 SETS = 3  # of a seed: captures, captures of other scenes, renders
 
 
@@ -30,25 +28,21 @@ class Material:
     renders: list[Image]  # (H, W, 3) linear sRGB
 
 
-def train_shots(
-    world: World, camera: Camera, kind: str, first: int, frames: int, key: int
-) -> list[Shot]:
-    """Return Shots of the training half: of the scenes first, first + 1, ...
-
-    kind : one of KINDS. key : of the drawn main lights of days."""
-    if kind == "night":
-        return night_shots(world, "train", first, frames)
-    mains = card_lights(world, "train", camera.cards, frames, key)
-    return day_shots(world, "train", first, mains)
-
-
 def material(
     world: World, camera: Camera, kind: str, rules: SeedRules, frames: int, seed: int
 ) -> Material:
-    """Return the Material of a seed, so many frames of each set."""
+    """Return the Material of a seed, so many frames of each set.
+
+    kind : one of studies.world.shots.KINDS."""
     captures, others, renders = (
-        train_shots(
-            world, camera, kind, first + seed * frames, frames, SETS * seed + number
+        shots(
+            world,
+            "train",
+            kind,
+            camera.cards,
+            first + seed * frames,
+            frames,
+            SETS * seed + number,
         )
         for number, first in enumerate((rules.real, rules.other, rules.rendered))
     )

@@ -15,7 +15,7 @@ from studies.protocol import ClassicalRules
 from studies.sources.real import real
 from studies.tasks.angles import Summary, degrees, summary
 from studies.world.exposure import exposed
-from studies.world.shots import World, card_lights, day_shots
+from studies.world.shots import World, shots
 
 # Of the eight NUS cameras, geometric means. Source: D. Cheng, D. Prasad and M. Brown,
 # JOSA A 31(5), 2014, as J. Barron, ICCV 2015, and others since sum it up.
@@ -42,9 +42,8 @@ def classical(world: World, camera: Camera, frames: int) -> dict[str, list[float
     No two cameras photograph a scene."""
     rules = world.protocol.classical
     first = rules.first + list(NUS).index(camera.id) * frames
-    mains = card_lights(world, "test", camera.cards, frames, seed=first)
-    shots = day_shots(world, "test", first, mains)
-    truth = real(shots, camera.sensitivities)
+    tests = shots(world, "test", "day", camera.cards, first, frames, seed=first)
+    truth = real(tests, camera.sensitivities)
     found: dict[str, list[float]] = {name: [] for name in PUBLISHED}
     for image, neutral in zip(truth.images, truth.neutrals, strict=True):
         estimated = estimates(exposed(image, world.protocol.exposure), rules)

@@ -22,9 +22,8 @@ from studies.tasks.angles import degrees
 from studies.world.colouring import rendered
 from studies.world.exposure import exposure
 from studies.world.scene import Shot
-from studies.world.shots import World, card_lights, day_shots, night_shots
+from studies.world.shots import World, shots
 
-KINDS = ("day", "night")  # one main light and a second, or mixed lamps
 STEP = 2  # every second pixel of every second row is compared
 
 
@@ -38,11 +37,7 @@ class Errors:
 
 def taken(world: World, camera: Camera, kind: str, frames: int) -> list[Shot]:
     """Return test shots of one of KINDS."""
-    first = world.protocol.colour.first
-    if kind == "night":
-        return night_shots(world, "test", first, frames)
-    mains = card_lights(world, "test", camera.cards, frames)
-    return day_shots(world, "test", first, mains)
+    return shots(world, "test", kind, camera.cards, world.protocol.colour.first, frames)
 
 
 def methods(
@@ -91,11 +86,11 @@ def colour(
     """Return {method: {degrees or difference: of each frame}} of a camera.
 
     kind : one of KINDS."""
-    shots = taken(world, camera, kind, frames)
-    surfaces = [shot.scene.emission.sum(axis=0) == 0.0 for shot in shots]
-    seen = real(shots, camera.sensitivities)
+    tests = taken(world, camera, kind, frames)
+    surfaces = [shot.scene.emission.sum(axis=0) == 0.0 for shot in tests]
+    seen = real(tests, camera.sensitivities)
     truth = Frames(exposed_alike(seen.images, surfaces), seen.neutrals)
-    renders = exposed_alike([rendered(shot) for shot in shots], surfaces)
+    renders = exposed_alike([rendered(shot) for shot in tests], surfaces)
     masks = compared(truth.images, renders, surfaces, world.protocol.colour)
     found = {}
     for name, make in methods(renders, camera, truth).items():

@@ -66,25 +66,26 @@ def denoising(world: World, camera: Camera, mode: str) -> Errors:
     lender, samples = Sensor(rules.noise_of), rules.samples[mode]
     shots = night_shots(world, "test", rules.first, rules.tests[mode])
     tests = packed(real(shots, camera.sensitivities))
-    found: Errors = {}
+    conditions = {
+        f"ISO {iso}, brightness {brightness:g}": (
+            noise_of(lender, iso),
+            np.float32(brightness),
+        )
+        for iso in rules.isos
+        for brightness in rules.brightness
+    }
+    found: Errors = {condition: {} for condition in conditions}
     for seed in range(rules.draws[mode]):
         made = material(
             world, camera, "night", world.protocol.seeds, rules.frames[mode], seed
         )
         for source, make in sources(made, camera, seed).items():
             own = packed(make())
-            for iso in rules.isos:
-                noise = noise_of(lender, iso)
-                for brightness in rules.brightness:
-                    condition = f"ISO {iso}, brightness {brightness:g}"
-                    values = psnr_of(
-                        own * np.float32(brightness),
-                        tests * np.float32(brightness),
-                        noise,
-                        Draw(rules, samples, seed),
-                    )
-                    of_source = found.setdefault(condition, {}).setdefault(source, [])
-                    of_source.append([round(value, 4) for value in values])
+            for condition, (noise, brightness) in conditions.items():
+                draw = Draw(rules, samples, seed)
+                values = psnr_of(own * brightness, tests * brightness, noise, draw)
+                of_source = found[condition].setdefault(source, [])
+                of_source.append([round(value, 4) for value in values])
     return found
 
 

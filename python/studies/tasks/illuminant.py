@@ -18,7 +18,7 @@ from studies.sources.real import real
 from studies.sources.sets import material, sources
 from studies.tasks.angles import degrees
 from studies.world.exposure import exposed
-from studies.world.shots import World, card_lights, day_shots
+from studies.world.shots import World, shots
 
 Errors = dict[str, list[list[float]]]  # source: of each seed, of each test frame
 
@@ -59,8 +59,8 @@ def test_frames(
 ) -> Frames:
     """Return the camera's frames of the test half, the same for all seeds."""
     count = rules.tests[mode]
-    mains = card_lights(world, "test", camera.cards, count)
-    return real(day_shots(world, "test", rules.first, mains), camera.sensitivities)
+    tests = shots(world, "test", "day", camera.cards, rules.first, count)
+    return real(tests, camera.sensitivities)
 
 
 def thumbnails(frames: Frames, block: int) -> NDArray[np.float32]:

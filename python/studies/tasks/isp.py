@@ -25,7 +25,6 @@ Array = NDArray[np.float32]
 QUANTILE = 0.98  # of a frame, that becomes white
 MOST = 2.0  # of balanced camera RGB over white, that the learner is shown
 KNEE = 0.625  # of the tone curve: what 1 becomes before it is scaled to 1
-MEASURES = ("difference", "psnr")
 
 
 @dataclass(frozen=True)

@@ -130,7 +130,7 @@ def mccamy(powers: Array) -> Array:
     """Return correlated colour temperatures (n,) in K of powers (n, 81).
 
     Source: C. S. McCamy, Color Research & Application 17(2), 1992."""
-    xyz = powers @ observer()
-    x, y = (xyz[:, i] / xyz.sum(axis=1) for i in (0, 1))
-    n = (x - 0.3320) / (0.1858 - y)
-    return np.asarray(449.0 * n**3 + 3525.0 * n**2 + 6823.3 * n + 5520.33)
+    import colour
+
+    xy = colour.XYZ_to_xy(powers @ observer())
+    return np.asarray(colour.temperature.xy_to_CCT_McCamy1992(xy), float)

@@ -19,6 +19,7 @@ from studies.world.reflectances import reflectances
 from studies.world.scene import Shot
 
 SCENE, SECOND, MAIN, NIGHT = 11, 21, 31, 41  # keys of generators
+KINDS = ("day", "night")  # one main light and a second, or mixed lamps
 OUTDOORS = 0.7  # Z over Y of a main light above which the second is the sky: 4000 K
 SPILL = 0.35  # most difference in Z over Y of two lamps in a room
 
@@ -131,3 +132,20 @@ def night_shots(world: World, half: Half, first: int, count: int) -> list[Shot]:
         chosen = rng.choice(len(pool.powers), len(scene.shades), p=weight)
         shots.append(Shot(scene, pool.powers[chosen]))
     return shots
+
+
+def shots(
+    world: World,
+    half: Half,
+    kind: str,
+    cards: GreyCards,
+    first: int,
+    count: int,
+    seed: int = 0,
+) -> list[Shot]:
+    """Return Shots of one of KINDS, of the scenes first, first + 1, ...
+
+    Main lights of days are drawn by seed as often as grey cards met them."""
+    if kind == "night":
+        return night_shots(world, half, first, count)
+    return day_shots(world, half, first, card_lights(world, half, cards, count, seed))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from studies.sources import sets
+from studies.world.shots import KINDS
 
 COUNT = 12
 
@@ -20,7 +21,7 @@ def material(world, camera, seed, kind="day"):
     return sets.material(world, camera, kind, seeds, COUNT, seed)
 
 
-@pytest.mark.parametrize("kind", sets.KINDS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_seeds_share_no_frame(world, camera, kind):
     first, second = (material(world, camera, seed, kind) for seed in (0, 1))
     for a in (*first.captures.images, *first.other_captures.images):

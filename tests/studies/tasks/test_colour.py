@@ -11,8 +11,9 @@ from studies.cameras import FILES
 from studies.protocol import PROTOCOL
 from studies.sources.frames import Frames
 from studies.sources.real import real
-from studies.tasks.colour import KINDS, colour, compared, measured, methods, taken
+from studies.tasks.colour import colour, compared, measured, methods, taken
 from studies.world.colouring import rendered
+from studies.world.shots import KINDS
 
 FRAMES = PROTOCOL.colour.frames["quick"]
 CAMERAS = ("canon-600d", "nikon-d40", "canon-1ds-mark-iii")
