@@ -5,38 +5,32 @@
 import argparse
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from studies.cameras import FILES, NUS, Camera, known_camera, own_camera
+from studies.docs_page import update_page
+from studies.draws import LEARNED, RENDERS, Run, go_on
+from studies.figures.files import figures_of_results, figures_of_world, write_figures
 from studies.places import LUXPY_VARIABLE, data_folder, luxpy_folder
 from studies.protocol import PROTOCOL
 from studies.results import (
-    Results,
     add,
     fingerprint,
-    of_study,
     read_results,
+    use,
     write_results,
 )
-from studies.tables import classical_tables, colour_tables
-from studies.tables_denoising import denoising_tables
-from studies.tables_illuminant import illuminant_tables
-from studies.tables_isp import isp_tables
+from studies.sources.renders import read_renders
+from studies.tables_of_results import tables_by_study, together
 from studies.tasks.classical import classical
 from studies.tasks.colour import colour
-from studies.tasks.denoising import denoising
-from studies.tasks.illuminant import illuminant, need_torch
-from studies.tasks.isp import isp
+from studies.tasks.illuminant import need_torch
 from studies.world.shots import KINDS, World, load_world
 
 Study = Callable[[World, Camera, str], Any]  # world, camera, quick or full
 TABLES = "tables.md"
-LEARNED: dict[str, Callable[[Any], str]] = {
-    "illuminant": illuminant_tables,
-    "denoising": denoising_tables,
-    "isp": isp_tables,
-}
 
 
 def run_classical(world: World, camera: Camera, mode: str) -> Any:
@@ -51,13 +45,9 @@ def run_colour(world: World, camera: Camera, mode: str) -> Any:
     return {kind: colour(world, camera, kind, frames) for kind in KINDS}
 
 
-STUDIES: dict[str, Study] = {
-    "classical": run_classical,
-    "colour": run_colour,
-    "illuminant": illuminant,
-    "denoising": denoising,
-    "isp": isp,
-}
+MEASURED: dict[str, Study] = {"classical": run_classical, "colour": run_colour}
+STUDIES = (*MEASURED, *LEARNED)
+NEED_TORCH = ("illuminant", "longer")
 
 
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
@@ -79,17 +69,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
         "--cameras",
         help=f"ids with commas, of {', '.join(FILES)} (default: protocol.toml's)",
     )
-    parser.add_argument(
-        "--ssf", type=Path, help="sensitivities of a camera of your own (.csv, .json)"
-    )
-    parser.add_argument("--sensor", type=Path, help="that camera's profile (.json)")
-    parser.add_argument("--data", type=Path, help="folder of camera data")
-    parser.add_argument(
-        "--luxpy", type=Path, help=f"folder of luxpy's data; or {LUXPY_VARIABLE}"
-    )
-    parser.add_argument(
-        "-o", "--out", type=Path, default=Path("out/study"), help="%(default)s"
-    )
+    add_places(parser)
     parser.set_defaults(mode="quick")
     found = parser.parse_args(given)
     unknown = [name for name in found.studies if name not in STUDIES]
@@ -97,7 +77,34 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
         parser.error(f"study {unknown[0]} must be one of {', '.join(STUDIES)}")
     if (found.ssf is None) != (found.sensor is None):
         parser.error("--ssf and --sensor go together: sensitivities and profile")
+    if found.docs and found.mode != "full":
+        parser.error("--docs needs --full: no page has numbers of few frames")
     return found
+
+
+def add_places(parser: argparse.ArgumentParser) -> None:
+    """Add the options of what is read from where, and written to where."""
+    parser.add_argument(
+        "--ssf", type=Path, help="sensitivities of a camera of your own (.csv, .json)"
+    )
+    parser.add_argument("--sensor", type=Path, help="that camera's profile (.json)")
+    parser.add_argument(
+        "--renders",
+        type=Path,
+        help="folder of rendered images that RAW is made of, in place of the world's",
+    )
+    parser.add_argument("--data", type=Path, help="folder of camera data")
+    parser.add_argument(
+        "--luxpy", type=Path, help=f"folder of luxpy's data; or {LUXPY_VARIABLE}"
+    )
+    parser.add_argument(
+        "-o", "--out", type=Path, default=Path("out/study"), help="%(default)s"
+    )
+    parser.add_argument(
+        "--docs",
+        action="store_true",
+        help="with --full: put tables and figures into docs/evidence.md",
+    )
 
 
 def cameras(given: argparse.Namespace, data: Path, study: str) -> list[Camera]:
@@ -111,24 +118,9 @@ def cameras(given: argparse.Namespace, data: Path, study: str) -> list[Camera]:
     return [known_camera(name, data) for name in names]
 
 
-def tables(results: Results, within: float) -> str:
-    """Return all tables of results in Markdown."""
-    parts = []
-    if found := of_study(results, "classical"):
-        parts.append(classical_tables(found, within))
-    if found := of_study(results, "colour"):
-        for kind in KINDS:
-            of_kind = {camera: entry[kind] for camera, entry in found.items()}
-            parts.append(colour_tables(of_kind, kind))
-    for name, tables_of in LEARNED.items():
-        if found := of_study(results, name):
-            parts.append(tables_of(found))
-    return "\n\n".join(parts) + "\n"
-
-
 def asked(names: list[str]) -> list[str]:
     """Return the studies of a command line; of all, those that can run here."""
-    if "illuminant" in names:
+    if set(names) & set(NEED_TORCH):
         need_torch()
     if names:
         return names
@@ -136,35 +128,64 @@ def asked(names: list[str]) -> list[str]:
         need_torch()
     except ValueError as error:
         warn(f"left out: {error}")
-        return [name for name in STUDIES if name != "illuminant"]
+        return [name for name in STUDIES if name not in NEED_TORCH]
     return list(STUDIES)
 
 
-def run(given: argparse.Namespace) -> str:
-    """Run the studies of a command line and return their tables. Raises ValueError."""
-    luxpy, data = luxpy_folder(given.luxpy), data_folder(given.data)
+def prepared(given: argparse.Namespace, luxpy: Path | None) -> Run:
+    """Return the Run of a command line. Raises ValueError for data that are missing."""
     if luxpy is None:
-        warn(
+        said = (
             "no data files of luxpy: colour-science's reflectances and lamps stand for "
             "IES TM-30's, by which the world was calibrated; --luxpy names the folder"
         )
+        if given.docs:
+            raise ValueError(said)
+        warn(said)
     world = load_world(luxpy, PROTOCOL)
     expected = {**fingerprint(world), "mode": given.mode}
     results, differs = read_results(given.out, expected)
     if differs:
         warn(f"{given.out}: earlier results differ in {', '.join(differs)}: left out")
-    for name in asked(given.studies):
+    run = Run(world, given.mode, results, given.out, warn)
+    if given.renders is not None:
+        renders = read_renders(given.renders, PROTOCOL.scene)
+        run = replace(run, renders=renders)
+        note_use(run, RENDERS, renders.digest, given.renders)
+    return run
+
+
+def note_use(run: Run, what: str, digest: str, folder: Path) -> None:
+    """Note the hash of a folder that entries are made of."""
+    if use(run.results, what, digest):
+        warn(f"{folder}: has changed: earlier results of {what} are left out")
+
+
+def run(given: argparse.Namespace) -> str:
+    """Run the studies of a command line and return their tables. Raises ValueError."""
+    luxpy, data = luxpy_folder(given.luxpy), data_folder(given.data)
+    names = asked(given.studies)
+    prepared_run = prepared(given, luxpy)
+    world, results = prepared_run.world, prepared_run.results
+    for name in names:
         for camera in cameras(given, data, name):
-            entry = STUDIES[name](world, camera, given.mode)
+            if name in LEARNED:
+                go_on(prepared_run, name, camera)
+                continue
+            entry = MEASURED[name](world, camera, given.mode)
             if entry is None:
                 warn(f"{name}: {camera.id} has no grey cards of NUS: left out")
                 continue
             add(results, camera, name, entry)
             write_results(given.out, results)
     given.out.mkdir(parents=True, exist_ok=True)
-    text = tables(results, world.protocol.classical.within)
-    (given.out / TABLES).write_text(text)
-    return text
+    found = tables_by_study(results, world.protocol.classical.within)
+    (given.out / TABLES).write_text(together(found))
+    shown = figures_of_world(prepared_run, cameras(given, data, "isp")[0], names)
+    write_figures(given.out, figures_of_results(results) | shown)
+    if given.docs:
+        update_page(found, given.out)
+    return together(found)
 
 
 def warn(message: str) -> None:

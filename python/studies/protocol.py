@@ -145,6 +145,16 @@ class IlluminantRules:
 
 
 @dataclass(frozen=True)
+class LongerRules:
+    """Whether study 1's training is long enough."""
+
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+    times: int
+    sources: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class DenoisingRules:
     """Study 2."""
 
@@ -158,8 +168,24 @@ class DenoisingRules:
     brightness: tuple[float, ...]
     validation: float
     samples: dict[str, int]
+    reach: int
     features: int
+    spread: float
+    focus: Range
     ridges: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class UnetRules:
+    """The other learner of study 2."""
+
+    width: int
+    levels: int
+    size: int
+    batch: int
+    rate: float
+    steps: dict[str, int]
+    every: int
 
 
 @dataclass(frozen=True)
@@ -178,6 +204,26 @@ class IspRules:
 
 
 @dataclass(frozen=True)
+class TranslationRules:
+    """How renders are made like balanced RAW, unpaired."""
+
+    translators: dict[str, int]
+    steps: dict[str, int]
+    record: int
+    batch: int
+    crop: int
+    patch: int
+    patches: int
+    rate: float
+    generator_rate: float
+    average: float
+    content: float
+    slope: float
+    generator_width: int
+    discriminator_width: int
+
+
+@dataclass(frozen=True)
 class Protocol:
     """All tables of protocol.toml."""
 
@@ -192,8 +238,11 @@ class Protocol:
     training: TrainingRules
     seeds: SeedRules
     illuminant: IlluminantRules
+    longer: LongerRules
     denoising: DenoisingRules
+    unet: UnetRules
     isp: IspRules
+    translation: TranslationRules
 
 
 TABLES: dict[str, type] = dict(Protocol.__annotations__)

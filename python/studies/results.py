@@ -5,6 +5,7 @@
 import hashlib
 import json
 from collections.abc import Iterable
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,18 @@ def fingerprint(world: World) -> dict[str, str]:
         "cg2raw": cg2raw.__version__,
         "core": file_hash([Path(_core.__file__)]),
         "numpy": np.__version__,
+        "torch": torch_version() or "none",
         "studies": file_hash(sources),
         **world.hashes(),
     }
+
+
+def torch_version() -> str | None:
+    """Return PyTorch's version, None without it: then some sources are missing."""
+    try:
+        return metadata.version("torch")
+    except metadata.PackageNotFoundError:
+        return None
 
 
 def file_hash(paths: Iterable[Path]) -> str:
@@ -78,6 +88,44 @@ def add(results: Results, camera: Camera, study: str, entry: Any) -> None:
     if cameras.get(camera.id, {}).get("hash") != own:
         cameras[camera.id] = {"hash": own, "studies": {}}
     cameras[camera.id]["studies"][study] = entry
+
+
+def entry_of(results: Results, camera: Camera, study: str) -> Any:
+    """Return a study's entry of a camera, {} if there is none of this very camera."""
+    found = results["cameras"].get(camera.id, {})
+    if found.get("hash") != camera_hash(camera):
+        return {}
+    return found["studies"].get(study, {})
+
+
+def use(results: Results, what: str, digest: str) -> bool:
+    """Note the hash of what some studies were made of, whose entries end with its name.
+
+    Return whether such entries were dropped, since they had another."""
+    before = results.setdefault("made of", {}).get(what, digest)
+    results["made of"][what] = digest
+    if before == digest:
+        return False
+    for found in results["cameras"].values():
+        kept = {s: e for s, e in found["studies"].items() if what not in s.split(", ")}
+        found["studies"] = kept
+    return True
+
+
+def draws_of(entry: Any) -> int:
+    """Return how many draws an entry has."""
+    while isinstance(entry, dict):
+        if not entry:
+            return 0
+        entry = next(iter(entry.values()))
+    return len(entry)
+
+
+def appended(entry: Any, values: Any) -> Any:
+    """Return an entry, {} if there is none, with the values of one more draw."""
+    if isinstance(values, dict):
+        return {name: appended(entry.get(name, {}), v) for name, v in values.items()}
+    return [*(entry or []), values]
 
 
 def of_study(results: Results, study: str) -> dict[str, Any]:

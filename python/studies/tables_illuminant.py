@@ -4,13 +4,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple
+from itertools import combinations
 
 import numpy as np
 
 from studies.tables import numbers, table
-from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, error_rows
+from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, error_rows, of_errors
 from studies.tasks.angles import Summary, summary
-from studies.tasks.paired import BEATS, share_left
+from studies.tasks.paired import BEATS, difference, share_left
 
 Errors = Mapping[str, Sequence[Sequence[float]]]  # source: (seeds, frames), degrees
 LEFT = 0.3  # the goal: of a baseline's gap to real
@@ -61,4 +62,29 @@ def sure(found: Mapping[str, Errors]) -> str:
     return (
         f"Paired differences, degrees (SE over seeds and frames); beats: by more than "
         f"{BEATS:g} SE.\n\n{table(['difference', *found], rows)}"
+    )
+
+
+def longer_tables(
+    illuminant: Mapping[str, Errors], longer: Mapping[str, Errors]
+) -> str:
+    """Return how differences of sources change if training is longer.
+
+    Both : {camera: errors}; of illuminant the first seeds are compared."""
+    cameras = [camera for camera in longer if camera in illuminant]
+    seeds = len(longer[cameras[0]][REAL])
+    rows = []
+    sources = list(longer[cameras[0]])
+    for other, one in combinations(sources, 2):
+        cells = []
+        for camera in cameras:
+            before, after = (
+                difference(e[camera][one][:seeds], e[camera][other][:seeds])
+                for e in (illuminant, longer)
+            )
+            cells.append(f"{of_errors(before)}; {of_errors(after)}")
+        rows.append([f"{one} - {other}", *cells])
+    return (
+        f"Is training long enough? Differences as above of {seeds} seeds, then those "
+        f"after longer training.\n\n{table(['difference', *cameras], rows)}"
     )

@@ -18,9 +18,10 @@ def of_errors(found: Difference) -> str:
     return f"{found.mean:+.2f} ({found.error:.2f})" + beats(found)
 
 
-def of_decibels(found: Difference) -> str:
-    """Return a Difference of PSNR, whose errors are its negative, in one cell."""
-    return f"{-found.mean:+.3f} ({found.error:.3f})" + beats(found)
+def of_gains(found: Difference, digits: int) -> str:
+    """Return a Difference of what is better if it is more, of the negative of which it
+    was made, in one cell."""
+    return f"{-found.mean:+.{digits}f} ({found.error:.{digits}f})" + beats(found)
 
 
 def beats(found: Difference) -> str:
@@ -39,15 +40,15 @@ def error_rows(
     ]
 
 
-def decibel_rows(
-    pairs: Iterable[tuple[str, str]], cameras: Sequence[Values]
+def gain_rows(
+    pairs: Iterable[tuple[str, str]], cameras: Sequence[Values], digits: int
 ) -> list[list[str]]:
-    """Return the same of PSNR in dB, of which more is better."""
+    """Return the same of a measure of which more is better, so many digits."""
     return [
         [f"{one} - {other}"]
         + [
-            of_decibels(
-                difference(np.negative(values[one]), np.negative(values[other]))
+            of_gains(
+                difference(np.negative(values[one]), np.negative(values[other])), digits
             )
             for values in cameras
         ]

@@ -55,4 +55,5 @@ def test_pytorch(page):
     exec(reading.replace("num_workers=4", "num_workers=0"), names)
     assert names["noisy"].shape == names["clean"].shape == (16, 4, 128, 128)
     exec(synthesis, names)
+    assert len(names["loader"]) == 10 * 2 * 64 / 16
     assert names["data"][1]["noisy"].shape == (4, 128, 128)

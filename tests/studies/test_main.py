@@ -40,6 +40,15 @@ def test_what_is_missing_is_said_in_one_line(words, said, tmp_path, capsys):
     assert error.count("\n") == 1 and said in error
 
 
+def test_no_page_is_written_of_the_small_world(camera_data, tmp_path, monkeypatch):
+    monkeypatch.setattr(command, "luxpy_folder", lambda _: None)
+    words = ["colour", "--full", "--docs", "--data", str(camera_data)]
+    given = command.arguments([*words, "-o", str(tmp_path)])
+    with pytest.raises(ValueError, match="no data files of luxpy"):
+        command.run(given)
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_unknown_camera_is_said(camera_data, tmp_path, capsys):
     words = ["--data", str(camera_data), "--cameras", "leica", "-o", str(tmp_path)]
     assert command.main(words) == 1

@@ -7,7 +7,15 @@ from dataclasses import replace
 
 import pytest
 
-from studies.results import add, camera_hash, of_study, read_results, write_results
+from studies.results import (
+    add,
+    camera_hash,
+    entry_of,
+    of_study,
+    read_results,
+    use,
+    write_results,
+)
 
 OWN = {"cg2raw": "1", "core": "a"}
 
@@ -46,6 +54,25 @@ def test_another_profile_of_the_same_name_is_another_camera(tmp_path, camera):
     assert camera_hash(changed) != camera_hash(camera)
     add(results, changed, "classical", {"b": 1})
     assert of_study(results, "colour") == {}
+
+
+def test_the_entry_of_another_profile_is_none(tmp_path, camera):
+    results, _ = read_results(tmp_path, OWN)
+    assert entry_of(results, camera, "isp") == {}
+    add(results, camera, "isp", {"real": [[1.0]]})
+    assert entry_of(results, camera, "isp") == {"real": [[1.0]]}
+    measured = replace(camera.measured, rgb=camera.measured.rgb * 0.5)
+    assert entry_of(results, replace(camera, measured=measured), "isp") == {}
+
+
+def test_what_other_renders_made_is_dropped(tmp_path, camera):
+    results, _ = read_results(tmp_path, OWN)
+    assert not use(results, "night renders", "a")
+    for name in ("isp", "isp, night renders", "isp, night renders, Mitsuba's frames"):
+        add(results, camera, name, {"real": [[1.0]]})
+    assert not use(results, "night renders", "a")
+    assert use(results, "night renders", "b")
+    assert list(results["cameras"]["canon-600d"]["studies"]) == ["isp"]
 
 
 def test_the_same_numbers_are_the_same_bytes(tmp_path):

@@ -15,11 +15,17 @@ ROOMS = (
     "world",
     "cameras",
     "sources",
+    "mitsuba_judge",
     "tasks.angles",
     "learners",
     "tasks",
-    "tables",
+    "mitsuba_judge.report",
+    "mitsuba_judge.main",
     "results",
+    "tables",
+    "draws",
+    "figures",
+    "docs_page",
     "main",
 )
 

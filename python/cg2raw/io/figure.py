@@ -12,6 +12,16 @@ if TYPE_CHECKING:
 
 WIDTH = 4.5  # inches
 DPI = 150
+# Distinct for all common colour vision. Source: Okabe and Ito, Color Universal
+# Design, 2008.
+BLACK, ORANGE, SKY, GREEN, BLUE, RED = (
+    "#000000",
+    "#e69f00",
+    "#56b4e9",
+    "#009e73",
+    "#0072b2",
+    "#d55e00",
+)
 STYLE = {
     "text.parse_math": False,  # a dollar sign is a dollar sign
     "font.size": 9.5,
@@ -31,11 +41,11 @@ def drawn(
     height: float,
     draw: Callable[["Figure"], None],
     width: float = WIDTH,
-    colors: int = 64,
+    colors: int | None = 64,
 ) -> bytes:
     """Return the PNG of a figure of that size, inches, filled by draw(figure).
 
-    colors : of its palette, at most 256."""
+    colors : of its palette, at most 256; None keeps all, as photographs need."""
     from matplotlib import style
 
     with style.context(["default", STYLE]):  # whatever the user's matplotlibrc says
@@ -46,8 +56,13 @@ def drawn(
         FigureCanvasAgg(figure)
         draw(figure)
         png = io.BytesIO()
-        figure.savefig(png, format="png", metadata={"Software": None})
-    return indexed(png.getvalue(), colors)
+        figure.savefig(
+            png,
+            format="png",
+            metadata={"Software": None},
+            pil_kwargs={"optimize": colors is None},
+        )
+    return png.getvalue() if colors is None else indexed(png.getvalue(), colors)
 
 
 def indexed(png: bytes, colors: int) -> bytes:

@@ -10,6 +10,7 @@ import numpy as np
 
 from cg2raw._core import SensorProfile
 from cg2raw.cfa import is_mono
+from cg2raw.io.figure import BLACK, BLUE, GREEN, RED, SKY
 from cg2raw.profile.from_raw_files import camera_name
 from cg2raw.profile.plot_sensitivities import draw_sensitivities
 from cg2raw.profile.spectral_file import Array
@@ -23,16 +24,6 @@ LOCUS = np.linspace(1e6 / 15000, 1e6 / 2000, 400)  # mired: even steps of colour
 TICKS = (2000, 2500, 3000, 3500, 4000, 5000, 6500, 8000, 10000, 15000)  # K
 APART = 34  # pixels between labelled temperatures
 MARGIN = 0.35  # of the data's extent, around it; the locus may leave the picture
-# Distinct for all common colour vision. Source: Okabe and Ito, Color Universal
-# Design, 2008.
-BLACK, ORANGE, SKY, GREEN, BLUE, RED = (
-    "#000000",
-    "#e69f00",
-    "#56b4e9",
-    "#009e73",
-    "#0072b2",
-    "#d55e00",
-)
 
 
 def plot_png(profile: SensorProfile, cct: Sequence[float] | None = None) -> bytes:

@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float32]
-SPREAD = 2.0  # sd of a feature's sum over standardised inputs
+Solution = NDArray[np.float64]
+Pair = tuple[Array, Array]  # inputs (m, d), outputs (m, k)
+SPREAD = 2.0  # sd of a feature's sum over standardised inputs, if not told
 OFFSETS = 1.5  # most of a feature's offset
-ROWS = 1 << 15  # at a time
+ROWS = 1 << 11  # at a time: few enough that a processor's cache holds their features
 LEAST = 1e-6  # sd that an input is divided by, at least
 
 
@@ -32,7 +34,9 @@ class Features:
     def __call__(self, values: Array) -> Array:
         """Return (m, 1 + d + count) of inputs (m, d)."""
         inputs = (values - self.mean) / np.float32(self.scale)
-        hidden = np.maximum(inputs @ self.weights + self.offsets, 0.0)
+        hidden = inputs @ self.weights
+        hidden += self.offsets
+        np.maximum(hidden, 0.0, out=hidden)
         ones = np.ones((len(values), 1), np.float32)
         return np.concatenate([ones, inputs, hidden], axis=1)
 
@@ -42,7 +46,7 @@ class Learnt:
     """A map from inputs to outputs, and the ridge that was best for it."""
 
     features: Features
-    solution: NDArray[np.float64]
+    solution: Solution
     ridge: float
 
     def __call__(self, values: Array) -> Array:
@@ -54,11 +58,11 @@ class Learnt:
         return np.concatenate(parts).astype(np.float32)
 
 
-def features(values: Array, count: int, seed: int) -> Features:
+def features(values: Array, count: int, seed: int, spread: float = SPREAD) -> Features:
     """Return count random Features, scaled to inputs (m, d)."""
     rng = np.random.default_rng([seed, 88])
     depth = values.shape[1]
-    weights = rng.normal(0.0, SPREAD / np.sqrt(depth), (depth, count))
+    weights = rng.normal(0.0, spread / np.sqrt(depth), (depth, count))
     offsets = rng.uniform(-OFFSETS, OFFSETS, count)
     scale = max(float(values.std(axis=0).mean()), LEAST)
     mean = values.mean(axis=0).astype(np.float32)
@@ -66,27 +70,39 @@ def features(values: Array, count: int, seed: int) -> Features:
 
 
 def learn(
-    training: tuple[Array, Array],
-    validation: tuple[Array, Array],
-    count: int,
-    ridges: Sequence[float],
-    seed: int,
+    training: Pair, validation: Pair, count: int, ridges: Sequence[float], seed: int
 ) -> Learnt:
-    """Return what is learnt of training inputs (m, d) and outputs (m, k).
+    """Return what is learnt of training inputs (m, d) and outputs (m, k) by so many
+    random features.
+
+    ridges, validation : see `fitted`."""
+    layer = features(training[0], count, seed)
+    return fitted(layer, training, validation, ridges)
+
+
+def fitted(
+    layer: Features, training: Pair, validation: Pair, ridges: Sequence[float]
+) -> Learnt:
+    """Return what is learnt of training inputs (m, d) and outputs (m, k) by features.
 
     ridges : tried one after the other; the one with the least squared error on the
         validation pair is kept, so that no source's is chosen by hand."""
     values, outputs = training
-    layer = features(values, count, seed)
     normal, right = sums(layer, values, outputs)
-    found = []
-    for ridge in ridges:
-        loaded = normal + ridge * len(values) * np.eye(len(normal))
-        solution = np.asarray(np.linalg.solve(loaded, right), np.float64)
-        learnt = Learnt(layer, solution, ridge)
-        error = float(((learnt(validation[0]) - validation[1]) ** 2).mean())
-        found.append((error, learnt))
-    return min(found, key=lambda pair: pair[0])[1]
+    solutions = [
+        solved(normal + ridge * len(values) * np.eye(len(normal)), right)
+        for ridge in ridges
+    ]
+    together = Learnt(layer, np.hstack(solutions), 0.0)(validation[0])
+    goals = np.tile(validation[1], len(ridges))
+    squares = ((together - goals) ** 2).mean(axis=0, dtype=np.float64)
+    best = int(squares.reshape(len(ridges), -1).mean(axis=1).argmin())
+    return Learnt(layer, solutions[best], ridges[best])
+
+
+def solved(normal: Solution, right: Solution) -> Solution:
+    """Return the solution of normal equations."""
+    return np.asarray(np.linalg.solve(normal, right), np.float64)
 
 
 def sums(

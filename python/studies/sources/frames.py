@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What every source returns, and the words in which cg2raw takes a neutral."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,10 @@ class Frames:
     images: list[Image]  # (H, W, 3) each, linear
     neutrals: Array  # (n, 3), G = 1
     sensors: tuple[Sensor, ...] = ()  # each frame's own, where they differ
+    own: tuple[Image, ...] = ()  # exposed as the source does; none: as a camera does
+
+
+TestSets = Mapping[str, Frames]  # of the camera, by name
 
 
 def words_of(neutrals: Array) -> list[str]:

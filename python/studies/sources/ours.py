@@ -5,6 +5,7 @@
 Its lights are those given, or drawn from the neutrals that the sensor's profile has."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from cg2raw import Sensor
 from studies.sources.frames import Frames, Image, framed
@@ -20,18 +21,20 @@ def ours(
     lights: Sequence[str] = (),
     seed: int = 0,
 ) -> Frames:
-    """Return the Frames of rendered images (H, W, 3), linear sRGB.
+    """Return the Frames of rendered images (H, W, 3), linear sRGB, exposed.
 
     convention : one of CONVENTIONS; spectral needs a sensor with sensitivities.
-    lights : words, one for each image; by default drawn, the same of the same @seed."""
+    lights : words, one for each image; by default drawn, the same of the same @seed.
+    Their own exposure is that of the renders: gain 1."""
     words = lights or drawn(len(images), seed)
-    return framed(
+    made = framed(
         (
             sensor.to_camera(image, illuminant=word, convention=convention),
             sensor.illuminant(word).neutral,
         )
         for image, word in zip(images, words, strict=True)
     )
+    return replace(made, own=tuple(made.images))
 
 
 def drawn(count: int, seed: int) -> list[str]:

@@ -12,11 +12,25 @@ from studies.protocol import SeedRules
 from studies.sources.frames import Frames, Image, words_of
 from studies.sources.ours import ours
 from studies.sources.real import real
+from studies.sources.renders import Renders
+from studies.sources.translation import Translator, translation
 from studies.sources.upi import GAINS, upi
 from studies.world.colouring import rendered
+from studies.world.exposure import auto_exposed
 from studies.world.shots import World, shots
 
+Sources = Mapping[str, Callable[[], Frames]]  # what makes training frames, by name
 SETS = 3  # of a seed: captures, captures of other scenes, renders
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A training set of a camera in one of the protocol's modes, quick or full."""
+
+    world: World
+    camera: Camera
+    mode: str
+    seed: int  # of the set, of first weights and of order
 
 
 @dataclass(frozen=True)
@@ -25,15 +39,23 @@ class Material:
 
     captures: Frames  # the camera's own training frames
     other_captures: Frames  # of other scenes: how far real is from itself
-    renders: list[Image]  # (H, W, 3) linear sRGB
+    renders: list[Image]  # (H, W, 3) linear sRGB, exposed: no source saturates more
 
 
 def material(
-    world: World, camera: Camera, kind: str, rules: SeedRules, frames: int, seed: int
+    world: World,
+    camera: Camera,
+    kind: str,
+    rules: SeedRules,
+    frames: int,
+    seed: int,
+    *,
+    rendered_images: Renders | None = None,
 ) -> Material:
     """Return the Material of a seed, so many frames of each set.
 
-    kind : one of studies.world.shots.KINDS."""
+    kind : one of studies.world.shots.KINDS.
+    rendered_images : in place of renders of the world."""
     captures, others, renders = (
         shots(
             world,
@@ -46,28 +68,44 @@ def material(
         )
         for number, first in enumerate((rules.real, rules.other, rules.rendered))
     )
+    if rendered_images is None:
+        images = [rendered(shot) for shot in renders]
+    else:
+        images = rendered_images.drawn(frames, seed)
     return Material(
         real(captures, camera.sensitivities),
         real(others, camera.sensitivities),
-        [rendered(shot) for shot in renders],
+        [auto_exposed(image) for image in images],
     )
 
 
 def sources(
-    found: Material, camera: Camera, seed: int
-) -> Mapping[str, Callable[[], Frames]]:
+    found: Material, camera: Camera, seed: int, translator: Translator | None = None
+) -> Sources:
     """Return what makes the training frames of a seed, by name.
 
-    Of ours, the profile's neutrals are those of the seed's captures."""
+    Of ours, the profile's neutrals are those of the seed's captures. Without a
+    translator there is no translation among them."""
     renders, told = found.renders, camera.told(found.captures.neutrals)
     with_curves = replace(camera, sensor=told).with_sensitivities()
 
     def by_upi(gains: str) -> Callable[[], Frames]:
         return lambda: upi(renders, told, gains, seed=seed)
 
+    def our_lights() -> list[str]:
+        return words_of(ours(renders, told, seed=seed).neutrals)
+
     def by_upi_under_our_lights() -> Frames:
-        words = words_of(ours(renders, told, seed=seed).neutrals)
-        return upi(renders, told, lights=words, seed=seed)
+        return upi(renders, told, lights=our_lights(), seed=seed)
+
+    def by_translation(lights: Callable[[], list[str]] = list) -> Frames:
+        assert translator is not None
+        return translation(renders, translator, told, lights=lights(), seed=seed)
+
+    translated: Sources = {
+        "translation": by_translation,
+        "translation, our lights": lambda: by_translation(our_lights),
+    }
 
     return {
         "real": lambda: found.captures,
@@ -77,4 +115,5 @@ def sources(
         "ours, spectral": lambda: ours(renders, with_curves, "spectral", seed=seed),
         **{f"upi, {gains}": by_upi(gains) for gains in GAINS},
         "upi's matrices, our lights": by_upi_under_our_lights,
+        **(translated if translator is not None else {}),
     }

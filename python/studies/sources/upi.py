@@ -22,19 +22,27 @@ def upi(
     lights: Sequence[str] = (),
     seed: int = 0,
 ) -> Frames:
-    """Return the Frames of rendered images (H, W, 3), linear sRGB.
+    """Return the Frames of rendered images (H, W, 3), linear sRGB, exposed.
 
     gains : one of GAINS; camera needs a sensor with neutrals.
-    lights : words, one for each image, in place of drawn gains."""
-    drawer = Upi(sensor, gains=gains, digital_gain=1.0)
+    lights : words, one for each image, in place of drawn gains.
+    Their own exposure is that of the renders times the global gain of each draw; images
+    of equal exposure have gain 1."""
+    drawer = Upi(sensor, gains=gains)
     first = seed * len(images)
     draws = [drawer.draw(number) for number in range(first, first + len(images))]
     words = lights or [draw.illuminant for draw in draws]
+    drawn = list(zip(images, draws, words, strict=True))
     made = framed(
         (
             draw.sensor.to_camera(image, illuminant=word),
             draw.sensor.illuminant(word).neutral,
         )
-        for image, draw, word in zip(images, draws, words, strict=True)
+        for image, draw, word in drawn
     )
-    return replace(made, sensors=tuple(draw.sensor for draw in draws))
+    own = (
+        draw.sensor.to_camera(image, illuminant=word, digital_gain=draw.digital_gain)
+        for image, draw, word in drawn
+    )
+    sensors = tuple(draw.sensor for draw in draws)
+    return replace(made, sensors=sensors, own=tuple(own))

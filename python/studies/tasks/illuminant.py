@@ -12,15 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.cameras import Camera
-from studies.protocol import IlluminantRules
-from studies.sources.frames import Frames
+from studies.sources.frames import Frames, TestSets
 from studies.sources.real import real
-from studies.sources.sets import material, sources
+from studies.sources.sets import Draw, Sources
 from studies.tasks.angles import degrees
 from studies.world.exposure import exposed
 from studies.world.shots import World, shots
 
-Errors = dict[str, list[list[float]]]  # source: of each seed, of each test frame
+Errors = dict[str, dict[str, list[float]]]  # tests: source: of each frame
 
 
 def need_torch() -> None:
@@ -32,32 +31,41 @@ def need_torch() -> None:
         )
 
 
-def illuminant(world: World, camera: Camera, mode: str) -> Errors:
-    """Return the errors in degrees of each source's networks. mode : quick or full."""
+def illuminant_draw(
+    draw: Draw, made: Sources, tests: TestSets, times: int = 1
+) -> Errors:
+    """Return the errors in degrees of networks that are trained on each source.
+
+    times : training is so many times as long as the protocol has it."""
     from studies.learners.convolutional_mean import train
 
     need_torch()
-    rules = world.protocol.illuminant
-    frames = rules.frames[mode]
-    tests = test_frames(world, camera, rules, mode)
-    images = thumbnails(tests, rules.block)
-    errors: Errors = {}
-    for seed in range(rules.draws[mode]):
-        found = material(world, camera, "day", world.protocol.seeds, frames, seed)
-        for name, make in sources(found, camera, seed).items():
-            made = make()
-            small = thumbnails(made, rules.block)
-            learnt = train(small, made.neutrals, rules, rules.epochs[mode], seed)
-            estimates = learnt.estimates(images)
-            of_frames = degrees(estimates, tests.neutrals).round(4).tolist()
-            errors.setdefault(name, []).append(of_frames)
+    rules = draw.world.protocol.illuminant
+    epochs = times * rules.epochs[draw.mode]
+    images = {name: thumbnails(frames, rules.block) for name, frames in tests.items()}
+    errors: Errors = {name: {} for name in tests}
+    for source, make in made.items():
+        own = make()
+        small = thumbnails(own, rules.block)
+        learnt = train(small, own.neutrals, rules, epochs, draw.seed)
+        for name, frames in tests.items():
+            found = degrees(learnt.estimates(images[name]), frames.neutrals)
+            errors[name][source] = found.round(4).tolist()
     return errors
 
 
-def test_frames(
-    world: World, camera: Camera, rules: IlluminantRules, mode: str
-) -> Frames:
+def longer_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
+    """Return the errors after longer training, of the sources that the protocol names.
+
+    Training was long enough if no difference of two sources changes."""
+    rules = draw.world.protocol.longer
+    few = {source: made[source] for source in rules.sources}
+    return illuminant_draw(draw, few, tests, rules.times)
+
+
+def test_frames(world: World, camera: Camera, mode: str) -> Frames:
     """Return the camera's frames of the test half, the same for all seeds."""
+    rules = world.protocol.illuminant
     count = rules.tests[mode]
     tests = shots(world, "test", "day", camera.cards, rules.first, count)
     return real(tests, camera.sensitivities)

@@ -13,15 +13,17 @@ from numpy.typing import NDArray
 
 from cg2raw import Sensor
 from studies.cameras import Camera
-from studies.learners.least_squares import learn
+from studies.learners.least_squares import Learnt, learn
 from studies.protocol import IspRules
-from studies.sources.frames import Frames, words_of
+from studies.sources.frames import Frames, TestSets, words_of
 from studies.sources.real import real
-from studies.sources.sets import material, sources
+from studies.sources.sets import Draw, Sources
 from studies.world.exposure import exposed
 from studies.world.shots import World, night_shots
 
 Array = NDArray[np.float32]
+Measures = dict[str, list[float]]  # CIEDE2000 and PSNR in dB: of each test frame
+Errors = dict[str, dict[str, Measures]]  # tests: source
 QUANTILE = 0.98  # of a frame, that becomes white
 MOST = 2.0  # of balanced camera RGB over white, that the learner is shown
 KNEE = 0.625  # of the tone curve: what 1 becomes before it is scaled to 1
@@ -39,45 +41,49 @@ class Pairs:
         return self.inputs.reshape(-1, 3), self.pictures.reshape(-1, 3)
 
 
-def isp(
-    world: World, camera: Camera, mode: str
-) -> dict[str, dict[str, list[list[float]]]]:
-    """Return {source: {measure: of each draw, of each test frame}}.
-
-    The measures are CIEDE2000 and PSNR in dB. mode : quick or full."""
-    rules = world.protocol.isp
-    frames = rules.frames[mode]
-    shots = night_shots(world, "test", rules.first, rules.tests[mode])
-    tests = pairs(real(shots, camera.sensitivities), camera.sensor, rules)
-    found: dict[str, dict[str, list[list[float]]]] = {}
-    for seed in range(rules.draws[mode]):
-        made = material(world, camera, "night", world.protocol.seeds, frames, seed)
-        for name, make in sources(made, camera, seed).items():
-            own = pairs(make(), camera.sensor, rules)
-            errors = measured(own, tests, rules, seed)
-            for measure, values in errors.items():
-                entry = found.setdefault(name, {}).setdefault(measure, [])
-                entry.append([round(value, 4) for value in values])
+def isp_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
+    """Return the Measures of learners that are trained on each source."""
+    rules, sensor = draw.world.protocol.isp, draw.camera.sensor
+    goals = {name: pairs(own, sensor, rules) for name, own in tests.items()}
+    found: Errors = {name: {} for name in tests}
+    for source, make in made.items():
+        learnt = learnt_of(pairs(make(), sensor, rules), rules, draw.seed)
+        for name, goal in goals.items():
+            found[name][source] = measured(learnt, goal)
     return found
 
 
-def measured(
-    own: Pairs, tests: Pairs, rules: IspRules, seed: int
-) -> dict[str, list[float]]:
-    """Return each measure of the test frames by a learner of a source's pairs."""
+def test_frames(world: World, camera: Camera, mode: str) -> Frames:
+    """Return the camera's frames of the test half, the same for all draws."""
+    rules = world.protocol.isp
+    shots = night_shots(world, "test", rules.first, rules.tests[mode])
+    return real(shots, camera.sensitivities)
+
+
+def learnt_of(own: Pairs, rules: IspRules, seed: int) -> Learnt:
+    """Return what is learnt of a source's pairs; the last share is for validation."""
     count = round(len(own.inputs) * rules.validation)
-    parts = (
-        Pairs(own.inputs[:-count], own.pictures[:-count]).pixels(),
-        Pairs(own.inputs[-count:], own.pictures[-count:]).pixels(),
+    training, validation = (
+        Pairs(own.inputs[kept], own.pictures[kept]).pixels()
+        for kept in (slice(None, -count), slice(-count, None))
     )
-    learnt = learn(*parts, rules.features, rules.ridges, seed)
-    shape = tests.pictures.shape
-    made = learnt(tests.inputs.reshape(-1, 3)).reshape(shape).clip(0.0, 1.0)
+    return learn(training, validation, rules.features, rules.ridges, seed)
+
+
+def measured(learnt: Learnt, tests: Pairs) -> Measures:
+    """Return each measure of the test frames."""
+    made = pictures_of(learnt, tests.inputs)
     squares = ((made - tests.pictures) ** 2).mean(axis=(1, 2, 3))
-    return {
-        "difference": difference(made, tests.pictures),
+    found = {
+        "difference": difference(made, tests.pictures).mean(axis=(1, 2)).tolist(),
         "psnr": (-10.0 * np.log10(squares + 1e-12)).tolist(),
     }
+    return {name: [round(value, 4) for value in row] for name, row in found.items()}
+
+
+def pictures_of(learnt: Learnt, inputs: Array) -> Array:
+    """Return the pictures, 0..1, of inputs (n, h, w, 3)."""
+    return learnt(inputs.reshape(-1, 3)).reshape(inputs.shape).clip(0.0, 1.0)
 
 
 def pairs(frames: Frames, sensor: Sensor, rules: IspRules) -> Pairs:
@@ -116,10 +122,9 @@ def toned(scene: Array) -> Array:
     return np.asarray(curve.clip(0.0, 1.0), np.float32)
 
 
-def difference(made: Array, goal: Array) -> list[float]:
-    """Return the mean CIEDE2000 of each picture (n, h, w, 3), sRGB."""
+def difference(made: Array, goal: Array) -> NDArray[np.float64]:
+    """Return CIEDE2000 (n, h, w) of pictures (n, h, w, 3), sRGB."""
     import colour
 
     a, b = (colour.XYZ_to_Lab(colour.sRGB_to_XYZ(picture)) for picture in (made, goal))
-    found = np.asarray(colour.delta_E(a, b, method="CIE 2000")).mean(axis=(1, 2))
-    return [float(value) for value in found]
+    return np.asarray(colour.delta_E(a, b, method="CIE 2000"))

@@ -24,4 +24,11 @@ def exposed(
     image: NDArray[np.float32], rules: ExposureRules = PROTOCOL.exposure
 ) -> NDArray[np.float32]:
     """Return (H, W, 3) of camera RGB as a sensor keeps it: exposed, clipped to 0..1."""
-    return np.asarray((image * exposure(image, rules)).clip(0.0, 1.0), np.float32)
+    return auto_exposed(image, rules).clip(0.0, 1.0)
+
+
+def auto_exposed(
+    image: NDArray[np.float32], rules: ExposureRules = PROTOCOL.exposure
+) -> NDArray[np.float32]:
+    """Return (H, W, 3) at its exposure, unbounded, as renderers keep images."""
+    return np.asarray(image * exposure(image, rules), np.float32)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from studies.sources import sets
+from studies.sources.renders import Renders
 from studies.world.shots import KINDS
 
 COUNT = 12
@@ -38,6 +39,25 @@ def test_all_sources_have_as_many_frames_of_one_size(world, camera):
         assert len(made.images) == len(made.neutrals) == COUNT, name
         assert {image.shape for image in made.images} == {(96, 128, 3)}, name
         assert np.isfinite(np.stack(made.images)).all(), name
+
+
+def test_renders_are_exposed_before_any_source_saturates(world, camera):
+    """What a source clips is little: the highlights of the renders themselves."""
+    for kind in KINDS:
+        found = material(world, camera, 0, kind)
+        shares = [(image > 1.0).any(axis=2).mean() for image in found.renders]
+        assert max(shares) < 0.006
+
+
+def test_renders_of_a_folder_take_the_place_of_the_worlds(world, camera):
+    images = [np.full((100, 130, 3), level, np.float16) for level in (1.0, 4.0, 8.0)]
+    seeds = world.protocol.seeds
+    given = Renders(images, (96, 128), "")
+    found = sets.material(world, camera, "night", seeds, 3, 0, rendered_images=given)
+    own = material(world, camera, 0, "night")
+    assert np.array_equal(found.captures.images[0], own.captures.images[0])
+    assert {image.shape for image in found.renders} == {(96, 128, 3)}
+    assert np.ptp(np.stack(found.renders)) < 1e-6  # each at its own exposure
 
 
 def test_ours_knows_the_neutrals_of_captures_alone(world, camera):

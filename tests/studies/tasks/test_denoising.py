@@ -1,84 +1,139 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Study 2: the noise that is added, what is packed and learnt, and a small run."""
+"""Study 2: what is packed, the two arms, scores by a planted denoiser, a small run."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cg2raw import Sensor
-from studies.protocol import PROTOCOL
+from cg2raw.upi import Upi
+from studies.draws import appended
+from studies.learners.lesson import Lesson
 from studies.sources.frames import Frames
+from studies.sources.ours import ours
+from studies.sources.sets import Draw, material, sources
+from studies.sources.upi import upi
 from studies.tables_denoising import denoising_tables
 from studies.tasks import denoising as study
+from studies.tasks.noise import Noise
 
-NOISE = study.Noise(2e-3, 1e-4)
+FEW = {"frames": {"quick": 10}, "tests": {"quick": 3}, "draws": {"quick": 2}}
+NAMES = ("ISO 3200, brightness 0.35", "ISO 3200, brightness 0.03")
+OWN = ", own exposure"
 
 
-def test_noise_has_the_variance_that_is_stated():
-    planes = np.full((4, 4, 200, 200), 0.3, np.float32)
-    noisy = NOISE.added(planes, np.random.default_rng(1))
-    assert noisy.mean() == pytest.approx(0.3, abs=2e-4)
-    assert noisy.var() == pytest.approx(2e-3 * 0.3 + 1e-4, rel=0.01)
-    assert NOISE.added(-planes, np.random.default_rng(1)).var() == pytest.approx(
-        1e-4, rel=0.01
+@pytest.fixture(scope="module")
+def camera(camera_of):
+    return camera_of("sony-a7s-ii")
+
+
+@pytest.fixture(scope="module")
+def small(world):
+    """The world with few frames and seeds."""
+    rules = replace(
+        world.protocol.denoising,
+        **FEW,
+        features=40,
+        samples={"quick": 2000},
+        isos=(3200,),
     )
+    return replace(world, protocol=replace(world.protocol, denoising=rules))
 
 
-def test_noise_is_the_sensors_mean_over_sites():
-    noise = study.noise_of(Sensor("samsung-s20fe"), 3200)
-    known = Sensor("samsung-s20fe").noise_at(3200)
-    assert noise.of_signal == pytest.approx(np.mean(known["beta1"]))
-    assert noise.constant == pytest.approx(np.mean(known["beta2"]))
+def made(world, camera, seed=0):
+    """The sources of a seed of 10 frames."""
+    found = material(world, camera, "night", world.protocol.seeds, 10, seed)
+    return sources(found, camera, seed)
 
 
 def test_packing_takes_the_sites_of_rggb():
-    image = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3) / 72
-    planes = study.packed(Frames([image], np.ones((1, 3))))
-    kept = study.exposed(image)
-    assert planes.shape == (1, 4, 2, 3)
+    image = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3) / 60
+    planes = study.packed([image])
+    kept = image.clip(0.0, 1.0)
+    assert planes.shape == (1, 4, 2, 3) and planes.max() == 1.0
     assert np.array_equal(planes[0, 0], kept[::2, ::2, 0])
     assert np.array_equal(planes[0, 1], kept[::2, 1::2, 1])
     assert np.array_equal(planes[0, 2], kept[1::2, ::2, 1])
     assert np.array_equal(planes[0, 3], kept[1::2, 1::2, 2])
 
 
-def test_patches_are_centred():
-    planes = np.random.default_rng(2).random((2, 4, 9, 8), dtype=np.float32)
-    inner = planes[:, :, 2:-2, 2:-2].transpose(0, 2, 3, 1).reshape(-1, 4)
-    assert np.array_equal(study.centres(study.patches(planes)), inner)
+def test_conditions_are_all_of_one_arm_and_then_of_the_other(world):
+    names = [c.name for c in study.conditions(world.protocol.denoising)]
+    assert len(names) == 8
+    assert names[2:4] == list(NAMES)
+    assert names[4:] == [name + OWN for name in names[:4]]
 
 
-def smooth(count, seed):
-    """Planes (count, 4, 24, 32) without detail."""
-    rng = np.random.default_rng(seed)
-    ramp = np.linspace(0.2, 0.8, 32) * rng.uniform(0.5, 1.0, (count, 4, 1, 1))
-    return np.broadcast_to(ramp, (count, 4, 24, 32)).astype(np.float32)
-
-
-def test_it_denoises_what_is_smooth():
-    draw = study.Draw(replace(PROTOCOL.denoising, features=100), 8000, 0)
-    clean = smooth(4, 9)
-    found = np.mean(study.psnr_of(smooth(30, 1), clean, NOISE, draw))
-    noisy = NOISE.added(clean, np.random.default_rng(3))
-    before = -10 * np.log10(((noisy - clean) ** 2).mean())
-    assert found > before + 6.0
-
-
-def test_a_run_has_each_condition_draw_and_frame(world, camera_of):
-    few = {"frames": {"quick": 10}, "tests": {"quick": 3}, "draws": {"quick": 2}}
-    rules = replace(
-        world.protocol.denoising,
-        **few,
-        features=40,
-        samples={"quick": 2000},
-        isos=(3200,),
+@pytest.mark.parametrize("white", [1.0, 0.1])
+def test_what_is_not_denoised_scores_as_its_noise(white):
+    """A denoiser that does nothing: PSNR of the planted variance, to 0.1 dB."""
+    noise = Noise(2e-3, 1e-4)
+    tests = np.full((2, 4, 60, 60), 0.4, np.float32)
+    lesson = Lesson(tests, noise.added, white, 1, 0)
+    scores = study.psnr_ssim_of(lambda planes: planes, tests, lesson)
+    expected = -10.0 * np.log10(2e-3 * 0.4 * white + 1e-4)
+    assert scores["psnr"] == pytest.approx([expected] * 2, abs=0.1)
+    clean = study.psnr_ssim_of(
+        lambda _: tests * np.float32(white), tests, replace(lesson, white=white)
     )
-    small = replace(world, protocol=replace(world.protocol, denoising=rules))
-    found = study.denoising(small, camera_of("sony-a7s-ii"), "quick")
-    assert list(found) == ["ISO 3200, brightness 0.35", "ISO 3200, brightness 0.03"]
-    for entry in found.values():
-        assert {np.shape(values) for values in entry.values()} == {(2, 3)}
-    text = denoising_tables({"sony-a7s-ii": found})
-    assert text.count("| ours, dng - upi, camera |") == 2
+    assert clean["ssim"] == [1.0, 1.0]
+
+
+def test_own_exposure_is_each_sources_own(world, camera):
+    """Real's is the camera's; ours is the RAW of the renders; UPI's is darker
+    by the gain that its draw states, highlights aside."""
+    found = material(world, camera, "night", world.protocol.seeds, 10, 0)
+    told = camera.told(found.captures.neutrals)
+    renders = found.renders
+    assert not sources(found, camera, 0)["real"]().own
+    own = sources(found, camera, 0)["ours, dng"]().own
+    assert np.array_equal(own, ours(renders, told).images)
+    drawn, drawer = upi(renders, told), Upi(told, gains="graphics2raw")
+    for number, (image, dark) in enumerate(zip(drawn.images, drawn.own, strict=True)):
+        gain = drawer.draw(number).digital_gain
+        low = (image.max(axis=2) < 0.3) & (image.min(axis=2) > 1e-3)
+        assert np.allclose(dark[low], gain * image[low], rtol=0.02)
+
+
+def test_own_exposure_changes_upi_and_not_real(small, camera):
+    """A learner that tells how bright its lesson is, and denoises nothing."""
+    seen = {}
+
+    def learner(lesson):
+        seen[lesson.name] = float(lesson.clean.mean())
+        return lambda planes: planes
+
+    draw = Draw(small, camera, "quick", 0)
+    frames = made(small, camera)
+    asked = {name: frames[name] for name in ("real", "upi, graphics2raw")}
+    tests = {"world": study.test_frames(small, camera, "quick")}
+    found = study.denoising_draw(draw, asked, tests, learner)["world"]
+    name = NAMES[0]
+    assert found[name]["real"] == found[name + OWN]["real"]
+    told = f"sony-a7s-ii, {name}{{}}, upi, graphics2raw, draw 0"
+    assert seen[told.format(OWN)] < 0.95 * seen[told.format("")]
+    assert not any("real" in each and OWN in each for each in seen)
+
+
+def test_a_run_has_each_condition_draw_and_frame(small, camera):
+    own = study.test_frames(small, camera, "quick")
+    tests = {"world": own, "judge": Frames(own.images[:2], own.neutrals[:2])}
+    entry, judged = {}, {}
+    for seed in range(2):
+        draw = Draw(small, camera, "quick", seed)
+        found = study.denoising_draw(draw, made(small, camera, seed), tests)
+        entry = appended(entry, found["world"])
+        judged = appended(judged, found["judge"])
+    assert list(entry) == [*NAMES, NAMES[0] + OWN, NAMES[1] + OWN]
+    for of_world, of_judge in zip(entry.values(), judged.values(), strict=True):
+        for source, measures in of_world.items():
+            assert list(measures) == ["psnr", "ssim"], source
+            assert {np.shape(values) for values in measures.values()} == {(2, 3)}
+            # The first test frames are the same, and so are their scores.
+            for name, values in of_judge[source].items():
+                assert np.array_equal(np.array(measures[name])[:, :2], values)
+    text = denoising_tables({"sony-a7s-ii": entry})
+    assert text.count("| ours, dng - upi, camera |") == 8
+    assert "| PSNR, dB; ISO 3200, brightness 0.03, own exposure | sony" in text
+    assert "| SSIM; ISO 3200, brightness 0.03 | sony-a7s-ii |" in text

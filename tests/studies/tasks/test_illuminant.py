@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.sources.frames import Frames
+from studies.sources.sets import Draw, material, sources
 from studies.tables_illuminant import illuminant_tables
 from studies.tasks import illuminant as study
 
@@ -19,14 +21,14 @@ def camera(camera_of):
 
 @pytest.fixture(scope="module")
 def small(world):
-    """The world with few frames and seeds."""
-    few = {"frames": {"quick": 12}, "tests": {"quick": 8}, "draws": {"quick": 2}}
+    """The world with few frames and epochs."""
+    few = {"frames": {"quick": 12}, "tests": {"quick": 8}}
     rules = replace(world.protocol.illuminant, **few, epochs={"quick": 2}, batch=8)
     return replace(world, protocol=replace(world.protocol, illuminant=rules))
 
 
 def test_thumbnails_are_means_of_what_the_sensor_keeps(small, camera):
-    tests = study.test_frames(small, camera, small.protocol.illuminant, "quick")
+    tests = study.test_frames(small, camera, "quick")
     small_images = study.thumbnails(tests, 3)
     assert small_images.shape == (8, 32, 42, 3)
     assert small_images.min() >= 0.0 and small_images.max() <= 1.0
@@ -40,10 +42,24 @@ def test_without_torch_one_line_says_what_to_install():
         study.need_torch()
 
 
-def test_a_run_has_each_seed_and_frame(small, camera):
+def test_a_draw_has_each_source_and_frame(small, camera):
     pytest.importorskip("torch", reason="PyTorch is not installed")
-    errors = study.illuminant(small, camera, "quick")
-    assert {np.shape(e) for e in errors.values()} == {(2, 8)}
-    assert errors == study.illuminant(small, camera, "quick")
-    text = illuminant_tables({"canon-600d": errors})
+    tests = study.test_frames(small, camera, "quick")
+    two = {"all": tests, "few": Frames(tests.images[:3], tests.neutrals[:3])}
+    entry = {}
+    for seed in (0, 1):
+        draw = Draw(small, camera, "quick", seed)
+        made = sources(
+            material(small, camera, "day", small.protocol.seeds, 12, seed), camera, seed
+        )
+        found = study.illuminant_draw(draw, made, two)
+        assert found["few"] == {source: e[:3] for source, e in found["all"].items()}
+        assert study.illuminant_draw(draw, made, two) == found
+        for source, errors in found["all"].items():
+            entry.setdefault(source, []).append(errors)
+    longer = study.longer_draw(draw, made, {"all": tests})["all"]
+    assert list(longer) == list(small.protocol.longer.sources)
+    assert longer["real"] != found["all"]["real"]
+    assert {np.shape(e) for e in entry.values()} == {(2, 8)}
+    text = illuminant_tables({"canon-600d": entry})
     assert "| share of the gap of upi, camera left (goal 0.3) |" in text

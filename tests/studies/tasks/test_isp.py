@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from studies.sources.frames import Frames
+from studies.sources.sets import Draw, material, sources
 from studies.sources.upi import upi
 from studies.tables_isp import isp_tables
 from studies.tasks import isp as study
@@ -20,8 +21,8 @@ def camera(camera_of):
 
 @pytest.fixture(scope="module")
 def small(world):
-    """The world with few frames, draws and features."""
-    few = {"frames": {"quick": 10}, "tests": {"quick": 4}, "draws": {"quick": 2}}
+    """The world with few frames and features."""
+    few = {"frames": {"quick": 10}, "tests": {"quick": 4}}
     rules = replace(world.protocol.isp, **few, features=60, step=4)
     return replace(world, protocol=replace(world.protocol, isp=rules))
 
@@ -50,13 +51,21 @@ def test_frames_are_developed_by_their_own_matrices(small, camera):
     assert np.abs(wrong - goal)[dull].mean() > 3 * np.abs(own - goal)[dull].mean()
 
 
-def test_a_run_has_each_draw_and_frame(small, camera):
-    errors = study.isp(small, camera, "quick")
-    assert {m: np.shape(v) for m, v in errors["real"].items()} == {
-        "difference": (2, 4),
-        "psnr": (2, 4),
-    }
-    mean = {s: np.mean(e["difference"]) for s, e in errors.items()}
+def test_a_draw_has_each_source_measure_and_frame(small, camera):
+    entry = {}
+    tests = study.test_frames(small, camera, "quick")
+    for seed in (0, 1):
+        found = material(small, camera, "night", small.protocol.seeds, 10, seed)
+        made = sources(found, camera, seed)
+        draw = Draw(small, camera, "quick", seed)
+        errors = study.isp_draw(draw, made, {"world": tests})["world"]
+        for source, measures in errors.items():
+            for measure, values in measures.items():
+                of_source = entry.setdefault(source, {})
+                of_source.setdefault(measure, []).append(values)
+    shapes = {m: np.shape(v) for m, v in entry["real"].items()}
+    assert shapes == {"difference": (2, 4), "psnr": (2, 4)}
+    mean = {s: np.mean(e["difference"]) for s, e in entry.items()}
     assert mean["ours, dng"] < 0.8 * mean["upi, camera"]
-    text = isp_tables({"sony-a7s-ii": errors})
+    text = isp_tables({"sony-a7s-ii": entry})
     assert "| ours, dng - upi, camera |" in text

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Studies of what is learnt, draw by draw: an interrupted run goes on where it was.
+
+A draw has a training set of each source, first weights and order of its own. Each set
+of test frames, and each set of renders, has an entry of its own in results.json."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from studies.cameras import Camera
+from studies.learners.translation_store import translator_for
+from studies.results import (
+    Results,
+    add,
+    appended,
+    draws_of,
+    entry_of,
+    torch_version,
+    write_results,
+)
+from studies.sources.frames import Frames, TestSets
+from studies.sources.renders import Renders
+from studies.sources.sets import Draw, Material, Sources, material, sources
+from studies.tasks import denoising, illuminant, isp
+from studies.world.shots import World
+
+TESTS = "world"  # test frames of the world
+RENDERS = "night renders"
+JUDGE = "Mitsuba's frames"
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A study that trains on each source and draw."""
+
+    frames: str  # the protocol's table that says how many
+    kind: str  # of its scenes
+    test_frames: Callable[[World, Camera, str], Frames]
+    draw: Callable[[Draw, Sources, TestSets], Mapping[str, Any]]  # {tests: values}
+
+
+LEARNED = {
+    "illuminant": Learned(
+        "illuminant", "day", illuminant.test_frames, illuminant.illuminant_draw
+    ),
+    "longer": Learned(
+        "illuminant", "day", illuminant.test_frames, illuminant.longer_draw
+    ),
+    "denoising": Learned(
+        "denoising", "night", denoising.test_frames, denoising.denoising_draw
+    ),
+    "isp": Learned("isp", "night", isp.test_frames, isp.isp_draw),
+}
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a command line asks of each study, and where the results go."""
+
+    world: World
+    mode: str  # quick or full
+    results: Results
+    folder: Path
+    say: Callable[[str], None]
+    renders: Renders | None = None  # of a folder, in place of the world's
+    judge: Callable[[str], Frames] | None = None  # frames of a camera by another hand
+
+
+def entry_name(study: str, tests: str, run: Run) -> str:
+    """Return what results.json calls a study's entry: what it was made of follows."""
+    parts = [study]
+    parts += [RENDERS] if run.renders is not None else []
+    parts += [tests] if tests != TESTS else []
+    return ", ".join(parts)
+
+
+def go_on(run: Run, study: str, camera: Camera) -> None:
+    """Run those draws of a study that its entries lack; each is written when done."""
+    learned = LEARNED[study]
+    tests = {TESTS: learned.test_frames(run.world, camera, run.mode)}
+    if run.judge is not None and learned.kind == "night":
+        tests[JUDGE] = run.judge(camera.id)
+    names = {of: entry_name(study, of, run) for of in tests}
+    draws = getattr(run.world.protocol, study).draws[run.mode]
+    first = min(
+        draws_of(entry_of(run.results, camera, name)) for name in names.values()
+    )
+    start = monotonic()
+    for seed in range(first, draws):
+        entries = {
+            of: entry_of(run.results, camera, name) for of, name in names.items()
+        }
+        missing = {of: tests[of] for of, e in entries.items() if draws_of(e) == seed}
+        draw = Draw(run.world, camera, run.mode, seed)
+        found = learned.draw(draw, sources_of(run, learned, draw), missing)
+        for of, values in found.items():
+            add(run.results, camera, names[of], appended(entries[of], values))
+        write_results(run.folder, run.results)
+        left = (monotonic() - start) / (seed + 1 - first) * (draws - seed - 1)
+        run.say(f"{study}, {camera.id}: draw {seed + 1} of {draws}, {left:.0f} s left")
+
+
+def sources_of(run: Run, learned: Learned, draw: Draw) -> Sources:
+    """Return the sources of a draw; those of translation only with PyTorch."""
+    found = material_of(run, learned, draw.camera, draw.seed)
+    if torch_version() is None:
+        return sources(found, draw.camera, draw.seed)
+    seed = draw.seed % run.world.protocol.translation.translators[run.mode]
+    seen = found
+    if seed != draw.seed:
+        seen = material_of(run, learned, draw.camera, seed)
+    scenes = learned.kind if run.renders is None else f"{learned.kind}-renders"
+    translator = translator_for(
+        seen, draw.camera.id, scenes, seed, run.mode, run.folder, say=run.say
+    )
+    return sources(found, draw.camera, draw.seed, translator)
+
+
+def material_of(run: Run, learned: Learned, camera: Camera, seed: int) -> Material:
+    """Return what the sources of a seed are made of."""
+    protocol = run.world.protocol
+    frames = getattr(protocol, learned.frames).frames[run.mode]
+    return material(
+        run.world,
+        camera,
+        learned.kind,
+        protocol.seeds,
+        frames,
+        seed,
+        rendered_images=run.renders,
+    )

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Which figures there are, and the files that have them."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from studies.cameras import Camera
+from studies.draws import LEARNED, Run, sources_of
+from studies.figures.contact_sheet import contact_sheet, scene_pictures
+from studies.figures.gap_bars import gap_bars
+from studies.figures.illuminant_curves import illuminant_curves
+from studies.figures.isp_examples import isp_examples
+from studies.figures.isp_panels import isp_panels
+from studies.results import Results, of_study
+from studies.sources.sets import Draw
+
+COMPARED = ("illuminant", "isp", "denoising")
+
+
+def figures_of_results(results: Results) -> dict[str, bytes]:
+    """Return the PNG of each figure that results alone make, by name."""
+    all_found = {study: of_study(results, study) for study in COMPARED}
+    found = {study: entries for study, entries in all_found.items() if entries}
+    pngs = {"gap": gap_bars(found)} if found else {}
+    if "illuminant" in found:
+        pngs["illuminant"] = illuminant_curves(found["illuminant"])
+    return pngs
+
+
+def figures_of_world(
+    run: Run, camera: Camera, studies: Iterable[str]
+) -> dict[str, bytes]:
+    """Return the PNG of each figure that shows pictures, by name.
+
+    Of the ISP only if it is one of the studies and its renders are the world's: it
+    trains anew, draw 0 of few sources."""
+    pngs = {"scenes": contact_sheet(scene_pictures(run.world, camera))}
+    if "isp" in studies and run.renders is None:
+        draw = Draw(run.world, camera, run.mode, 0)
+        made = sources_of(run, LEARNED["isp"], draw)
+        pngs["isp"] = isp_panels(isp_examples(draw, made))
+    return pngs
+
+
+def write_figures(folder: Path, pngs: Mapping[str, bytes]) -> None:
+    """Write each figure as NAME.png."""
+    for name, png in pngs.items():
+        (folder / f"{name}.png").write_bytes(png)

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""All tables of results.json, study by study."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from studies.results import Results, draws_of, of_study
+from studies.tables import classical_tables, colour_tables
+from studies.tables_denoising import denoising_tables
+from studies.tables_illuminant import illuminant_tables, longer_tables
+from studies.tables_isp import isp_tables
+from studies.world.shots import KINDS
+
+TABLES_OF: dict[str, Callable[[Any], str]] = {
+    "illuminant": illuminant_tables,
+    "denoising": denoising_tables,
+    "isp": isp_tables,
+}
+
+
+def tables_by_study(results: Results, within: float) -> dict[str, str]:
+    """Return the tables of each study that results have, in Markdown.
+
+    within : of the published numbers of classical methods, allowed."""
+    found = {}
+    if classical := of_study(results, "classical"):
+        found["classical"] = classical_tables(classical, within)
+    if colour := of_study(results, "colour"):
+        found["colour"] = both_kinds(colour)
+    for study, tables_of in TABLES_OF.items():
+        parts = [
+            titled(tables_of(ready(results, name)), made_of)
+            for name, made_of in entries_of(results, study)
+        ]
+        if parts:
+            found[study] = "\n\n".join(parts)
+    longer = {name: ready(results, name) for name in ("illuminant", "longer")}
+    if all(longer.values()):
+        found["illuminant"] += "\n\n" + longer_tables(**longer)
+    return found
+
+
+def entries_of(results: Results, study: str) -> list[tuple[str, str]]:
+    """Return (name, of what other than the world) of each entry of a study.
+
+    An entry of a single draw has no standard errors, and waits for the second."""
+    studies = [found["studies"] for found in results["cameras"].values()]
+    names = sorted({n for found in studies for n in found if draws_of(found[n]) > 1})
+    parts = [(name, *name.partition(", ")) for name in names]
+    return [(name, made_of) for name, own, _, made_of in parts if own == study]
+
+
+def ready(results: Results, name: str) -> dict[str, Any]:
+    """Return {camera: entry} of those that have two draws or more."""
+    found = of_study(results, name).items()
+    return {camera: entry for camera, entry in found if draws_of(entry) > 1}
+
+
+def titled(tables: str, made_of: str) -> str:
+    """Return tables whose heading says of what they are, if not of the world."""
+    heading, _, rest = tables.partition("\n")
+    return f"{heading}: {made_of}\n{rest}" if made_of else tables
+
+
+def both_kinds(colour: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return study 0's tables of each kind of scenes. colour : {camera: entry}."""
+    return "\n\n".join(
+        colour_tables({camera: entry[kind] for camera, entry in colour.items()}, kind)
+        for kind in KINDS
+    )
+
+
+def together(tables: Mapping[str, str]) -> str:
+    """Return the tables of all studies, as tables.md has them."""
+    return "\n\n".join(tables.values()) + "\n"

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Figures show what was planted: lines, bars and pixels, the same bytes each time."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from studies.figures import gap_bars, illuminant_curves
+from studies.figures.contact_sheet import LABELS, contact_sheet, scene_pictures
+from studies.figures.isp_examples import GOAL, INPUT, SHOWN, Examples, isp_examples
+from studies.figures.isp_panels import MEANS, TITLES, isp_panels
+from studies.figures.styles import styles
+from studies.figures.tiles import GAP, SCALE
+from studies.results import of_study
+from studies.sources.sets import Draw, material, sources
+
+STUDIES = ("illuminant", "isp", "denoising")
+
+
+@pytest.fixture(scope="module")
+def entries(planted):
+    """Return {study: {camera: entry}}."""
+    return {study: of_study(planted.results, study) for study in STUDIES}
+
+
+@pytest.fixture
+def drawn_on(monkeypatch):
+    """Return drawn_on(module, make, *arguments): the figure before it is a PNG."""
+
+    def run(module, make, *arguments):
+        figure = Figure()
+        monkeypatch.setattr(
+            module, "drawn", lambda height, draw, *_, **__: draw(figure)
+        )
+        make(*arguments)
+        return figure
+
+    return run
+
+
+def pixels(png):
+    """Return (H, W, 3) of a PNG."""
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+
+
+def colors(png):
+    """Return how many colours a PNG has."""
+    return len(np.unique(pixels(png).astype(int) @ (65536, 256, 1)))
+
+
+def test_no_two_sources_look_alike(planted):
+    found = styles([*planted.gaps, "something else"])
+    assert len(set(found.values())) == len(planted.gaps) + 1
+
+
+def test_curves_have_a_panel_a_camera_and_every_source(entries, planted, drawn_on):
+    found = entries["illuminant"]
+    figure = drawn_on(illuminant_curves, illuminant_curves.illuminant_curves, found)
+    assert [axes.get_title() for axes in figure.axes] == list(
+        planted.results["cameras"]
+    )
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == list(
+        planted.gaps
+    )
+    for axes, errors in zip(figure.axes, found.values(), strict=True):
+        for line in axes.lines:
+            values = np.ravel(errors[line.get_label()])
+            at, share = line.get_data()
+            assert np.interp(0.5, share, at) == pytest.approx(np.median(values))
+            assert (at[0], at[-1]) == (values.min(), values.max())
+
+
+def test_bars_are_the_gaps_that_were_planted(entries, planted, drawn_on):
+    """More is worse in each row, also of PSNR."""
+    figure = drawn_on(gap_bars, gap_bars.gap_bars, entries)
+    titles = [part._suptitle.get_text() for part in figure.subfigs]
+    assert titles == [
+        "illuminant",
+        "isp",
+        *(f"denoising, {c}" for c in planted.conditions),
+    ]
+    for part in figure.subfigs:
+        assert [axes.get_title() for axes in part.axes] == list(
+            planted.results["cameras"]
+        )
+        names = [label.get_text() for label in part.axes[0].get_yticklabels()]
+        assert names == planted.sources[1:]
+        for axes in part.axes:
+            assert [bar.get_width() for bar in axes.patches] == pytest.approx(
+                [planted.gaps[name] for name in names]
+            )
+            assert axes.yaxis_inverted()
+
+
+def test_a_study_of_one_camera_leaves_a_panel_empty(entries, drawn_on):
+    camera, entry = next(iter(entries["isp"].items()))
+    both = {"illuminant": entries["illuminant"], "isp": {camera: entry}}
+    figure = drawn_on(gap_bars, gap_bars.gap_bars, both)
+    assert [len(axes.patches) for axes in figure.subfigs[1].axes] == [9, 0]
+
+
+def test_figures_are_not_blank_and_the_same_bytes_twice(entries):
+    for make, found in (
+        (gap_bars.gap_bars, {"isp": entries["isp"]}),
+        (illuminant_curves.illuminant_curves, entries["illuminant"]),
+    ):
+        png = make(found)
+        assert png.startswith(b"\x89PNG") and colors(png) > 40
+        assert b"Software" not in png and b"Creation" not in png
+        assert make(found) == png
+
+
+def noise(seed, count):
+    """Return pictures (count, 12, 16, 3) that no drawing would make."""
+    return np.random.default_rng(seed).random((count, 12, 16, 3)).astype(np.float32)
+
+
+def assert_shows(png, picture, left, top):
+    """A picture is there, each pixel SCALE times each side."""
+    height, width = (SCALE * size for size in picture.shape[:2])
+    found = pixels(png)[top : top + height, left : left + width] / 255.0
+    large = picture.repeat(SCALE, axis=0).repeat(SCALE, axis=1)
+    assert np.abs(found - large).max() < 1.5 / 255.0
+
+
+def test_panels_show_each_picture_and_map():
+    pictures = {name: noise(seed, 2) for seed, name in enumerate((GOAL, INPUT, "real"))}
+    flat = np.stack([np.zeros((12, 16)), np.full((12, 16), 10.0)])
+    found = Examples("a camera", pictures, {INPUT: flat, "real": flat})
+    png = isp_panels(found)
+    across, down = SCALE * 16 + GAP, SCALE * 12
+    for column, picture in enumerate(pictures.values()):
+        assert_shows(png, picture[0], column * across, TITLES)
+    dark = np.zeros((12, 16, 1)) + (0.267, 0.005, 0.329)  # viridis at 0
+    assert_shows(png, dark, across, TITLES + down + MEANS)
+    assert isp_panels(found) == png
+
+
+def test_a_contact_sheet_shows_each_picture():
+    pictures = {"a": noise(1, 3), "b": noise(2, 3)}
+    png = contact_sheet(pictures)
+    for line, row in enumerate(pictures.values()):
+        for column, picture in enumerate(row):
+            left = LABELS + column * (SCALE * 16 + GAP)
+            assert_shows(png, picture, left, line * (SCALE * 12 + GAP))
+    assert contact_sheet(pictures) == png
+
+
+@pytest.fixture(scope="module")
+def camera(camera_of):
+    return camera_of("sony-a7s-ii")
+
+
+@pytest.fixture(scope="module")
+def small(world):
+    """The world with few frames and features for the neural ISP."""
+    rules = replace(
+        world.protocol.isp, frames={"quick": 10}, features=60, step=4, ridges=(1e-4,)
+    )
+    return replace(world, protocol=replace(world.protocol, isp=rules))
+
+
+def test_scenes_are_as_the_camera_and_as_a_renderer_has_them(small, camera):
+    found = scene_pictures(small, camera)
+    kinds = [
+        f"{kind}: {by}" for kind in ("day", "night") for by in ("camera", "render")
+    ]
+    assert list(found) == kinds
+    for kind in ("day", "night"):
+        seen, made = (np.array(found[f"{kind}: {by}"]) for by in ("camera", "render"))
+        assert seen.shape == made.shape == (4, 96, 128, 3)
+        apart = np.abs(seen - made).mean(axis=(1, 2, 3))
+        others = np.abs(seen - made[::-1]).mean(axis=(1, 2, 3))
+        assert (apart < 0.08).all() and (others > apart).all()
+
+
+def test_examples_are_nearer_to_the_goal_than_their_input(small, camera):
+    made = material(small, camera, "night", small.protocol.seeds, 10, 0)
+    given = dict(sources(made, camera, 0))
+    given["translation, camera"] = given["upi, camera"]
+    found = isp_examples(Draw(small, camera, "quick", 0), given)
+    assert list(found.pictures) == [GOAL, INPUT, *SHOWN, "translation, camera"]
+    mean = {name: values.mean() for name, values in found.differences.items()}
+    assert GOAL not in mean and mean["real"] < 0.6 * mean[INPUT]
+    assert {p.shape for p in found.pictures.values()} == {(2, 96, 128, 3)}
+
+
+def test_figures_are_of_the_studies_that_results_have(planted):
+    from studies.figures.files import figures_of_results
+
+    cameras = {
+        name: {"studies": {"isp": found["studies"]["isp"]}}
+        for name, found in planted.results["cameras"].items()
+    }
+    assert list(figures_of_results({"cameras": cameras})) == ["gap"]
+    assert figures_of_results({"cameras": {}}) == {}
+
+
+def test_pictures_of_the_isp_are_made_only_if_it_is_asked(
+    small, camera, tmp_path, monkeypatch
+):
+    """Of draw 0, and not of a folder's renders; no translator is trained here."""
+    from studies.draws import Run
+    from studies.figures import files
+
+    def examples(draw, made):
+        assert (draw.seed, draw.mode, made) == (0, "quick", "sources")
+        return Examples(camera.id, {GOAL: noise(1, 1)}, {})
+
+    monkeypatch.setattr(files, "sources_of", lambda *_: "sources")
+    monkeypatch.setattr(files, "isp_examples", examples)
+    monkeypatch.setattr(files, "scene_pictures", lambda *_: {"a": noise(2, 1)})
+    run = Run(small, "quick", {}, tmp_path, print)
+    found = files.figures_of_world(run, camera, ["isp"])
+    assert list(found) == ["scenes", "isp"]
+    files.write_figures(tmp_path, found)
+    assert (tmp_path / "isp.png").read_bytes() == found["isp"]
+    assert list(files.figures_of_world(run, camera, ["colour"])) == ["scenes"]
+    of_renders = replace(run, renders=object())
+    assert list(files.figures_of_world(of_renders, camera, ["isp"])) == ["scenes"]
