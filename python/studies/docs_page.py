@@ -17,7 +17,11 @@ FIGURES = {  # what a reader without pictures is told, by section
     "the first two rows by day, the others by night",
     "gap": "How much worse than with the camera's own frames; bars of one standard "
     "error, a dotted line where other frames of the camera are",
+    "translation": "Distance of translated renders from captures of the camera during "
+    "training, of each translator; dotted that of the camera's own training frames",
     "illuminant": "Share of test frames below each angular error, one line a source",
+    "night": "Test frames at ISO 1600, to the left, and 3200: the goal, what is not "
+    "denoised, and what is denoised and developed as each source teaches",
     "isp": "The goal, the input, and pictures by neural ISPs; below them how far each "
     "pixel is from the goal",
 }

@@ -53,6 +53,7 @@ LEARNED = {
     "denoising": Learned(
         "denoising", "night", denoising.test_frames, denoising.denoising_draw
     ),
+    "unet": Learned("denoising", "night", denoising.test_frames, denoising.unet_draw),
     "isp": Learned("isp", "night", isp.test_frames, isp.isp_draw),
 }
 
@@ -95,7 +96,7 @@ def go_on(run: Run, study: str, camera: Camera) -> None:
             of: entry_of(run.results, camera, name) for of, name in names.items()
         }
         missing = {of: tests[of] for of, e in entries.items() if draws_of(e) == seed}
-        draw = Draw(run.world, camera, run.mode, seed)
+        draw = Draw(run.world, camera, run.mode, seed, run.folder)
         found = learned.draw(draw, sources_of(run, learned, draw), missing)
         for of, values in found.items():
             add(run.results, camera, names[of], appended(entries[of], values))

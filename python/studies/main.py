@@ -6,13 +6,15 @@ import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from studies.cameras import FILES, NUS, Camera, known_camera, own_camera
 from studies.docs_page import update_page
-from studies.draws import LEARNED, RENDERS, Run, go_on
+from studies.draws import JUDGE, LEARNED, RENDERS, Run, go_on
 from studies.figures.files import figures_of_results, figures_of_world, write_figures
+from studies.mitsuba_judge.folder import PATTERN, judge_frames
 from studies.places import LUXPY_VARIABLE, data_folder, luxpy_folder
 from studies.protocol import PROTOCOL
 from studies.results import (
@@ -22,7 +24,7 @@ from studies.results import (
     use,
     write_results,
 )
-from studies.sources.renders import read_renders
+from studies.sources.renders import files_hash, read_renders
 from studies.tables_of_results import tables_by_study, together
 from studies.tasks.classical import classical
 from studies.tasks.colour import colour
@@ -47,7 +49,8 @@ def run_colour(world: World, camera: Camera, mode: str) -> Any:
 
 MEASURED: dict[str, Study] = {"classical": run_classical, "colour": run_colour}
 STUDIES = (*MEASURED, *LEARNED)
-NEED_TORCH = ("illuminant", "longer")
+HOURS = ("longer", "unet")
+NEED_TORCH = ("illuminant", "longer", "unet")
 
 
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
@@ -93,6 +96,11 @@ def add_places(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="folder of rendered images that RAW is made of, in place of the world's",
     )
+    parser.add_argument(
+        "--judge",
+        type=Path,
+        help="folder of ./scripts/mitsuba_judge: more test frames for scenes at night",
+    )
     parser.add_argument("--data", type=Path, help="folder of camera data")
     parser.add_argument(
         "--luxpy", type=Path, help=f"folder of luxpy's data; or {LUXPY_VARIABLE}"
@@ -118,18 +126,21 @@ def cameras(given: argparse.Namespace, data: Path, study: str) -> list[Camera]:
     return [known_camera(name, data) for name in names]
 
 
-def asked(names: list[str]) -> list[str]:
-    """Return the studies of a command line; of all, those that can run here."""
+def asked(names: list[str], mode: str) -> list[str]:
+    """Return the studies of a command line; of all, those that can run here.
+
+    Those that take hours are among all in full mode alone."""
     if set(names) & set(NEED_TORCH):
         need_torch()
     if names:
         return names
+    found = [name for name in STUDIES if mode == "full" or name not in HOURS]
     try:
         need_torch()
     except ValueError as error:
         warn(f"left out: {error}")
-        return [name for name in STUDIES if name not in NEED_TORCH]
-    return list(STUDIES)
+        return [name for name in found if name not in NEED_TORCH]
+    return found
 
 
 def prepared(given: argparse.Namespace, luxpy: Path | None) -> Run:
@@ -152,6 +163,10 @@ def prepared(given: argparse.Namespace, luxpy: Path | None) -> Run:
         renders = read_renders(given.renders, PROTOCOL.scene)
         run = replace(run, renders=renders)
         note_use(run, RENDERS, renders.digest, given.renders)
+    if given.judge is not None:
+        run = replace(run, judge=partial(judge_frames, given.judge))
+        digest = files_hash(sorted(given.judge.glob(PATTERN)))
+        note_use(run, JUDGE, digest, given.judge)
     return run
 
 
@@ -164,7 +179,7 @@ def note_use(run: Run, what: str, digest: str, folder: Path) -> None:
 def run(given: argparse.Namespace) -> str:
     """Run the studies of a command line and return their tables. Raises ValueError."""
     luxpy, data = luxpy_folder(given.luxpy), data_folder(given.data)
-    names = asked(given.studies)
+    names = asked(given.studies, given.mode)
     prepared_run = prepared(given, luxpy)
     world, results = prepared_run.world, prepared_run.results
     for name in names:

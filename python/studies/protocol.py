@@ -177,8 +177,13 @@ class DenoisingRules:
 
 @dataclass(frozen=True)
 class UnetRules:
-    """The other learner of study 2."""
+    """The other learner of study 2, and what is learnt by it."""
 
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+    isos: tuple[float, ...]
+    brightness: tuple[float, ...]
+    sources: tuple[str, ...]
     width: int
     levels: int
     size: int

@@ -17,12 +17,12 @@ MEASURES = {"psnr": ("PSNR, dB", 2, 3), "ssim": ("SSIM", 4, 4)}  # decimals of e
 PAIRS = ((OWN, REAL), (FLOOR, REAL), *((OWN, baseline) for baseline in BASELINES))
 
 
-def denoising_tables(found: Mapping[str, Entry]) -> str:
-    """Return the tables of {camera: entry}."""
+def denoising_tables(found: Mapping[str, Entry], learner: str = "") -> str:
+    """Return the tables of {camera: entry}. learner : its name in the heading."""
     first = next(iter(found.values()))
     draws, frames = np.shape(next(iter(first.values()))[REAL]["psnr"])
     parts = [
-        f"### Denoising, {draws} draws, {frames} test frames a camera\n\n"
+        f"### Denoising{learner}, {draws} draws, {frames} test frames a camera\n\n"
         "Means, and paired differences (SE over draws and frames). In *own exposure* "
         "the frames of ours and UPI are as bright as their methods leave them."
     ]
@@ -47,5 +47,6 @@ def measure_table(condition: str, measure: str, cameras: Mapping[str, Values]) -
         [source, *(f"{np.mean(v[source]):.{digits}f}" for v in cameras.values())]
         for source in sources
     ]
-    rows += gain_rows(PAIRS, list(cameras.values()), more)
+    pairs = [pair for pair in PAIRS if set(pair) <= set(sources)]
+    rows += gain_rows(pairs, list(cameras.values()), more)
     return table([f"{title}; {condition}", *cameras], rows)

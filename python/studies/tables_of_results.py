@@ -35,6 +35,10 @@ def tables_by_study(results: Results, within: float) -> dict[str, str]:
         ]
         if parts:
             found[study] = "\n\n".join(parts)
+    if by_unet := ready(results, "unet"):
+        tables = denoising_tables(by_unet, " by U-net")
+        before = [found["denoising"]] if "denoising" in found else []
+        found["denoising"] = "\n\n".join([*before, tables])
     longer = {name: ready(results, name) for name in ("illuminant", "longer")}
     if all(longer.values()):
         found["illuminant"] += "\n\n" + longer_tables(**longer)

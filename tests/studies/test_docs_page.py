@@ -55,6 +55,33 @@ def test_tables_of_other_renders_say_so_and_stand_below(planted):
     assert heads[1] == f"{heads[0]}: night renders"
 
 
+def test_longer_training_and_unets_stand_below_their_studies(planted):
+    name, found = next(iter(planted.results["cameras"].items()))
+    studies = found["studies"]
+    few = ("real", "ours, dng", "upi, graphics2raw")
+    longer = {source: studies["illuminant"][source] for source in few}
+    unet = {c: {s: e[s] for s in few} for c, e in studies["denoising"].items()}
+    results = {"cameras": {name: {"studies": studies | {"longer": longer}}}}
+    table = tables_by_study(results, 0.1)["illuminant"].split("long enough?")[1]
+    rows = [line for line in table.splitlines() if " - " in line]
+    # The same errors: each difference is the same before and after.
+    assert len(rows) == 3
+    for row in rows:
+        before, after = row.split("|")[2].split(";")
+        assert before.strip() == after.strip()
+    results = {"cameras": {name: {"studies": {"unet": unet}}}}
+    text = tables_by_study(results, 0.1)["denoising"]
+    assert text.startswith("### Denoising by U-net, 2 draws")
+    assert "| ours, dng - upi, graphics2raw |" in text and "upi, camera" not in text
+
+
+def test_an_entry_of_one_draw_waits_for_the_second(planted):
+    name, found = next(iter(planted.results["cameras"].items()))
+    errors = {source: e[:1] for source, e in found["studies"]["illuminant"].items()}
+    results = {"cameras": {name: {"studies": {"illuminant": errors}}}}
+    assert tables_by_study(results, 0.1) == {}
+
+
 def test_measured_tables_stand_in_their_sections(page):
     for name, title in (("classical", "### Classical"), ("colour", "### Colour, day")):
         start, end = marks(name)

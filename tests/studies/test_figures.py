@@ -3,6 +3,7 @@
 """Figures show what was planted: lines, bars and pixels, the same bytes each time."""
 
 import io
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -14,8 +15,10 @@ from studies.figures import gap_bars, illuminant_curves
 from studies.figures.contact_sheet import LABELS, contact_sheet, scene_pictures
 from studies.figures.isp_examples import GOAL, INPUT, SHOWN, Examples, isp_examples
 from studies.figures.isp_panels import MEANS, TITLES, isp_panels
+from studies.figures.night_examples import night_examples
 from studies.figures.styles import styles
 from studies.figures.tiles import GAP, SCALE
+from studies.figures.translation_curves import curves_in, translation_curves
 from studies.results import of_study
 from studies.sources.sets import Draw, material, sources
 
@@ -190,6 +193,40 @@ def test_examples_are_nearer_to_the_goal_than_their_input(small, camera):
     assert {p.shape for p in found.pictures.values()} == {(2, 96, 128, 3)}
 
 
+def test_the_curve_of_each_training_is_drawn(tmp_path):
+    folder = tmp_path / "translation"
+    folder.mkdir()
+    measures = ("colours", "chromaticities")
+    for name in ("canon-600d-day-0", "canon-600d-day-1", "nikon-d40-day-0"):
+        curve = [{"step": s, **dict.fromkeys(measures, 1 / (1 + s))} for s in range(4)]
+        held = {"floor": dict.fromkeys(measures, 0.1), "curve": curve}
+        (folder / f"{name}.json").write_text(json.dumps(held))
+    found = curves_in(tmp_path)
+    assert {name: len(each) for name, each in found.items()} == {
+        "canon-600d-day": 2,
+        "nikon-d40-day": 1,
+    }
+    png = translation_curves(found)
+    assert png == translation_curves(found) and colors(png) > 10
+
+
+def test_denoised_pictures_at_night_are_nearer_to_the_goal(small, camera):
+    few = replace(small.protocol.denoising, samples={"quick": 4000}, features=60)
+    world = replace(small, protocol=replace(small.protocol, denoising=few))
+    found = material(world, camera, "night", world.protocol.seeds, 10, 0)
+    made = sources(found, camera, 0)
+    pictures = night_examples(Draw(world, camera, "quick", 0), made)
+    assert list(pictures)[:3] == ["goal", "not denoised", "real"]
+    assert "translation" not in pictures  # there is no translator
+    shown = {name: np.array(each) for name, each in pictures.items()}
+    assert {each.shape for each in shown.values()} == {(4, 96, 128, 3)}
+    goal = shown["goal"]
+    assert np.array_equal(goal[:2], goal[2:])  # the same frames at two ISOs
+    apart = {name: np.abs(each - goal).mean() for name, each in shown.items()}
+    for source in ("real", "ours, dng"):
+        assert apart[source] < 0.8 * apart["not denoised"]
+
+
 def test_figures_are_of_the_studies_that_results_have(planted):
     from studies.figures.files import figures_of_results
 
@@ -223,3 +260,6 @@ def test_pictures_of_the_isp_are_made_only_if_it_is_asked(
     assert list(files.figures_of_world(run, camera, ["colour"])) == ["scenes"]
     of_renders = replace(run, renders=object())
     assert list(files.figures_of_world(of_renders, camera, ["isp"])) == ["scenes"]
+    monkeypatch.setattr(files, "night_examples", lambda *_: {"a": noise(2, 1)})
+    found = files.figures_of_world(of_renders, camera, ["denoising"])
+    assert list(found) == ["scenes", "night"]

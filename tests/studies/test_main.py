@@ -49,6 +49,21 @@ def test_no_page_is_written_of_the_small_world(camera_data, tmp_path, monkeypatc
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        ("--renders", "holds no renders"),
+        ("--judge", "holds no frames of the second judge"),
+    ],
+)
+def test_an_empty_folder_is_said(option, said, camera_data, tmp_path, capsys):
+    words = ["isp", "--data", str(camera_data), "-o", str(tmp_path / "out")]
+    assert command.main([*words, option, str(tmp_path)]) == 1
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert said in last and "./scripts/" in last
+    assert not (tmp_path / "out" / "results.json").exists()
+
+
 def test_an_unknown_camera_is_said(camera_data, tmp_path, capsys):
     words = ["--data", str(camera_data), "--cameras", "leica", "-o", str(tmp_path)]
     assert command.main(words) == 1

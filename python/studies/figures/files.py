@@ -12,6 +12,8 @@ from studies.figures.gap_bars import gap_bars
 from studies.figures.illuminant_curves import illuminant_curves
 from studies.figures.isp_examples import isp_examples
 from studies.figures.isp_panels import isp_panels
+from studies.figures.night_examples import night_examples
+from studies.figures.translation_curves import curves_in, translation_curves
 from studies.results import Results, of_study
 from studies.sources.sets import Draw
 
@@ -33,13 +35,18 @@ def figures_of_world(
 ) -> dict[str, bytes]:
     """Return the PNG of each figure that shows pictures, by name.
 
-    Of the ISP only if it is one of the studies and its renders are the world's: it
-    trains anew, draw 0 of few sources."""
+    Of the ISP only if it is one of the studies and its renders are the world's, of
+    scenes at night only if denoising is one: they train anew, draw 0 of few sources."""
     pngs = {"scenes": contact_sheet(scene_pictures(run.world, camera))}
+    if curves := curves_in(run.folder):
+        pngs["translation"] = translation_curves(curves)
+    draw = Draw(run.world, camera, run.mode, 0)
     if "isp" in studies and run.renders is None:
-        draw = Draw(run.world, camera, run.mode, 0)
         made = sources_of(run, LEARNED["isp"], draw)
         pngs["isp"] = isp_panels(isp_examples(draw, made))
+    if "denoising" in studies:
+        made = sources_of(run, LEARNED["denoising"], draw)
+        pngs["night"] = contact_sheet(night_examples(draw, made))
     return pngs
 
 

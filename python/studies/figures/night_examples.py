@@ -25,7 +25,7 @@ GOAL, NOISY = "goal", "not denoised"
 
 
 def night_examples(draw: Draw, made: Sources) -> dict[str, Pictures]:
-    """Return {title: pictures}: the first test frames at each ISO, darkest brightness.
+    """Return {title: pictures}: the first test frames at each ISO, the brighter ones.
 
     What is not denoised is developed by the learner that the camera's own frames teach.
     """
@@ -33,7 +33,7 @@ def night_examples(draw: Draw, made: Sources) -> dict[str, Pictures]:
     asked = [
         condition
         for condition in conditions(rules)
-        if condition.brightness == min(rules.brightness) and not condition.own_exposure
+        if condition.brightness == max(rules.brightness) and not condition.own_exposure
     ]
     clean, neutrals = test_planes(draw)
     isp = draw.world.protocol.isp
@@ -56,7 +56,7 @@ def night_examples(draw: Draw, made: Sources) -> dict[str, Pictures]:
                 balanced = half_size(values / condition.brightness, neutrals)
                 inputs = pairs(balanced, draw.camera.sensor, replace(isp, step=1))
                 found.setdefault(title, []).extend(pictures_of(learnt, inputs.inputs))
-    return {title: pictures for title, pictures in found.items()}
+    return dict(found)
 
 
 def test_planes(draw: Draw) -> tuple[Array, np.ndarray]:

@@ -6,6 +6,7 @@ No two seeds share a scene, and neither do captures and renders of one seed."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from studies.cameras import Camera
 from studies.protocol import SeedRules
@@ -31,6 +32,7 @@ class Draw:
     camera: Camera
     mode: str
     seed: int  # of the set, of first weights and of order
+    folder: Path | None = None  # that keeps trainings which take long
 
 
 @dataclass(frozen=True)

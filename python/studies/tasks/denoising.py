@@ -20,6 +20,7 @@ from cg2raw import Sensor
 from studies.cameras import Camera
 from studies.learners.lesson import Array, Denoiser, Learner, Lesson
 from studies.learners.patches import patch_learner
+from studies.learners.unet_denoiser import unet_learner
 from studies.protocol import DenoisingRules
 from studies.sources.frames import Frames, Image, TestSets
 from studies.sources.real import real
@@ -93,6 +94,17 @@ def denoising_draw(
             for of, goal in planes.items():
                 found[of][condition.name][source] = psnr_ssim_of(denoiser, goal, lesson)
     return found
+
+
+def unet_draw(draw: Draw, made: Sources, tests: TestSets) -> dict[str, Conditions]:
+    """Return the Scores of U-nets, of what the protocol's table unet names."""
+    protocol = draw.world.protocol
+    own = protocol.unet
+    rules = replace(protocol.denoising, isos=own.isos, brightness=own.brightness)
+    world = replace(draw.world, protocol=replace(protocol, denoising=rules))
+    few = {source: made[source] for source in own.sources}
+    learner = unet_learner(own, draw.mode, draw.folder and draw.folder / "unet")
+    return denoising_draw(replace(draw, world=world), few, tests, learner)
 
 
 def test_frames(world: World, camera: Camera, mode: str) -> Frames:

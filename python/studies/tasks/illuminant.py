@@ -26,8 +26,9 @@ def need_torch() -> None:
     """Raise ValueError without PyTorch."""
     if importlib.util.find_spec("torch") is None:
         raise ValueError(
-            "the study illuminant needs PyTorch: pip install torch --index-url "
-            "https://download.pytorch.org/whl/cpu; the other studies run without it"
+            "networks need PyTorch: pip install torch --index-url "
+            "https://download.pytorch.org/whl/cpu; colour, denoising and isp run "
+            "without it"
         )
 
 

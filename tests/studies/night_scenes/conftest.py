@@ -20,10 +20,16 @@ def studies():
 
 
 @pytest.fixture(scope="session")
-def blender_python():
-    """Return a Python with bpy: the one named, or that of scripts/night_scenes."""
+def blender_python(tmp_path_factory):
+    """Return a Python with bpy: the one named, or that of scripts/night_scenes.
+
+    The latter is made (1 GB) only where CI is set."""
     named = os.environ.get("CG2RAW_BLENDER_PYTHON")
     python = named or ROOT / "build" / "night_venv" / "bin" / "python"
+    if not named and not os.path.exists(python) and os.environ.get("CI"):
+        folder = tmp_path_factory.mktemp("first")
+        script = [ROOT / "scripts" / "night_scenes", folder, "-n", "1"]
+        subprocess.run([*script, "--width", "160", "--samples", "4"])
     if not named and not os.path.exists(python):
         pytest.skip("no bpy: CG2RAW_BLENDER_PYTHON names a Python with it")
     found = subprocess.run([python, "-c", "import bpy"], capture_output=True, text=True)

@@ -3,7 +3,7 @@
 """Frames by Blender itself, small: one always, one of each kind with --slow.
 
 CG2RAW_BLENDER_PYTHON names a Python that can import bpy; else the environment that
-scripts/night_scenes makes, if it is there."""
+scripts/night_scenes makes, if it is there or CI is set."""
 
 import json
 import os

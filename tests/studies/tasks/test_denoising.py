@@ -137,3 +137,22 @@ def test_a_run_has_each_condition_draw_and_frame(small, camera):
     assert text.count("| ours, dng - upi, camera |") == 8
     assert "| PSNR, dB; ISO 3200, brightness 0.03, own exposure | sony" in text
     assert "| SSIM; ISO 3200, brightness 0.03 | sony-a7s-ii |" in text
+
+
+def test_unets_are_trained_on_what_the_protocol_names(small, camera, tmp_path):
+    pytest.importorskip("torch", reason="PyTorch is not installed")
+    few = replace(
+        small.protocol.unet, width=4, levels=2, steps={"quick": 4}, every=2, batch=2
+    )
+    world = replace(small, protocol=replace(small.protocol, unet=few))
+    tests = {"world": study.test_frames(small, camera, "quick")}
+    draw = Draw(world, camera, "quick", 0, tmp_path)
+    found = study.unet_draw(draw, made(small, camera), tests)["world"]
+    (iso,), (brightness,) = few.isos, few.brightness
+    name = f"ISO {iso:g}, brightness {brightness:g}"
+    assert list(found) == [name, name + OWN]
+    for of_sources in found.values():
+        assert list(of_sources) == list(few.sources)
+    # A network for each source; in own exposure others than the camera's once more.
+    assert len(list((tmp_path / "unet").glob("*.pt"))) == 6
+    assert study.unet_draw(draw, made(small, camera), tests)["world"] == found

@@ -38,7 +38,7 @@ def test_thumbnails_are_means_of_what_the_sensor_keeps(small, camera):
     importlib.util.find_spec("torch") is not None, reason="PyTorch is installed"
 )
 def test_without_torch_one_line_says_what_to_install():
-    with pytest.raises(ValueError, match="needs PyTorch: pip install torch"):
+    with pytest.raises(ValueError, match="need PyTorch: pip install torch"):
         study.need_torch()
 
 
