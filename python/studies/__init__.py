@@ -4,4 +4,5 @@
 
 Scenes of measured spectra are coloured twice: as a camera sees them, and as a renderer
 would. Rooms, each importing from those before it: protocol, places, world, cameras,
-sources, learners, tasks, tables, results, main. Nothing here is part of the wheel."""
+sources, mitsuba_judge, learners, tasks, results, tables, draws, figures, docs_page,
+main. Nothing here is part of the wheel."""

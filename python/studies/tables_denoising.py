@@ -2,14 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """Tables of study 2: PSNR and SSIM of frames, denoised as each source teaches.
 
-Of each condition one table a measure; more is better in both."""
+Of each camera one table a measure, a column for each condition; more is better."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from studies.tables import table
-from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, Values, gain_rows
+from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, gain_rows
 
 # condition: source: measure: (draws, frames)
 Entry = Mapping[str, Mapping[str, Mapping[str, Sequence[Sequence[float]]]]]
@@ -26,27 +26,25 @@ def denoising_tables(found: Mapping[str, Entry], learner: str = "") -> str:
         "Means, and paired differences (SE over draws and frames). In *own exposure* "
         "the frames of ours and UPI are as bright as their methods leave them."
     ]
-    for condition in first:
-        for measure in MEASURES:
-            cameras = {
-                camera: {
-                    source: values[measure]
-                    for source, values in entry[condition].items()
-                }
-                for camera, entry in found.items()
-            }
-            parts.append(measure_table(condition, measure, cameras))
+    parts += [
+        measure_table(measure, camera, entry)
+        for measure in MEASURES
+        for camera, entry in found.items()
+    ]
     return "\n\n".join(parts)
 
 
-def measure_table(condition: str, measure: str, cameras: Mapping[str, Values]) -> str:
-    """Return the table of one of MEASURES: means of sources, and PAIRS of them."""
+def measure_table(measure: str, camera: str, entry: Entry) -> str:
+    """Return the table of one of MEASURES: of sources, then of PAIRS, by conditions."""
     title, digits, more = MEASURES[measure]
-    sources = next(iter(cameras.values()))
-    rows = [
-        [source, *(f"{np.mean(v[source]):.{digits}f}" for v in cameras.values())]
-        for source in sources
+    conditions = [
+        {source: values[measure] for source, values in of_sources.items()}
+        for of_sources in entry.values()
     ]
-    pairs = [pair for pair in PAIRS if set(pair) <= set(sources)]
-    rows += gain_rows(pairs, list(cameras.values()), more)
-    return table([f"{title}; {condition}", *cameras], rows)
+    rows = [
+        [source, *(f"{np.mean(values[source]):.{digits}f}" for values in conditions)]
+        for source in conditions[0]
+    ]
+    pairs = [pair for pair in PAIRS if set(pair) <= set(conditions[0])]
+    rows += gain_rows(pairs, conditions, more)
+    return table([f"{title}; {camera}", *entry], rows)

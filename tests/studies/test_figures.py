@@ -238,6 +238,15 @@ def test_figures_are_of_the_studies_that_results_have(planted):
     assert figures_of_results({"cameras": {}}) == {}
 
 
+def test_bars_show_the_highest_iso_in_both_arms():
+    from studies.figures.files import compared
+
+    names = ("ISO 1600, brightness 0.35", "ISO 3200, brightness 0.03")
+    shown = ("ISO 3200, brightness 0.35", "ISO 3200, brightness 0.35, own exposure")
+    found = compared(dict.fromkeys([*names, *shown], {}))
+    assert tuple(found) == shown
+
+
 def test_pictures_of_the_isp_are_made_only_if_it_is_asked(
     small, camera, tmp_path, monkeypatch
 ):

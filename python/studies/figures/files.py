@@ -4,6 +4,7 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from studies.cameras import Camera
 from studies.draws import LEARNED, Run, sources_of
@@ -14,20 +15,36 @@ from studies.figures.isp_examples import isp_examples
 from studies.figures.isp_panels import isp_panels
 from studies.figures.night_examples import night_examples
 from studies.figures.translation_curves import curves_in, translation_curves
-from studies.results import Results, of_study
+from studies.protocol import PROTOCOL
+from studies.results import Results
 from studies.sources.sets import Draw
+from studies.tables_of_results import entries_of, ready
 
 COMPARED = ("illuminant", "isp", "denoising")
 
 
 def figures_of_results(results: Results) -> dict[str, bytes]:
     """Return the PNG of each figure that results alone make, by name."""
-    all_found = {study: of_study(results, study) for study in COMPARED}
-    found = {study: entries for study, entries in all_found.items() if entries}
+    names = [name for study in COMPARED for name, _ in entries_of(results, study)]
+    found = {
+        name: ready(results, name)
+        for name in names
+        if name in COMPARED or not name.startswith("denoising")
+    }
+    if "denoising" in found:
+        entries = found["denoising"].items()
+        found["denoising"] = {camera: compared(entry) for camera, entry in entries}
     pngs = {"gap": gap_bars(found)} if found else {}
     if "illuminant" in found:
         pngs["illuminant"] = illuminant_curves(found["illuminant"])
     return pngs
+
+
+def compared(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what bars show of denoising: the highest ISO, of the brighter frames."""
+    rules = PROTOCOL.denoising
+    shown = f"ISO {max(rules.isos):g}, brightness {max(rules.brightness):g}"
+    return {name: values for name, values in entry.items() if name.startswith(shown)}
 
 
 def figures_of_world(

@@ -134,9 +134,9 @@ def test_a_run_has_each_condition_draw_and_frame(small, camera):
             for name, values in of_judge[source].items():
                 assert np.array_equal(np.array(measures[name])[:, :2], values)
     text = denoising_tables({"sony-a7s-ii": entry})
-    assert text.count("| ours, dng - upi, camera |") == 8
-    assert "| PSNR, dB; ISO 3200, brightness 0.03, own exposure | sony" in text
-    assert "| SSIM; ISO 3200, brightness 0.03 | sony-a7s-ii |" in text
+    assert text.count("| ours, dng - upi, camera |") == 2
+    for title in ("PSNR, dB", "SSIM"):
+        assert f"| {title}; sony-a7s-ii | {' | '.join(entry)} |" in text
 
 
 def test_unets_are_trained_on_what_the_protocol_names(small, camera, tmp_path):
