@@ -67,6 +67,10 @@ Vec3 neutral_of(const SensorProfile& profile, const IlluminantSpec& spec,
         const auto sample = sampled_neutral(profile, spec.index);
         return over_green({ sample[0], 1.0, sample[1] });
     }
+    case Kind::measured: {
+        const auto drawn = measured_neutral(profile, spec.index);
+        return over_green({ drawn[0], 1.0, drawn[1] });
+    }
     case Kind::lamp:
         return over_green(lamp_seen(profile, spec.name));
     case Kind::as_shot:
@@ -95,7 +99,7 @@ Illuminant mono_illuminant(const SensorProfile& profile, std::string_view spec)
             xy = { light.a, light.b };
         else if (light.kind == Kind::kelvin)
             xy = planckian_xy({ light.a });
-        else if (light.kind == Kind::sample
+        else if (light.kind == Kind::sample || light.kind == Kind::measured
                  || (light.kind == Kind::neutral && (light.a != 1.0 || light.b != 1.0)))
             throw Error("illuminant \"" + std::string(spec) + "\": sensor " + profile.id
                         + " is monochrome and has no neutrals: name a light such as "

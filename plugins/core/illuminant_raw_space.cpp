@@ -42,8 +42,8 @@ std::string illuminant_from_alias(const std::string& alias)
     if (parts.size() == 5 && (parts[0] == "xy" || parts[0] == "neutral"))
         return parts[0] + ":" + parts[1] + "." + parts[2] + ":" + parts[3] + "."
             + parts[4];
-    if (parts.size() == 2 && parts[0] == "sample")
-        return "sample:" + parts[1];
+    if (parts.size() == 2 && (parts[0] == "sample" || parts[0] == "measured"))
+        return parts[0] + ":" + parts[1];
     if (parts.size() > 1 && parts[0] == "lamp")
         return "lamp:" + alias.substr(5);
     if (alias == "as_shot")

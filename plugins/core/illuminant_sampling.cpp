@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Draw an illuminant. Source: Seo et al., Graphics2RAW, ICCV 2023, eq. 2-3.
+/// @file Draw an illuminant. Source: Seo et al., Graphics2RAW, ICCV 2023, eq. 2-3; of
+/// measured neutrals: N. V. Chawla et al., SMOTE, JAIR 16, 2002, section 4.2.
 #include "illuminant_spec.h"
 
 #include "cg2raw/random.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace cg2raw {
 namespace {
@@ -17,6 +20,8 @@ using Point = std::array<double, 2>;
 /// A hull takes less than one in this many draws of its own Gaussian only if it is a
 /// sliver.
 constexpr std::uint32_t most_draws = 100000;
+/// Of a neutral's nearest ones, those that a draw may lean to.
+constexpr std::size_t nearest = 5;
 
 double at_precision(double value) { return std::round(value * 1e6) / 1e6; }
 
@@ -65,7 +70,44 @@ Point sampled_from_locus(const SensorProfile& profile, const Rng& rng)
     return { neutral[0], neutral[2] };
 }
 
+/// The @p rank-th nearest to @p all[of], 0 the nearest; of equals the earlier.
+Point neighbour(const std::vector<Point>& all, std::size_t of, std::size_t rank)
+{
+    std::vector<std::pair<double, std::size_t>> distances;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const double r = all[i][0] - all[of][0], b = all[i][1] - all[of][1];
+        if (i != of)
+            distances.emplace_back(r * r + b * b, i);
+    }
+    std::nth_element(distances.begin(), distances.begin() + std::ptrdiff_t(rank),
+                     distances.end());
+    return all[distances[rank].second];
+}
+
 } // namespace
+
+Point measured_neutral(const SensorProfile& profile, std::uint32_t index)
+{
+    const std::vector<Point>& known = profile.illuminants.neutrals;
+    if (known.size() < 3)
+        throw Error("sensor " + profile.id + " has "
+                    + (known.empty() ? "no" : "fewer than 3")
+                    + " measured neutrals in its profile, which measured:N draws "
+                      "near: use sample:N, or make a profile of captures of yours by "
+                      "cg2raw profile");
+    const Rng rng(index, "measured illuminant");
+    const auto below = [&](std::uint32_t draw, std::size_t count) {
+        return std::min(std::size_t(rng.uniform(draw) * double(count)), count - 1);
+    };
+    const std::size_t from = below(0, known.size());
+    const Point to
+        = neighbour(known, from, below(1, std::min(nearest, known.size() - 1)));
+    const double share = rng.uniform(2);
+    const auto between = [&](std::size_t i) {
+        return at_precision(known[from][i] + share * (to[i] - known[from][i]));
+    };
+    return { between(0), between(1) };
+}
 
 Point sampled_neutral(const SensorProfile& profile, std::uint32_t index)
 {

@@ -12,8 +12,9 @@ namespace cg2raw {
 
 const char* const illuminant_grammar = "A, D50, D55, D65, D75, 3200K (1667K to "
                                        "25000K), xy:0.3457:0.3585, neutral:0.55:0.45 "
-                                       "(R/G and B/G), sample:7, as-shot, FL2 or "
-                                       "lamp:NAME (lamps of the sensor's profile)";
+                                       "(R/G and B/G), sample:7, measured:7, as-shot, "
+                                       "FL2 or lamp:NAME (lamps of the sensor's "
+                                       "profile)";
 
 namespace {
 
@@ -61,12 +62,13 @@ IlluminantSpec kelvin_spec(std::string_view spec, const std::string& word)
     return { Kind::kelvin, kelvin };
 }
 
-IlluminantSpec sample_spec(std::string_view spec, const std::vector<std::string>& parts)
+IlluminantSpec drawn_spec(Kind kind, std::string_view spec,
+                          const std::vector<std::string>& parts)
 {
     const double index = parts.size() == 2 ? parsed_number(parts[1]) : -1.0;
     if (!(index >= 0.0 && index <= 2147483647.0 && index == std::floor(index)))
-        fail(spec, "needs a whole number, as in sample:7");
-    return { Kind::sample, 0.0, 0.0, std::uint32_t(index) };
+        fail(spec, "needs a whole number, as in " + parts[0] + ":7");
+    return { kind, 0.0, 0.0, std::uint32_t(index) };
 }
 
 /// The CIE's names of fluorescent, LED and high pressure lamps, as in FL2, LED-B3, HP1;
@@ -90,22 +92,24 @@ IlluminantSpec lamp_spec(std::string_view spec, const std::string& name)
     return { Kind::lamp, 0.0, 0.0, 0, name };
 }
 
-/// "sample:0-9" -> its ten words; any other word alone.
+/// "sample:0-9" -> its ten words, "measured:0-9" too; any other word alone.
 void append_words(const std::string& word, std::vector<std::string>& words)
 {
     const auto parts = split(word, ':');
     const auto ends = split(parts.back(), '-');
-    if (lower_case(parts[0]) != "sample" || parts.size() != 2 || ends.size() != 2) {
+    const std::string draws = lower_case(parts[0]);
+    if ((draws != "sample" && draws != "measured") || parts.size() != 2
+        || ends.size() != 2) {
         parse_illuminant(word);
         words.push_back(word);
         return;
     }
-    const auto first = parse_illuminant("sample:" + ends[0]).index;
-    const auto last = parse_illuminant("sample:" + ends[1]).index;
+    const auto first = parse_illuminant(draws + ":" + ends[0]).index;
+    const auto last = parse_illuminant(draws + ":" + ends[1]).index;
     if (last < first || last - first >= 100000)
-        fail(word, "must rise, over 100000 samples at most");
+        fail(word, "must rise, over 100000 draws at most");
     for (auto index = first; index <= last; ++index)
-        words.push_back("sample:" + std::to_string(index));
+        words.push_back(draws + ":" + std::to_string(index));
 }
 
 } // namespace
@@ -124,7 +128,9 @@ IlluminantSpec parse_illuminant(std::string_view spec)
     if (parts[0] == "neutral")
         return pair_spec(Kind::neutral, spec, parts);
     if (parts[0] == "sample")
-        return sample_spec(spec, parts);
+        return drawn_spec(Kind::sample, spec, parts);
+    if (parts[0] == "measured")
+        return drawn_spec(Kind::measured, spec, parts);
     if (parts[0] == "lamp" && parts.size() == 2)
         return lamp_spec(spec, parts[1]);
     if (is_lamp_name(word))

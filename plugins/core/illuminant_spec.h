@@ -9,9 +9,9 @@
 namespace cg2raw {
 
 struct IlluminantSpec {
-    enum class Kind { xy, kelvin, neutral, sample, as_shot, lamp } kind;
+    enum class Kind { xy, kelvin, neutral, sample, measured, as_shot, lamp } kind;
     double a = 0.0, b = 0.0; ///< x, y; temperature; R/G, B/G
-    std::uint32_t index = 0; ///< of a sample
+    std::uint32_t index = 0; ///< of a draw
     std::string name {}; ///< of a lamp
 };
 
@@ -23,6 +23,11 @@ IlluminantSpec parse_illuminant(std::string_view spec);
 /// are known. Throws Error if the profile has neither.
 std::array<double, 2> sampled_neutral(const SensorProfile& profile,
                                       std::uint32_t index);
+
+/// (R/G, B/G) of draw @p index: a point between one of the profile's measured neutrals
+/// and one of those nearest to it. Throws Error if the profile has fewer than 3.
+std::array<double, 2> measured_neutral(const SensorProfile& profile,
+                                       std::uint32_t index);
 
 /// A neutral of camera RGB: G = 1, at 1e-6.
 Vec3 over_green(const Vec3& camera);

@@ -202,7 +202,11 @@ void bind_numbers(py::class_<SensorProfile>& c)
             "The Illuminant that a word names; as_shot is what \"as-shot\" stands "
             "for.\n\n"
             "spec : A D50 D55 D65 D75, 3200K, xy:0.3457:0.3585, neutral:0.55:0.45 (R/G "
-            "and B/G),\n    sample:7 (drawn from the sensor's neutrals) or as-shot.\n"
+            "and B/G),\n    sample:7 (drawn from the Gaussian of the sensor's "
+            "neutrals), "
+            "measured:7 (drawn near\n    the neutrals themselves, of a profile that "
+            "has "
+            "them) or as-shot.\n"
             "Raises ValueError that lists the grammar.")
         .def(
             "spectrum",

@@ -24,7 +24,7 @@ from studies.results import (
 )
 from studies.sources.frames import Frames, TestSets
 from studies.sources.renders import Renders
-from studies.sources.sets import Draw, Material, Sources, material, sources
+from studies.sources.sets import Draw, Material, Sources, ablations, material, sources
 from studies.tasks import denoising, illuminant, isp
 from studies.world.shots import World
 
@@ -41,6 +41,7 @@ class Learned:
     kind: str  # of its scenes
     test_frames: Callable[[World, Camera, str], Frames]
     draw: Callable[[Draw, Sources, TestSets], Mapping[str, Any]]  # {tests: values}
+    few: bool = False  # of sources: none is a translation's, and there are ablations
 
 
 LEARNED = {
@@ -48,12 +49,17 @@ LEARNED = {
         "illuminant", "day", illuminant.test_frames, illuminant.illuminant_draw
     ),
     "longer": Learned(
-        "illuminant", "day", illuminant.test_frames, illuminant.longer_draw
+        "illuminant", "day", illuminant.test_frames, illuminant.longer_draw, True
+    ),
+    "light_draws": Learned(
+        "illuminant", "day", illuminant.test_frames, illuminant.light_draws_draw, True
     ),
     "denoising": Learned(
         "denoising", "night", denoising.test_frames, denoising.denoising_draw
     ),
-    "unet": Learned("denoising", "night", denoising.test_frames, denoising.unet_draw),
+    "unet": Learned(
+        "denoising", "night", denoising.test_frames, denoising.unet_draw, True
+    ),
     "isp": Learned("isp", "night", isp.test_frames, isp.isp_draw),
 }
 
@@ -108,6 +114,9 @@ def go_on(run: Run, study: str, camera: Camera) -> None:
 def sources_of(run: Run, learned: Learned, draw: Draw) -> Sources:
     """Return the sources of a draw; those of translation only with PyTorch."""
     found = material_of(run, learned, draw.camera, draw.seed)
+    if learned.few:
+        made = sources(found, draw.camera, draw.seed)
+        return {**made, **ablations(found, draw.camera, draw.seed)}
     if torch_version() is None:
         return sources(found, draw.camera, draw.seed)
     seed = draw.seed % run.world.protocol.translation.translators[run.mode]

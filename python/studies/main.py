@@ -49,8 +49,8 @@ def run_colour(world: World, camera: Camera, mode: str) -> Any:
 
 MEASURED: dict[str, Study] = {"classical": run_classical, "colour": run_colour}
 STUDIES = (*MEASURED, *LEARNED)
-HOURS = ("longer", "unet")
-NEED_TORCH = ("illuminant", "longer", "unet")
+HOURS = ("longer", "light_draws", "unet")
+NEED_TORCH = ("illuminant", "longer", "light_draws", "unet")
 
 
 def arguments(given: list[str] | None = None) -> argparse.Namespace:

@@ -155,6 +155,15 @@ class LongerRules:
 
 
 @dataclass(frozen=True)
+class LightDrawsRules:
+    """What the drawing of lights is worth; asked after study 1 had been seen."""
+
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+    sources: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class DenoisingRules:
     """Study 2."""
 
@@ -244,6 +253,7 @@ class Protocol:
     seeds: SeedRules
     illuminant: IlluminantRules
     longer: LongerRules
+    light_draws: LightDrawsRules
     denoising: DenoisingRules
     unet: UnetRules
     isp: IspRules

@@ -14,11 +14,14 @@ from studies.tasks.angles import Summary, summary
 from studies.tasks.paired import BEATS, difference, share_left
 
 Errors = Mapping[str, Sequence[Sequence[float]]]  # source: (seeds, frames), degrees
+OTHERS = ("ours, paper", "ours, spectral", OWN)  # ours is compared with each
 LEFT = 0.3  # the goal: of a baseline's gap to real
 
 
-def illuminant_tables(found: Mapping[str, Errors]) -> str:
-    """Return the tables of {camera: errors}."""
+def illuminant_tables(
+    found: Mapping[str, Errors], own: str = OWN, title: str = "Illuminant"
+) -> str:
+    """Return the tables of {camera: errors}. own : the source that is compared."""
     first = next(iter(found.values()))
     seeds, frames = np.shape(first[REAL])
     rows = [
@@ -26,9 +29,9 @@ def illuminant_tables(found: Mapping[str, Errors]) -> str:
         for source in first
     ]
     return (
-        f"### Illuminant, {seeds} seeds, {frames} test frames a camera\n\n"
+        f"### {title}, {seeds} seeds, {frames} test frames a camera\n\n"
         "Degrees: mean +- sd over seeds; median; mean of the best and of the worst "
-        f"quarter.\n\n{table(['trained on', *found], rows)}\n\n{sure(found)}"
+        f"quarter.\n\n{table(['trained on', *found], rows)}\n\n{sure(found, own)}"
     )
 
 
@@ -41,20 +44,21 @@ def cell(errors: np.ndarray) -> str:
     return "; ".join([f"{mean} +- {spread:.2f}", *others])
 
 
-def sure(found: Mapping[str, Errors]) -> str:
+def sure(found: Mapping[str, Errors], own: str) -> str:
     """Return the differences that the goals are about."""
-    pairs = (
-        (OWN, REAL),
+    pairs = [
+        (own, REAL),
         (FLOOR, REAL),
-        *((OWN, baseline) for baseline in BASELINES),
-        (OWN, "ours, paper"),
-        ("ours, spectral", OWN),
-    )
+        *((own, baseline) for baseline in BASELINES),
+        *((own, other) for other in OTHERS if other != own),
+    ]
+    there = set(next(iter(found.values())))
+    pairs = [pair for pair in pairs if set(pair) <= there]
     rows = error_rows(pairs, list(found.values()))
     rows += [
         [f"share of the gap of {baseline} left (goal {LEFT})"]
         + [
-            f"{share_left(errors[OWN], errors[baseline], errors[REAL]):.2f}"
+            f"{share_left(errors[own], errors[baseline], errors[REAL]):.2f}"
             for errors in found.values()
         ]
         for baseline in BASELINES

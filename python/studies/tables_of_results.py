@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """All tables of results.json, study by study."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from studies.results import Results, draws_of, of_study
@@ -10,8 +10,11 @@ from studies.tables import classical_tables, colour_tables
 from studies.tables_denoising import denoising_tables
 from studies.tables_illuminant import illuminant_tables, longer_tables
 from studies.tables_isp import isp_tables
+from studies.tables_paired import REAL
 from studies.world.shots import KINDS
 
+MEASURED = "ours, measured lights"
+FAMILIES = ("real", "ours", "upi", "translation")
 TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
     "denoising": denoising_tables,
@@ -39,10 +42,21 @@ def tables_by_study(results: Results, within: float) -> dict[str, str]:
         tables = denoising_tables(by_unet, " by U-net")
         before = [found["denoising"]] if "denoising" in found else []
         found["denoising"] = "\n\n".join([*before, tables])
-    longer = {name: ready(results, name) for name in ("illuminant", "longer")}
-    if all(longer.values()):
-        found["illuminant"] += "\n\n" + longer_tables(**longer)
+    for study, below in more_tables(results):
+        found[study] = "\n\n".join([*([found[study]] if study in found else []), below])
     return found
+
+
+def more_tables(results: Results) -> Iterator[tuple[str, str]]:
+    """Yield (study, tables) of the checks that stand below a study's own tables."""
+    studies = ("illuminant", "light_draws", "longer", "unet")
+    once, drawn, longer, by_unet = (ready(results, study) for study in studies)
+    if drawn:
+        yield "illuminant", illuminant_tables(drawn, MEASURED, "How lights are drawn")
+    if once and longer:
+        yield "illuminant", longer_tables(once, longer)
+    if by_unet:
+        yield "denoising", denoising_tables(by_unet, " by U-net")
 
 
 def entries_of(results: Results, study: str) -> list[tuple[str, str]]:
@@ -56,9 +70,23 @@ def entries_of(results: Results, study: str) -> list[tuple[str, str]]:
 
 
 def ready(results: Results, name: str) -> dict[str, Any]:
-    """Return {camera: entry} of those that have two draws or more."""
+    """Return {camera: entry} of those that have two draws or more, sources in order."""
     found = of_study(results, name).items()
-    return {camera: entry for camera, entry in found if draws_of(entry) > 1}
+    return {camera: in_order(entry) for camera, entry in found if draws_of(entry) > 1}
+
+
+def in_order(entry: Any) -> Any:
+    """Return an entry whose sources stand family by family, real first."""
+
+    def place(source: str) -> tuple[int, str]:
+        family = source.partition(",")[0].partition("'")[0]
+        return (FAMILIES.index(family), source)
+
+    if not isinstance(entry, dict):
+        return entry
+    if REAL in entry:
+        return {source: entry[source] for source in sorted(entry, key=place)}
+    return {name: in_order(part) for name, part in entry.items()}
 
 
 def titled(tables: str, made_of: str) -> str:

@@ -2,7 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Source ours: cg2raw's RAW of rendered images, by published matrices.
 
-Its lights are those given, or drawn from the neutrals that the sensor's profile has."""
+Its lights are those given, or drawn from the Gaussian of the neutrals that the sensor's
+profile has, as published; or near those neutrals themselves."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -37,6 +38,8 @@ def ours(
     return replace(made, own=tuple(made.images))
 
 
-def drawn(count: int, seed: int) -> list[str]:
-    """Return words of lights drawn from a profile's distribution; seeds share none."""
-    return [f"sample:{seed * count + number}" for number in range(count)]
+def drawn(count: int, seed: int, word: str = "sample") -> list[str]:
+    """Return words of lights drawn from a profile's neutrals; seeds share none.
+
+    word : sample, of their Gaussian, or measured, near themselves."""
+    return [f"{word}:{seed * count + number}" for number in range(count)]

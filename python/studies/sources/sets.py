@@ -8,10 +8,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from studies.cameras import Camera
 from studies.protocol import SeedRules
 from studies.sources.frames import Frames, Image, words_of
-from studies.sources.ours import ours
+from studies.sources.ours import drawn, ours
 from studies.sources.real import real
 from studies.sources.renders import Renders
 from studies.sources.translation import Translator, translation
@@ -21,6 +23,7 @@ from studies.world.exposure import auto_exposed
 from studies.world.shots import World, shots
 
 Sources = Mapping[str, Callable[[], Frames]]  # what makes training frames, by name
+SHUFFLE = 62  # key of a generator
 SETS = 3  # of a seed: captures, captures of other scenes, renders
 
 
@@ -89,6 +92,7 @@ def sources(
     Of ours, the profile's neutrals are those of the seed's captures. Without a
     translator there is no translation among them."""
     renders, told = found.renders, camera.told(found.captures.neutrals)
+    measured = drawn(len(renders), seed, "measured")
     with_curves = replace(camera, sensor=told).with_sensitivities()
 
     def by_upi(gains: str) -> Callable[[], Frames]:
@@ -113,9 +117,18 @@ def sources(
         "real": lambda: found.captures,
         "real, other scenes": lambda: found.other_captures,
         "ours, dng": lambda: ours(renders, told, "dng", seed=seed),
+        "ours, measured lights": lambda: ours(renders, told, lights=measured),
         "ours, paper": lambda: ours(renders, told, "paper", seed=seed),
         "ours, spectral": lambda: ours(renders, with_curves, "spectral", seed=seed),
         **{f"upi, {gains}": by_upi(gains) for gains in GAINS},
         "upi's matrices, our lights": by_upi_under_our_lights,
         **(translated if translator is not None else {}),
     }
+
+
+def ablations(found: Material, camera: Camera, seed: int) -> Sources:
+    """Return sources that know what no user does, to tell what a gap comes of."""
+    told = camera.told(found.captures.neutrals)
+    order = np.random.default_rng([seed, SHUFFLE]).permutation(len(found.renders))
+    lights = words_of(found.captures.neutrals[order])
+    return {"ours, captures' lights": lambda: ours(found.renders, told, lights=lights)}

@@ -64,6 +64,14 @@ def longer_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
     return illuminant_draw(draw, few, tests, rules.times)
 
 
+def light_draws_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
+    """Return the errors of the sources that tell what the drawing of lights is worth.
+
+    Exploratory: it was asked after study 1 had been seen."""
+    few = {source: made[source] for source in draw.world.protocol.light_draws.sources}
+    return illuminant_draw(draw, few, tests)
+
+
 def test_frames(world: World, camera: Camera, mode: str) -> Frames:
     """Return the camera's frames of the test half, the same for all seeds."""
     rules = world.protocol.illuminant
