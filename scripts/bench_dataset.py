@@ -207,7 +207,7 @@ def worker_memory(source, name, changed):
     }
     fields |= {"format": "dng", "element_type": "float32", "compression": "ljpeg"}
     fields |= {"crop": None, "patches": 1, "seed": 0}
-    fields |= {"layer": None, "frame_from": "name"}
+    fields |= {"layer": None, "frame_from": "name", "white_luminance": None}
     sensors = [cg2raw.Sensor("samsung-s20fe")]
     plan = options.make_plan(sensors, print, **(fields | changed))
     with tempfile.TemporaryDirectory() as out:

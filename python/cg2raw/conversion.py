@@ -242,7 +242,7 @@ def report_of(
         "width": frame.shape[1],
         "height": frame.shape[0],
         "sensor": light.sensor,
-        "method": "upi" if drawn else "g2r",
+        "method": "upi" if drawn else "graphics2raw",
         "illuminant": {
             "word": light.spec,
             "neutral": list(light.neutral),

@@ -3,13 +3,15 @@
 
 """Run: the options of one exposure, as the core takes them."""
 
-from collections.abc import Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict, TypeVar
 
 from cg2raw import _core
 
 Light = str | _core.Illuminant
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +56,38 @@ class Run:
     color_effects: bool = True
 
 
+class RunFields(TypedDict, total=False):
+    """The fields of a Run as the keywords of a function, for type checkers."""
+
+    illuminant: Light
+    iso: float | None
+    noise: str | None
+    seed: int
+    frame: int
+    digital_gain: float | str
+    convention: str
+    highlights: bool
+    effects: bool
+    camera_input: bool
+    as_shot: Sequence[float] | None
+    exposure_time: float | None
+    color_effects: bool
+
+
+def takes_run(function: Function) -> Function:
+    """Return a method whose **run is the fields of Run, which help() then lists."""
+    signature = inspect.signature(function)
+    own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    of_run = inspect.signature(Run).parameters.values()
+    listed = signature.replace(parameters=[*own, *of_run])
+    function.__signature__ = listed  # type: ignore[attr-defined]
+    hints = {
+        p.name: p.annotation for p in listed.parameters.values() if p.name != "self"
+    }
+    function.__annotations__ = {**hints, "return": signature.return_annotation}
+    return function
+
+
 def core_run(sensor: str, run: Run) -> _core.Run:
     """Return a Run as the core takes it.
 
@@ -67,15 +101,38 @@ def core_run(sensor: str, run: Run) -> _core.Run:
     try:
         return _core.Run(**fields)
     except TypeError:
-        raise ValueError(
-            f"iso {run.iso!r}, exposure_time {run.exposure_time!r} and digital_gain "
-            f"{run.digital_gain!r} must be numbers (or digital_gain sample), "
-            f"seed {run.seed!r} and frame {run.frame!r} whole numbers from 0 to "
-            f"2**64 - 1, noise {run.noise!r} and convention {run.convention!r} texts, "
-            f"highlights {run.highlights!r}, effects {run.effects!r}, color_effects "
-            f"{run.color_effects!r} and camera_input {run.camera_input!r} True or "
-            f"False, and as_shot {run.as_shot!r} three numbers"
-        ) from None
+        raise ValueError(_wrong_types(fields)) from None
+
+
+NUMBER, TRUTH = "a number", "True or False"
+WHOLE = "a whole number from 0 to 2**64 - 1"
+# What the fields of a Run must be; the core refuses other types.
+TYPES = {
+    "iso": f"{NUMBER} or None",
+    "noise": "gaussian, physical or None",
+    "seed": WHOLE,
+    "frame": WHOLE,
+    "digital_gain": f"{NUMBER} or sample",
+    "convention": "dng, paper, sensor or spectral",
+    "highlights": TRUTH,
+    "effects": TRUTH,
+    "camera_input": TRUTH,
+    "as_shot": "three numbers or None",
+    "exposure_time": f"{NUMBER} or None",
+    "color_effects": TRUTH,
+}
+
+
+def _wrong_types(fields: Mapping[str, Any]) -> str:
+    """Return what is wrong with the fields of a Run that the core does not take."""
+    right = vars(Run())
+    wrong = []
+    for name, words in TYPES.items():
+        try:
+            _core.Run(**{**right, name: fields[name]})
+        except TypeError:
+            wrong.append(f"{name} {fields[name]!r} must be {words}")
+    return "; ".join(wrong)
 
 
 def illuminant_word(illuminant: Light, sensor: str) -> str:

@@ -4,7 +4,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,8 +18,16 @@ from cg2raw.sensor import Sensor
 # A spectrum: (wavelength in nm, power), ...
 Rows = list[tuple[float, float]]
 
-# Fields of a Run whose image is camera RGB of spectra.
-SEEN = {"convention": "sensor", "camera_input": True}
+
+class Seen(TypedDict):
+    """Some fields of a Run."""
+
+    convention: str
+    camera_input: bool
+
+
+# Of a Run whose image is camera RGB of spectra.
+SEEN: Seen = {"convention": "sensor", "camera_input": True}
 ESTIMATE = "estimate"
 STEP = 1e-6  # nm, between the two ends of a step in a spectrum of boxes
 
@@ -150,16 +158,35 @@ def simulate_spectra(
     *,
     illuminant: Light,
     white: float,
+    iso: float | None = None,
+    noise: str | None = None,
+    seed: int = 0,
+    frame: int = 0,
+    effects: bool = True,
+    as_shot: Sequence[float] | None = None,
+    exposure_time: float | None = None,
+    color_effects: bool = True,
     threads: int = 0,
-    **run: Any,
 ) -> RawFrame:
     """Return the RAW frame, (H, W) uint16 DN, of a spectral image, as the plugin does.
 
-    run : fields of cg2raw.Run but for convention, highlights, digital_gain and
-        camera_input; all else as of camera_from_spectra. Raises ValueError."""
+    iso, noise, seed, frame, effects, as_shot, exposure_time, color_effects : as of
+        cg2raw.Run; all else as of camera_from_spectra. Raises ValueError."""
     camera, word = seen(sensor, spectra, wavelengths, illuminant, white, threads)
-    run["illuminant"] = word
-    return sensor.simulate(camera, threads=threads, **SEEN, **run)
+    return sensor.simulate(
+        camera,
+        illuminant=word,
+        iso=iso,
+        noise=noise,
+        seed=seed,
+        frame=frame,
+        effects=effects,
+        as_shot=as_shot,
+        exposure_time=exposure_time,
+        color_effects=color_effects,
+        threads=threads,
+        **SEEN,
+    )
 
 
 def seen(

@@ -12,7 +12,6 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,7 +107,7 @@ class Upi:
         if is_mono(self.sensor.cfa):
             raise ValueError(
                 f"UPI draws colour matrices and white balances, and {self.sensor.id} "
-                "is monochrome: take the sensor itself (method g2r)"
+                "is monochrome: take the sensor itself (method graphics2raw)"
             )
         if noise == "upi" and len(sites_of(self.sensor.cfa)) != 4:
             raise ValueError(
@@ -159,20 +158,19 @@ class Upi:
         seed: int = 0,
         frame: int = 0,
         iso: float | None = None,
+        noise: str | None = None,
+        highlights: bool = True,
+        effects: bool = True,
         threads: int = 0,
-        **run: Any,
     ) -> RawFrame:
         """Return the RawFrame of an image by the camera that @seed draws.
 
         rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709.
         frame : noise differs from frame to frame, the camera does not.
-        iso : as in cg2raw.Run; not with noise "upi".
-        run : noise (gaussian or physical), highlights and effects, as in
-            cg2raw.Run.
+        iso, noise : as in cg2raw.Run; neither with noise "upi" of this Upi.
+        highlights, effects : as in cg2raw.Run.
         Raises ValueError."""
-        for name in run:
-            _one_of("keyword", name, ("noise", "highlights", "effects"))
-        if self.noise == "upi" and (iso is not None or "noise" in run):
+        if self.noise == "upi" and not (iso is None and noise is None):
             raise ValueError("UPI draws the noise itself: leave iso and noise out")
         drawn = self.draw(seed)
         return drawn.sensor.simulate(
@@ -183,7 +181,9 @@ class Upi:
             seed=seed,
             frame=frame,
             iso=iso,
-            **run,
+            noise=noise,
+            highlights=highlights,
+            effects=effects,
         )
 
     def _drawn_digital_gain(self, seed: int) -> float:

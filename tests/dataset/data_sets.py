@@ -15,6 +15,7 @@ COMMAND = [sys.executable, "-m", "cg2raw", "dataset"]
 # 2 sensors x 2 lights x 2 gains: 8 files of each image.
 OPTIONS = "--sensors nikon-d40,samsung-s20fe --illuminants 2 --gains 1,0.8".split()
 FILES = 8
+CENTRES = np.arange(400.0, 701.0, 20.0)  # nm, of spectral images
 
 
 def scene(shape=(24, 36), seed=1):
@@ -55,6 +56,19 @@ def write_deep(path, shape=(24, 36)):
     file = oiio.ImageOutput.create(str(path))
     assert file.open(str(path), spec), file.geterror()
     assert file.write_deep_image(deep) and file.close(), file.geterror()
+    return path
+
+
+def write_spectra(path, seed=3, shape=(24, 32), **said):
+    """Write an EXR of spectra, with attributes; return the path."""
+    rng = np.random.default_rng(seed)
+    spectra = rng.random((*shape, len(CENTRES)), dtype=np.float32)
+    spec = oiio.ImageSpec(shape[1], shape[0], len(CENTRES), "float")
+    spec.channelnames = tuple(f"S0.{nm:.0f}nm" for nm in CENTRES)
+    for name, value in said.items():
+        spec.attribute(name, value)
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec) and file.write_image(spectra) and file.close()
     return path
 
 

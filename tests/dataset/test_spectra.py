@@ -3,30 +3,23 @@
 """Data sets of spectral images: the files of convert, the manifest, errors."""
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 
-from dataset.data_sets import check_agreement, contents, rows, scene, write_image
+from dataset.data_sets import (
+    check_agreement,
+    contents,
+    rows,
+    scene,
+    write_image,
+    write_spectra,
+)
 from images import read_dn
 from python.commands import fails, run
 
-CENTRES = np.arange(400.0, 701.0, 20.0)
 ASKED = [
     *("--sensors", "canon-600d,nikon-d850", "--illuminants", "FL2,estimate:mean"),
     *("--convention", "spectral", "--white-luminance", "40000"),
 ]
-
-
-def write_spectra(path, seed=3, shape=(24, 32), **said):
-    rng = np.random.default_rng(seed)
-    spectra = rng.random((*shape, len(CENTRES)), dtype=np.float32)
-    spec = oiio.ImageSpec(shape[1], shape[0], len(CENTRES), "float")
-    spec.channelnames = tuple(f"S0.{nm:.0f}nm" for nm in CENTRES)
-    for name, value in said.items():
-        spec.attribute(name, value)
-    file = oiio.ImageOutput.create(str(path))
-    assert file.open(str(path), spec) and file.write_image(spectra) and file.close()
-    return path
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sized
+from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -14,26 +14,16 @@ MANY = 2  # items from which on a terminal shows progress
 
 
 def tracked(
-    items: Iterable[T],
-    words: str,
-    quiet: bool = False,
-    many: int = MANY,
-    total: int | None = None,
+    items: Collection[T], words: str, quiet: bool = False, many: int = MANY
 ) -> Iterable[T]:
-    """Return @items, with a bar on stderr if they are many and it is a terminal.
-
-    total : how many they are, if they have no length."""
-    count = total
-    if count is None:
-        assert isinstance(items, Sized)
-        count = len(items)
-    if quiet or count < many or not sys.stderr.isatty():
+    """Return @items, with a bar on stderr if they are many and it is a terminal."""
+    if quiet or len(items) < many or not sys.stderr.isatty():
         return items
     from rich.console import Console
     from rich.progress import track
 
     console = Console(stderr=True)
-    return track(items, words, count, console=console, transient=True)
+    return track(items, words, len(items), console=console, transient=True)
 
 
 @contextlib.contextmanager
@@ -48,3 +38,28 @@ def stages(quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda words, share: bar.update(task, description=words, completed=share)
+
+
+@contextlib.contextmanager
+def counted(words: str, unit: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Yield progress(how many are done): on a terminal a bar with n/@total @unit and
+    the time that is left."""
+    if not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    from rich import progress
+    from rich.console import Console
+
+    columns = (
+        progress.TextColumn(words),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TextColumn(f"{unit},"),
+        progress.TimeRemainingColumn(),
+        progress.TextColumn("left"),
+    )
+    with progress.Progress(
+        *columns, console=Console(stderr=True), transient=True
+    ) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda done: bar.update(task, completed=done)

@@ -29,20 +29,19 @@ import argparse
 import importlib.util
 import os
 import sys
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
+from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import number, number_list
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, refuse_twice
-from cg2raw.cli._progress import tracked
-from cg2raw.dataset.methods import METHODS
+from cg2raw.cli._progress import counted
 from cg2raw.spectra import is_estimate
 
 if TYPE_CHECKING:  # only the work itself loads its modules
+    from cg2raw.dataset.journal import Row
     from cg2raw.dataset.plan import Plan
     from cg2raw.dataset.run import Summary
-
-T = TypeVar("T")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -68,6 +67,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="hash",
         help="how finished files are checked when a data set is resumed (default hash)",
     )
+    group.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="print how many rows, files and bytes it would be; write nothing",
+    )
     group.add_argument("--quiet", action="store_true", help="errors alone")
 
 
@@ -81,6 +85,12 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         metavar="N|WORDS",
         help="how many are drawn for each image, or a list as A,D65,sample:0-3; "
         "estimate of spectral images",
+    )
+    add(
+        "--light-draws",
+        choices=["sample", "measured"],
+        default="sample",
+        help="of the Gaussian of the sensor's neutrals (default), or near themselves",
     )
     add("--gains", default="1", help='digital gains as 1,0.8, or "sample" (default 1)')
     add("--iso", default="clean", help="as clean,100,3200 (default clean)")
@@ -97,20 +107,14 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         metavar="CD_PER_M2",
         help="of white in spectral images (channels S0.550nm ...)",
     )
-    add("--convention", default="dng", choices=["dng", "paper", "sensor", "spectral"])
-    add(
-        "--method",
-        default="graphics2raw",
-        choices=sorted(METHODS),
-        help="upi draws matrix and white balance (Brooks et al., 2019)",
-    )
+    add_convention(group, default="dng")
+    add_method(group)
     add("--seed", type=int, default=0, help="of all that is drawn (default 0)")
     add(
         "--frame-from",
         choices=("name", "index", "none"),
         default="name",
-        help="what tells the noise of one image from another's: its name in IN "
-        "(default), its place among them, or nothing",
+        help="noise differs by the image's name in IN (default), its place, or not",
     )
     add("--layer", metavar="NAME", help="of layered or multi-part files")
 
@@ -155,6 +159,8 @@ def run(arguments: argparse.Namespace) -> int:
     workers = arguments.workers or len(os.sched_getaffinity(0))
     if arguments.workers and arguments.scheduler:
         raise ValueError("--workers and --scheduler: the cluster has its own workers")
+    if arguments.dry_run:
+        return dry_run(arguments, plan)
     from cg2raw.dataset.run import make_dataset
 
     try:
@@ -178,22 +184,57 @@ def run(arguments: argparse.Namespace) -> int:
     return list_bad(arguments, summary)
 
 
+def dry_run(arguments: argparse.Namespace, plan: "Plan") -> int:
+    """Print what would be made; return 0."""
+    from cg2raw.dataset.estimate import estimate
+
+    found = estimate(arguments.inputs, arguments.out, plan)
+    for image, reason in found.bad.items():
+        print(f"cg2raw dataset: left out: {image}: {reason}", file=sys.stderr)
+    size = "unknown: no image could be used"
+    if found.bytes is not None:
+        size = f"about {bytes_words(found.bytes)}, as crops of {found.measured} are"
+    each = plan.files_of_an_image
+    print(f"rows      {found.rows}: {found.images} images, {each} files of each")
+    print(f"files     {found.files}: with dataset.json and the two manifests")
+    print(f"size      {size}")
+    print(f"--dry-run: nothing was written to {arguments.out}")
+    return 0
+
+
+def bytes_words(count: float) -> str:
+    """Return a number of bytes as people read it."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if count < 999.5:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} TB"
+
+
 def plan_of(arguments: argparse.Namespace) -> "Plan":
     """Return the Plan that the options ask for. Raises ValueError."""
     from cg2raw import Sensor
     from cg2raw.dataset import options
+    from cg2raw.dataset.kept_profiles import load_or_kept
+
+    def tell(sentence: str) -> None:
+        if not arguments.quiet:
+            print(f"cg2raw dataset: {sentence}", file=sys.stderr)
 
     def leave_out(sentence: str) -> None:
         if arguments.sensors != "all":
             raise ValueError(sentence)
-        if not arguments.quiet:
-            print(f"cg2raw dataset: left out: {sentence}", file=sys.stderr)
+        tell(f"left out: {sentence}")
 
+    profiles = asked_sensors(
+        arguments.sensors, lambda word: load_or_kept(word, arguments.out, tell)
+    )
     isos = number_list("--iso", arguments.iso, "clean")
     return options.make_plan(
-        [Sensor.from_profile(profile) for profile in asked_sensors(arguments.sensors)],
+        [Sensor.from_profile(profile) for profile in profiles],
         leave_out,
         illuminants=illuminants(arguments.illuminants),
+        light_draws=arguments.light_draws,
         digital_gains=tuple(number_list("--gains", arguments.gains, "sample")),
         isos=tuple(None if iso == "clean" else iso for iso in isos),
         noise=arguments.noise,
@@ -256,9 +297,19 @@ def crop_of(arguments: argparse.Namespace) -> tuple[int, int] | None:
     return int(sides[0]), int(sides[1])
 
 
-def progress(results: Iterable[T], total: int) -> Iterable[T]:
-    """Return @results, with a progress bar if stderr is a terminal."""
-    return tracked(results, "images", many=0, total=total)
+def progress(results: Iterable["Row"], images: int, each: int) -> Iterator["Row"]:
+    """Yield @results of images with @each files, with a bar of files on a terminal."""
+    working: dict[str, int] = {}  # how many are finished of images that are not done
+    done = 0
+    with counted("making", "files", images * each) as show:
+        for row in results:
+            if "files" in row:
+                working[row["image"]] = row["files"]
+            else:  # one that cannot be used needs no more work either
+                working.pop(row["image"], None)
+                done += each
+            show(done + sum(working.values()))
+            yield row
 
 
 def report(out: str, summary: "Summary") -> None:

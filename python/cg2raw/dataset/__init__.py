@@ -7,3 +7,7 @@ to workers, `journal` remembers what is finished, `manifest` lists it, `run` is 
 whole. What a file holds depends on its key and the plan alone, never on order, workers
 or interruptions.
 """
+
+from cg2raw.dataset.kept_profiles import sensor_of
+
+__all__ = ["sensor_of"]

@@ -6,19 +6,19 @@ import hashlib
 import json
 import os
 import uuid
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from cg2raw import Illuminant, RawFrame, Sensor, __version__, _core, write_dng
+from cg2raw import RawFrame, __version__, _core, write_dng
 from cg2raw.arrays import FloatImage
-from cg2raw.cfa import is_mono
 from cg2raw.dataset import journal, manifest, packed
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.methods import METHODS, Camera
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.dataset.source import Source, read_source
+from cg2raw.dataset.truth import noise_of, truth
 
 Write = Callable[[str], None]  # of the file at a path
 
@@ -38,9 +38,10 @@ class Job:
     verify: str = "hash"  # what must be as written for a file to be kept; or "size"
 
 
-def make(job: Job) -> Row:
+def make(job: Job, say: Callable[[Row], None] = lambda row: None) -> Row:
     """Make all files of one image that are not there yet.
 
+    say : called with {"image", "files"}, how many are finished, for each.
     Returns {"image", "made", "kept", "reason"}: reason says in one line why the image
     cannot be used, None if it can. Raises OSError or ValueError if the data set cannot
     be written: no other image could be either."""
@@ -50,7 +51,7 @@ def make(job: Job) -> Row:
         header = target.header()
         todo = target.open_variants()
         if todo:
-            make_variants(target, header, todo)
+            make_variants(target, header, todo, say)
         elif target.has_strange_rows:
             journal.start(target.journal, header, target.rows.values())
     except BadImage as bad:
@@ -198,7 +199,12 @@ def file_sha256(path: str) -> str:
     return digest.hexdigest()
 
 
-def make_variants(target: Target, header: Row, todo: list[tuple[int, Variant]]) -> None:
+def make_variants(
+    target: Target,
+    header: Row,
+    todo: list[tuple[int, Variant]],
+    say: Callable[[Row], None],
+) -> None:
     """Read the image once and make the files of @todo."""
     path, plan = target.job.path, target.plan
     try:
@@ -215,7 +221,8 @@ def make_variants(target: Target, header: Row, todo: list[tuple[int, Variant]]) 
         raise BadImage(reason.removeprefix(f"{path}: ")) from None
     journal.start(target.journal, header, target.rows.values())
     of_image = source.row() | {"exposure_time": seconds}
-    for order, variant in todo:
+    for count, (order, variant) in enumerate(todo, len(target.rows)):
+        say({"image": target.job.image, "files": count})
         box = crops[variant.patch]
         about = expected(header, order, variant) | {"crop": list(box)}
         make_variant(target, variant, source, about, of_image)
@@ -272,7 +279,8 @@ def simulated(
     assert simulation is not None  # of what Sensor.simulate returns
     drawn["spectrum"] = simulation.spectrum or None
     light, convention = simulation.illuminant, run["convention"]
-    return write, drawn | truth(sensor, light, convention, gain, shape)
+    row = truth(sensor, light, convention, gain, shape)
+    return write, drawn | row | noise_of(sensor, variant.iso, plan.noise)
 
 
 def dng_writer(plan: Plan, raw: RawFrame, seconds: float | None) -> Write:
@@ -286,41 +294,6 @@ def dng_writer(plan: Plan, raw: RawFrame, seconds: float | None) -> Write:
         write_dng(path, raw, shot=shot, **how)
 
     return write
-
-
-def truth(
-    sensor: Sensor,
-    illuminant: Illuminant,
-    convention: str,
-    gain: float,
-    shape: Sequence[int],
-) -> Row:
-    """Return what is known of the light and of the file's numbers."""
-    transform = _core.camera_from_scene(sensor.profile, illuminant, convention, gain)
-    return {
-        "width": shape[1],
-        "height": shape[0],
-        "black_level": list(map(float, sensor.black_level)),
-        "white_level": float(sensor.white_level),
-        "cfa": sensor.cfa,
-        "digital_gain": gain,
-        "neutral": list(illuminant.neutral),
-        "xy": list(illuminant.xy),
-        "cct": illuminant.cct,
-        "duv": illuminant.duv,
-        "camera_from_xyz": matrix_of(sensor, illuminant),
-        "transform_first": transform.first.ravel().tolist(),
-        "transform_second": transform.second.ravel().tolist(),
-        "transform_gains": list(transform.gains),
-    }
-
-
-def matrix_of(sensor: Sensor, illuminant: Illuminant) -> list[float] | None:
-    """Return the colour matrix, 9 numbers row by row; None of a monochrome sensor."""
-    if is_mono(sensor.cfa):
-        return None
-    matrix: list[float] = sensor.camera_from_xyz(illuminant.xy).ravel().tolist()
-    return matrix
 
 
 def expected(header: Row, order: int, variant: Variant) -> Row:

@@ -19,6 +19,7 @@ from cg2raw.dataset.journal import Row
 from cg2raw.io.atomic_file import create
 
 TRIES = 2  # of an image whose worker dies
+LONGEST = 1 << 16  # bytes that are read at a time
 COMMAND = "from cg2raw.dataset.worker import main; main()"
 
 
@@ -40,6 +41,7 @@ class Worker:
         self.requests, self.answers = self.process.stdin, self.process.stdout
         self.job: Job
         self.tries = 0
+        self.rest = b""  # of a line that is not complete yet
 
     def give(self, job: Job, tries: int) -> None:
         """Hand over a job."""
@@ -50,10 +52,15 @@ class Worker:
         except BrokenPipeError:
             pass  # it died; its end of the other pipe tells
 
-    def answer(self) -> Row | None:
-        """Return the answer to the job, None if the process died over it."""
-        line = self.answers.readline()
-        return json.loads(line) if line.endswith(b"\n") else None
+    def read(self) -> list[Row] | None:
+        """Return what the process has said since, None if it has ended.
+
+        To be called when there is something to read: it waits otherwise."""
+        data = os.read(self.answers.fileno(), LONGEST)
+        if not data:
+            return None
+        *lines, self.rest = (self.rest + data).split(b"\n")
+        return [json.loads(line) for line in lines]
 
     def stop(self) -> None:
         """End the process at once, which is safe at any time."""
@@ -65,7 +72,8 @@ class Worker:
 
 
 def results(jobs: Iterable[Job], count: int, log: str) -> Generator[Row]:
-    """Yield the result of each of @jobs, in the order in which they are finished.
+    """Yield the result of each of @jobs, in the order in which they are finished, and
+    before it {"image", "files"} whenever some of its files are.
 
     count : workers. log : the path of a file for what they print. A worker that dies is
     replaced and its image tried again, then given up. Raises OSError with the message
@@ -107,25 +115,38 @@ class Pool:
         return worker.process.returncode
 
     def serve(self, worker: Worker) -> Iterator[Row]:
-        """Take a worker's answer, give it the next job; yield the result."""
-        answer = worker.answer()
-        if answer is None:
-            job, tries = worker.job, worker.tries
-            worker.process.wait()
-            code = self.dismiss(worker)
-            worker = self.hire()
-            if tries < TRIES:
-                worker.give(job, tries + 1)
-                return
-            answer = give_up(job, self.ended(code))
-        if "failure" in answer:
-            raise OSError(answer["failure"])
+        """Yield what a worker says; give it the next job when one is done."""
+        said = worker.read()
+        if said is None:
+            yield from self.replace(worker)
+            return
+        for row in said:
+            if "failure" in row:
+                raise OSError(row["failure"])
+            if "reason" in row:
+                self.occupy(worker)
+            yield row
+
+    def replace(self, worker: Worker) -> Iterator[Row]:
+        """Try the job of a worker that has died again, or yield that it is given up."""
+        job, tries = worker.job, worker.tries
+        worker.process.wait()
+        code = self.dismiss(worker)
+        worker = self.hire()
+        if tries < TRIES:
+            worker.give(job, tries + 1)
+            return
+        row = give_up(job, self.ended(code))
+        self.occupy(worker)
+        yield row
+
+    def occupy(self, worker: Worker) -> None:
+        """Give a worker the next job, or let it go."""
         following = next(self.jobs, None)
         if following is None:
             self.dismiss(worker)
         else:
             worker.give(following, 1)
-        yield answer
 
     def ended(self, code: int) -> str:
         """Return the reason for which an image is given up."""

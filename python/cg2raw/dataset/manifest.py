@@ -12,6 +12,7 @@ from cg2raw.dataset.journal import Row
 from cg2raw.io.atomic_file import create, sync_folder
 
 NAME = "manifest"
+ENDINGS = (".parquet", ".jsonl")
 ROWS = 1024  # of a row group: a batch is all of the manifest that is in memory
 COLUMNS = (
     ("path", "string"),
@@ -45,6 +46,15 @@ COLUMNS = (
     ("digital_gain_drawn", "bool"),
     ("iso", "double"),
     ("noise", "string"),
+    ("noise_effects", "strings"),
+    ("beta1", "list"),
+    ("beta2", "list"),
+    ("system_gain", "list"),
+    ("read_noise", "list"),
+    ("tukey_lambda", "double"),
+    ("row_sigma", "double"),
+    ("outlier_fraction", "double"),
+    ("outlier_variance_ratio", "double"),
     ("exposure_time", "double"),
     ("seed", "uint64"),
     ("frame", "uint64"),
@@ -64,7 +74,7 @@ NAMES = {name for name, _ in COLUMNS}
 
 def remove(out: str) -> None:
     """Remove the manifest: there is one only of a data set that is complete."""
-    for ending in (".parquet", ".jsonl"):
+    for ending in ENDINGS:
         path = os.path.join(out, NAME + ending)
         if os.path.exists(path):
             os.unlink(path)
@@ -145,5 +155,6 @@ def arrow_schema() -> Any:
         "bool": pyarrow.bool_(),
         "list": pyarrow.list_(pyarrow.float64()),
         "integers": pyarrow.list_(pyarrow.int32()),
+        "strings": pyarrow.list_(pyarrow.string()),
     }
     return pyarrow.schema([(name, types[kind]) for name, kind in COLUMNS])

@@ -40,7 +40,7 @@ def make_plan(
         sensor
         for sensor in sensors
         if fits(sensor, fields["format"], leave_out)
-        and has_lights(sensor, fields["illuminants"], leave_out)
+        and has_lights(sensor, fields, leave_out)
     ]
     plan = plan_of(kept, fields)
     for isos, reasons in unknown_noise(plan).items():
@@ -86,11 +86,22 @@ def fits(sensor: Sensor, format: str, leave_out: Callable[[str], None]) -> bool:
 
 
 def has_lights(
-    sensor: Sensor, illuminants: Any, leave_out: Callable[[str], None]
+    sensor: Sensor, fields: dict[str, Any], leave_out: Callable[[str], None]
 ) -> bool:
-    """Return whether the sensor has lights to draw; named ones all have."""
-    if not is_mono(sensor.cfa) or not isinstance(illuminants, int):
+    """Return whether the sensor has lights to draw; named ones all have.
+
+    fields : of Plan. Raises ValueError if it says how to draw, and names lights."""
+    illuminants = fields["illuminants"]
+    measured = fields.get("light_draws", "sample") == "measured"
+    if measured and (fields["method"] == "upi" or not isinstance(illuminants, int)):
+        raise ValueError(
+            "--light-draws measured: lights are drawn only by a number of "
+            "--illuminants, and not with --method upi; name them, as measured:0-9"
+        )
+    if not isinstance(illuminants, int):
         return True
+    if not is_mono(sensor.cfa):
+        return not measured or has_measured(sensor, leave_out)
     leave_out(
         f"--illuminants {illuminants}: draws neutrals, and {sensor.id} is monochrome "
         "and has none; leave it out of --sensors, or name one light, as D65"
@@ -98,11 +109,21 @@ def has_lights(
     return False
 
 
+def has_measured(sensor: Sensor, leave_out: Callable[[str], None]) -> bool:
+    """Return whether the sensor's profile holds the neutrals themselves."""
+    try:
+        sensor.illuminant("measured:0")
+    except ValueError as error:
+        leave_out(f"--light-draws measured: {error}")
+        return False
+    return True
+
+
 def check_runs(plan: Plan, sensor: Sensor) -> None:
     """Raise ValueError for a combination that cannot be simulated."""
     words = plan.illuminants
     if isinstance(words, int):
-        words = ("sample:0",)
+        words = (f"{plan.light_draws}:0",)
     elif any(map(is_estimate, words)):  # of spectra, which each image has or has not
         words = tuple(w for w in words if not is_estimate(w)) or ("D65",)
     elif plan.method == "upi":
@@ -140,6 +161,7 @@ def difference(old_text: str, plan: Plan) -> str | None:
     except (ValueError, KeyError, TypeError):
         raise ValueError("dataset.json is damaged") from None
     new = json.loads(plan.to_json())
+    del new["profile_sha256"]  # of profiles, which are compared themselves
     for name in new:
         if old.get(name) == new[name]:
             continue

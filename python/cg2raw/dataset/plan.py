@@ -2,7 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """Plan of a data set: name, key and drawn settings of each file."""
 
-import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
@@ -11,6 +10,7 @@ from itertools import product
 from typing import Any
 
 from cg2raw import Sensor, __version__, effects
+from cg2raw.dataset.kept_profiles import PLAN, checked, sha256_of
 from cg2raw.dataset.keys import hashed
 from cg2raw.dataset.methods import Camera, Scene
 
@@ -34,7 +34,9 @@ class Plan:
     layer : of layered images; None for the picture by the conventions of renderers.
     frame_from : what tells the noise of one image from that of another: its "name", its
     "index" among the images, or "none", nothing.
-    profiles : {id: JSON text}, as Sensor.to_json gives it."""
+    profiles : {id: JSON text}, as Sensor.to_json gives it.
+    light_draws : what a number of illuminants draws, words of "sample", of the Gaussian
+    of the sensor's neutrals, or of "measured", near the neutrals themselves."""
 
     sensors: tuple[str, ...]
     illuminants: tuple[str, ...] | int
@@ -54,13 +56,15 @@ class Plan:
     layer: str | None
     frame_from: str
     profiles: dict[str, str]
+    light_draws: str = "sample"
 
     def words(self, image: str) -> list[str]:
         """Return the words of the illuminants of one image."""
         if isinstance(self.illuminants, int):
             return [
-                # 31 bits: the largest sample of the illuminant grammar
-                f"sample:{hashed('illuminant', self.seed, image, index) >> 22}"
+                # 31 bits: the largest draw of the illuminant grammar
+                f"{self.light_draws}:"
+                f"{hashed('illuminant', self.seed, image, index) >> 22}"
                 for index in range(self.illuminants)
             ]
         return list(self.illuminants)
@@ -77,6 +81,14 @@ class Plan:
                 yield Variant(
                     self, image, shot, patch, sensor, light, words[light], gain, iso
                 )
+
+    @property
+    def files_of_an_image(self) -> int:
+        """Return how many Variants an image has."""
+        lights = self.illuminants
+        count = lights if isinstance(lights, int) else len(lights)
+        isos = sum(len(self.exposures[sensor]) for sensor in self.sensors)
+        return self.patches * count * len(self.digital_gains) * isos
 
     @cached_property
     def cameras(self) -> dict[str, Sensor]:
@@ -130,10 +142,7 @@ class Plan:
     @cached_property
     def profile_sha256(self) -> dict[str, str]:
         """Return {id: SHA-256 of the profile's JSON text}."""
-        return {
-            id: hashlib.sha256(text.encode()).hexdigest()
-            for id, text in self.profiles.items()
-        }
+        return {id: sha256_of(text) for id, text in self.profiles.items()}
 
     def why_not(self, camera: Sensor, iso: float | None) -> str | None:
         """Return why a Sensor has no noise at an ISO, None if it has."""
@@ -167,6 +176,7 @@ class Plan:
         """Return the text of dataset.json."""
         found = {field.name: getattr(self, field.name) for field in fields(self)}
         found["profiles"] = {id: json.loads(text) for id, text in self.profiles.items()}
+        found["profile_sha256"] = self.profile_sha256
         return json.dumps({"cg2raw": __version__, **found}, indent=1) + "\n"
 
     @classmethod
@@ -174,10 +184,8 @@ class Plan:
         """Return the plan of dataset.json. Raises ValueError, KeyError, TypeError."""
         found = json.loads(text)
         del found["cg2raw"]
-        found["profiles"] = {
-            id: Sensor.from_json(json.dumps(profile), id).to_json()
-            for id, profile in found["profiles"].items()
-        }
+        found["profiles"] = {id: checked(PLAN, id, found) for id in found["profiles"]}
+        del found["profile_sha256"]
         for name, value in found.items():
             if isinstance(value, list):
                 found[name] = tuple(value)

@@ -16,10 +16,10 @@ from cg2raw.dataset import journal, manifest, options
 from cg2raw.dataset.images import Images
 from cg2raw.dataset.job import PARTS, Job
 from cg2raw.dataset.journal import Row
+from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.plan import Plan
 from cg2raw.io.atomic_file import write_atomically
 
-PLAN = "dataset.json"
 # What write_atomically leaves where it was killed.
 LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.[a-z0-9_]{{8}}")
 
@@ -40,14 +40,16 @@ def make_dataset(
     plan: Plan,
     workers: int = 1,
     scheduler: str | None = None,
-    watch: Callable[[Iterator[Row], int], Iterable[Row]] | None = None,
+    watch: Callable[[Iterator[Row], int, int], Iterable[Row]] | None = None,
     verify: str = "hash",
 ) -> Summary:
     """Make, or go on with, the data set of a Plan; return its Summary.
 
     paths : one folder, or files. workers : processes of this machine; scheduler : the
-    address of a Dask scheduler in their place. watch : (results, total) -> results, as
-    to show progress. What is finished stays finished, however the process ends.
+    address of a Dask scheduler in their place. watch : (results, images, files of each)
+    -> results, as to show progress: {"image", "files"} while an image is being worked
+    on, then what `job.make` returns of it. What is finished stays finished, however the
+    process ends.
     verify : what of a finished file must be as it was written for it to be kept: its
     "hash", or its "size" alone.
     Raises ValueError or OSError, each of one line."""
@@ -58,18 +60,25 @@ def make_dataset(
     with locked(out):
         begin(out, plan, images)
         total = sum(1 for _ in images)
-        if not total:
-            raise ValueError(f"{paths[0]}: holds no EXR, PNG, TIFF or HDR image")
+        check_count(total, paths)
         jobs = jobs_of(images, out, plan, verify)
         found = worked(out, jobs, workers, scheduler)
         summary = Summary()
         with contextlib.closing(found):
-            for result in watch(found, total) if watch else found:
-                count(summary, result)
+            each = plan.files_of_an_image
+            for result in watch(found, total, each) if watch else found:
+                if "reason" in result:
+                    count(summary, result)
         shutil.rmtree(parts_of(out), ignore_errors=True)
         sync_file_system(out)
         manifest.write(out, images, summary.made + summary.kept)
     return summary
+
+
+def check_count(count: int, paths: Sequence[str]) -> None:
+    """Raise ValueError if there are no images."""
+    if not count:
+        raise ValueError(f"{paths[0]}: holds no EXR, PNG, TIFF or HDR image")
 
 
 def check_folder(out: str, plan: Plan) -> bool:
@@ -127,8 +136,15 @@ def begin(out: str, plan: Plan, images: Images) -> None:
     shutil.rmtree(parts_of(out), ignore_errors=True)
     for name in filter(LEFTOVER.fullmatch, os.listdir(out)):
         os.unlink(os.path.join(out, name))
-    if not check_folder(out, plan):
-        write_atomically(os.path.join(out, PLAN), plan.to_json().encode())
+    path, text = os.path.join(out, PLAN), plan.to_json().encode()
+    if not check_folder(out, plan) or not has_bytes(path, text):
+        write_atomically(path, text)
+
+
+def has_bytes(path: str, data: bytes) -> bool:
+    """Return whether a file is as given; an older dataset.json has fewer fields."""
+    with open(path, "rb") as stream:
+        return stream.read() == data
 
 
 def sync_file_system(out: str) -> None:

@@ -18,15 +18,18 @@ def main() -> None:
     os.dup2(2, 1)  # what a library prints must not mix with answers
     from cg2raw.dataset.job import Job, make
 
+    def say(row: dict[str, object]) -> None:
+        answers.write(json.dumps(row) + "\n")
+        answers.flush()
+
     use_one_thread()
     for line in sys.stdin:
         job = Job(**json.loads(line))
         try:
-            answer = make(job)
+            answer = make(job, say)
         except (OSError, ValueError) as error:
             answer = {"failure": " ".join(f"{error}".split())}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+        say(answer)
 
 
 def end_with_parent(parent: int) -> None:
