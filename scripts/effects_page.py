@@ -89,7 +89,10 @@ def effect_section(effect, searched):
     if fitted is None:
         lines += ["", "No diagnosis names it."]
     elif fitted != names:
-        lines += ["", f"In a verdict: {', '.join(f'`{name}`' for name in fitted)}."]
+        lines += [
+            "",
+            f"Reported in verdicts as {', '.join(f'`{name}`' for name in fitted)}.",
+        ]
     return "\n".join(lines)
 
 

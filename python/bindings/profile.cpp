@@ -199,14 +199,10 @@ void bind_numbers(py::class_<SensorProfile>& c)
     c.def("to_json", &to_json, "The profile as JSON text that reads back the same.")
         .def(
             "illuminant", &illuminant, "spec"_a, "as_shot"_a = py::none(),
-            "The Illuminant that a word names; as_shot is what \"as-shot\" stands "
-            "for.\n\n"
+            "The Illuminant that a word names; as_shot: what \"as-shot\" means.\n\n"
             "spec : A D50 D55 D65 D75, 3200K, xy:0.3457:0.3585, neutral:0.55:0.45 (R/G "
-            "and B/G),\n    sample:7 (drawn from the Gaussian of the sensor's "
-            "neutrals), "
-            "measured:7 (drawn near\n    the neutrals themselves, of a profile that "
-            "has "
-            "them) or as-shot.\n"
+            "and B/G),\n    sample:7 (of the Gaussian of the sensor's neutrals), "
+            "measured:7 (near them) or as-shot.\n"
             "Raises ValueError that lists the grammar.")
         .def(
             "spectrum",

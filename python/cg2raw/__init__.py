@@ -3,6 +3,7 @@
 
 """cg2raw: the RAW file that a chosen camera would have recorded of a CG image."""
 
+from cg2raw import near_words
 from cg2raw._core import (
     DngMetadata,
     Illuminant,
@@ -29,6 +30,8 @@ from cg2raw.oiio.registration import register_oiio_plugin
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
 from cg2raw.upi import Upi
+
+near_words.suggest_in_messages()
 
 __all__ = [
     "DngMetadata",

@@ -5,7 +5,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +13,18 @@ from numpy.typing import ArrayLike
 from cg2raw import _core
 from cg2raw.arrays import FloatImage, RawImage, raw_plane, rgb_image, signal_plane
 from cg2raw.cfa import demosaic, mosaic
-from cg2raw.exposure import Light, Run, core_run, illuminant_word
+from cg2raw.exposure import (
+    Light,
+    Run,
+    RunFields,
+    core_run,
+    illuminant_word,
+    takes_run,
+)
 from cg2raw.raw_frame import RawFrame
+
+if TYPE_CHECKING:  # type checkers bring it along
+    from typing_extensions import Unpack
 
 
 class Sensor:
@@ -96,7 +106,10 @@ class Sensor:
     def __repr__(self) -> str:
         return f"Sensor({self.id!r})"
 
-    def simulate(self, rgb: ArrayLike, *, threads: int = 0, **run: Any) -> RawFrame:
+    @takes_run
+    def simulate(
+        self, rgb: ArrayLike, *, threads: int = 0, **run: "Unpack[RunFields]"
+    ) -> RawFrame:
         """Return the RAW frame that this sensor would have recorded of an image.
 
         rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709; alpha is ignored.
@@ -113,15 +126,19 @@ class Sensor:
         frame.simulation = simulation
         return frame
 
-    def signal(self, rgb: ArrayLike, *, threads: int = 0, **run: Any) -> FloatImage:
+    @takes_run
+    def signal(
+        self, rgb: ArrayLike, *, threads: int = 0, **run: "Unpack[RunFields]"
+    ) -> FloatImage:
         """Return (H, W) float32 before quantisation: 0..1 above black, not clamped.
 
         rgb, threads, run : see `simulate`. Raises ValueError."""
         image = rgb_image(rgb)
         return self.simulation(image.shape[:2], **run).signal(image, threads=threads)
 
+    @takes_run
     def predict(
-        self, rgb: ArrayLike, *, threads: int = 0, **run: Any
+        self, rgb: ArrayLike, *, threads: int = 0, **run: "Unpack[RunFields]"
     ) -> tuple[FloatImage, FloatImage]:
         """Return (mean, variance) of `signal` over frames, (H, W) float32 each.
 
@@ -134,7 +151,10 @@ class Sensor:
         simulation = self.simulation(image.shape[:2], **run)
         return simulation.predict(image, threads=threads)
 
-    def simulation(self, shape: Sequence[int], **run: Any) -> _core.Simulation:
+    @takes_run
+    def simulation(
+        self, shape: Sequence[int], **run: "Unpack[RunFields]"
+    ) -> _core.Simulation:
         """Return what decides every pixel of an exposure.
 
         shape : (H, W) of the image.

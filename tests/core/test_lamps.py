@@ -117,8 +117,8 @@ UNKNOWN = [
     (load, "FL3", 'no matrix for lamp "fl3": its profile lists no lamp.*--illuminant'),
     (lambda: load(FL2, LED), "lamp:x", "its lamps are FL2, LED-B3"),
     (lambda: load(FL2), "lamp:", "needs the name of a lamp"),
-    (lambda: load(FL2), "FLX", "does not parse; it may be: .*lamp:NAME"),
-    (lambda: load(FL2), "lamp:a:b", "does not parse"),
+    (lambda: load(FL2), "FLX", "unknown illuminant FLX; it may be: .*lamp:NAME"),
+    (lambda: load(FL2), "lamp:a:b", "unknown illuminant lamp:a:b"),
 ]
 
 

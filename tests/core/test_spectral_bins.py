@@ -133,7 +133,7 @@ def test_the_brightest_is_each_bins_largest():
     [
         ("estimate", "states no light's spectrum .* or estimate:mean"),
         ("estimate:median", "estimate as the image states, estimate:mean .grey world"),
-        ("estimated", "does not parse"),
+        ("estimated", "unknown illuminant estimated"),
     ],
 )
 def test_other_estimates_are_refused(word, message):

@@ -244,7 +244,7 @@ def test_what_cannot_be_is_said():
         ({"wavelengths": [1000.0, 1100.0, 1200.0]}, "sees nothing of 1000 to 1200 nm"),
         ({"spectra": np.ones((2, 2, 3), int)}, "spectra must be float"),
         ({"spectra": np.ones((2, 3))}, "shape"),
-        ({"illuminant": "moon"}, "does not parse"),
+        ({"illuminant": "moon"}, "unknown illuminant moon"),
     ):
         words = {"spectra": spectra, "wavelengths": centres, **asked, **changes}
         with pytest.raises(ValueError, match=message):

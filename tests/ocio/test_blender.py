@@ -20,6 +20,7 @@ import cg2raw
 from cg2raw_ocio import config as generator
 from cg2raw_ocio.names import SCENE_LINEAR
 from images import read_dn, write_image
+from python.commands import run
 
 pytestmark = pytest.mark.slow
 
@@ -199,3 +200,30 @@ def test_the_example(blender, config, repository, build_folder, tmp_path):
     sensor = cg2raw._core.load_profile(str(profiles / f"{SENSOR}.json"))
     neutral = np.array(sensor.illuminant(LIGHT).neutral)
     np.testing.assert_allclose(floor / floor[1], neutral / neutral[1], atol=0.01)
+
+
+def test_blenders_own_config_keeps_agx_and_gains_raw_spaces(blender, tmp_path):
+    """The how-to of docs/compositors.md: RAW spaces in a copy of Blender's folder."""
+    script = Path(__file__).with_name("blender_own_config.py")
+    found, _ = blender(script, "folder")
+    folder = tmp_path / "colormanagement_raw"
+    shutil.copytree(found["folder"], folder)
+    done = run(
+        "ocio", "--sensors", f"{SENSOR},samsung-s20fe", "--illuminants", "A,D65",
+        "--merge", folder / "config.ocio", "-o", folder / "raw.ocio",
+    )  # fmt: skip
+    assert done.code == 0 and done.err == "" and "version 2.4" in done.out
+    pixels = np.random.default_rng(1).uniform(0, 1.2, (4, 4, 3)).astype(np.float32)
+    np.save(tmp_path / "pixels.npy", pixels)
+    blender(script, "look", tmp_path / "own.png", tmp_path / "pixels.npy")
+    ours = {"OCIO": str(folder / "raw.ocio")}
+    names = (tmp_path / "agx.png", tmp_path / "pixels.npy", tmp_path / "raw.exr", SPACE)
+    said, _ = blender(script, "look", *names, **ours)
+    assert said["view"] == "AgX"
+    own, agx, raw = (
+        oiio.ImageBuf(str(tmp_path / name)).get_pixels(oiio.FLOAT)
+        for name in ("own.png", "agx.png", "raw.exr")
+    )
+    np.testing.assert_array_equal(own, agx)
+    camera = cg2raw.Sensor(SENSOR).to_camera(pixels, illuminant=LIGHT)
+    assert np.abs(raw[..., :3] - camera).max() < TOLERANCE

@@ -99,11 +99,11 @@ def test_the_same_bytes_with_the_systems_opencolorio(tmp_path, build_folder):
 
 WRONG = {
     ("nikon-d41", "A"): "did you mean nikon-d40? installed: ",
-    ("nikon-d40,", "A"): 'unknown sensor "": installed: ',
+    ("nikon-d40,", "A"): 'unknown sensor ""; installed: ',
     ("nikon-d40,nikon-d40", "A"): "--sensors: nikon-d40 and nikon-d40 are the same",
     ("nikon-d40", "D65,d65"): "--illuminants: D65 and d65 are the same",
     ("nikon-d40", "sample:2,sample:0-3"): "sample:2 and sample:2 are the same",
-    ("nikon-d40", "candle"): "does not parse; it may be: A, D50",
+    ("nikon-d40", "candle"): "unknown illuminant candle; it may be: A, D50",
     ("nikon-d40", "900K"): "1667",
     ("nikon-d40", "A,As-Shot"): "needs a DNG, whose AsShotNeutral it is",
     ("/nowhere/x.json", "A"): "/nowhere/x.json: No such file",

@@ -246,7 +246,7 @@ def test_the_report(exr, tmp_path):
     light = cg2raw.Sensor("samsung-s20fe").illuminant("D65")
     assert file["illuminant"]["neutral"] == list(light.neutral)
     assert (file["nan"], file["inf"], file["iso"]) == (1, 1, None)
-    assert (file["width"], file["height"], file["method"]) == (98, 66, "g2r")
+    assert (file["width"], file["height"], file["method"]) == (98, 66, "graphics2raw")
     done = commands.run("convert", exr, "-o", out, *BASE, "--quiet")
     assert (done.code, done.out, done.err) == (0, "", "")
 

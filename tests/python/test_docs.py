@@ -3,6 +3,7 @@
 """The pages: what scripts write is up to date, the Python examples run, and the
 reference lists every public name, each of which says what it is."""
 
+import argparse
 import dataclasses
 import inspect
 import re
@@ -17,8 +18,8 @@ import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw import _core, calibration, diagnose, synthetic
-from cg2raw.cli import make_parser
+from cg2raw import _core, calibration, dataset, diagnose, synthetic
+from cg2raw.cli import make_parser, subcommands
 from cg2raw.diagnose import diagnosis
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -194,10 +195,12 @@ def test_the_reference_lists_all_public_names_and_no_others():
         "cg2raw.spectra.camera_from_spectra",
         "cg2raw.spectra.simulate_spectra",
         "cg2raw.calibration",
+        "cg2raw.dataset",
         "cg2raw.diagnose",
         "cg2raw.synthetic",
         *(f"cg2raw.{name}" for name in cg2raw.__all__),
         *(f"cg2raw.calibration.{name}" for name in calibration.__all__),
+        *(f"cg2raw.dataset.{name}" for name in dataset.__all__),
         *(f"cg2raw.diagnose.{name}" for name in diagnose.__all__),
         *(f"cg2raw.diagnose.diagnosis.{name}" for name in parts),
         *(f"cg2raw.synthetic.{name}" for name in synthetic.__all__),
@@ -243,7 +246,7 @@ def test_all_is_sorted_and_whole():
     assert len(set(cg2raw.__all__)) == len(cg2raw.__all__)
 
 
-COMMAND = re.compile(r"^    (?:eval \"\$\()?(cg2raw (?:.*\\\n)*.*)$", re.MULTILINE)
+COMMAND = re.compile(r"^ {4,}(?:eval \"\$\()?(cg2raw (?:.*\\\n)*.*)$", re.MULTILINE)
 
 
 def commands(page):
@@ -272,3 +275,26 @@ def test_every_command_on_a_page_exists(page, capsys):
 
 def test_pages_have_commands():
     assert sum(len(commands(page)) for page in ALL_PAGES) >= 25
+    # Also those inside a list, which are indented further.
+    assert ["--illuminants", "estimate:mean"] in [
+        words[-6:-4] for words in commands(ROOT / "docs/spectral.md")
+    ]
+
+
+INLINE = re.compile(r"`(cg2raw [^`\n]+)`")
+
+
+@pytest.mark.parametrize("page", ALL_PAGES, ids=lambda page: page.name)
+def test_every_option_in_the_text_of_a_page_exists(page):
+    """As in `cg2raw profile --ssf`: they are no whole command lines."""
+    for text in INLINE.findall(page.read_text()):
+        name, *words = text.split()[1:]
+        shown = subcommands()[name] if name in subcommands() else None
+        parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+        if shown is not None:
+            shown.add_arguments(parser)
+        known = {
+            option for action in parser._actions for option in action.option_strings
+        }
+        asked = {word.partition("=")[0] for word in words if word.startswith("--")}
+        assert asked <= known, text

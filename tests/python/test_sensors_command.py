@@ -2,12 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """cg2raw sensors: a table that fits, everything of one sensor, and what is broken."""
 
+import io
 import json
 
 import pytest
+from rich.console import Console
 
 import cg2raw
-from cg2raw.profile import sensor_text
+from cg2raw.cli import main
+from cg2raw.profile import sensor_table, sensor_text
 from cg2raw.profile.summary import iso_words, kelvin_words, noise_of
 from dng import dng_files
 from python.commands import fails, run
@@ -18,6 +21,9 @@ def shelf(tmp_path, monkeypatch):
     """Return an empty folder that is searched for profiles first."""
     monkeypatch.setenv("CG2RAW_PROFILE_PATH", str(tmp_path))
     return tmp_path
+
+
+NOISE = "noise none: cg2raw calibrate measures it from darks and flats"
 
 
 def put(shelf, id, **changes):
@@ -51,7 +57,7 @@ def test_all_of_one_sensor_with_its_sources(shelf):
     out = run("sensors", "mine").out
     assert "BGGR\n" in out and "from: from me" in out
     assert "0.6992 -0.1668 -0.0806 / -0.8138" in out
-    for line in ("white_level 3880 DN", "noise none", "from: no one", "remark hey"):
+    for line in ("white_level 3880 DN", NOISE, "from: no one", "remark hey"):
         assert line in [" ".join(found.split()) for found in out.splitlines()]
     assert max(map(len, out.splitlines())) <= 120
 
@@ -73,8 +79,50 @@ def test_an_unknown_id_is_told_the_closest():
     line = fails("sensors", "nikon-d41")
     assert "did you mean nikon-d40?" in line and "installed: " in line
     assert "did you mean" not in fails("sensors", "zzz")
-    assert "did you mean nikon-d40?" in fails("sensors", "NIKON-D40")
+    assert "did you mean nikon-d40, nikon-d5200 or nikon-d850?" in fails(
+        "sensors", "nikno"
+    )
     assert 'unknown sensor ""' in fails("sensors", "")
+
+
+def ids(done):
+    """Return the first words of a table's rows."""
+    assert done.code == 0 and done.err == ""
+    return [line.split()[0] for line in done.out.splitlines()[1:]]
+
+
+@pytest.mark.parametrize(
+    ("word", "found"),
+    [
+        ("sony", ["sony-a57", "sony-a7s-ii"]),
+        ("SONY", ["sony-a57", "sony-a7s-ii"]),
+        ("canon 5d", ["canon-5d", "canon-5d-mark-iv"]),  # of an id
+        ("sm-g780", ["samsung-s20fe"]),  # of a model
+        ("nikon corp", ["nikon-d40", "nikon-d5200", "nikon-d850"]),  # of a make
+        ("NIKON-D40", ["nikon-d40"]),
+    ],
+)
+def test_a_word_finds_sensors_by_id_make_and_model(word, found):
+    assert ids(run("sensors", word)) == found
+    shown = json.loads(run("sensors", word, "--json").out)
+    assert [sensor["id"] for sensor in shown["sensors"]] == found
+
+
+def test_the_whole_id_of_a_sensor_shows_it_and_no_others():
+    assert run("sensors", "canon-5d").out.startswith("id                        canon")
+
+
+def test_a_search_is_not_about_profiles_that_are_broken(shelf):
+    put(shelf, "broken", white_level=None)
+    assert ids(run("sensors", "sony")) == ["sony-a57", "sony-a7s-ii"]
+
+
+def test_a_picture_is_of_one_sensor(tmp_path):
+    picture = tmp_path / "lights.png"
+    line = fails("sensors", "sony", "--plot", picture)
+    assert "the whole ID of a sensor, one of sony-a57, sony-a7s-ii" in line
+    line = fails("sensors", "--plot", picture)
+    assert line.endswith("the whole ID of a sensor") and not picture.exists()
 
 
 def test_broken_profiles_are_named_after_the_rest(shelf):
@@ -95,8 +143,8 @@ WORDS = {
     None: "-",
     (2854.9, 6502.2): "2855-6502 K",
     (5002.9, 5003.1): "5003 K",
-    (1e6 / 600, 3000): "<1667-3000 K",
-    (5000, 1e5): "5000->100000 K",
+    (1e6 / 600, 3000): "below 1667 to 3000 K",
+    (5000, 1e5): "5000 to above 100000 K",
 }
 
 
@@ -129,8 +177,62 @@ def test_values_of_large_repeats_are_shown_per_colour():
     assert sensor_text.per_site([1.0, 2.0, 3.0, 4.0], "RGGB") == "1 2 3 4"
 
 
-def test_a_narrow_terminal_drops_the_sources():
-    sensors = json.loads(run("sensors", "--json").out)["sensors"]
-    wide, narrow = sensor_text.table(sensors, 200), sensor_text.table(sensors, 110)
-    assert max(map(len, wide)) <= 200 and max(map(len, narrow)) <= 110
-    assert "sources" in wide[0] and "sources" not in narrow[0]
+def rendered(sensors, columns, **options):
+    """Return the lines of the terminal's table."""
+    console = Console(file=io.StringIO(), width=columns, markup=False, **options)
+    console.print(sensor_table.rich_table(sensors, columns))
+    return console.file.getvalue().splitlines()
+
+
+@pytest.fixture
+def sensors():
+    """Return the summaries of all sensors."""
+    return json.loads(run("sensors", "--json").out)["sensors"]
+
+
+@pytest.mark.parametrize("columns", [60, 80, 100, 132, 160, 250])
+def test_a_terminal_breaks_no_word(sensors, columns):
+    lines = rendered(sensors, columns)
+    shown = {word for line in lines for word in line.split()}
+    whole = [" ".join(sensor_table.row_of(sensor)) for sensor in sensors]
+    words = {word for text in (*whole, *sensor_table.HEAD) for word in text.split()}
+    assert max(map(len, lines)) <= columns
+    assert {word for word in shown if set(word) != {"\u2500"}} <= words
+    assert {sensor["id"] for sensor in sensors} <= shown
+
+
+def test_what_has_no_room_is_left_out(sensors):
+    heads = {
+        columns: rendered(sensors, columns)[0].split() for columns in (30, 80, 200)
+    }
+    assert heads[30] == ["id"] or heads[30] == ["id", "camera"]
+    assert heads[80] == ["id", "camera", "size", "CFA", "illuminants", "ISO"]
+    assert heads[200] == list(sensor_table.HEAD)
+
+
+def test_a_pipe_gets_a_line_for_each_sensor_and_no_escapes(sensors):
+    out = run("sensors").out
+    assert "\x1b" not in out and out.count("\n") == len(sensors) + 1
+    assert max(map(len, out.splitlines())) > 150  # sources are not cut
+
+
+def test_a_terminal_gets_the_table_in_its_width(monkeypatch, sensors):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stdout", terminal)
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert main(["sensors"]) == 0
+    assert (
+        "sources" not in terminal.getvalue() and "samsung-s20fe" in terminal.getvalue()
+    )
+
+
+def test_names_in_brackets_are_names(shelf):
+    put(shelf, "odd", model="Camera [bold] X")
+    found = json.loads(run("sensors", "odd", "--json").out)
+    [line] = [text for text in rendered([found], 200) if text.startswith("odd ")]
+    assert "Camera [bold] X" in line

@@ -222,7 +222,6 @@ BAD = [
     ({"digital_gain": "sample"}, {}, "upi"),
     ({"noise": "upi"}, {"iso": 100}, "leave iso"),
     ({}, {"iso": 100}, "no measured noise"),
-    ({}, {"illuminant": "A"}, "illuminant"),
     ({"sensor": "fujifilm-x-m1", "noise": "upi"}, {}, "Bayer"),
 ]
 

@@ -5,7 +5,7 @@
 
     python -m cg2raw.benchmark single --json single.jsonl
 
-A suite that was interrupted goes on where it stopped if --json names the same file."""
+A suite that was interrupted resumes where it stopped if --json names the same file."""
 
 import argparse
 import json

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from cg2raw import __version__
+from cg2raw.cli._completion import SHELLS, PrintCompletion
 from cg2raw.cli._messages import check_words, words_of
 
 
@@ -39,6 +40,12 @@ def make_parser() -> argparse.ArgumentParser:
         prog="cg2raw", description="CG images as the RAW of a chosen sensor."
     )
     parser.add_argument("--version", action="version", version=f"cg2raw {__version__}")
+    parser.add_argument(
+        "--print-completion",
+        action=PrintCompletion,
+        choices=SHELLS,
+        help="print the completion of a shell, which it evaluates",
+    )
     choices = parser.add_subparsers(metavar="COMMAND", required=True)
     for name, module in subcommands().items():
         first, _, rest = (module.__doc__ or "").partition("\n")

@@ -2,32 +2,22 @@
 # Copyright Contributors to the cg2raw Project.
 """Sensors and illuminants that a command line lists, to be combined with each other."""
 
-import difflib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from cg2raw import _core
 
 
-def load_one(id: str) -> _core.SensorProfile:
-    """Return the SensorProfile; an unknown id is told the closest one."""
-    installed = _core.installed_profiles()
-    if id in installed or "/" in id or id.endswith(".json"):
-        return _core.load_profile(id)
-    close = difflib.get_close_matches(id.lower(), installed, 1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    raise ValueError(
-        f'unknown sensor "{id}": {hint}installed: {", ".join(installed) or "none"}; '
-        "or give the path of a profile (.json)"
-    )
+def asked_sensors(
+    words: str, load: Callable[[str], _core.SensorProfile] = _core.load_profile
+) -> list[_core.SensorProfile]:
+    """Return the core profiles of "all" or of "id,id,path.json". Raises ValueError.
 
-
-def asked_sensors(words: str) -> list[_core.SensorProfile]:
-    """Return the core profiles of "all" or of "id,id,path.json". Raises ValueError."""
+    load : gives the profile of an id or path."""
     ids = _core.installed_profiles() if words == "all" else words.split(",")
     if not ids:
         folders = ":".join(_core.profile_folders()) or "no folder"
         raise ValueError(f"--sensors all: none in {folders}")
-    profiles = [load_one(id.strip()) for id in ids]
+    profiles = [load(id.strip()) for id in ids]
     refuse_twice("--sensors", [profile.id for profile in profiles])
     return profiles
 

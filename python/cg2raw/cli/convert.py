@@ -35,9 +35,9 @@ import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import number, whole
 from cg2raw.cli._outputs import each_file, outputs_of
-from cg2raw.cli._pairs import load_one
 
 if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.conversion import Request
@@ -67,8 +67,8 @@ def add_exposure(group: argparse._ArgumentGroup) -> None:
     add(
         "--illuminant",
         metavar="WORD",
-        help="A, D65, 3200K, sample:7, as-shot ...; estimate, estimate:mean, "
-        "estimate:max of spectral images",
+        help="A, D65, 3200K, sample:7, measured:7, as-shot ...; estimate, "
+        "estimate:mean, estimate:max of spectral images",
     )
     add("--iso", type=number(1, 1e7), metavar="ISO", help="adds noise of this ISO")
     add(
@@ -84,18 +84,14 @@ def add_exposure(group: argparse._ArgumentGroup) -> None:
         help="frame numbers: in names (default), inputs counted from --frame, or none",
     )
     add("--gain", type=gain, metavar="X", help="digital gain, 0.001 to 1000, or sample")
-    add(
-        "--convention",
-        choices=("dng", "paper", "sensor", "spectral"),
-        help="default: dng",
-    )
+    add_convention(group, default=None)
     add(
         "--highlights",
         action=argparse.BooleanOptionalAction,
         help="keep white white; default: yes",
     )
     add("--effects", choices=("profile", "none"), default="profile", help="of sensors")
-    add("--method", choices=("g2r", "upi"), default="g2r", help="default: g2r")
+    add_method(group)
 
 
 def add_picture(group: argparse._ArgumentGroup) -> None:
@@ -199,7 +195,6 @@ def request_of(arguments: argparse.Namespace) -> "Request":
     upi = upi_of(arguments) if check_method(arguments) else None
     sensor = None
     if arguments.sensor and not upi:
-        load_one(arguments.sensor)  # tells an unknown one the closest
         sensor = Sensor(arguments.sensor)
     return Request(
         sensor=sensor,
@@ -262,7 +257,6 @@ def upi_of(arguments: argparse.Namespace) -> "Upi":
     from cg2raw.cli._pairs import asked_sensors
     from cg2raw.upi import PAPER_SENSORS, Upi
 
-    load_one(arguments.sensor)
     matrices = list(PAPER_SENSORS)
     if arguments.upi_sensors:
         asked_sensors(arguments.upi_sensors)

@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_sensitivities(parser.add_argument_group("spectral sensitivities"))
     add("--plot", metavar="OUT.png", help="draw illuminants and sensitivities")
-    add("--skip-bad", action="store_true", help="go on without files that are no good")
+    add("--skip-bad", action="store_true", help="skip unreadable files")
     add("--json", action="store_true", help="the report as JSON, for programs")
     add("--quiet", action="store_true", help="no report, no progress")
 

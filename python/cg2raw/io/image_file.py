@@ -103,10 +103,12 @@ def read_plane(path: FilePath) -> FloatImage:
         return read_pixels(path, source, source.spec(), [0], None)[..., 0]
 
 
-def image_size(path: FilePath) -> tuple[int, int]:
-    """Return (H, W) of the picture at @path, by the headers. Raises ValueError."""
+def image_size(path: FilePath, layer: str | None = None) -> tuple[int, int]:
+    """Return (H, W) of the picture at @path, by the headers; layer : as of read_image.
+
+    Raises ValueError, OSError."""
     with contextlib.closing(opened(path)) as source:
-        _, spec = chosen_layer(path, source, None)
+        _, spec = chosen_layer(path, source, layer)
         return spec.full_height, spec.full_width
 
 

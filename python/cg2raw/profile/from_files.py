@@ -34,8 +34,8 @@ class BadFiles(ValueError):
         super().__init__(
             f"none of the {count} files can be used"
             if len(reasons) == count
-            else f"{len(reasons)} of {count} files cannot be used; --skip-bad goes on "
-            "without them"
+            else f"{len(reasons)} of {count} files cannot be used; --skip-bad leaves "
+            "them out"
         )
 
 
@@ -67,7 +67,7 @@ def profile_from_files(
     """Return what RAW files of one camera, DNGs or others, make: a Made.
 
     id, make, model : stand in for those of the files.
-    skip_bad : go on without files that cannot be read, and say so.
+    skip_bad : skip unreadable files, and say which.
     progress : wraps the paths while they are read.
     Raises BadFiles, or ValueError if the files are not of one camera and kind."""
     paths, notes = distinct(paths)

@@ -9,19 +9,17 @@ from typing import Any
 import numpy as np
 
 from cg2raw.io.atomic_file import FilePath
+from cg2raw.near_words import CIE_LAMPS, FORMS, did_you_mean, near_illuminants
 from cg2raw.profile.spectral_file import WAVELENGTHS, Array, check_cover, read_power
 
 # Lights that cameras meet, for a distribution of neutrals without a photograph: black
-# bodies (candle to halogen), CIE A, phases of daylight, the CIE's fluorescent, LED and
-# high pressure lamps. Source: CIE 015, tables 10 and 12; ISO 11664-2.
+# bodies (candle to halogen), CIE A, phases of daylight, the CIE's lamps. Source:
+# CIE 015; ISO 11664-2.
 REAL_LIGHTS = (
     *(f"{kelvin}K" for kelvin in range(2000, 4000, 250)),
     "A",
     *(f"D{kelvin}K" for kelvin in range(4000, 10001, 500)),
-    *(f"FL{number}" for number in range(1, 13)),
-    *(f"LED-B{number}" for number in range(1, 6)),
-    *("LED-BH1", "LED-RGB1", "LED-V1", "LED-V2"),
-    *(f"HP{number}" for number in range(1, 6)),
+    *CIE_LAMPS,
 )
 GRAMMAR = (
     "a name in colour-science's CIE and ISO tables (A, D65, FL2, LED-B3, HP2 ...), "
@@ -45,10 +43,16 @@ def illuminant_spectrum(light: FilePath) -> Array:
     import colour
 
     if light not in colour.SDS_ILLUMINANTS:
-        raise ValueError(f"light {light!r} is unknown; it may be {GRAMMAR}")
+        raise ValueError(f"light {light!r} is unknown; {_hint(light)}")
     table = colour.SDS_ILLUMINANTS[light]
     check_cover(f"light {light!r}", table.wavelengths)
     return _on_grid(table.wavelengths, table.values)
+
+
+def _hint(light: str) -> str:
+    """Return the names that a light may have been meant to have, else the grammar."""
+    near = [word for word in near_illuminants(light) if word not in FORMS]
+    return did_you_mean(near) if near else f"it may be {GRAMMAR}"
 
 
 def _of_temperature(light: str, daylight: bool, kelvin: float) -> Array:

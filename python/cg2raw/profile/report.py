@@ -29,7 +29,10 @@ def missing(facts: Mapping[str, Any]) -> list[str]:
     isos = facts["noise"]["iso"]
     lines = [] if is_mono(facts["cfa"]) else missing_colors(facts)
     if not isos:
-        lines.append("noise: frames are clean, an ISO is an error; give --iso-noise")
+        lines.append(
+            "noise: frames are clean, an ISO is an error; give --iso-noise, or measure "
+            "it from darks and flats by cg2raw calibrate"
+        )
     elif isos[0] == isos[1]:
         lines.append(
             f"noise at a second ISO: only ISO {isos[0]:g} can be simulated; give files "

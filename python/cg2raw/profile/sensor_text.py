@@ -1,84 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Sensors as text: a table of many, all of one."""
+"""All that is known of one sensor, as text."""
 
-import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cg2raw.cfa import is_mono, sites_of
 from cg2raw.profile.sensitivity_text import sensitivity_fields
-from cg2raw.profile.summary import cfa_word, iso_words, kelvin_words, neutral_words
+from cg2raw.profile.summary import iso_words, neutral_words
 
 Summary = Mapping[str, Any]  # as summary() makes it
 
-HEAD = (
-    "id", "camera", "size", "CFA", "bits", "illuminants", "ISO", "matrices", "sources",
-)  # fmt: skip
 LEVELS = ("cfa", "width", "height", "bits", "black_level", "white_level")
-GAP = "  "
+NO_NOISE = "none: cg2raw calibrate measures it from darks and flats"
 FIELD = 26  # columns of a field's name
-
-
-def table(found: Sequence[Summary], columns: int | None = None) -> list[str]:
-    """Return the lines of a table of summaries. At @columns the sources are cut, then
-    the cameras' names; None: nothing is."""
-    rows = [HEAD, *map(row_of, found)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    if columns is not None:
-        room = columns - sum(widths[:-1]) - len(GAP) * (len(HEAD) - 1)
-        widths[1] = max(12, min(widths[1], widths[1] + room))
-        widths[-1] = max(0, room)
-    return [
-        GAP.join(
-            shortened(cell, width).ljust(width)
-            for cell, width in zip(row, widths, strict=True)
-        ).rstrip()
-        for row in rows
-    ]
-
-
-def row_of(sensor: Summary) -> tuple[str, ...]:
-    """Return the cells of one summary."""
-    return (
-        sensor["id"],
-        sensor["camera"],
-        f"{sensor['width']}x{sensor['height']}",
-        cfa_word(sensor["cfa"]),
-        str(sensor["bits"]),
-        light_words(sensor),
-        iso_words(sensor["noise"]),
-        ", ".join(c["light_source"] for c in sensor["calibrations"]),
-        short_sources(sensor["sources"]),
-    )
-
-
-def light_words(sensor: Summary) -> str:
-    """Return the range of the illuminants that sample:n draws; "locus" where these are
-    black bodies between the calibration illuminants, "any" of a monochrome sensor."""
-    if is_mono(sensor["cfa"]):
-        return "any"
-    cct = sensor["illuminants"]["cct"]
-    if not cct and len(sensor["calibrations"]) == 2:
-        return "locus"
-    return kelvin_words(cct)
-
-
-def shortened(text: str, width: int) -> str:
-    """Return @text in @width columns; dots stand for what does not fit."""
-    if len(text) <= width:
-        return text
-    return text[: width - 3].rstrip() + "..." if width > 3 else ""
-
-
-def short_sources(sources: Mapping[str, str]) -> str:
-    """Return in a few words where colour, illuminants and noise are from: what leads
-    each source."""
-    keys = ("color_matrix_1", "color_matrix", "illuminants", "noise")
-    texts = [sources[key] for key in keys if key in sources]
-    heads = [re.split(r"[:;,(]", text)[0].strip() for text in texts]
-    return "; ".join(dict.fromkeys(filter(None, heads)))
 
 
 def details(sensor: Summary, columns: int, encoding: str = "utf-8") -> list[str]:
@@ -209,7 +145,7 @@ def noise_fields(noise: Mapping[str, Any], cfa: str) -> list[tuple[str, str]]:
         for row in noise["rows"]
     ]
     if not rows:
-        return [("noise", "none")]
+        return [("noise", NO_NOISE)]
     drawn = ("noise drawn by", ", ".join(noise["effects"]))
     return [*rows, ("iso", iso_words(noise)), drawn]
 

@@ -103,16 +103,19 @@ def cfa_word(cfa: str) -> str:
 
 
 def kelvin_words(cct: Sequence[float] | None) -> str:
-    """Return "2700-7500 K", one temperature if they are alike, "-" for None."""
+    """Return "2700-7500 K", one temperature if they are alike, "-" for None.
+
+    Where one is beyond Robertson's table: "below 1667 to 3630 K"."""
     if cct is None:
         return "-"
     low, high = (kelvin_word(kelvin) for kelvin in cct)
-    return f"{low} K" if low == high else f"{low}-{high} K"
+    between = " to " if " " in low + high else "-"
+    return f"{low} K" if low == high else f"{low}{between}{high} K"
 
 
 def kelvin_word(kelvin: float) -> str:
-    """Return one temperature; < and > where it is beyond Robertson's table."""
-    beyond = "<" * (kelvin <= LEAST_CCT) + ">" * (kelvin >= MOST_CCT)
+    """Return one temperature; that it is below or above Robertson's table."""
+    beyond = "below " * (kelvin <= LEAST_CCT) + "above " * (kelvin >= MOST_CCT)
     return f"{beyond}{kelvin:.0f}"
 
 

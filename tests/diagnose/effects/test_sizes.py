@@ -12,7 +12,7 @@ from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.effects.lens_shading import CORNERS, corner_losses
 from cg2raw.diagnose.likelihood.prediction import predict
-from diagnose.planted import capture_of, frames_of, model_of, sensor_of
+from diagnose.planted import FULL_WELL, capture_of, frames_of, model_of, sensor_of
 
 # Of a lens that is not round.
 SHADING = (-0.2, 0.05, -0.03, 0.04, -0.02, 0.03, 0.01, *np.linspace(-0.05, 0.06, 20))
@@ -56,3 +56,51 @@ def test_offsets_are_said_in_dn():
     numbers = [float(text) for text in re.findall(r"[RGB] ([+-][\d.]+) DN", words)]
     assert numbers == pytest.approx(np.array([0.01, -0.02, 0, 0.005]) * span, rel=1e-3)
     assert f"({0.009 * span:.4g} to {0.011 * span:.4g})" in words
+
+
+@pytest.mark.parametrize(
+    ("gains", "words"),
+    [
+        ({"r2": 0.08}, ["gains", "8 %"]),
+        ({"r2": -0.08}, ["loses", "8 %"]),
+        ({"r2": 0.01, "tilt_x": 0.05}, ["loses", "-5.16 %", "a corner gains"]),
+    ],
+)
+def test_corners_that_are_brighter_than_the_middle_gain(gains, words):
+    """No corner is told a loss of minus something where all of them gain."""
+    zeros = dict.fromkeys(effect("lens_shading").parameters, 0.0)
+    values = estimates("lens_shading", ({**zeros, **gains}).values())
+    for said in (
+        effect("lens_shading").size(values),
+        effect("lens_shading").size_on(values, sensor_of(width=600, height=400)),
+    ):
+        assert [word in said for word in words] == [True] * len(words), said
+        assert ("-" in said) == ("a corner gains" in words), said
+        assert [corner in said for corner in CORNERS] == [True] * 4
+
+
+OF_WHITE = {
+    "dsnu": "sigma",
+    "column_fixed_pattern": "sigma",
+    "row_noise": "sigma",
+    "black_level_drift": "sigma",
+    "amplifier_glow": "per_second",
+    "random_telegraph_noise": "amplitude",
+    "dark_current_nonuniformity": "sigma",
+}
+
+
+@pytest.mark.parametrize("name", OF_WHITE)
+def test_shares_of_white_are_said_in_dn_and_electrons(name):
+    sensor, several = sensor_of(), Sensor("canon-70d")
+    values = {OF_WHITE[name]: Estimate(2e-4, "1", (1e-4, 3e-4))}
+    for camera, electrons in ((sensor, f", {2e-4 * FULL_WELL:.4g} e-"), (several, "")):
+        dn = 2e-4 * (camera.white_level - camera.black_level[0])
+        words = effect(name).size_on(values, camera)
+        assert f"{dn:.4g} DN{electrons} (0.0002 of white)" in words
+    assert "0.0002 of white" in effect(name).size(values)
+
+
+def test_gains_of_pixels_are_no_share_of_white():
+    values = {"sigma": Estimate(0.006, "1", (0.005, 0.007))}
+    assert effect("prnu").size(values) == "standard deviation 0.6 % of the signal"

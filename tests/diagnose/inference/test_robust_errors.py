@@ -122,3 +122,30 @@ def test_patches_of_a_chart_are_a_place_each(tmp_path):
     patches = {len(frame.signal) for frame in fitted}
     assert {round(found.places)} == patches
     assert (found.errors > 0).all()
+
+
+def test_columns_of_frames_of_another_width_are_others():
+    """As of a masked border beside its frame, of which a tile lies at the origin, too:
+    what maps do to the scores of both is the sum of what they do to those of each."""
+    frames = frames_of(SENSOR, captures_of(("dark", "dark")))
+    narrow = captures_of(("dark", "dark"), shape=(64, 48))
+    frames += frames_of(SENSOR, narrow)
+    assert len({frame.tiles.origins.tobytes() for frame in frames}) == 1
+    sigma = 2 * np.sqrt(frames[0].beta2.mean())
+
+    def columns(frame, _):
+        width = frame.signal.shape[-1]
+        return sigma * np.random.default_rng(width).standard_normal(width)
+
+    shown = drawn(frames, model_of(SENSOR), 5, extra=columns)
+    model = model_of(SENSOR, black_level=[0.0] * 4, column_fixed_pattern=[sigma])
+    model, by_maps = fit(model, on(shown)), {}
+    for name, some in {"both": shown, "wide": shown[:2], "narrow": shown[2:]}.items():
+        base = Linearisation(model, on(some))
+        _, score, information = base.system(model)
+        found = covariances(base, score, information)
+        drawn_maps = found.expected - found.by_noise
+        by_maps[name] = information @ drawn_maps @ information
+    assert all(np.diag(by_maps[name]).min() > 0 for name in ("wide", "narrow"))
+    parts = by_maps["wide"] + by_maps["narrow"]
+    np.testing.assert_allclose(by_maps["both"], parts, rtol=1e-6)

@@ -249,7 +249,7 @@ def test_without_a_power_limit_the_frames_cannot_show_it(diagnosis, figures):
 def test_a_parameter_on_its_bound_has_an_interval_without_width(diagnosis, figures):
     path = ("effects", 0, "parameters", "r6")
     stuck = with_leaf(diagnosis, path, Estimate(0.25, "1", (0.25, 0.25)))
-    assert "0.2500 0.250 to 0.250 1" in Page(render(stuck, figures)).text
+    assert "0.2500 0.250 to 0.250 relative" in Page(render(stuck, figures)).text
 
 
 def test_one_file_without_network_or_script(folder):

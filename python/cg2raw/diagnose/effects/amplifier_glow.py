@@ -10,8 +10,9 @@ from scipy.optimize import minimize
 
 from cg2raw.diagnose.effects.base import Effect, Estimates, Predicted, Values
 from cg2raw.diagnose.effects.families import PEDESTAL, TIME
-from cg2raw.diagnose.effects.sizes import value_of
+from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.tiling import Array, Tiling
+from cg2raw.sensor import Sensor
 
 PLACES = [place for place in product((-1.0, 0.0, 1.0), repeat=2) if any(place)]
 EXTENTS = (0.1, 0.25, 0.6)  # half diagonals, that are tried first
@@ -77,12 +78,20 @@ class AmplifierGlow(Effect):
         return np.array([glow(found.x)[1], row, column, np.exp(log_extent)])
 
     def size(self, values: Estimates) -> str:
+        return self.words(values, None)
+
+    def size_on(self, values: Estimates, sensor: Sensor) -> str:
+        return self.words(values, sensor)
+
+    def words(self, values: Estimates, sensor: Sensor | None) -> str:
+        """Return rate, place and extent; the rate in the units of a sensor."""
+        rate = of_white(value_of(values, "per_second"), sensor)
         places = (value_of(values, "row"), value_of(values, "column"))
         down, across = (f"{place:+.2f}" for place in places)
         return (
-            f"{value_of(values, 'per_second'):.4g} of white per second at row {down}, "
-            f"column {across} (-1 and +1 at the edges), less by a factor e every "
-            f"{value_of(values, 'extent'):.3g} half diagonals"
+            f"{rate} per second at row {down}, column {across} (-1 and +1 at the "
+            f"edges), less by a factor e every {value_of(values, 'extent'):.3g} half "
+            "diagonals"
         )
 
 

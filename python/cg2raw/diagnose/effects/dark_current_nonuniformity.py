@@ -11,9 +11,10 @@ from scipy.stats import norm
 from cg2raw.diagnose.effects.base import NORMAL_95, Estimates, Parameter, SensorMap
 from cg2raw.diagnose.effects.families import PEDESTAL, TEMPORAL, TIME
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
-from cg2raw.diagnose.effects.sizes import value_of
+from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 
 class DarkCurrentNonuniformity(FixedPattern):
@@ -78,11 +79,9 @@ class DarkCurrentNonuniformity(FixedPattern):
         assert sensor_map is not None
         return {name: sensor_map.law[name] for name in ("rate", "log_sigma")}
 
-    def size(self, values: Estimates) -> str:
-        return (
-            f"the rates of pixels differ by {value_of(values, 'sigma'):.4g} of white "
-            "per second"
-        )
+    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+        sigma = of_white(value_of(values, "sigma"), sensor)
+        return f"the rates of pixels differ by {sigma} per second"
 
 
 EFFECT = DarkCurrentNonuniformity()

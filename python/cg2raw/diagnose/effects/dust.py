@@ -16,6 +16,7 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
 from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.sensor import Sensor
 
 # Standard deviation, px, that the map of spots is smoothed by: smaller ones are pixels.
 SPOT_WIDTH = 1.5
@@ -60,7 +61,7 @@ class Dust(FixedPattern):
             "radius": _mean_of(spots.radii, "px"),
         }
 
-    def size(self, values: Estimates) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
         return f"spots shade {percent(value_of(values, 'sigma'))} rms of the frame"
 
 

@@ -25,7 +25,7 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.effects.families import TEMPORAL
 from cg2raw.diagnose.effects.profile_entries import listed_parameters
 from cg2raw.diagnose.effects.registry import registered
-from cg2raw.diagnose.effects.sizes import value_of
+from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.response import Response
@@ -159,13 +159,18 @@ class FixedPattern(Effect):
         """With what the profile says, if it says anything."""
         stated = listed_parameters(sensor, self.name)
         if stated is None:
-            return self.size(values)
+            return self.size_in(values, sensor)
         said, unit = self.strength_of(stated), self.units[0]
         of_profile = {self.parameters[0]: Estimate(said, unit, (said, said))}
-        return f"{self.size(values)}; by the profile, {self.size(of_profile)}"
+        found, by_profile = (self.size_in(v, sensor) for v in (values, of_profile))
+        return f"{found}; by the profile, {by_profile}"
 
     def size(self, values: Estimates) -> str:
-        return f"standard deviation {value_of(values, 'sigma'):.4g} of white"
+        return self.size_in(values, None)
+
+    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+        """Return the same in the units of a sensor, if it is known."""
+        return f"standard deviation {of_white(value_of(values, 'sigma'), sensor)}"
 
 
 def share_interval(value: float, pixels: float) -> tuple[float, float]:

@@ -14,6 +14,7 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
 from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 HOT_PIXELS = "hot_pixels"
 
@@ -66,7 +67,7 @@ class HotPixels(FixedPattern):
             rate = law.mean_of_few
         return {**estimates, "rate": Estimate(rate, "1/s", (rate, rate))}
 
-    def size(self, values: Estimates) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
         return f"{percent(value_of(values, 'fraction'))} of the pixels are hot"
 
 

@@ -3,6 +3,7 @@
 
 """Lens shading: light falls off towards the corners."""
 
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
@@ -75,17 +76,10 @@ class LensShading(Effect):
         return None
 
     def size(self, values: Estimates) -> str:
-        loss = max(corner_losses(values, SHAPE))
-        verb = "loses" if loss >= 0 else "gains"
-        return f"the lens {verb} {percent(abs(loss))} at the darkest corner"
+        return corner_words(corner_losses(values, SHAPE))
 
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
-        losses = corner_losses(values, (sensor.height, sensor.width))
-        listed = ", ".join(
-            f"{corner} {percent(loss)}"
-            for corner, loss in zip(CORNERS, losses, strict=True)
-        )
-        return f"the lens loses light in the corners: {listed}"
+        return corner_words(corner_losses(values, (sensor.height, sensor.width)))
 
     def curve(
         self, values: Values, estimates: Estimates, measured: MeasuredRatio
@@ -117,6 +111,18 @@ def _turning(name: str, u: Array, v: Array, over: int = 0) -> Array:
     power, angles, wave = TURNING[name]
     turned = {"cos": np.cos, "sin": np.sin}[wave](angles * np.arctan2(v, u))
     return np.asarray(np.hypot(u, v) ** (power - over) * turned)
+
+
+def corner_words(losses: Sequence[float]) -> str:
+    """Return what the CORNERS lose or gain, each of them."""
+    gains = max(losses) < 0
+    verb = "gains" if gains else "loses"
+    listed = ", ".join(
+        f"{corner} {percent(-loss if gains else loss)}"
+        for corner, loss in zip(CORNERS, losses, strict=True)
+    )
+    more = "; below 0, a corner gains" if min(losses) < 0 <= max(losses) else ""
+    return f"the lens {verb} light in the corners: {listed}{more}"
 
 
 def corner_losses(values: Estimates, shape: tuple[int, int]) -> list[float]:

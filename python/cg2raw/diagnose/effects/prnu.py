@@ -5,10 +5,13 @@
 
 import numpy as np
 
+from cg2raw.diagnose.effects.base import Estimates
 from cg2raw.diagnose.effects.families import LIGHT_AGAIN
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 
 class Prnu(FixedPattern):
@@ -24,6 +27,9 @@ class Prnu(FixedPattern):
         "lens_shading": 0.01,
         "gr_gb_imbalance": 0.003,
     }
+
+    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+        return f"standard deviation {percent(value_of(values, 'sigma'))} of the signal"
 
     def sensitivity(self, frame: Frame, photons: Array) -> Array:
         """Charge that gathers without light is none of a pixel's gain."""

@@ -15,10 +15,11 @@ from cg2raw.diagnose.effects.base import (
 from cg2raw.diagnose.effects.families import TEMPORAL
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
 from cg2raw.diagnose.effects.mixture import normal_score
-from cg2raw.diagnose.effects.sizes import percent, value_of
+from cg2raw.diagnose.effects.sizes import of_white, percent, value_of
 from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.sensor import Sensor
 
 LEAST = 1e-12
 
@@ -86,10 +87,11 @@ class RandomTelegraphNoise(FixedPattern):
         error = self.standard_errors(np.array([value, 1.0]), sensor_map)[0]
         return share_interval(value, max(value, LEAST) / error**2)
 
-    def size(self, values: Estimates) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+        amplitude = of_white(value_of(values, "amplitude"), sensor)
         return (
             f"{percent(value_of(values, 'fraction'))} of the pixels jump by "
-            f"{value_of(values, 'amplitude'):.3g} of white on average"
+            f"{amplitude} on average"
         )
 
 

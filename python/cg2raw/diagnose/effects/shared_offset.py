@@ -22,7 +22,7 @@ from cg2raw.diagnose.effects.base import (
 )
 from cg2raw.diagnose.effects.families import TEMPORAL
 from cg2raw.diagnose.effects.profile_entries import listed_values
-from cg2raw.diagnose.effects.sizes import value_of
+from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.shrinkage import GroupCovariance
@@ -108,4 +108,7 @@ class SharedOffset(Effect):
         return listed[0] if listed else 0.0
 
     def size(self, values: Estimates) -> str:
-        return f"standard deviation {value_of(values, 'sigma'):.4g} of white"
+        return f"standard deviation {of_white(value_of(values, 'sigma'), None)}"
+
+    def size_on(self, values: Estimates, sensor: Sensor) -> str:
+        return f"standard deviation {of_white(value_of(values, 'sigma'), sensor)}"

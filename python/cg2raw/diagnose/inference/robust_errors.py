@@ -155,11 +155,12 @@ def _spread_of_maps(base: Linearisation, count: int) -> Array:
         if effect.layout not in ("pixels", "columns"):
             continue
         labels = _columns if effect.layout == "columns" else _pixels
-        sums: dict[bytes, Array] = defaultdict(lambda: np.zeros(()))
+        sums: dict[object, Array] = defaultdict(lambda: np.zeros(()))
         products = base.sums_along(effect.shown, labels)
         for frame, found in zip(base.likelihood.frames, products, strict=True):
-            tiles = frame.tiles.origins.tobytes()
-            sums[tiles] = sums[tiles] + found
+            tiles = frame.tiles
+            place = tiles.shape, tiles.size, tiles.origins.tobytes()
+            sums[place] = sums[place] + found
         for total in sums.values():
             spread += float(term.values[0]) ** 2 * total @ total.T
     return spread

@@ -66,8 +66,8 @@ def frame(picture: Picture, index: int, reduction: int) -> Frame:
     gain = display_gain(np.asarray(picture.measured) * balance)
     signals = (
         ("measured", "Measured", picture.measured),
-        ("before", "Simulated before", picture.before),
-        ("after", "Simulated after", picture.after),
+        ("before", "Simulated mean before, without noise", picture.before),
+        ("after", "Simulated mean after, without noise", picture.after),
     )
     residuals = (
         ("z_before", "Residual before", picture.z_before),

@@ -163,7 +163,7 @@ def parameters(effect: Finding) -> list[Row]:
                 "name": name,
                 "value": value,
                 "interval": interval,
-                "unit": parameter.unit,
+                "unit": words.unit(parameter.unit) or "relative",
             }
         )
     return rows

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Write docs/profile.md and python/cg2raw/profile/schema_1.json: what a profile is."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from profile_schema import schema
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = "docs/profile.md"
+SCHEMA = "python/cg2raw/profile/schema_1.json"
+INTRO = """# The profile of a sensor
+
+A sensor is one JSON file: give its path where a sensor is asked for, or put it into a
+folder that `CG2RAW_PROFILE_PATH` names. `cg2raw profile` makes one of a camera's files,
+`cg2raw calibrate` ([calibrate.md](calibrate.md)) measures its noise, and
+`cg2raw diagnose` adds what is missing. This page and the JSON Schema
+(`python/cg2raw/profile/schema_1.json`) are written by `scripts/profile_page.py`.
+
+Editors that know JSON Schema complete fields and mark errors with it:
+
+    cg2raw sensors --schema > cg2raw-profile.schema.json
+
+A field that is not in the table is an error, and so is one that is there twice;
+`null` is as if it were left out. Beyond the schema, the reader checks what fields are
+to each other: black below white, white within `bits`, ISOs that rise, matrices that
+have an inverse and see white. Parameters of effects are checked when they are
+simulated. Names of lights may be in either case; the schema has them as they are
+written.
+"""
+OUTRO = """## A small one
+
+```json
+{
+  "schema": 1,
+  "id": "my-camera", "make": "Maker", "model": "Model",
+  "unique_camera_model": "Maker Model",
+  "sources": {"color_matrix_1": "its DNGs", "noise": "darks and flats of 2026"},
+  "cfa": "RGGB", "width": 6000, "height": 4000, "bits": 14,
+  "black_level": 512, "white_level": 16383,
+  "calibration_illuminant_1": "D65",
+  "color_matrix_1": [0.70, -0.17, -0.08, -0.81, 1.57, 0.25, -0.09, 0.09, 0.79],
+  "noise": [{"iso": 100, "beta1": 2.5e-5, "beta2": 4e-8}],
+  "effects": [{"name": "prnu", "parameters": {"sigma": 0.005}}]
+}
+```
+
+`beta1` is the signal of one electron, and `beta2` the variance of the read noise,
+both as shares of the range from black to white. All effects and their parameters:
+[effects.md](effects.md).
+"""
+
+
+def needed(name, whole):
+    """Return when a field must be there."""
+    if name in whole["required"]:
+        return "yes"
+    if name in ("calibration_illuminant_1", "color_matrix_1"):
+        return "but for `mono`"
+    return "with `color_matrix_2`" if name == "calibration_illuminant_2" else ""
+
+
+def value_words(field):
+    """Return in a few words what a field holds."""
+    kinds = {"string": "text", "object": "object", "number": "number"}
+    if "const" in field:
+        return str(field["const"])
+    if "enum" in field:
+        return "a light"
+    if "anyOf" in field:
+        return "number or numbers"
+    if "oneOf" in field:
+        return "object"
+    if field["type"] == "integer":
+        return f"{field['minimum']} to {field['maximum']}"
+    if field["type"] == "array":
+        count = field.get("minItems")
+        return f"{count} values" if count else "list of objects"
+    return kinds[field["type"]]
+
+
+def page():
+    """Return the page's text."""
+    whole = schema()
+    rows = ["| field | needed | value | |", "|---|---|---|---|"]
+    for name, field in whole["properties"].items():
+        cells = (f"`{name}`", needed(name, whole), value_words(field))
+        rows.append(f"| {' | '.join(cells)} | {field['description']} |")
+    lights = whole["properties"]["calibration_illuminant_1"]["enum"]
+    named = f"Calibration illuminants: {', '.join(f'`{name}`' for name in lights)}."
+    return "\n\n".join([INTRO.rstrip(), "\n".join(rows), named, OUTRO.rstrip()]) + "\n"
+
+
+def main():
+    """Write or check the page and the schema; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--check", action="store_true", help="write nothing")
+    parser.add_argument("root", nargs="?", default=ROOT, type=Path)
+    arguments = parser.parse_args()
+    texts = {PAGE: page(), SCHEMA: json.dumps(schema(), indent=1) + "\n"}
+    old = []
+    for name, text in texts.items():
+        path = arguments.root / name
+        if not arguments.check:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        elif not path.exists() or path.read_text() != text:
+            old.append(name)
+    for name in old:
+        print(f"{name} is not up to date: run scripts/profile_page.py")
+    return 1 if old else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
