@@ -21,6 +21,7 @@ from studies.results import (
     add,
     fingerprint,
     read_results,
+    set_aside,
     use,
     write_results,
 )
@@ -157,7 +158,8 @@ def prepared(given: argparse.Namespace, luxpy: Path | None) -> Run:
     expected = {**fingerprint(world), "mode": given.mode}
     results, differs = read_results(given.out, expected)
     if differs:
-        warn(f"{given.out}: earlier results differ in {', '.join(differs)}: left out")
+        kept = set_aside(given.out)
+        warn(f"earlier results differ in {', '.join(differs)}: they are in {kept} now")
     run = Run(world, given.mode, results, given.out, warn)
     if given.renders is not None:
         renders = read_renders(given.renders, PROTOCOL.scene)

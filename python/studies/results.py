@@ -80,6 +80,16 @@ def read_results(folder: Path, expected: dict[str, str]) -> tuple[Results, list[
     return (empty, differs) if differs else ({**found, "cameras": cameras}, [])
 
 
+def set_aside(folder: Path) -> Path:
+    """Rename results of another fingerprint, so that no run writes over them.
+
+    Return the new path."""
+    path = folder / FILE
+    kept = path.with_name(f"{path.stem}-{file_hash([path])}{path.suffix}")
+    path.rename(kept)
+    return kept
+
+
 def add(results: Results, camera: Camera, study: str, entry: Any) -> None:
     """Put a study's entry of a camera into results, in place of an earlier one.
 

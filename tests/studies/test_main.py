@@ -133,7 +133,9 @@ def test_one_camera_from_end_to_end(short, camera_data, tmp_path, capsys):
     both = run("colour", "--cameras", "sony-a7s-ii").out
     assert "| day | nikon-d40 | sony-a7s-ii |" in both
     other = run("classical", "--cameras", "nikon-d40", "--full")
-    assert "earlier results differ in mode" in other.err
+    assert "earlier results differ in mode: they are in" in other.err
+    (kept,) = tmp_path.glob("results-*.json")
+    assert "colour" in json.loads(kept.read_text())["cameras"]["sony-a7s-ii"]["studies"]
     assert "Colour" not in other.out
 
 

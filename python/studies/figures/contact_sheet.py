@@ -37,8 +37,10 @@ def scene_pictures(world: World, camera: Camera) -> dict[str, Pictures]:
     return found
 
 
-def contact_sheet(pictures: Mapping[str, Pictures]) -> bytes:
-    """Return the PNG of {title: pictures}: a row each."""
+def contact_sheet(pictures: Mapping[str, Pictures], colors: int | None = None) -> bytes:
+    """Return the PNG of {title: pictures}: a row each.
+
+    colors : of the PNG, fewer for a smaller file; None keeps all."""
     height, width = next(iter(pictures.values()))[0].shape[:2]
     down, across = SCALE * height + GAP, SCALE * width + GAP
     columns = max(map(len, pictures.values()))
@@ -52,4 +54,4 @@ def contact_sheet(pictures: Mapping[str, Pictures]) -> bytes:
                     axes.set_ylabel(title)
 
     size = LABELS + columns * across - GAP, len(pictures) * down - GAP
-    return drawn(size[1] / DPI, draw, size[0] / DPI, colors=None)
+    return drawn(size[1] / DPI, draw, size[0] / DPI, colors=colors)

@@ -63,7 +63,7 @@ def figures_of_world(
         pngs["isp"] = isp_panels(isp_examples(draw, made))
     if "denoising" in studies:
         made = sources_of(run, LEARNED["denoising"], draw)
-        pngs["night"] = contact_sheet(night_examples(draw, made))
+        pngs["night"] = contact_sheet(night_examples(draw, made), colors=256)
     return pngs
 
 
