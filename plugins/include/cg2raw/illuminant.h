@@ -22,11 +22,12 @@ struct Illuminant {
 };
 
 /// The illuminant that @p spec names ("A", "D65", "3200K", "xy:0.3457:0.3585",
-/// "neutral:0.55:0.45", "sample:7", "measured:7", "as-shot", "FL2" or "lamp:my-lamp", lamps that the
-/// profile lists; the name of such a lamp comes before its other meanings); @p as_shot
-/// is the reference DNG's neutral, if there is one. sample:n and measured:n are pure
-/// functions of profile and n. A monochrome sensor sees 1 of each light, needs no word, and has
-/// nothing to sample. Throws Error that lists the grammar.
+/// "neutral:0.55:0.45", "sample:7", "measured:7", "as-shot", "FL2" or "lamp:my-lamp",
+/// lamps that the profile lists; the name of such a lamp comes before its other
+/// meanings); @p as_shot is the reference DNG's neutral, if there is one. sample:n and
+/// measured:n are pure functions of profile and n. A monochrome sensor sees 1 of each
+/// light, needs no word, and has nothing to sample. Throws Error that lists the
+/// grammar.
 Illuminant illuminant(const SensorProfile& profile, std::string_view spec,
                       const std::optional<Vec3>& as_shot = std::nullopt);
 
