@@ -98,7 +98,7 @@ def test_the_option_plot(tmp_path, command):
     assert run(*command, "--plot", out).code == 0
     assert out.read_bytes().startswith(PNG)
     assert "must end in .png" in fails(*command, "--plot", tmp_path / "lights.pdf")
-    assert "needs the ID" in fails("sensors", "--plot", out)
+    assert "needs the whole ID" in fails("sensors", "--plot", out)
 
 
 def test_a_new_profile_is_drawn_with_it(tmp_path):

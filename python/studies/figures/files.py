@@ -20,7 +20,7 @@ from studies.results import Results
 from studies.sources.sets import Draw
 from studies.tables_of_results import entries_of, ready
 
-COMPARED = ("illuminant", "isp", "denoising")
+COMPARED = ("illuminant", "light_draws", "isp", "denoising")
 
 
 def figures_of_results(results: Results) -> dict[str, bytes]:

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
 
+DEGREES = {  # studies of angular errors, as the figure calls them
+    "illuminant": "illuminant",
+    "light_draws": "illuminant, how lights are drawn",
+}
 PANEL, LABELS = 2.6, 1.9  # inches: a panel's width, names of sources
 BAR, AROUND = 0.17, 0.85  # inches: a bar with its gap, a panel's title and axis
 
@@ -34,8 +38,12 @@ def rows_of(studies: Mapping[str, Mapping[str, Any]]) -> Iterator[Row]:
     """Yield the Rows of {study: {camera: entry}}, entries as results.json has them."""
     for name, found in studies.items():
         study = name.partition(", ")[0]
-        if study == "illuminant":
-            yield Row(name, "degrees more than real", dict(found))
+        if study in DEGREES:
+            yield Row(
+                DEGREES[study] + name.removeprefix(study),
+                "degrees more than real",
+                dict(found),
+            )
         elif study == "isp":
             values = {camera: measured(e, "difference") for camera, e in found.items()}
             yield Row(name, "CIEDE2000 more than real", values)
