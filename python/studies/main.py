@@ -15,7 +15,7 @@ from studies.docs_page import update_page
 from studies.draws import JUDGE, LEARNED, RENDERS, Run, go_on
 from studies.figures.files import figures_of_results, figures_of_world, write_figures
 from studies.mitsuba_judge.folder import PATTERN, judge_frames
-from studies.places import LUXPY_VARIABLE, data_folder, luxpy_folder
+from studies.places import LUXPY_VARIABLE, data_folder, files_hash, luxpy_folder
 from studies.protocol import PROTOCOL
 from studies.results import (
     add,
@@ -25,7 +25,7 @@ from studies.results import (
     use,
     write_results,
 )
-from studies.sources.renders import files_hash, read_renders
+from studies.sources.renders import read_renders
 from studies.tables_of_results import tables_by_study, together
 from studies.tasks.classical import classical
 from studies.tasks.colour import colour

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Where the studies' data lie: luxpy's data files and the camera data of the tests."""
+"""Where the studies' data lie, luxpy's files and the camera data of the tests, and what
+files hold."""
 
+import hashlib
 import importlib.util
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,3 +44,12 @@ def data_folder(given: str | Path | None = None) -> Path:
             "names the folder"
         )
     return folder
+
+
+def files_hash(paths: Iterable[Path]) -> str:
+    """Return the hash of files' names and bytes, in their order."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

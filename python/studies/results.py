@@ -4,7 +4,6 @@
 
 import hashlib
 import json
-from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 import cg2raw
 from cg2raw import _core
 from studies.cameras import Camera
+from studies.places import files_hash
 from studies.world.shots import World, array_hash
 
 FOLDER = Path(__file__).parent
@@ -29,10 +29,10 @@ def fingerprint(world: World) -> dict[str, str]:
         sources += sorted((FOLDER / room).rglob("*.py"))
     return {
         "cg2raw": cg2raw.__version__,
-        "core": file_hash([Path(_core.__file__)]),
+        "core": files_hash([Path(_core.__file__)]),
         "numpy": np.__version__,
         "torch": torch_version() or "none",
-        "studies": file_hash(sources),
+        "studies": files_hash(sources),
         **world.hashes(),
     }
 
@@ -43,14 +43,6 @@ def torch_version() -> str | None:
         return metadata.version("torch")
     except metadata.PackageNotFoundError:
         return None
-
-
-def file_hash(paths: Iterable[Path]) -> str:
-    """Return the hash of files' bytes, in their order."""
-    digest = hashlib.sha256()
-    for path in paths:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
 
 
 def camera_hash(camera: Camera) -> str:
@@ -85,7 +77,7 @@ def set_aside(folder: Path) -> Path:
 
     Return the new path."""
     path = folder / FILE
-    kept = path.with_name(f"{path.stem}-{file_hash([path])}{path.suffix}")
+    kept = path.with_name(f"{path.stem}-{files_hash([path])}{path.suffix}")
     path.rename(kept)
     return kept
 

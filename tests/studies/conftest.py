@@ -2,6 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """The evidence study's package, which no wheel has, its world and its cameras."""
 
+import os
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -93,3 +96,58 @@ def planted():
         conditions=CONDITIONS,
         results=results,
     )
+
+
+TOOLS = ("bash", "cat", "cksum", "dirname", "grep", "rm", "tail")
+# Stands in for a Python: makes an environment whose pip fails as pip does.
+NO_NETWORK = """#!/bin/bash
+/bin/mkdir -p "$3/bin"
+cat > "$3/bin/python" <<'EOF'
+#!/bin/bash
+echo "Looking in indexes: planted" >&2
+echo "ERROR: No matching distribution found for {package}" >&2
+exit 1
+EOF
+/bin/chmod +x "$3/bin/python"
+"""
+
+
+@pytest.fixture
+def copied_script(repository, tmp_path):
+    """Return copied_script(name, requirements): run(**environment) of a copy of a
+    script in tmp_path, with few programs on PATH."""
+
+    def copied(name, requirements):
+        script = f"scripts/{name}"
+        for file in (script, f"python/studies/{requirements}"):
+            (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(repository / file, tmp_path / file)
+        programs = tmp_path / "bin"
+        programs.mkdir()
+        for tool in TOOLS:
+            (programs / tool).symlink_to(shutil.which(tool))
+        usual = {"PATH": str(programs), "HOME": os.environ.get("HOME", "/")}
+
+        def run(**environment):
+            return subprocess.run(
+                [tmp_path / script, tmp_path / "out", "-n", "1"],
+                env={**usual, **environment},
+                capture_output=True,
+                text=True,
+            )
+
+        return run
+
+    return copied
+
+
+@pytest.fixture
+def python_without_network(tmp_path):
+    """Put on a copied script's PATH a Python of a name, whose pip finds no package."""
+
+    def put(name, package):
+        python = tmp_path / "bin" / name
+        python.write_text(NO_NETWORK.replace("{package}", package))
+        python.chmod(0o755)
+
+    return put

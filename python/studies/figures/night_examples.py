@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from studies.figures.contact_sheet import Pictures
+from studies.figures.isp_examples import GOAL, SHOWN, shown_of
 from studies.learners.lesson import Array
 from studies.learners.patches import patch_learner
 from studies.sources.frames import Frames
@@ -18,10 +19,9 @@ from studies.tasks.isp import learnt_of, pairs, pictures_of
 from studies.world.exposure import exposed
 from studies.world.shots import night_shots
 
-SHOWN = ("real", "ours, dng", "upi, graphics2raw", "translation")
 FRAMES = 2  # test frames
 ENLARGED = 2  # their sides, as many times those of the study
-GOAL, NOISY = "goal", "not denoised"
+NOISY = "not denoised"
 
 
 def night_examples(draw: Draw, made: Sources) -> dict[str, Pictures]:
@@ -39,17 +39,16 @@ def night_examples(draw: Draw, made: Sources) -> dict[str, Pictures]:
     isp = draw.world.protocol.isp
     goal = pairs(half_size(clean, neutrals), draw.camera.sensor, replace(isp, step=1))
     found: dict[str, list[Array]] = {GOAL: list(goal.pictures) * len(asked)}
-    for source in SHOWN:
-        if source not in made:
-            continue
+    learner = patch_learner(rules, draw.mode)
+    for source in shown_of(made):
         frames = made[source]()
+        planes = packed([exposed(image) for image in frames.images])
         training = pairs(frames, draw.camera.sensor, isp)
         learnt = learnt_of(training, isp, draw.seed)
         for condition in asked:
             noisy = with_noise(clean, condition)
-            planes = packed([exposed(image) for image in frames.images])
             lesson = lesson_of(planes, condition, rules, draw.seed, source)
-            shown = {source: patch_learner(rules, draw.mode)(lesson)(noisy)}
+            shown = {source: learner(lesson)(noisy)}
             if source == SHOWN[0]:
                 shown = {NOISY: noisy, **shown}
             for title, values in shown.items():

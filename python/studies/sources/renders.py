@@ -4,8 +4,6 @@
 
 They differ from the camera's frames in what they show, as renders do."""
 
-import hashlib
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.io.image_file import read_image
+from studies.places import files_hash
 from studies.protocol import SceneRules
 from studies.sources.frames import Image
 
@@ -76,12 +75,3 @@ def shrunk(path: Path, shape: tuple[int, int]) -> NDArray[np.float16]:
     whole = pixels[: rows * block, : columns * block]
     means = whole.reshape(rows, block, columns, block, 3).mean(axis=(1, 3))
     return np.asarray(means.clip(0.0, 65504.0), np.float16)
-
-
-def files_hash(paths: Iterable[Path]) -> str:
-    """Return the hash of files' names and bytes, in their order."""
-    digest = hashlib.sha256()
-    for path in paths:
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]

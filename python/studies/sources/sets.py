@@ -99,7 +99,8 @@ def sources(
         return lambda: upi(renders, told, gains, seed=seed)
 
     def our_lights() -> list[str]:
-        return words_of(ours(renders, told, seed=seed).neutrals)
+        words = drawn(len(renders), seed)
+        return words_of(np.array([told.illuminant(word).neutral for word in words]))
 
     def by_upi_under_our_lights() -> Frames:
         return upi(renders, told, lights=our_lights(), seed=seed)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.results import appended
 from studies.sources.frames import Frames
 from studies.sources.sets import Draw, material, sources
 from studies.tables_illuminant import illuminant_tables
@@ -55,8 +56,7 @@ def test_a_draw_has_each_source_and_frame(small, camera):
         found = study.illuminant_draw(draw, made, two)
         assert found["few"] == {source: e[:3] for source, e in found["all"].items()}
         assert study.illuminant_draw(draw, made, two) == found
-        for source, errors in found["all"].items():
-            entry.setdefault(source, []).append(errors)
+        entry = appended(entry, found["all"])
     longer = study.longer_draw(draw, made, {"all": tests})["all"]
     assert list(longer) == list(small.protocol.longer.sources)
     assert longer["real"] != found["all"]["real"]

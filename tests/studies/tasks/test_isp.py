@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.results import appended
 from studies.sources.frames import Frames
 from studies.sources.sets import Draw, material, sources
 from studies.sources.upi import upi
@@ -59,10 +60,7 @@ def test_a_draw_has_each_source_measure_and_frame(small, camera):
         made = sources(found, camera, seed)
         draw = Draw(small, camera, "quick", seed)
         errors = study.isp_draw(draw, made, {"world": tests})["world"]
-        for source, measures in errors.items():
-            for measure, values in measures.items():
-                of_source = entry.setdefault(source, {})
-                of_source.setdefault(measure, []).append(values)
+        entry = appended(entry, errors)
     shapes = {m: np.shape(v) for m, v in entry["real"].items()}
     assert shapes == {"difference": (2, 4), "psnr": (2, 4)}
     mean = {s: np.mean(e["difference"]) for s, e in entry.items()}
