@@ -95,11 +95,17 @@ def described(schema, text):
 def illuminants():
     """Return the schema of the distribution of neutrals: listed, or summed up."""
     listed = objects({"neutrals": {"type": "array", "items": PAIR}}, ["neutrals"])
+    covariance = numbers(2, item=numbers(2))
+    gaussian = objects(
+        {"weight": number(0, 1), "mean": PAIR, "covariance": covariance},
+        ["weight", "mean", "covariance"],
+    )
     summed = objects(
         {
             "mean": PAIR,
-            "covariance": numbers(2, item=numbers(2)),
+            "covariance": covariance,
             "hull": numbers(3, 0, PAIR),
+            "mixture": {"type": "array", "items": gaussian, "maxItems": 16},
         },
         ["mean", "covariance", "hull"],
     )
@@ -238,7 +244,7 @@ calibration_illuminant_2: The light of color_matrix_2; of another temperature.
 color_matrix_2: As color_matrix_1; matrices are interpolated between the two lights.
 forward_matrix_2: As forward_matrix_1.
 lamps: Lights with a matrix of their own: name, neutral [R/G, B/G], color_matrix; perhaps calibration_illuminant and power (wavelengths in nm, values relative).
-illuminants: What sample:n draws: neutrals [R/G, B/G], or their mean, covariance and hull.
+illuminants: What sample:n and measured:n draw: neutrals [R/G, B/G]; or their mean, covariance and hull, and perhaps a mixture of Gaussians (weight, mean, covariance) that is closer to them.
 digital_gain: What dng:gain sample draws: mean and standard deviation.
 spectral_sensitivities: R, G, B, or mono, at wavelengths (nm); unit energy (default) or photon; scale is what they were divided by.
 noise: One row per ISO, rising. Variance = beta1 x + beta2 of a signal x, 0 at black and 1 at white; perhaps tukey_lambda with row_sigma, and outlier_fraction with outlier_variance_ratio.

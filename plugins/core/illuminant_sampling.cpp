@@ -35,22 +35,51 @@ bool inside(const std::vector<Point>& hull, const Point& p)
     return true;
 }
 
-Point sampled_from_gaussian(const SensorProfile& profile, const Rng& rng)
+/// The @p draw-th point of a Gaussian.
+Point gaussian_point(const Point& mean, const std::array<double, 3>& covariance,
+                     const Rng& rng, std::uint32_t draw)
 {
-    const NeutralDistribution& lights = profile.illuminants;
-    const auto& [rr, rb, bb] = lights.covariance;
+    const auto& [rr, rb, bb] = covariance;
     const double l00 = std::sqrt(rr), l10 = l00 > 0.0 ? rb / l00 : 0.0;
     const double l11 = std::sqrt(std::max(0.0, bb - l10 * l10));
-    for (std::uint32_t draw = 0; draw < most_draws; ++draw) {
-        const double z0 = rng.normal(2 * draw), z1 = rng.normal(2 * draw + 1);
-        const Point point { at_precision(lights.mean[0] + l00 * z0),
-                            at_precision(lights.mean[1] + l10 * z0 + l11 * z1) };
-        if (inside(lights.hull, point))
-            return point;
-    }
+    const double z0 = rng.normal(2 * draw), z1 = rng.normal(2 * draw + 1);
+    return { at_precision(mean[0] + l00 * z0),
+             at_precision(mean[1] + l10 * z0 + l11 * z1) };
+}
+
+/// The first of @p point(0), @p point(1) ... inside the hull of the sensor's neutrals.
+template <typename PointOfDraw>
+Point first_inside_hull(const SensorProfile& profile, const PointOfDraw& point)
+{
+    for (std::uint32_t draw = 0; draw < most_draws; ++draw)
+        if (const Point found = point(draw); inside(profile.illuminants.hull, found))
+            return found;
     throw Error("sensor " + profile.id
                 + ": no draw of its illuminants falls inside their "
                   "hull; name an illuminant instead of sample");
+}
+
+Point sampled_from_gaussian(const SensorProfile& profile, const Rng& rng)
+{
+    const NeutralDistribution& lights = profile.illuminants;
+    return first_inside_hull(profile, [&](std::uint32_t draw) {
+        return gaussian_point(lights.mean, lights.covariance, rng, draw);
+    });
+}
+
+/// Each draw chooses one of the Gaussians by their weights.
+Point sampled_from_mixture(const SensorProfile& profile, const Rng& rng)
+{
+    const auto& mixture = profile.illuminants.mixture;
+    const Rng choice = rng.other("Gaussian of a mixture");
+    return first_inside_hull(profile, [&](std::uint32_t draw) {
+        double left = choice.uniform(draw);
+        std::size_t chosen = 0;
+        while (chosen + 1 < mixture.size() && left >= mixture[chosen].weight)
+            left -= mixture[chosen++].weight;
+        return gaussian_point(mixture[chosen].mean, mixture[chosen].covariance, rng,
+                              draw);
+    });
 }
 
 Point sampled_from_locus(const SensorProfile& profile, const Rng& rng)
@@ -84,18 +113,9 @@ Point neighbour(const std::vector<Point>& all, std::size_t of, std::size_t rank)
     return all[distances[rank].second];
 }
 
-} // namespace
-
-Point measured_neutral(const SensorProfile& profile, std::uint32_t index)
+/// Between a neutral and one of its nearest.
+Point sampled_near(const std::vector<Point>& known, const Rng& rng)
 {
-    const std::vector<Point>& known = profile.illuminants.neutrals;
-    if (known.size() < 3)
-        throw Error("sensor " + profile.id + " has "
-                    + (known.empty() ? "no" : "fewer than 3")
-                    + " measured neutrals in its profile, which measured:N draws "
-                      "near: use sample:N, or make a profile of captures of yours by "
-                      "cg2raw profile");
-    const Rng rng(index, "measured illuminant");
     const auto below = [&](std::uint32_t draw, std::size_t count) {
         return std::min(std::size_t(rng.uniform(draw) * double(count)), count - 1);
     };
@@ -107,6 +127,23 @@ Point measured_neutral(const SensorProfile& profile, std::uint32_t index)
         return at_precision(known[from][i] + share * (to[i] - known[from][i]));
     };
     return { between(0), between(1) };
+}
+
+} // namespace
+
+Point measured_neutral(const SensorProfile& profile, std::uint32_t index)
+{
+    const std::vector<Point>& known = profile.illuminants.neutrals;
+    const Rng rng(index, "measured illuminant");
+    if (known.size() >= 3)
+        return sampled_near(known, rng);
+    if (!profile.illuminants.mixture.empty())
+        return sampled_from_mixture(profile, rng);
+    throw Error("sensor " + profile.id + " has "
+                + (known.empty() ? "no" : "fewer than 3")
+                + " measured neutrals in its profile, nor a mixture of Gaussians that "
+                  "stands for them, which measured:N draws of: use sample:N, or make a "
+                  "profile of captures of yours by cg2raw profile");
 }
 
 Point sampled_neutral(const SensorProfile& profile, std::uint32_t index)

@@ -4,6 +4,7 @@
 #include "cg2raw/profile.h"
 
 #include "cfa.h"
+#include "neutral_distribution.h"
 #include "noise_table.h"
 #include "profile_lamps.h"
 #include "text.h"
@@ -43,44 +44,6 @@ constexpr LightSource light_sources[] = {
     { 14, "cool white fluorescent", 4150 },
     { 15, "white fluorescent", 3525 },
 };
-
-/// A draw is compared with each side. Neutrals by the million have a hull of some
-/// hundred.
-constexpr std::size_t most_hull_points = 1000;
-
-double cross(const std::array<double, 2>& o, const std::array<double, 2>& a,
-             const std::array<double, 2>& b)
-{
-    return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
-}
-
-/// Half a hull: the left turns of points in order (monotone chain).
-void append_chain(const std::vector<std::array<double, 2>>& points,
-                  std::vector<std::array<double, 2>>& hull)
-{
-    const std::size_t start = hull.size();
-    for (const auto& point : points) {
-        while (hull.size() >= start + 2
-               && cross(hull[hull.size() - 2], hull.back(), point) <= 0)
-            hull.pop_back();
-        hull.push_back(point);
-    }
-    hull.pop_back();
-}
-
-std::vector<std::array<double, 2>>
-convex_hull(std::vector<std::array<double, 2>> points)
-{
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (points.size() < 3)
-        return {};
-    std::vector<std::array<double, 2>> hull;
-    append_chain(points, hull);
-    std::reverse(points.begin(), points.end());
-    append_chain(points, hull);
-    return hull.size() < 3 ? std::vector<std::array<double, 2>> {} : hull;
-}
 
 [[noreturn]] void fail(const std::string& file, const std::string& what)
 {
@@ -178,63 +141,6 @@ void check_calibrations(const SensorProfile& profile, const std::string& file)
         fail(file, "calibration_illuminant_1 and _2 must differ in temperature");
 }
 
-/// What a distribution without its neutrals says must be of one set of neutrals: their
-/// mean is in their hull, and no variance is above its range squared. Else no draw of
-/// the one would fall into the other.
-void check_distribution(const NeutralDistribution& lights, const std::string& file)
-{
-    if (!lights.neutrals.empty() || lights.hull.empty())
-        return;
-    for (std::size_t i = 0; i < lights.hull.size(); ++i)
-        if (cross(lights.hull[i], lights.hull[(i + 1) % lights.hull.size()],
-                  lights.mean)
-            < 0.0)
-            fail(file,
-                 "illuminants: mean " + number(lights.mean[0]) + ", "
-                     + number(lights.mean[1])
-                     + " must lie in the hull, as that of neutrals does");
-    for (std::size_t i : { 0, 1 }) {
-        const auto [low, high] = std::minmax_element(
-            lights.hull.begin(), lights.hull.end(),
-            [&](const auto& a, const auto& b) { return a[i] < b[i]; });
-        const double range = (*high)[i] - (*low)[i],
-                     variance = lights.covariance[2 * i];
-        if (!(variance <= range * range))
-            fail(file,
-                 "illuminants: variance " + number(variance) + " must be at most "
-                     + number(range * range) + ", the square of the hull's range");
-    }
-}
-
-void check_neutrals(const SensorProfile& profile, const std::string& file)
-{
-    const NeutralDistribution& lights = profile.illuminants;
-    const auto check_pair = [&](const char* what, const std::array<double, 2>& pair) {
-        for (double ratio : pair)
-            if (!(ratio >= 0.01 && ratio <= 100.0))
-                fail(file,
-                     "illuminants: " + std::string(what) + " " + number(ratio)
-                         + " must be within 0.01 to 100 (R/G and B/G)");
-    };
-    for (const auto& neutral : lights.neutrals)
-        check_pair("neutral", neutral);
-    for (const auto& corner : lights.hull)
-        check_pair("hull", corner);
-    if (!lights.hull.empty())
-        check_pair("mean", lights.mean);
-    check_distribution(lights, file);
-    if (lights.hull.size() > most_hull_points)
-        fail(file,
-             "illuminants: hull has " + std::to_string(lights.hull.size())
-                 + " corners; at most " + std::to_string(most_hull_points)
-                 + ": give a coarser one");
-    for (const Lamp& lamp : profile.lamps)
-        check_pair(("lamp " + lamp.name).c_str(), lamp.neutral);
-    const auto& [rr, rb, bb] = lights.covariance;
-    if (!(rr >= 0.0 && bb >= 0.0 && rb * rb <= rr * bb * (1 + 1e-9) + 1e-30))
-        fail(file, "illuminants: covariance must be positive semi-definite");
-}
-
 } // namespace
 
 Kelvin light_source_temperature(int light_source)
@@ -266,26 +172,6 @@ std::string light_source_name(int light_source)
     if (light_source == other_light_source)
         return "other";
     return std::to_string(light_source);
-}
-
-NeutralDistribution distribution_of(std::vector<std::array<double, 2>> neutrals)
-{
-    NeutralDistribution result;
-    const double count = double(neutrals.size());
-    for (const auto& neutral : neutrals)
-        for (std::size_t i = 0; i < 2; ++i)
-            result.mean[i] += neutral[i] / count;
-    for (const auto& neutral : neutrals) {
-        const double r = neutral[0] - result.mean[0], b = neutral[1] - result.mean[1];
-        if (count > 1) {
-            result.covariance[0] += r * r / (count - 1);
-            result.covariance[1] += r * b / (count - 1);
-            result.covariance[2] += b * b / (count - 1);
-        }
-    }
-    result.hull = convex_hull(neutrals);
-    result.neutrals = std::move(neutrals);
-    return result;
 }
 
 void check(const SensorProfile& profile, const std::string& file)

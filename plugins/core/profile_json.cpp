@@ -63,6 +63,24 @@ void refuse_colors(Fields& fields)
                         "leave it out");
 }
 
+std::array<double, 3> covariance(Fields& fields)
+{
+    const auto rows = fields.pairs("covariance");
+    if (rows.size() != 2)
+        fields.fail("covariance", "must be [[rr, rb], [rb, bb]]");
+    return { rows[0][0], rows[0][1], rows[1][1] };
+}
+
+NeutralGaussian neutral_gaussian(Fields fields)
+{
+    const auto mean = fields.reals("mean", 2);
+    const NeutralGaussian result { fields.real("weight"),
+                                   { mean[0], mean[1] },
+                                   covariance(fields) };
+    fields.done();
+    return result;
+}
+
 NeutralDistribution illuminants(Fields fields)
 {
     NeutralDistribution result;
@@ -70,14 +88,14 @@ NeutralDistribution illuminants(Fields fields)
         result = distribution_of(fields.pairs("neutrals"));
     } else {
         const auto mean = fields.reals("mean", 2);
-        const auto covariance = fields.pairs("covariance");
-        if (covariance.size() != 2)
-            fields.fail("covariance", "must be [[rr, rb], [rb, bb]]");
         result.mean = { mean[0], mean[1] };
-        result.covariance = { covariance[0][0], covariance[0][1], covariance[1][1] };
+        result.covariance = covariance(fields);
         result.hull = distribution_of(fields.pairs("hull")).hull;
         if (result.hull.empty())
             fields.fail("hull", "must hold at least 3 points that are not on a line");
+        if (fields.has("mixture"))
+            for (Fields& gaussian : fields.objects("mixture"))
+                result.mixture.push_back(neutral_gaussian(std::move(gaussian)));
     }
     fields.done();
     return result;

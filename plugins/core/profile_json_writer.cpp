@@ -25,14 +25,24 @@ Json json_of(const std::vector<double>& sites, const CfaPattern& cfa)
     return numbers.size() == 1 ? Json(numbers.front()) : Json(numbers);
 }
 
+Json json_of(const std::array<double, 3>& covariance)
+{
+    const auto& [rr, rb, bb] = covariance;
+    return { { rr, rb }, { rb, bb } };
+}
+
 Json json_of(const NeutralDistribution& distribution)
 {
     if (!distribution.neutrals.empty())
         return { { "neutrals", distribution.neutrals } };
-    const auto& [rr, rb, bb] = distribution.covariance;
-    return { { "mean", distribution.mean },
-             { "covariance", { { rr, rb }, { rb, bb } } },
-             { "hull", distribution.hull } };
+    Json json { { "mean", distribution.mean },
+                { "covariance", json_of(distribution.covariance) },
+                { "hull", distribution.hull } };
+    for (const NeutralGaussian& gaussian : distribution.mixture)
+        json["mixture"].push_back({ { "weight", gaussian.weight },
+                                    { "mean", gaussian.mean },
+                                    { "covariance", json_of(gaussian.covariance) } });
+    return json;
 }
 
 Json json_of(const NoiseAtIso& row, const CfaPattern& cfa)

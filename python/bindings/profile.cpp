@@ -2,96 +2,13 @@
 // Copyright Contributors to the cg2raw Project.
 
 #include "bindings.h"
+#include "profile_dicts.h"
 
 #include "cg2raw/dng_reader.h"
 #include "cg2raw/effect.h"
 
 namespace cg2raw::python {
 namespace {
-
-py::dict dict_of(const NoiseAtIso& noise)
-{
-    py::dict dict("iso"_a = noise.iso, "beta1"_a = noise.beta1,
-                  "beta2"_a = noise.beta2);
-    if (noise.shape) {
-        dict["tukey_lambda"] = noise.shape->tukey_lambda;
-        dict["row_sigma"] = noise.shape->row_sigma;
-    }
-    if (noise.shape && noise.shape->outliers) {
-        dict["outlier_fraction"] = noise.shape->outliers->fraction;
-        dict["outlier_variance_ratio"] = noise.shape->outliers->variance_ratio;
-    }
-    return dict;
-}
-
-py::dict dict_of(const Calibration& calibration)
-{
-    const auto& forward = calibration.xyz_d50_from_camera;
-    return py::dict("light_source"_a = light_source_name(calibration.light_source),
-                    "camera_from_xyz"_a = array_of(calibration.camera_from_xyz),
-                    "xyz_d50_from_camera"_a
-                    = forward ? py::object(array_of(*forward)) : py::none());
-}
-
-py::object dict_of(const std::optional<SpectralSensitivities>& sensitivities)
-{
-    if (!sensitivities)
-        return py::none();
-    const auto& rgb = sensitivities->rgb;
-    py::array_t<double> values({ py::ssize_t(rgb.size()), py::ssize_t(3) });
-    auto to = values.mutable_unchecked<2>();
-    for (std::size_t i = 0; i < rgb.size(); ++i)
-        for (std::size_t channel : { 0, 1, 2 })
-            to(py::ssize_t(i), py::ssize_t(channel)) = rgb[i][channel];
-    return py::dict("wavelengths"_a = py::array_t<double>(
-                        py::ssize_t(rgb.size()), sensitivities->wavelengths.data()),
-                    "rgb"_a = values, "unit"_a = name_of(sensitivities->unit),
-                    "scale"_a = sensitivities->scale);
-}
-
-py::dict dict_of(const NeutralDistribution& lights)
-{
-    const auto& [rr, rb, bb] = lights.covariance;
-    const std::array<double, 4> covariance { rr, rb, rb, bb };
-    return py::dict("neutrals"_a = lights.neutrals, "mean"_a = lights.mean,
-                    "covariance"_a = py::array_t<double>({ 2, 2 }, covariance.data()),
-                    "hull"_a = lights.hull);
-}
-
-py::dict dict_of(const Lamp& lamp)
-{
-    const auto& [light_source, camera_from_xyz, forward] = lamp.calibration;
-    return py::dict("name"_a = lamp.name,
-                    "light_source"_a = light_source_name(light_source),
-                    "neutral"_a = lamp.neutral, "has_power"_a = bool(lamp.power),
-                    "camera_from_xyz"_a = array_of(camera_from_xyz));
-}
-
-py::dict dict_of(const EffectSetting& setting)
-{
-    return py::dict("name"_a = setting.name, "parameters"_a = setting.parameters,
-                    "evidence"_a = setting.evidence);
-}
-
-py::object dict_of(const std::optional<DigitalGain>& gain)
-{
-    if (!gain)
-        return py::none();
-    return py::dict("mean"_a = gain->mean, "sigma"_a = gain->sigma);
-}
-
-py::dict dict_of(const Effect& effect, const std::vector<Parameter>& of_cfa)
-{
-    py::list parameters;
-    for (const Parameter& p : of_cfa)
-        parameters.append(py::dict("name"_a = p.name, "unit"_a = p.unit,
-                                   "min"_a = p.min, "max"_a = p.max, "null"_a = p.null,
-                                   "optional"_a = p.optional, "meaning"_a = p.meaning));
-    return py::dict("name"_a = effect.name, "stage"_a = name_of(effect.stage),
-                    "pattern"_a = name_of(effect.pattern), "parameters"_a = parameters,
-                    "needs_exposure_time"_a = effect.needs_exposure_time,
-                    "meaning"_a = effect.meaning, "source"_a = effect.source);
-}
 
 /// Of all CFAs; or those that one has, with its parameters.
 py::list effects_of(const std::optional<std::string>& cfa)
@@ -292,9 +209,13 @@ void bind_fields(py::class_<SensorProfile>& c)
             "in the measurement's own unit.")
         .def_property_readonly(
             "illuminants", [](const Profile& p) { return dict_of(p.illuminants); },
-            "{\"neutrals\", \"mean\", \"covariance\", \"hull\"} in (R/G, B/G):\nas "
-            "measured, may be empty; (2, 2), divisor N - 1; counter-clockwise, empty "
-            "if fewer\nthan 3 neutrals are distinct.")
+            "{\"neutrals\", \"mean\", \"covariance\", \"hull\", \"mixture\"} in (R/G, "
+            "B/G):\nas measured, may be empty; (2, 2), divisor N - 1; "
+            "counter-clockwise, empty if fewer\nthan 3 neutrals are distinct; "
+            "Gaussians "
+            "{\"weight\", \"mean\", \"covariance\"} that\nstand for neutrals that are "
+            "not "
+            "listed.")
         .def_property_readonly(
             "noise", [](const Profile& p) { return dicts_of(p.noise); },
             "{\"iso\", \"beta1\", \"beta2\"} per calibrated ISO, rising; empty: not "

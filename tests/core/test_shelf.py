@@ -30,6 +30,13 @@ every_sensor = pytest.mark.parametrize("name", FIELDS)
 noisy_sensor = pytest.mark.parametrize("name", NOISY)
 
 
+@pytest.mark.parametrize("name", SAMPLED)
+def test_lights_can_be_drawn_of_a_mixture(name):
+    drawn = [cg2raw.Sensor(name).illuminant(f"measured:{n}").neutral for n in range(60)]
+    spread = np.std(drawn, axis=0)
+    assert FIELDS[name]["illuminants"]["mixture"] and spread[0] > 0.02
+
+
 def test_the_shelf_holds_the_papers_ten_and_more():
     assert set(PAPER) <= set(FIELDS)
     assert len(FIELDS) >= 18

@@ -98,14 +98,32 @@ def rows_of(text):
 
 def test_the_page_says_that_cg2raw_leads_on_all_nine(repository):
     rows = rows_of((repository / PAGE).read_text())
-    assert [row[0] for row in rows] == 2 * sorted(cameras.NINE)
-    for row in rows:
+    assert [row[0] for row in rows] == 3 * sorted(cameras.NINE)
+    for row in rows[:18]:
         leads = [float(re.match(r"-?[\d.]+", cell)[0]) for cell in row if "(" in cell]
         assert len(leads) == 2 and min(leads) > 0.0, row
     for camera, _, ours, gains, box, *_ in rows[:9]:
         assert float(ours) < min(float(gains), float(box)), camera
-    for camera, ours, gains, box, *_ in rows[9:]:
+    for camera, ours, gains, box, *_ in rows[9:18]:
         assert float(ours) > max(float(gains), float(box)), camera
+
+
+def test_the_page_says_that_a_mixture_gains_on_all_nine(repository):
+    for camera, _, gain, _ in rows_of((repository / PAGE).read_text())[18:]:
+        mean, error = map(float, re.findall(r"[\d.]+", gain))
+        assert mean > 3.0 * error, camera
+
+
+def test_the_mixture_s_density_is_that_of_its_draws(study):
+    from illuminant_mixture import SensorMixture
+
+    side = np.linspace(0.15, 1.1, 600)
+    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    model, cell = SensorMixture(planted(), "planted"), (side[1] - side[0]) ** 2
+    assert model.density(grid).sum() * cell == pytest.approx(1.0, abs=0.03)
+    draws = np.concatenate([model.draws(500, split) for split in range(8)])
+    area = np.mean(1.0 / model.density(draws))
+    assert area == pytest.approx((model.density(grid) > 0.0).sum() * cell, rel=0.2)
 
 
 def test_the_figure_of_the_page_is_there_and_small(repository):

@@ -121,6 +121,26 @@ PLACES = {
         },
         lambda schema: schema["properties"]["illuminants"]["oneOf"][1],
     ),
+    "illuminants' mixture": (
+        lambda odd: {
+            "illuminants": {
+                "mean": [0.5, 0.5],
+                "covariance": [[0.01, 0], [0, 0.01]],
+                "hull": [[0.3, 0.3], [0.9, 0.3], [0.3, 0.9]],
+                "mixture": [
+                    {
+                        "weight": 1.0,
+                        "mean": [0.5, 0.5],
+                        "covariance": [[0.01, 0], [0, 0.01]],
+                        **odd,
+                    }
+                ],
+            }
+        },
+        lambda schema: schema["properties"]["illuminants"]["oneOf"][1]["properties"][
+            "mixture"
+        ]["items"],
+    ),
     "digital_gain": (
         lambda odd: {"digital_gain": {"mean": 1.0, "sigma": 0.1, **odd}},
         lambda schema: schema["properties"]["digital_gain"],

@@ -74,6 +74,13 @@ Kelvin light_source_temperature(int light_source);
 int light_source_from_name(std::string_view name);
 std::string light_source_name(int light_source);
 
+/// One of the Gaussians that a sensor's neutrals are a mixture of.
+struct NeutralGaussian {
+    double weight = 0.0; ///< share of the neutrals
+    std::array<double, 2> mean {}; ///< R/G, B/G
+    std::array<double, 3> covariance {}; ///< rr, rb, bb
+};
+
 /// Where the sensor's neutrals lie: chromaticities (R/G, B/G) of grey under real
 /// lights.
 struct NeutralDistribution {
@@ -82,6 +89,9 @@ struct NeutralDistribution {
     std::array<double, 3> covariance {}; ///< rr, rb, bb; divisor N - 1
     std::vector<std::array<double, 2>>
         hull; ///< convex, counter-clockwise, up to 1000 corners; empty: none known
+    /// Closer to the neutrals than their one Gaussian, where they are not listed; up to
+    /// 16, weights of sum 1; empty: none known.
+    std::vector<NeutralGaussian> mixture;
 };
 
 /// Mean, covariance and convex hull of @p neutrals.

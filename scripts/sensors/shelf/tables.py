@@ -14,6 +14,8 @@ import json
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from cg2raw.profile.neutral_mixture import mixture_of
+
 
 @functools.cache
 def rows_of(path):
@@ -103,12 +105,13 @@ def neutrals_of(tables, file, camera):
 
 
 def distribution_of(neutrals):
-    """Return mean, covariance (divisor N - 1) and convex hull of (N, 2) ratios.
+    """Return mean, covariance (divisor N - 1), hull and mixture of (N, 2) ratios.
 
-    A sampler needs no more, and no table of others is passed on."""
+    Samplers need no more, and no table of others is passed on."""
     hull = neutrals[ConvexHull(neutrals).vertices]
     return {
         "mean": neutrals.mean(axis=0).round(6).tolist(),
         "covariance": np.cov(neutrals.T).round(9).tolist(),
         "hull": np.roll(hull, -hull[:, 0].argmin(), axis=0).round(6).tolist(),
+        "mixture": mixture_of(neutrals),
     }

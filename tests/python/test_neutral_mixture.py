@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""cg2raw.profile.neutral_mixture: Gaussians that stand for a camera's neutrals."""
+
+import csv
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from cg2raw.profile.neutral_mixture import mixture_of
+
+
+def drawn(parts, count, seed=1):
+    """Return (count, 2) of Gaussians (share, mean, covariance)."""
+    rng = np.random.default_rng(seed)
+    rows = [
+        rng.multivariate_normal(mean, cov, round(share * count))
+        for share, mean, cov in parts
+    ]
+    return np.concatenate(rows)
+
+
+DAY = (0.7, [0.45, 0.70], [[4e-4, -1e-4], [-1e-4, 9e-4]])
+LAMPS = (0.3, [0.80, 0.35], [[16e-4, -6e-4], [-6e-4, 4e-4]])
+
+
+def test_planted_gaussians_are_found():
+    found = mixture_of(drawn([DAY, LAMPS], 2000))
+    assert len(found) == 2
+    for part, (share, mean, covariance) in zip(found, (DAY, LAMPS), strict=True):
+        assert part["weight"] == pytest.approx(share, abs=0.01)
+        assert part["mean"] == pytest.approx(mean, abs=5e-3)
+        assert np.array(part["covariance"]) == pytest.approx(
+            np.array(covariance), abs=2e-4
+        )
+
+
+def test_one_gaussian_is_one():
+    assert len(mixture_of(drawn([(1.0, *DAY[1:])], 500))) == 1
+
+
+def test_the_same_neutrals_give_the_same_numbers():
+    neutrals = drawn([DAY, LAMPS], 100)
+    assert mixture_of(neutrals) == mixture_of(neutrals.copy())
+
+
+def test_no_gaussian_is_of_a_few_neutrals():
+    """A lone light, listed five times, has no Gaussian of its own."""
+    lone = np.tile([1.3, 0.2], (5, 1))
+    found = mixture_of(np.concatenate([drawn([DAY], 100), lone]))
+    assert min(part["weight"] for part in found) * 75 >= 5.99
+
+
+@pytest.mark.parametrize(
+    "neutrals", [[], [[0.5, 0.6]], [[0.5, 0.6]] * 2, [[0.5, 0.6]] * 9]
+)
+def test_neutrals_without_spread_have_none(neutrals):
+    assert mixture_of(np.array(neutrals).reshape(-1, 2)) == []
+
+
+def test_real_neutrals_that_were_held_out_are_likelier(camera_data):
+    """Of nine cameras, by 0.3 nats a neutral at least over one Gaussian."""
+    path = camera_data / "tables/illuminants/nus9_gt_illuminants.csv"
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    for camera in sorted({row["camera"] for row in rows}):
+        own = np.array(
+            [
+                [float(row["r"]) / float(row["g"]), float(row["b"]) / float(row["g"])]
+                for row in rows
+                if row["camera"] == camera
+            ]
+        )
+        fitted, held = own[::2], own[1::2]
+        one = multivariate_normal(fitted.mean(axis=0), np.cov(fitted.T)).pdf(held)
+        several = sum(
+            part["weight"]
+            * multivariate_normal(part["mean"], part["covariance"]).pdf(held)
+            for part in mixture_of(fitted)
+        )
+        logs = [np.log(0.99 * density + 0.01 / 1.95**2) for density in (one, several)]
+        assert (logs[1] - logs[0]).mean() > 0.3, camera
