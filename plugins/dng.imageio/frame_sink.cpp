@@ -5,10 +5,7 @@
 
 #include "cg2raw/camera_frame.h"
 #include "row_assembly.h"
-
-#include <OpenImageIO/parallel.h>
-
-#include <mutex>
+#include "thread_pool.h"
 
 namespace cg2raw {
 namespace {
@@ -19,31 +16,13 @@ constexpr int task_rows = 4, held_rows = 64;
 /// Rows of a frame that was held whole, whose DN are made and written at a time.
 constexpr int finished_rows = 256;
 
-/// OpenImageIO's thread pool. It lets no exception through, so the first one is kept.
-void parallel(int count, const std::function<void(int)>& task)
-{
-    std::exception_ptr first_error;
-    std::mutex guard;
-    OIIO::parallel_for(int64_t(0), int64_t(count), [&](int64_t index) {
-        try {
-            task(int(index));
-        } catch (...) {
-            const std::lock_guard<std::mutex> lock(guard);
-            if (!first_error)
-                first_error = std::current_exception();
-        }
-    });
-    if (first_error)
-        std::rethrow_exception(first_error);
-}
-
 /// Calls work(scene, first row, illegal) for a few rows at a time, in parallel.
 template <class Work>
 void each_task(const HostPixels& host, Illegal& total, const Work& work)
 {
     const int tasks = (host.height + task_rows - 1) / task_rows;
     std::vector<Illegal> illegal(std::size_t(tasks), Illegal {});
-    parallel(tasks, [&](int task) {
+    in_thread_pool(tasks, [&](int task) {
         const int first = task * task_rows;
         const HostPixels part
             = host.rows(first, std::min(task_rows, host.height - first));
@@ -137,7 +116,7 @@ public:
             const int rows = std::min(finished_rows, frame.height - first);
             dn.resize(std::size_t(frame.width) * std::size_t(rows));
             m_camera.simulate(first, { dn.data(), frame.width, rows, frame.width },
-                              parallel);
+                              in_thread_pool);
             m_writer->write_rows({ dn.data(), frame.width, rows, frame.width });
         }
         m_writer->close();
@@ -161,7 +140,7 @@ std::unique_ptr<FrameSink> frame_sink(const std::string& name, const Request& re
                     + "\n");
     auto writer = std::make_unique<DngWriter>(
         name, describe(simulation, request.options, request.shot), request.options,
-        parallel);
+        in_thread_pool);
     if (simulation.needs_whole_frame())
         return std::make_unique<HeldFrame>(std::move(simulation), std::move(writer));
     return std::make_unique<StreamedFrame>(std::move(simulation), std::move(writer));

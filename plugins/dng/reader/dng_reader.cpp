@@ -2,6 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file Which directories of a DNG say what; the order in which they are asked.
+#include "reader/layout.h"
 #include "reader/metadata_parts.h"
 
 #include <algorithm>
@@ -113,7 +114,8 @@ TiffIfd raw_ifd(const TiffReader& file, const TiffIfd& ifd0, Directories& direct
 
 } // namespace
 
-DngMetadata read_dng_stream(std::istream& dng, const std::string& name)
+DngMetadata read_dng_stream(std::istream& dng, const std::string& name,
+                            DngLayout* layout)
 {
     const TiffReader file(dng, name);
     Directories directories(file);
@@ -130,10 +132,17 @@ DngMetadata read_dng_stream(std::istream& dng, const std::string& name)
     DngMetadata metadata {};
     metadata.file = name;
     read_dng_levels({ file, { &raw } }, metadata);
-    read_dng_color({ file, { &ifd0, &raw } }, metadata);
+    if (layout)
+        *layout = read_dng_layout(file, { file, { &raw } }, main);
+    const TiffTags camera(file, { &ifd0, &raw });
+    if (layout && !metadata.cfa.is_mono() && !camera.has(tag::color_matrix_1))
+        metadata.notes.push_back(text_of(tag::color_matrix_1)
+                                 + " is missing: the mosaic has no colours");
+    else
+        read_dng_color(camera, metadata);
     read_dng_noise({ file, { &raw, &ifd0 } }, metadata);
     read_dng_opcodes({ file, { &raw } }, metadata);
-    read_dng_names({ file, { &ifd0, &raw } }, { file, { &exif, &ifd0 } }, metadata);
+    read_dng_names(camera, { file, { &exif, &ifd0 } }, metadata);
     if (!metadata.noise_profile.empty() && !metadata.shot.iso)
         metadata.notes.push_back(text_of(tag::iso_speed_ratings)
                                  + " is missing: the ISO of"

@@ -10,8 +10,13 @@
 
 namespace cg2raw {
 
-/// read_dng_metadata() of any stream that can seek; @p name names it in messages.
-DngMetadata read_dng_stream(std::istream& dng, const std::string& name);
+struct DngLayout;
+
+/// read_dng_metadata() of any stream that can seek; @p name names it in messages. Into
+/// @p layout, unless it is null, goes where the mosaic lies; one without a ColorMatrix
+/// is a mosaic, too.
+DngMetadata read_dng_stream(std::istream& dng, const std::string& name,
+                            DngLayout* layout = nullptr);
 
 /// active_area, cfa, black_level, white_level, bits of the raw IFD.
 void read_dng_levels(const TiffTags& raw, DngMetadata& metadata);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file A small bounded reader of TIFF directories: entries and values, never pixels.
+/// @file A small bounded reader of TIFF directories: entries, values, and bytes.
 ///
 /// Why not libtiff, which writes our files: it hands out the RATIONALs of the DNG
 /// matrices as 32-bit floats, reads a directory whole and refuses it for a structural
@@ -46,6 +46,8 @@ public:
     TiffReader(std::istream& bytes, std::string name);
 
     const std::string& name() const { return m_name; }
+    std::uint64_t size() const { return m_size; } ///< of the file, bytes
+    bool big_endian() const { return m_big_endian; }
     std::uint32_t first_ifd() const { return m_first_ifd; }
     /// The directory at @p offset; @p what names it in messages. The chain of next
     /// directories is not followed, so a cycle there is harmless.
@@ -56,10 +58,11 @@ public:
     std::optional<std::vector<std::uint8_t>> values(const TiffEntry& entry) const;
     /// An unsigned number of @p size bytes, in the file's order.
     std::uint64_t number(const std::uint8_t* bytes, std::size_t size) const;
-
-private:
+    /// Bytes of the file. Throws Error, before anything is allocated, if it does not
+    /// hold them.
     std::vector<std::uint8_t> bytes(std::uint64_t offset, std::uint64_t size) const;
 
+private:
     std::istream& m_bytes;
     std::string m_name;
     std::uint64_t m_size = 0;
