@@ -91,17 +91,17 @@ bool DngInput::open(const std::string& name, ImageSpec& spec, const ImageSpec& c
     if (!ioproxy_use_or_open(name))
         return false;
     m_stream = std::make_unique<ProxyStream>(*ioproxy());
-    if (!is_dng(*m_stream)) {
-        errorfmt("{}: is no DNG", name);
-        forget();
-        return false;
-    }
     try {
         start(name, config);
     } catch (const std::exception& error) {
         const std::string message = error.what();
-        m_unreadable
-            = message.find(name) != message.npos ? message : name + ": " + message;
+        const bool names_file = message.find(name) != message.npos;
+        m_unreadable = names_file ? message : name + ": " + message;
+        if (!is_dng(*m_stream)) { // another reader may know what it is
+            errorfmt("{}", m_unreadable);
+            forget();
+            return false;
+        }
         m_spec = ImageSpec(1, 1, 1, TypeDesc::UINT16);
         m_spec.attribute("raw:Unreadable", m_unreadable);
     }

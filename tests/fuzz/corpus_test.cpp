@@ -70,6 +70,7 @@ TEST_P(Corpus, IsSmall)
 INSTANTIATE_TEST_SUITE_P(
     Fuzz, Corpus,
     testing::Values(Target { "dng", fuzz_dng_reader, fuzz_profile },
+                    Target { "mosaic", fuzz_mosaic, fuzz_profile },
                     Target { "profile", fuzz_profile, fuzz_dng_reader },
                     Target { "spectra", fuzz_spectra, fuzz_profile }),
     [](const auto& test) { return std::string(test.param.folder); });

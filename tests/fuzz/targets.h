@@ -24,6 +24,9 @@ struct MemoryBound {
     std::size_t fixed, times_the_file;
 };
 constexpr MemoryBound dng_memory { 64 * 1024, 8 };
+/// A bit may be a pixel, which takes two bytes as DN, and again in its tile, and four
+/// as a signal.
+constexpr MemoryBound mosaic_memory { 64 * 1024, 96 };
 constexpr MemoryBound profile_memory { 64 * 1024, 128 };
 constexpr MemoryBound spectra_memory { 64 * 1024, 64 };
 
@@ -31,6 +34,9 @@ constexpr MemoryBound spectra_memory { 64 * 1024, 64 };
 /// the file, for memory beyond dng_memory, and as use() does. Returns false if the
 /// reader refused it.
 bool fuzz_dng_reader(std::string_view bytes);
+/// @p bytes as a DNG, to its pixels and the picture that they develop to, likewise
+/// within mosaic_memory; false also if its pixels are damaged.
+bool fuzz_mosaic(std::string_view bytes);
 /// @p bytes as a profile's JSON, likewise within profile_memory.
 bool fuzz_profile(std::string_view bytes);
 /// @p bytes as the channels of an image, a line each: a name and, after tabs, its

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Seeds with a name are synthetic: make_seeds.py writes each byte of them."""
+"""Seeds with a name are synthetic: scripts write each byte of them."""
 
 import json
 import re
@@ -9,15 +9,16 @@ from pathlib import Path
 import pytest
 
 import cg2raw
-from fuzz import make_seeds
+from fuzz import make_seeds, mosaic_seeds
 
 HERE = Path(__file__).parent
 OTHERS = re.compile(r"found_\w+|[0-9a-f]{40}")
 
 
-@pytest.mark.parametrize("kind", ["dng", "profile", "spectra"])
+@pytest.mark.parametrize("kind", ["dng", "mosaic", "profile", "spectra"])
 def test_seeds_are_those_of_the_script(tmp_path, kind):
     make_seeds.main(tmp_path)
+    mosaic_seeds.main(tmp_path)
     made = {path.name: path.read_bytes() for path in (tmp_path / kind).iterdir()}
     kept = {
         path.name: path.read_bytes()
