@@ -14,13 +14,22 @@ namespace {
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
 
+/// As the type that OpenEXR files keep: it has none for arrays of other lengths.
+TypeDesc float_type(std::size_t count)
+{
+    if (count == 3)
+        return OIIO::TypeVector;
+    if (count == 9)
+        return OIIO::TypeMatrix33;
+    return { TypeDesc::FLOAT, int(count) };
+}
+
 template <class Numbers>
 void add_floats(ImageSpec& spec, const std::string& name, const Numbers& numbers)
 {
     const std::vector<float> values(numbers.begin(), numbers.end());
     if (!values.empty())
-        spec.attribute(name, TypeDesc(TypeDesc::FLOAT, int(values.size())),
-                       values.data());
+        spec.attribute(name, float_type(values.size()), values.data());
 }
 
 void add_integers(ImageSpec& spec, const std::string& name,

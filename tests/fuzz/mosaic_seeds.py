@@ -61,9 +61,7 @@ def jpeg(values, columns, components, sof=0xC3):
         struct.pack(">BBH", 0xFF, marker, len(data) + 2) + data
         for marker, data in segments
     )
-    return (
-        b"\xff\xd8" + head + bytes_of(text).replace(b"\xff", b"\xff\0") + b"\xff\xd9"
-    )
+    return b"\xff\xd8" + head + bytes_of(text).replace(b"\xff", b"\xff\0") + b"\xff\xd9"
 
 
 def with_pixels(tags, chunks, order, tile=None):
@@ -87,7 +85,11 @@ def mosaics():
     mono = without(raw(t262=(SHORT, [34892])), 33421, 33422)
     halves = [VALUES[:72], VALUES[72:]]
     quarters = [
-        [VALUES[12 * row + col] for row in range(top, top + 6) for col in range(x, x + 6)]
+        [
+            VALUES[12 * row + col]
+            for row in range(top, top + 6)
+            for col in range(x, x + 6)
+        ]
         for top in (0, 6)
         for x in (0, 6)
     ]
