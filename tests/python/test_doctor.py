@@ -148,6 +148,22 @@ def test_the_text_report_is_for_people(plugin):
     assert "sensors: " in done.stdout
 
 
+def test_it_says_who_reads_a_dng(repository, plugin):
+    """LibRaw's reader keeps .dng; where there is none, ours saves from the preview."""
+    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(plugin.parent))
+    assert host["reader"] == "raw"
+    tool = repository / ".venv/bin/oiiotool"
+    wheel = repository / "build/wheel/lib/cg2raw/oiio"
+    if not tool.exists() or not (wheel / plugin.name).exists():
+        pytest.skip("no wheel's oiiotool with its plugin: run scripts/setup")
+    host, _ = examine(str(tool), OIIO_LIBRARY_PATH=str(wheel))
+    assert host["reader"] == "dng"
+    host, _ = examine(str(tool))
+    assert host["reader"] == "tiff" and not host["works"]
+    told = doctor().stdout
+    assert "reads     only the 8-bit preview of a DNG, without a word" in told
+
+
 def test_a_wrong_option_exits_2():
     done = doctor("--jsn")
     assert done.returncode == 2 and "usage: cg2raw" in done.stderr

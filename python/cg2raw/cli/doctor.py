@@ -3,8 +3,9 @@
 """Which OpenImageIO finds the DNG plugin, which does not, and why.
 
 Looks at every oiiotool and every Python with OpenImageIO on PATH, lists the plugins
-that each finds, and lets each write a 16x16 DNG. OpenImageIO itself skips a plugin that
-does not fit without a word. Exits with 1 if none of them can write one.
+that each finds, and lets each write a 16x16 DNG and read one. OpenImageIO itself skips
+a plugin that does not fit without a word, and without LibRaw takes a DNG's 8-bit
+preview for its picture. Exits with 1 if none of them can write a DNG.
 
 examples:
   cg2raw doctor
@@ -17,14 +18,28 @@ import json
 import os
 import re
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cg2raw import _core
+from cg2raw.dng import write_dng
 from cg2raw.oiio import hosts, plugin_file, registration
+from cg2raw.sensor import Sensor
 
 Report = dict[str, Any]  # of JSON's types
+
+# What a host makes of a DNG, by the format that reads it.
+READS = {
+    "dng": "a DNG's mosaic, by this plugin",
+    "raw": "a DNG by LibRaw, which develops it; this plugin's reader is cg2raw there",
+    "tiff": "only the 8-bit preview of a DNG, without a word: no LibRaw is built in; "
+    "this plugin reads the mosaic",
+    "": "no DNG",
+}
 
 
 @dataclass
@@ -56,7 +71,9 @@ def run(arguments: argparse.Namespace) -> int:
 def examine() -> Report:
     """Return the whole report as JSON's types."""
     folders, sensors = _core.profile_folders(), _core.installed_profiles()
-    found = [examine_host(host, sensors) for host in hosts.find_hosts()]
+    with tempfile.TemporaryDirectory(prefix="cg2raw-doctor-") as folder:
+        shot = written_dng(folder, sensors)
+        found = [examine_host(host, sensors, shot) for host in hosts.find_hosts()]
     return {
         "works": any(host["works"] for host in found),
         "hosts": found,
@@ -64,8 +81,18 @@ def examine() -> Report:
     }
 
 
-def examine_host(host: hosts.Host, sensors: list[str]) -> Report:
-    """Return the report on one Host."""
+def written_dng(folder: str, sensors: list[str]) -> str:
+    """Return the path of a DNG with a preview in @folder; empty without sensors."""
+    if not sensors:
+        return ""
+    path = os.path.join(folder, "shot.dng")
+    grey = np.full((32, 32, 3), 0.2, np.float32)
+    write_dng(path, Sensor(sensors[0]).simulate(grey, illuminant="D65"))
+    return path
+
+
+def examine_host(host: hosts.Host, sensors: list[str], shot: str) -> Report:
+    """Return the report on one Host; @shot is a DNG for it to read, or empty."""
     trial = hosts.try_to_write(host, sensors[0] if sensors else "none")
     plugins = plugins_of(host, trial)
     return {
@@ -79,6 +106,7 @@ def examine_host(host: hosts.Host, sensors: list[str]) -> Report:
         ],
         "plugins": [{**vars(plugin), "loads": plugin.loads} for plugin in plugins],
         "works": trial.wrote,
+        "reader": hosts.reader_of(host, shot) if shot else None,
         "register_oiio_plugin": plugin_to_register(host),
         "message": "" if trial.wrote else trial.message,
         "remedy": "" if trial.wrote else remedy(host, plugins),
@@ -209,6 +237,8 @@ def host_lines(host: Report) -> list[str]:
         "  writes    "
         + ("a 16x16 DNG: works" if host["works"] else f"no DNG: {host['message']}")
     )
+    if host["reader"] is not None:
+        lines.append(f"  reads     {READS.get(host['reader'], host['reader'])}")
     if host["remedy"]:
         lines.append(f"  remedy    {host['remedy']}")
     return [*lines, ""]

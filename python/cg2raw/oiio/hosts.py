@@ -28,6 +28,11 @@ image.specmod().attribute("dng:illuminant", "D65")
 if not image.write(sys.argv[1]):
     sys.exit(image.geterror() or o.geterror())
 """
+READ_WITH_PYTHON = """
+import sys, OpenImageIO as o
+image = o.ImageInput.open(sys.argv[1])
+print(image.format_name() if image else "none")
+"""
 
 
 @dataclass
@@ -79,6 +84,12 @@ class Host:
             "-o",
             target,
         ]
+
+    def read_command(self, source: str) -> list[str]:
+        """Return the command whose last word is the format that reads @source."""
+        if self.kind == "python":
+            return [self.path, "-c", READ_WITH_PYTHON, source]
+        return [self.path, "--info", source]
 
 
 def programs(name: str) -> list[str]:
@@ -155,3 +166,11 @@ def try_to_write(host: Host, sensor: str) -> Trial:
     )
     message = " ".join(lines) or "said nothing, but what it wrote is no DNG"
     return Trial(wrote and done.returncode == 0, message, loader)
+
+
+def reader_of(host: Host, source: str) -> str:
+    """Return the name of the format by which @host reads the file @source; empty if it
+    reads it not at all."""
+    done = ask(host.read_command(source))
+    words = done.stdout.split() if done and done.returncode == 0 else []
+    return "" if not words or words[-1] == "none" else words[-1]
