@@ -266,6 +266,8 @@ def test_python_reads_rows(writing_openimageio, tmp_path):
     assert image.format_name() == "dng"
     rows = image.read_scanlines(0, 0, 10, 20, 0, 0, 1, "uint16")
     np.testing.assert_array_equal(rows[..., 0], mosaic[10:20])
+    neutral = cg2raw.read_dng_metadata(str(path)).as_shot_neutral
+    np.testing.assert_allclose(image.spec()["raw:AsShotNeutral"], neutral, rtol=1e-5)
     hints = oiio.ImageSpec()
     hints.attribute("dng:developed", 1)
     picture = oiio.ImageBuf(str(path), 0, 0, hints)

@@ -16,6 +16,16 @@ namespace {
 /// Rows of DN that are held beside the picture.
 constexpr int held_rows = 256;
 
+/// The result of @p work, whose error gets the file's name.
+template <class Work> auto named(const DngMetadata& metadata, const Work& work)
+{
+    try {
+        return work();
+    } catch (const Error& error) {
+        throw Error(metadata.file + ": " + error.what());
+    }
+}
+
 /// Of the file's own matrices and neutral.
 SceneTransform transform_of(const DngMetadata& metadata)
 {
@@ -26,8 +36,7 @@ SceneTransform transform_of(const DngMetadata& metadata)
     const bool mono = metadata.cfa.is_mono();
     const bool has_matrix = !metadata.calibrations.empty();
     if (!mono && !(has_matrix && metadata.as_shot_neutral))
-        throw Error(metadata.file + ": "
-                    + text_of(has_matrix ? tag::as_shot_neutral : tag::color_matrix_1)
+        throw Error(text_of(has_matrix ? tag::as_shot_neutral : tag::color_matrix_1)
                     + " is missing; without it nothing can be developed: read the "
                       "mosaic instead");
     const Illuminant light
@@ -42,8 +51,8 @@ struct DevelopedDng::State {
         : mosaic(source)
         , metadata(source.metadata())
         , size(metadata.active_area)
-        , demosaic(metadata.cfa, size)
-        , transform(transform_of(metadata))
+        , demosaic(named(metadata, [&] { return Demosaic(metadata.cfa, size); }))
+        , transform(named(metadata, [&] { return transform_of(metadata); }))
     {
     }
 
@@ -78,7 +87,7 @@ struct DevelopedDng::State {
     {
         const CfaPattern& cfa = metadata.cfa;
         const double* const black
-            = metadata.black_level.data() + row % cfa.height * cfa.width;
+            = &metadata.black_level[std::size_t(row % cfa.height * cfa.width)];
         for (int col = 0; col < size.width; ++col) {
             const double zero = black[col % cfa.width];
             out[col] = float((dn[col] - zero) / (metadata.white_level - zero));
