@@ -23,9 +23,10 @@ void develop(DngMosaic& mosaic)
 {
     DevelopedDng picture(mosaic);
     const Size size = picture.size();
-    std::vector<float> rgb(3 * std::size_t(size.width));
+    const std::ptrdiff_t pitch = 3 * std::ptrdiff_t(size.width);
+    std::vector<float> rgb(std::size_t(pitch), 0.0F);
     for (int row = 0; row < size.height; ++row) {
-        picture.read_rows(row, 1, rgb.data(), 3 * size.width);
+        picture.read_rows(row, 1, rgb.data(), pitch);
         for (const float value : rgb)
             if (!std::isfinite(value))
                 throw Finding("a pixel of the picture is not finite");

@@ -34,7 +34,7 @@ protected:
         spec.attribute("dng:sensor", "samsung-s20fe");
         spec.attribute("dng:illuminant", "A");
         spec.attribute("dng:iso", 800);
-        std::vector<float> pixels(3 * width * height);
+        std::vector<float> pixels(std::size_t(3) * width * height);
         for (std::size_t i = 0; i < pixels.size(); ++i)
             pixels[i] = float(i * 2654435761u % 10007u) / 12000.0f;
         auto output = ImageOutput::create(path);

@@ -30,6 +30,13 @@ Words words(std::size_t count, int bits)
     return result;
 }
 
+/// Rows of a mosaic of that size.
+Words rows_of(const Words& dn, int first, int rows)
+{
+    const auto begin = dn.begin() + std::ptrdiff_t(first) * size.width;
+    return { begin, begin + std::ptrdiff_t(rows) * size.width };
+}
+
 Words read_all(const std::string& file)
 {
     std::istringstream stream(file);
@@ -66,11 +73,11 @@ class EveryWord : public ::testing::TestWithParam<std::tuple<int, bool>> { };
 
 TEST_P(EveryWord, OfStripsComesBack)
 {
-    const auto [bits, big_endian] = GetParam();
+    const int bits = std::get<0>(GetParam());
+    const bool big_endian = std::get<1>(GetParam());
     const Words dn = words(48, bits);
     const auto strip = [&](int first, int rows) {
-        return packed(Words(dn.begin() + first * 8, dn.begin() + (first + rows) * 8),
-                      size.width, bits, big_endian);
+        return packed(rows_of(dn, first, rows), size.width, bits, big_endian);
     };
     PixelDng dng { bits, { strip(0, 4), strip(4, 2) } };
     dng.ifd.longs(278, { 4 }); // RowsPerStrip
@@ -119,14 +126,14 @@ TEST(DngMosaic, ReadsLosslessJpegOfAnyShape)
 TEST(DngMosaic, ReadsAnyRowsInAnyOrder)
 {
     const Words dn = words(48, 12);
-    for (PixelDng dng : { jpeg_dng({ 6, 4, 2, 12, 6, dn }),
-                          PixelDng { 12, { packed(dn, 8, 12, false) } } }) {
+    for (const PixelDng& dng : { jpeg_dng({ 6, 4, 2, 12, 6, dn }),
+                                 PixelDng { 12, { packed(dn, 8, 12, false) } } }) {
         std::istringstream stream(dng.file());
         DngMosaic mosaic(stream, "test.dng");
         for (const int first : { 3, 0, 5, 2 }) {
             Words row(8);
             mosaic.read_rows(first, { row.data(), 8, 1, 8 });
-            EXPECT_EQ(row, Words(dn.begin() + first * 8, dn.begin() + first * 8 + 8));
+            EXPECT_EQ(row, rows_of(dn, first, 1));
         }
         Words row(16);
         EXPECT_THROW(mosaic.read_rows(5, { row.data(), 8, 2, 8 }), Error);
@@ -271,10 +278,10 @@ TEST_F(Written, ComesBackAndDevelops)
     std::ifstream stream(path(), std::ios::binary);
     DngMosaic mosaic(stream, path());
     DevelopedDng picture(mosaic);
-    std::vector<float> rgb(std::size_t(3 * frame.width * 3));
-    picture.read_rows(0, 2, rgb.data(), 3 * frame.width);
-    picture.read_rows(frame.height - 1, 1, rgb.data() + 6 * frame.width,
-                      3 * frame.width);
+    constexpr std::ptrdiff_t pitch = std::ptrdiff_t(3) * frame.width;
+    std::vector<float> rgb(std::size_t(3 * pitch));
+    picture.read_rows(0, 2, rgb.data(), pitch);
+    picture.read_rows(frame.height - 1, 1, rgb.data() + 2 * pitch, pitch);
     for (const float value : rgb)
         EXPECT_NEAR(value, 0.5F, 2e-4); // a DN over the darkest neutral, times rows
 }
