@@ -16,6 +16,7 @@ FLOW = (
     "parallel",
     "random",
     "scene_file",
+    "time_code",
     "color",
     "spectrum",
     "profile",
