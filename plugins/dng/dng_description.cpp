@@ -29,6 +29,8 @@ Shot plausible(Shot shot)
         shot.date_time_original.clear();
     if (shot.orientation < 1 || shot.orientation > 8)
         shot.orientation = 1;
+    if (shot.frame_rate && !has_time_codes(*shot.frame_rate))
+        shot.time_code.reset();
     return shot;
 }
 

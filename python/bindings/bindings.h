@@ -77,5 +77,6 @@ void bind_prediction(py::module_& m);
 void bind_normal_mixture(py::module_& m);
 void bind_normal_scores(py::module_& m);
 void bind_dng(py::module_& m);
+void bind_shot(py::module_& m);
 
 } // namespace cg2raw::python

@@ -13,8 +13,9 @@ namespace cg2raw::python {
 namespace {
 
 void write(const std::string& path, const RawArray& raw, const Simulation& simulation,
-           const std::string& compression, bool preview, const std::string& matrices,
-           const std::string& tone_curve, int threads, const Shot& of_image, bool sync)
+           const std::string& compression, std::optional<bool> preview,
+           const std::string& matrices, const std::string& tone_curve, int threads,
+           const Shot& of_image, bool sync, const std::optional<std::string>& shading)
 {
     const Size frame = simulation.frame();
     if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
@@ -26,9 +27,12 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
         && *std::max_element(raw.data(), end) > simulation.profile().white_level)
         throw Error("raw holds DN above the sensor's white level "
                     + std::to_string(simulation.profile().white_level));
-    const DngOptions options { compression_from_name(compression), preview,
-                               matrices_from_name(matrices),
-                               tone_curve_from_name(tone_curve), sync };
+    DngOptions options { compression_from_name(compression), preview,
+                         matrices_from_name(matrices),
+                         tone_curve_from_name(tone_curve) };
+    options.sync = sync;
+    if (shading)
+        options.shading = shading_from_name(*shading);
     Shot shot = of_image;
     if (simulation.run().iso)
         shot.iso = int(std::lround(*simulation.run().iso));
@@ -106,29 +110,6 @@ void bind_profiles(py::module_& m)
         "Raises ValueError naming the files that are not of one camera.");
 }
 
-void bind_shot(py::module_& m)
-{
-    py::class_<Shot>(m, "Shot", "What Exif says of the exposure, without its ISO.")
-        .def(py::init(
-                 [](std::optional<double> exposure_time, std::optional<double> f_number,
-                    std::optional<double> focal_length,
-                    const std::string& date_time_original, const std::string& artist,
-                    const std::string& copyright, const std::string& description,
-                    const std::string& lens_model, int orientation) {
-                     return plausible({ exposure_time, f_number, focal_length,
-                                        std::nullopt, date_time_original, artist,
-                                        copyright, description, lens_model,
-                                        orientation });
-                 }),
-             py::kw_only(), "exposure_time"_a = py::none(), "f_number"_a = py::none(),
-             "focal_length"_a = py::none(), "date_time_original"_a = "",
-             "artist"_a = "", "copyright"_a = "", "description"_a = "",
-             "lens_model"_a = "", "orientation"_a = 1,
-             "Times in s, lengths in mm, dates as \"YYYY:MM:DD HH:MM:SS\", orientation "
-             "1 to 8;\nwhat makes no sense in Exif is left out.")
-        .def_readonly("exposure_time", &Shot::exposure_time, "s; None: not known.");
-}
-
 void bind_metadata(py::module_& m)
 {
     py::class_<DngMetadata>(m, "DngMetadata",
@@ -204,10 +185,10 @@ void bind_metadata(py::module_& m)
 
 void bind_dng(py::module_& m)
 {
-    bind_shot(m);
     m.def("write_dng", &write, "path"_a, "raw"_a, "simulation"_a, "compression"_a,
           "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a, "shot"_a,
-          "sync"_a = true, "Write a DNG; see cg2raw.write_dng.");
+          "sync"_a = true, "shading"_a = py::none(),
+          "Write a DNG; see cg2raw.write_dng.");
     bind_metadata(m);
     bind_profiles(m);
 }

@@ -186,9 +186,21 @@ class Shot:
         description: str = "",
         lens_model: str = "",
         orientation: int = 1,
+        frame_rate: str = "",
+        time_code: str | int = "",
+        reel_name: str = "",
+        camera_label: str = "",
     ) -> None: ...
     @property
     def exposure_time(self) -> float | None: ...
+    @property
+    def frame_rate(self) -> str | None: ...
+    @property
+    def time_code(self) -> str | None: ...
+
+def frame_rate_text(text: str) -> str: ...
+def time_code_text(text: str) -> str: ...
+def advanced_time_code(first: str, rate: str, frames: int) -> str: ...
 
 class DngMetadata:
     @property
@@ -336,12 +348,13 @@ def write_dng(
     raw: NDArray[np.uint16],
     simulation: Simulation,
     compression: str,
-    preview: bool,
+    preview: bool | None,
     matrices: str,
     tone_curve: str,
     threads: int,
     shot: Shot,
     sync: bool = True,
+    shading: str | None = None,
 ) -> None: ...
 def read_dng_metadata(path: str) -> DngMetadata: ...
 def profile_from_dng(metadata: DngMetadata) -> SensorProfile: ...

@@ -25,9 +25,10 @@ def write_dng(
     iso: float | None = None,
     effects: bool = True,
     compression: str = "ljpeg",
-    preview: bool = True,
+    preview: bool | None = None,
     matrices: str = "camera",
     tone_curve: str = "camera",
+    shading: str | None = None,
     shot: Mapping[str, Any] | _core.Shot | None = None,
     threads: int = 0,
     sync: bool = True,
@@ -44,13 +45,19 @@ def write_dng(
     effects : False if a plain array has none of the effects of the sensor's profile: no
         GainMap to undo a lens shading that is not there, and no NoiseProfile.
     compression : "ljpeg" (lossless JPEG) or "none".
-    preview : whether IFD0 holds a rendered picture.
+    preview : whether IFD0 holds a rendered picture; None for one, unless the shot has a
+        frame rate: players want the RAW there.
     matrices : "camera" (the sensor's) or "exact" (every reader gives the render back).
     tone_curve : "camera" (the reader's own) or "linear".
+    shading : "tagged" (GainMaps undo the sensor's lens shading) or "baked" (nothing
+        does); None for tagged, unless the shot has a frame rate: players know no
+        GainMaps.
     shot : what Exif is to say: exposure_time (s), f_number, focal_length (mm),
         date_time_original ("YYYY:MM:DD HH:MM:SS"), artist, copyright, description,
-        lens_model, orientation (1 to 8); what makes no sense there is left out. Or a
-        Shot, as DngMetadata.merged_shot returns it. The ISO is the simulation's.
+        lens_model, orientation (1 to 8); what makes no sense there is left out. Of a
+        frame of a shot (CinemaDNG) also frame_rate (24, 23.976, "24000/1001"),
+        time_code ("hh:mm:ss:ff"), reel_name, camera_label. Or a Shot, as
+        DngMetadata.merged_shot returns it. The ISO is the simulation's.
     threads : 0 for one per core; the bytes do not depend on it.
     sync : whether the file is on the disk before it has its name, so that not even a
         loss of power leaves a partial one; False is faster on slow disks.
@@ -63,7 +70,7 @@ def write_dng(
         raise ValueError(f"path {name!r} holds a NUL character")
     _core.write_dng(
         name, raw_plane(raw), simulation, compression, preview, matrices, tone_curve,
-        threads, _shot(shot or {}), sync,
+        threads, _shot(shot or {}), sync, shading,
     )  # fmt: skip
 
 
@@ -72,12 +79,14 @@ def _shot(shot: Mapping[str, Any] | _core.Shot) -> _core.Shot:
     if isinstance(shot, _core.Shot):
         return shot
     try:
-        return _core.Shot(**shot)
+        rate = shot.get("frame_rate")
+        return _core.Shot(**{**shot, "frame_rate": "" if rate is None else str(rate)})
     except TypeError:
         raise ValueError(
             f"shot {shot!r} must be a dict of exposure_time, f_number, focal_length "
             "(numbers), date_time_original, artist, copyright, description, lens_model "
-            "(texts) and orientation (a whole number)"
+            "(texts), orientation (a whole number), frame_rate, time_code, reel_name "
+            "and camera_label"
         ) from None
 
 

@@ -32,6 +32,10 @@ Shot merged(Shot reference, const Shot& image)
     reference.artist = image.artist;
     reference.copyright = image.copyright;
     reference.description = image.description;
+    reference.frame_rate = image.frame_rate;
+    reference.time_code = image.time_code;
+    reference.reel_name = image.reel_name;
+    reference.camera_label = image.camera_label;
     for (auto text : { &Shot::date_time_original, &Shot::lens_model })
         if ((reference.*text).empty())
             reference.*text = image.*text;

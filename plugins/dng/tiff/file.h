@@ -43,6 +43,7 @@ public:
     /// Start the SubIFD of IFD 0.
     void begin_sub_ifd(const Storage& storage, const Tags& tags);
     /// Bytes of strip or tile @p index, as they stand in the file; in rising order.
+    /// Those of the same one again follow the earlier ones.
     void write_chunk(std::uint32_t index, const void* data, std::size_t size);
     std::uint64_t chunk_offset(std::uint32_t index) const;
     /// The IFD goes to the file.

@@ -16,7 +16,8 @@ struct TiffTag {
     const char* name;
 };
 
-/// Numbers and names. Source: TIFF 6.0, Exif 2.32, DNG specification 1.7.1. Those from
+/// Numbers and names. Source: TIFF 6.0, Exif 2.32, DNG specification 1.7.1,
+/// CinemaDNG 1.1. Those from
 /// 50936 on are younger than libtiff 4.5's table.
 namespace tag {
 constexpr TiffTag new_subfile_type { 254, "NewSubfileType" };
@@ -97,6 +98,10 @@ constexpr TiffTag opcode_list_1 { 51008, "OpcodeList1" };
 constexpr TiffTag opcode_list_2 { 51009, "OpcodeList2" };
 constexpr TiffTag opcode_list_3 { 51022, "OpcodeList3" };
 constexpr TiffTag noise_profile { 51041, "NoiseProfile" };
+constexpr TiffTag time_codes { 51043, "TimeCodes" };
+constexpr TiffTag frame_rate { 51044, "FrameRate" };
+constexpr TiffTag reel_name { 51081, "ReelName" };
+constexpr TiffTag camera_label { 51105, "CameraLabel" };
 constexpr TiffTag default_black_render { 51110, "DefaultBlackRender" };
 constexpr TiffTag color_matrix_3 { 52531, "ColorMatrix3" };
 } // namespace tag

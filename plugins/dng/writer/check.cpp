@@ -121,10 +121,25 @@ void check_shot(const Checker& checker, const Shot& shot)
         checker.need(*shot.iso > 0, "iso", *shot.iso, "above 0");
     checker.need(shot.orientation >= 1 && shot.orientation <= 8, "orientation",
                  shot.orientation, "1 to 8");
+    if (shot.frame_rate)
+        checker.need(shot.frame_rate->numerator > 0 && shot.frame_rate->denominator > 0,
+                     "frame_rate", text_of(*shot.frame_rate), "above 0");
     // libtiff keeps 20 bytes for it, with the final 0.
     checker.need(shot.date_time_original.empty()
                      || shot.date_time_original.size() == 19,
                  "date_time_original", shot.date_time_original, "YYYY:MM:DD HH:MM:SS");
+}
+
+/// A time code counts the frames of the rate.
+void check_time_code(const std::string& path, const Shot& shot)
+{
+    if (!shot.time_code || !shot.frame_rate)
+        return;
+    try {
+        check(*shot.time_code, *shot.frame_rate);
+    } catch (const Error& error) {
+        throw Error(path + ": " + error.what());
+    }
 }
 
 } // namespace
@@ -137,6 +152,7 @@ void check(const DngDescription& description, const std::string& path)
     check_color(checker, description);
     check_noise(checker, description);
     check_shot(checker, description.shot);
+    check_time_code(path, description.shot);
 }
 
 } // namespace cg2raw

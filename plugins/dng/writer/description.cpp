@@ -79,7 +79,7 @@ std::vector<NoisePair> noise_profile(const NoiseAtIso& noise, const CfaPattern& 
 }
 
 /// What light of the colours R, G, B loses on its way: of the active effects.
-struct Shading {
+struct FallOff {
     std::optional<Values> lens, color;
 
     explicit operator bool() const { return lens || color; }
@@ -92,7 +92,7 @@ struct Shading {
 
 /// Reciprocals of a colour's fall-off; the first and last node lie on the frame's
 /// edges.
-GainMap gains_against(const Shading& shading, int plane, Size frame)
+GainMap gains_against(const FallOff& shading, int plane, Size frame)
 {
     const double half_diagonal = 0.5 * std::hypot(frame.width, frame.height);
     GainMap map { map_rows, map_cols, {} };
@@ -140,9 +140,10 @@ DngDescription describe(const Simulation& simulation, const DngOptions& options,
         description.noise_profile = noise_profile(*simulation.noise(), profile.cfa);
     else if (const auto noise = noise_of_effects(simulation))
         description.noise_profile = noise_profile(*noise, profile.cfa);
-    const Shading shading { simulation.active("lens_shading"),
+    const FallOff shading { simulation.active("lens_shading"),
                             simulation.active("color_shading") };
-    if (shading)
+    const Shading usual = is_of_shot(shot) ? Shading::baked : Shading::tagged;
+    if (shading && options.shading.value_or(usual) == Shading::tagged)
         description.shading_gains = { gains_against(shading, 0, simulation.frame()),
                                       gains_against(shading, 1, simulation.frame()),
                                       gains_against(shading, 2, simulation.frame()) };

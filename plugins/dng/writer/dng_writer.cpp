@@ -58,7 +58,7 @@ struct DngWriter::State {
         , parallel(std::move(parallel_))
         , file(path, options.sync)
     {
-        if (options.preview)
+        if (options.preview.value_or(!is_of_shot(description_.shot)))
             preview.emplace(description_);
     }
 
@@ -66,6 +66,7 @@ struct DngWriter::State {
     {
         const std::uint64_t exif = file.write_exif(exif_tags(description.shot));
         Tags tags = camera_tags(description, options);
+        append(tags, shot_tags(description.shot));
         if (preview) {
             append(tags, preview_tags());
             file.begin(storage_of(*preview), tags, exif, true);

@@ -34,16 +34,18 @@ Storage storage_of(const DngDescription& description, std::uint16_t compression)
 
 /// Contiguous strips of about 1/2 MiB: dcraw reads on from the first strip, whatever
 /// the others' offsets say; a single strip would be read whole into memory by libtiff's
-/// users.
+/// users. A frame of a shot is one strip all the same, written in parts: DaVinci
+/// Resolve takes no other uncompressed frame (dnglab, issue 368).
 class Strips : public MosaicStore {
 public:
     explicit Strips(const DngDescription& description)
         : m_size(description.size)
         , m_storage(storage_of(description, compression_none))
-        , m_rows_per_strip(std::clamp(strip_pixels / m_size.width, 1, m_size.height))
-        , m_groups(m_size, m_rows_per_strip)
+        , m_is_one(is_of_shot(description.shot))
+        , m_groups(m_size, std::clamp(part_pixels / m_size.width, 1, m_size.height))
     {
-        m_storage.rows_per_strip = std::uint32_t(m_rows_per_strip);
+        m_storage.rows_per_strip
+            = std::uint32_t(m_is_one ? m_size.height : m_groups.rows_per_group());
     }
 
     Storage storage() const override { return m_storage; }
@@ -55,12 +57,13 @@ public:
                 strip = packed(strip);
             const std::size_t pixels
                 = std::size_t(strip.width) * std::size_t(strip.height);
-            file.write_chunk(m_next++, strip.data, 2 * pixels);
+            file.write_chunk(m_next, strip.data, 2 * pixels);
+            m_next += m_is_one ? 0 : 1;
         });
     }
 
 private:
-    static constexpr int strip_pixels = 256 * 1024;
+    static constexpr int part_pixels = 256 * 1024;
 
     Plane<const std::uint16_t> packed(const Plane<const std::uint16_t>& rows)
     {
@@ -72,7 +75,7 @@ private:
 
     Size m_size;
     Storage m_storage;
-    int m_rows_per_strip;
+    bool m_is_one;
     RowGroups m_groups;
     std::vector<std::uint16_t> m_packed;
     std::uint32_t m_next = 0;

@@ -33,6 +33,8 @@ class RowGroups {
 public:
     RowGroups(Size size, int rows_per_group);
 
+    int rows_per_group() const { return m_rows_per_group; }
+
     /// @p take is called with each group that is complete; the last may be lower.
     template <class Take> void add(const Plane<const std::uint16_t>& rows, Take take)
     {

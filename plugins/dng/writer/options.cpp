@@ -44,4 +44,11 @@ ToneCurve tone_curve_from_name(std::string_view name)
         { { "camera", ToneCurve::camera }, { "linear", ToneCurve::linear } });
 }
 
+Shading shading_from_name(std::string_view name)
+{
+    return named<Shading>(
+        "shading", name,
+        { { "tagged", Shading::tagged }, { "baked", Shading::baked } });
+}
+
 } // namespace cg2raw

@@ -113,6 +113,22 @@ void add_cfa(Tags& tags, const CfaPattern& cfa)
 
 } // namespace
 
+Tags shot_tags(const Shot& shot)
+{
+    Tags tags;
+    if (shot.time_code) {
+        const auto bytes = smpte_331m(*shot.time_code, shot.frame_rate);
+        tags.push_back({ tag::time_codes, Bytes(bytes.begin(), bytes.end()) });
+    }
+    if (shot.frame_rate)
+        tags.push_back({ tag::frame_rate,
+                         SignedRationals { { shot.frame_rate->numerator,
+                                             shot.frame_rate->denominator } } });
+    add_text(tags, tag::reel_name, shot.reel_name);
+    add_text(tags, tag::camera_label, shot.camera_label);
+    return tags;
+}
+
 Tags camera_tags(const DngDescription& description, const DngOptions& options)
 {
     Tags tags {

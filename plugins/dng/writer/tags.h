@@ -12,6 +12,8 @@ namespace cg2raw {
 
 /// Make, model, colour and texts: IFD 0, whatever its pixels are.
 Tags camera_tags(const DngDescription& description, const DngOptions& options);
+/// The frame's place in a shot, also IFD 0. Source: CinemaDNG 1.1, 4.
+Tags shot_tags(const Shot& shot);
 /// CFA, levels, crop, noise, shading: the IFD of the mosaic.
 Tags mosaic_tags(const DngDescription& description);
 /// What makes IFD 0 a preview.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "cg2raw/profile.h"
+#include "cg2raw/time_code.h"
 
 #include <array>
 #include <optional>
@@ -27,7 +28,8 @@ struct GainMap {
     std::vector<float> gains;
 };
 
-/// What Exif says of the exposure; absent fields are not written.
+/// What Exif says of the exposure, and CinemaDNG of the frame's place in a shot; absent
+/// fields are not written.
 struct Shot {
     std::optional<double> exposure_time; ///< s
     std::optional<double> f_number;
@@ -36,10 +38,18 @@ struct Shot {
     std::string date_time_original; ///< "YYYY:MM:DD HH:MM:SS" or empty
     std::string artist, copyright, description, lens_model;
     int orientation = 1; ///< Exif orientation, 1 to 8
+    std::optional<FrameRate> frame_rate; ///< makes it a frame of a shot
+    std::optional<TimeCode> time_code;
+    std::string reel_name, camera_label;
 };
 
+/// Whether a file is a frame of a shot, as CinemaDNG has it: one that says how many of
+/// them a second has.
+inline bool is_of_shot(const Shot& shot) { return shot.frame_rate.has_value(); }
+
 /// Without what makes no sense in Exif: dates of another form, orientations but 1 to 8,
-/// numbers outside 1e-6 to 1e6. It is no reason to refuse a picture.
+/// numbers outside 1e-6 to 1e6; and without a time code at a rate that has none. It is
+/// no reason to refuse a picture.
 Shot plausible(Shot shot);
 
 /// All that a file says of its pixels.

@@ -26,17 +26,28 @@ enum class ToneCurve {
 };
 ToneCurve tone_curve_from_name(std::string_view name);
 
+/// What undoes the lens shading that lies in the pixels.
+enum class Shading {
+    tagged, ///< GainMaps, for readers that know them
+    baked, ///< nothing: all readers show it
+};
+Shading shading_from_name(std::string_view name);
+
 struct DngOptions {
     Compression compression = Compression::ljpeg;
-    bool preview = true;
+    /// A picture in IFD 0; none: one unless it is a frame of a shot, whose IFD 0 is
+    /// RAW, as players want it.
+    std::optional<bool> preview = std::nullopt;
     Matrices matrices = Matrices::camera;
     ToneCurve tone_curve = ToneCurve::camera;
+    /// None: tagged, but baked in a frame of a shot, whose players know no GainMaps.
+    std::optional<Shading> shading = std::nullopt;
     /// The file is on the disk before it has its name, so that not even a loss of power
     /// leaves a partial one; false for files that are checked and made again.
     bool sync = true;
 };
 
-/// What the file of a simulation says: matrices per @p options, noise and shading of
+/// What the file of a simulation says: matrices and shading per @p options, noise of
 /// the active effects.
 DngDescription describe(const Simulation& simulation, const DngOptions& options,
                         const Shot& shot);

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+#include "bindings.h"
+
+#include "cg2raw/dng_description.h"
+
+#include <variant>
+
+namespace cg2raw::python {
+namespace {
+
+using OptionalRate = std::optional<FrameRate>;
+/// As people write it, or packed as files hold it.
+using TimeCodeWord = std::variant<std::string, std::uint32_t>;
+
+OptionalRate rate_of(const std::string& text)
+{
+    return text.empty() ? std::nullopt : OptionalRate(frame_rate_from_text(text));
+}
+
+std::optional<TimeCode> code_of(const TimeCodeWord& word, const OptionalRate& rate)
+{
+    if (const auto* packed = std::get_if<std::uint32_t>(&word))
+        return time_code_from_packed(*packed, rate);
+    const std::string& text = std::get<std::string>(word);
+    return text.empty() ? std::nullopt : std::optional(time_code_from_text(text));
+}
+
+template <class T>
+std::optional<std::string> text_or_none(const std::optional<T>& value)
+{
+    return value ? std::optional(text_of(*value)) : std::nullopt;
+}
+
+} // namespace
+
+void bind_shot(py::module_& m)
+{
+    py::class_<Shot>(m, "Shot", "What Exif says of the exposure, without its ISO.")
+        .def(py::init(
+                 [](std::optional<double> exposure_time, std::optional<double> f_number,
+                    std::optional<double> focal_length,
+                    const std::string& date_time_original, const std::string& artist,
+                    const std::string& copyright, const std::string& description,
+                    const std::string& lens_model, int orientation,
+                    const std::string& frame_rate, const TimeCodeWord& time_code,
+                    const std::string& reel_name, const std::string& camera_label) {
+                     const OptionalRate rate = rate_of(frame_rate);
+                     return plausible({ exposure_time, f_number, focal_length,
+                                        std::nullopt, date_time_original, artist,
+                                        copyright, description, lens_model, orientation,
+                                        rate, code_of(time_code, rate), reel_name,
+                                        camera_label });
+                 }),
+             py::kw_only(), "exposure_time"_a = py::none(), "f_number"_a = py::none(),
+             "focal_length"_a = py::none(), "date_time_original"_a = "",
+             "artist"_a = "", "copyright"_a = "", "description"_a = "",
+             "lens_model"_a = "", "orientation"_a = 1, "frame_rate"_a = "",
+             "time_code"_a = "", "reel_name"_a = "", "camera_label"_a = "",
+             "Times in s, lengths in mm, dates as \"YYYY:MM:DD HH:MM:SS\", orientation "
+             "1 to 8,\nframe rates as \"24\" or \"24000/1001\", time codes as "
+             "\"hh:mm:ss:ff\" or packed;\nwhat makes no sense in Exif is left out.")
+        .def_readonly("exposure_time", &Shot::exposure_time, "s; None: not known.")
+        .def_property_readonly(
+            "frame_rate",
+            [](const Shot& shot) { return text_or_none(shot.frame_rate); },
+            "Frames per second, \"24\" or \"24000/1001\"; None: not known.")
+        .def_property_readonly(
+            "time_code", [](const Shot& shot) { return text_or_none(shot.time_code); },
+            "\"hh:mm:ss:ff\"; None: not known.");
+    m.def(
+        "frame_rate_text",
+        [](const std::string& text) { return text_of(frame_rate_from_text(text)); },
+        "text"_a,
+        "A frame rate in lowest terms: \"23.976\" is \"24000/1001\". Raises "
+        "ValueError.");
+    m.def(
+        "time_code_text",
+        [](const std::string& text) { return text_of(time_code_from_text(text)); },
+        "text"_a, "An SMPTE time code that is one. Raises ValueError.");
+    m.def(
+        "advanced_time_code",
+        [](const std::string& first, const std::string& rate, std::uint64_t frames) {
+            return text_of(advanced(time_code_from_text(first),
+                                    frame_rate_from_text(rate), frames));
+        },
+        "first"_a, "rate"_a, "frames"_a,
+        "The SMPTE time code some frames after the first. Raises ValueError for one "
+        "that is\nnone at the rate.");
+}
+
+} // namespace cg2raw::python
