@@ -40,7 +40,9 @@ struct Given {
 
     std::string text() const
     {
-        return std::string(OIIO::Strutil::strip(value.get_string()));
+        const bool is_float = value.type() == OIIO::TypeDesc::FLOAT;
+        return is_float ? shortest(value.get_float())
+                        : std::string(OIIO::Strutil::strip(value.get_string()));
     }
 
     [[noreturn]] void fail(const std::string& allowed) const
@@ -50,9 +52,7 @@ struct Given {
 
     double real(double low, double high, const std::string& allowed) const
     {
-        const bool is_float = value.type() == OIIO::TypeDesc::FLOAT;
-        const double number
-            = number_from(is_float ? shortest(value.get_float()) : text());
+        const double number = number_from(text());
         if (!(number >= low && number <= high))
             fail(allowed);
         return number;
@@ -130,6 +130,19 @@ constexpr Known known[] = {
       [](Attributes& a, const Given& g) { a.noise = g.named(noise_model_from_name); } },
     { "dng:seed", [](Attributes& a, const Given& g) { a.seed = g.whole(); } },
     { "dng:frame", [](Attributes& a, const Given& g) { a.frame = g.whole(); } },
+    { "dng:framerate",
+      [](Attributes& a, const Given& g) {
+          a.frame_rate = g.named(frame_rate_from_text);
+      } },
+    { "dng:timecode",
+      [](Attributes& a, const Given& g) {
+          a.time_code = g.named(time_code_from_text);
+      } },
+    { "dng:first_frame",
+      [](Attributes& a, const Given& g) { a.first_frame = g.whole(); } },
+    { "dng:reel", [](Attributes& a, const Given& g) { a.reel = g.text(); } },
+    { "dng:camera_label",
+      [](Attributes& a, const Given& g) { a.camera_label = g.text(); } },
     { "dng:gain", set_gain },
     { "dng:convention",
       [](Attributes& a, const Given& g) {
@@ -149,6 +162,10 @@ constexpr Known known[] = {
       } },
     { "dng:preview",
       [](Attributes& a, const Given& g) { a.options.preview = g.flag(); } },
+    { "dng:shading",
+      [](Attributes& a, const Given& g) {
+          a.options.shading = g.named(shading_from_name);
+      } },
     { "dng:tone_curve",
       [](Attributes& a, const Given& g) {
           a.options.tone_curve = g.named(tone_curve_from_name);

@@ -20,6 +20,10 @@ struct Attributes {
     bool sample_gain = false;
     std::uint64_t seed = 0;
     std::optional<std::uint64_t> frame;
+    std::optional<FrameRate> frame_rate;
+    std::optional<TimeCode> time_code; ///< of first_frame
+    std::optional<std::uint64_t> first_frame;
+    std::string reel, camera_label;
     bool effects = true;
     DngOptions options;
 };

@@ -5,6 +5,7 @@
 
 #include "attributes.h"
 #include "cg2raw/dng_reader.h"
+#include "request_shot.h"
 #include "request_spectrum.h"
 
 #include <OpenImageIO/color.h>
@@ -119,27 +120,6 @@ std::uint64_t frame_of(const ImageSpec& spec, const Attributes& attributes,
     return code ? frame_from_time_code(std::string(code->get_string())).value_or(0) : 0;
 }
 
-/// Exif that renderers and oiiotool put into an image.
-Shot shot_of(const ImageSpec& spec)
-{
-    Shot shot;
-    const auto number = [&](const char* name) -> double {
-        // OpenImageIO 2.4 makes no float of an int.
-        return spec.get_float_attribute(name, float(spec.get_int_attribute(name, 0)));
-    };
-    shot.exposure_time = number("ExposureTime");
-    shot.f_number = number("FNumber");
-    shot.focal_length = number("Exif:FocalLength");
-    shot.date_time_original = spec.get_string_attribute(
-        "Exif:DateTimeOriginal", spec.get_string_attribute("DateTime"));
-    shot.artist = spec.get_string_attribute("Artist");
-    shot.copyright = spec.get_string_attribute("Copyright");
-    shot.description = spec.get_string_attribute("ImageDescription");
-    shot.lens_model = spec.get_string_attribute("Exif:LensModel");
-    shot.orientation = spec.get_int_attribute("Orientation", 1);
-    return plausible(shot);
-}
-
 /// The space of the pixels, if they already are RAW; contradictions are errors.
 std::optional<RawSpace> raw_space_of(const ImageSpec& spec,
                                      const Attributes& attributes,
@@ -248,9 +228,9 @@ Request request_of(const ImageSpec& spec, const std::string& file)
     std::optional<SensorProfile> sensor;
     if (!attributes.sensor.empty())
         sensor = load_profile(attributes.sensor);
-    Request request { layer,        {}, {}, run_of(attributes), attributes.options,
-                      shot_of(spec) };
+    Request request { layer, {}, {}, run_of(attributes), attributes.options, {} };
     request.run.frame = frame_of(spec, attributes, file);
+    request.shot = shot_of(spec, attributes, request.run.frame);
 
     if (const auto space
         = bins ? std::nullopt : raw_space_of(spec, attributes, sensor)) {

@@ -37,6 +37,8 @@ class Request:
     reference: str | None = None  # a DNG
     run: Mapping[str, Any] = field(default_factory=dict)  # fields of cg2raw.Run
     frame: int | None = None  # None: by the names of files, or the time code
+    shot: Mapping[str, Any] = field(default_factory=dict)  # in place of what files say
+    threads: int = 0  # 0: one per core; files do not depend on it
     exposure: float = 0.0  # EV
     white: float | None = None  # cd/m2 of white in spectral images
     layer: str | None = None  # None: the picture, by the conventions of renderers
@@ -56,10 +58,10 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
     if request.exposure:
         pixels = pixels * np.float32(2.0**request.exposure)
     nan, inf = np.isnan(pixels).sum(), np.isinf(pixels).sum()
-    shot, drawn = _core.Shot(**image.shot), None
+    shot, drawn = _core.Shot(**{**image.shot, **request.shot}), None
     if request.upi:
         image_file.check_rec709(image)
-        frame = request.upi.simulate(pixels, **asked)
+        frame = request.upi.simulate(pixels, threads=request.threads, **asked)
         drawn = request.upi.draw(asked.get("seed", Run.seed))
     else:
         sensor, run = exposure_of(image, request, asked)
@@ -70,13 +72,15 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
             shot = metadata.merged_shot(shot)
         run["exposure_time"] = shot.exposure_time
         assert sensor is not None  # without either, exposure_of has raised
-        frame = sensor.simulate(pixels, **run)
-    write_dng(output, frame, shot=shot, **request.writing)
+        frame = sensor.simulate(pixels, threads=request.threads, **run)
+    write_dng(output, frame, shot=shot, threads=request.threads, **request.writing)
     report = report_of(frame, request, asked, drawn)
     return {
         "input": str(path),
         "output": str(output),
         **report,
+        "frame_rate": shot.frame_rate,
+        "time_code": shot.time_code,
         "layer": image.layer or None,
         "linearized": image.undone or None,
         "unseen_energy": unseen,

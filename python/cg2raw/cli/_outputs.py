@@ -3,9 +3,16 @@
 """Output paths of a command."""
 
 import argparse
+import contextlib
 import os
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from typing import Any
+
+Pair = tuple[str, str]  # input, output
+Report = dict[str, Any]
 
 
 def to_file(path: str | None) -> bool:
@@ -89,16 +96,19 @@ def make_folder(folder: str) -> None:
 
 def each_file(
     name: str,
-    pairs: Sequence[tuple[str, str]],
-    work: Callable[[str, str], dict[str, Any]],
+    pairs: Sequence[Pair],
+    work: Callable[[str, str], Report],
     arguments: argparse.Namespace,
     words: str,
-    line: Callable[[dict[str, Any]], str],
+    line: Callable[[Report], str],
+    faults: Sequence[tuple[str, str]] = (),
+    workers: int = 1,
 ) -> int:
     """Call work(input, output) for all @pairs; print or report; return the exit code.
 
     A file that fails is named on stderr, the others are done, and the code is 1.
-    line(report) is what is printed of one."""
+    line(report) is what is printed of one. faults : (input, message) of what failed
+    before. workers : threads that work on a pair each."""
     import json
     import sys
 
@@ -106,19 +116,46 @@ def each_file(
     from cg2raw.cli._progress import tracked
 
     reports, errors = [], []
-    for path, output in tracked(pairs, words, arguments.quiet):
-        try:
-            reports.append(work(path, output))
-        except (ValueError, OSError, MemoryError) as error:
-            text = words_of(error) or "not enough memory"
-            text = text if str(path) in text else f"{path}: {text}"
-            errors.append({"input": str(path), "error": text})
-            print(f"cg2raw {name}: {text}", file=sys.stderr)
-            continue
-        if not (arguments.quiet or arguments.json):
-            print(line(reports[-1]))
+    for path, text in faults:
+        errors.append({"input": path, "error": text})
+        print(f"cg2raw {name}: {text}", file=sys.stderr)
+    with contextlib.closing(results_of(pairs, work, workers)) as results:
+        for path, _ in tracked(pairs, words, arguments.quiet):
+            try:
+                reports.append(next(results)())
+            except (ValueError, OSError, MemoryError) as error:
+                text = words_of(error) or "not enough memory"
+                text = text if str(path) in text else f"{path}: {text}"
+                errors.append({"input": str(path), "error": text})
+                print(f"cg2raw {name}: {text}", file=sys.stderr)
+                continue
+            if not (arguments.quiet or arguments.json):
+                print(line(reports[-1]))
     if arguments.json:
         print(json.dumps({"files": reports, "errors": errors}, indent=2))
-    if errors and len(pairs) > 1:
-        print(f"cg2raw {name}: {len(errors)} of {len(pairs)} failed", file=sys.stderr)
+    failed = len(errors) - len(faults)
+    if failed and len(pairs) > 1:
+        print(f"cg2raw {name}: {failed} of {len(pairs)} failed", file=sys.stderr)
     return 1 if errors else 0
+
+
+def results_of(
+    pairs: Sequence[Pair], work: Callable[[str, str], Report], workers: int
+) -> Generator[Callable[[], Report]]:
+    """Yield for each of @pairs what returns its report, or raises.
+
+    Closed early, it waits for the pairs that are begun; the others are not."""
+    if workers == 1:
+        yield from (partial(work, *pair) for pair in pairs)
+        return
+    with ThreadPoolExecutor(workers) as pool:
+        # Let go one by one: an error holds the arrays of the work that it ended.
+        waiting: deque[Future[Report]] = deque(
+            pool.submit(work, *pair) for pair in pairs
+        )
+        try:
+            while waiting:
+                yield waiting.popleft().result
+        finally:
+            for future in waiting:
+                future.cancel()

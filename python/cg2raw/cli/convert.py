@@ -9,6 +9,11 @@ same bytes as oiiotool with the same dng: attributes, and needs no plugin. Sever
 inputs, or an -o that is a folder, give a DNG of the same name each; one that fails is
 named, the others are done, and the exit code is 1.
 
+Inputs are files, patterns (shot.####.exr, shot.%04d.exr) or folders. With --framerate,
+or FramesPerSecond in the files, the DNGs are a shot (CinemaDNG): RAW in IFD0, no
+preview, lens shading left in; frames that are missing or there twice are listed, the
+others done, and the exit code is 1.
+
 Noise differs from frame to frame of a shot: the number in a file's name is its frame
 number (shot.0007.exr, render0007.exr), else the SMPTE time code in it. --frame-from
 index counts the inputs instead, and --frame N says it.
@@ -27,6 +32,8 @@ examples:
       --iso 3200 --seed 7
   cg2raw convert frames/*.exr -o raw/ --sensor nikon-d40 --illuminant D65 --json
   cg2raw convert shot.exr -o shot.dng --sensor nikon-d40 --method upi --noise upi
+  cg2raw convert shot.####.exr -o raw/ --sensor blackmagic-pocket --illuminant D65 \\
+      --framerate 24 --timecode 01:00:00:00 --reel A001
 """
 
 import argparse
@@ -37,24 +44,28 @@ from typing import TYPE_CHECKING, Any
 
 from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import number, whole
-from cg2raw.cli._outputs import each_file, outputs_of
+from cg2raw.cli._outputs import each_file
+from cg2raw.cli._shots import add_shot, frames_asked, outputs_of_shot
 
 if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.conversion import Request
     from cg2raw.upi import Upi
 
+MOST_WORKERS = 16  # if nothing is asked for
 WORTH_SAYING = 0.001  # of the energy of spectra, outside the sensitivities
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw convert."""
     add = parser.add_argument
-    add("inputs", nargs="+", metavar="IN", help="scene-linear images")
+    add("inputs", nargs="+", metavar="IN", help="scene-linear images, or patterns")
     add("-o", "--output", required=True, metavar="OUT", help="a .dng, or a folder")
+    add("--workers", type=workers, metavar="N", help="files at a time; default: cores")
     add("--json", action="store_true", help="the report as JSON, for programs")
     add("--quiet", action="store_true", help="no report, no progress; errors only")
     add_exposure(parser.add_argument_group("exposure"))
     add_picture(parser.add_argument_group("input"))
+    add_shot(parser.add_argument_group("shot"))
     add_upi(parser.add_argument_group("method upi"))
     add_writing(parser.add_argument_group("file"))
 
@@ -131,8 +142,19 @@ def add_writing(group: argparse._ArgumentGroup) -> None:
     add = group.add_argument
     add("--matrices", choices=("camera", "exact"), default="camera", help="of colour")
     add("--compression", choices=("ljpeg", "none"), default="ljpeg")
-    add("--preview", action=argparse.BooleanOptionalAction, default=True)
+    add(
+        "--preview",
+        action=argparse.BooleanOptionalAction,
+        help="a picture in IFD0; default: yes, but not of shots",
+    )
     add("--tone-curve", choices=("camera", "linear"), default="camera")
+
+
+def workers(text: str) -> int:
+    """Return a whole number above 0."""
+    if whole(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text}: must be at least 1")
+    return int(text)
 
 
 def gain(text: str) -> float | str:
@@ -145,22 +167,38 @@ def run(arguments: argparse.Namespace) -> int:
     from cg2raw import conversion
 
     request = request_of(arguments)
-    outputs = outputs_of(arguments.inputs, arguments.output, ".dng")
+    asked = frames_asked(arguments)
+    files = asked.files
+    outputs = outputs_of_shot(files, arguments.output)
     frames = frames_of(arguments, outputs)
     alike: dict[int, list[str]] = {}
+    count = workers_for(len(files), arguments.workers)
 
     def work(path: str, output: str) -> dict[str, Any]:
-        report = conversion.convert(
-            path, output, replace(request, frame=frames[output])
+        own = replace(
+            request,
+            frame=frames[output],
+            shot=asked.said[path],
+            threads=0 if count == 1 else 1,
         )
+        report = conversion.convert(path, output, own)
         alike.setdefault(report["frame"], []).append(output)
         return report
 
-    pairs = list(zip(arguments.inputs, outputs, strict=True))
-    code = each_file("convert", pairs, work, arguments, "converting", line_of)
+    pairs = list(zip(files, outputs, strict=True))
+    code = each_file(
+        "convert", pairs, work, arguments, "converting", line_of, asked.faults, count
+    )
     if arguments.iso is not None and not arguments.quiet:
         tell_alike(alike)
     return code
+
+
+def workers_for(files: int, asked: int | None) -> int:
+    """Return how many files are converted at a time: one per core, if that is not
+    said, and up to 16, for the memory that each takes."""
+    cores = len(os.sched_getaffinity(0))
+    return max(1, min(files, asked or min(cores, MOST_WORKERS)))
 
 
 def frames_of(
@@ -208,7 +246,7 @@ def request_of(arguments: argparse.Namespace) -> "Request":
         upi=upi,
         writing={
             name: getattr(arguments, name)
-            for name in ("matrices", "compression", "preview", "tone_curve")
+            for name in ("matrices", "compression", "preview", "tone_curve", "shading")
         },
     )
 

@@ -251,7 +251,7 @@ def read_rows(
 
 
 def shot_of(spec: Any) -> dict[str, Any]:
-    """Return the Exif of an image, as write_dng takes it."""
+    """Return the Exif of an image, and its place in a shot, as write_dng takes it."""
     text, number = spec.get_string_attribute, spec.get_float_attribute
     date = text("Exif:DateTimeOriginal") or text("DateTime")
     return {
@@ -264,4 +264,38 @@ def shot_of(spec: Any) -> dict[str, Any]:
         "description": text("ImageDescription"),
         "lens_model": text("Exif:LensModel"),
         "orientation": spec.get_int_attribute("Orientation", 1),
+        "frame_rate": frame_rate_of(spec),
+        "time_code": time_code_of(spec),
+        "reel_name": text("reelName") or text("openexr:reelName"),
+        "camera_label": text("cameraLabel") or text("openexr:cameraLabel"),
     }
+
+
+def frame_rate_of(spec: Any) -> str:
+    """Return the frames per second that an image says, empty if it says nothing that
+    makes sense."""
+    try:
+        return _core.frame_rate_text(spec.get_string_attribute("FramesPerSecond"))
+    except ValueError:
+        return ""
+
+
+def time_code_of(spec: Any) -> int | str:
+    """Return the SMPTE time code of an image, packed or a text; empty: none."""
+    code = spec.getattribute("smpte:TimeCode")
+    if isinstance(code, tuple):
+        return int(code[0])
+    try:
+        return _core.time_code_text(str(code)) if code else ""
+    except ValueError:
+        return ""
+
+
+def stated_shot(path: FilePath, layer: str | None = None) -> dict[str, Any]:
+    """Return what the header of a file says, as shot_of does.
+
+    layer : as of read_image; that it is there is checked only if it is not None.
+    Raises ValueError, OSError."""
+    with contextlib.closing(opened(path)) as source:
+        spec = source.spec() if layer is None else chosen_layer(path, source, layer)[1]
+        return shot_of(spec)

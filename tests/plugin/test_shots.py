@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Sequences by oiiotool: frames of a shot, the same bytes as cg2raw convert writes."""
+
+import OpenImageIO as oiio
+import pytest
+import tifffile
+
+from images import attributes, write_image
+from python import commands
+
+RUN = {"sensor": "samsung-s20fe", "illuminant": "D65", "iso": 1600}
+NOISY = attributes(**RUN)
+WORDS = [word for name, value in RUN.items() for word in (f"--{name}", value)]
+RATIONAL = oiio.TypeDesc(oiio.INT, oiio.VEC2, oiio.RATIONAL)
+FRAMES = (1001, 1002, 1003)
+TIME_CODES, FRAME_RATE, REEL_NAME, CAMERA_LABEL = 51043, 51044, 51081, 51105
+
+
+def packed(hours, minutes, seconds, frames, drop=False):
+    """Return what an OpenEXR file holds of a time code."""
+    digits = [int(str(n), 16) for n in (hours, minutes, seconds, frames)]
+    return int.from_bytes(digits, "big") | (0x40 if drop else 0), 0
+
+
+def tags(path):
+    """Return {number: value} of IFD0."""
+    with tifffile.TiffFile(path) as tiff:
+        return {tag.code: tag.value for tag in tiff.pages[0].tags}
+
+
+@pytest.fixture
+def shot(tmp_path, scene):
+    """Return the folder of three frames without any word on the shot."""
+    for number in FRAMES:
+        write_image(tmp_path / f"shot.{number}.exr", scene)
+    return tmp_path
+
+
+@pytest.mark.parametrize("pattern", ["shot.#", "shot.@@@@", "shot.%04d"])
+def test_a_sequence_is_that_of_convert(oiiotool, shot, pattern):
+    said = {"framerate": "23.976", "timecode": "01:00:00:23", "first_frame": 1001}
+    said |= {"reel": "A001", "camera_label": "B"}
+    out = shot / "raw"
+    out.mkdir()
+    words = ["--frames", "1001-1003", shot / f"{pattern}.exr", *NOISY]
+    oiiotool(*words, *attributes(**said), "-o", out / f"{pattern}.dng")
+    more = ["--framerate", "23.976", "--timecode", "01:00:00:23", "--reel", "A001"]
+    inputs = [shot / f"{pattern}.exr", "--camera-label", "B", *more]
+    done = commands.run("convert", *inputs, "-o", shot / "ours", *WORDS)
+    assert (done.code, done.err) == (0, "")
+    seconds = []
+    for number in FRAMES:
+        file = out / f"shot.{number}.dng"
+        assert file.read_bytes() == (shot / "ours" / file.name).read_bytes()
+        found = tags(file)
+        assert found[FRAME_RATE] == (24000, 1001)
+        assert (found[REEL_NAME], found[CAMERA_LABEL]) == ("A001", "B")
+        seconds.append(tuple(found[TIME_CODES][:4]))
+    assert seconds == [(0x23, 0, 0, 1), (0, 1, 0, 1), (1, 1, 0, 1)]
+
+
+def test_what_the_image_says(oiiotool, tmp_path, scene):
+    typed = [
+        ("FramesPerSecond", RATIONAL, (30000, 1001)),
+        ("smpte:TimeCode", oiio.TypeTimeCode, packed(1, 2, 3, 4, drop=True)),
+    ]
+    said = {"reelName": "R7", "cameraLabel": "C"}
+    exr = write_image(tmp_path / "x.exr", scene, said, typed=typed)
+    oiiotool(exr, *NOISY, "-o", tmp_path / "x.dng")
+    found = tags(tmp_path / "x.dng")
+    assert found[FRAME_RATE] == (30000, 1001)
+    assert found[TIME_CODES] == bytes([0x44, 3, 2, 1, 0, 0, 0, 0])
+    assert (found[REEL_NAME], found[CAMERA_LABEL]) == ("R7", "C")
+    done = commands.run("convert", exr, "-o", tmp_path / "ours.dng", *WORDS)
+    assert done.code == 0, done.err
+    words = attributes(framerate=25, reel="mine", camera_label="")
+    assert (tmp_path / "ours.dng").read_bytes() == (tmp_path / "x.dng").read_bytes()
+    words += attributes(timecode="02:00:00:00", first_frame=1020304)
+    oiiotool(exr, *NOISY, *words, "-o", tmp_path / "other.dng")
+    found = tags(tmp_path / "other.dng")
+    assert found[FRAME_RATE] == (25, 1) and found[REEL_NAME] == "mine"
+    assert found[TIME_CODES] == bytes([0, 0, 0, 2, 0, 0, 0, 0])
+
+
+def test_a_rate_that_makes_no_sense_is_left_out(oiiotool, tmp_path, scene):
+    typed = [("FramesPerSecond", RATIONAL, (0, 1))]
+    exr = write_image(tmp_path / "x.exr", scene, typed=typed)
+    oiiotool(exr, *NOISY, "-o", tmp_path / "x.dng")
+    assert FRAME_RATE not in tags(tmp_path / "x.dng")
+    done = commands.run("convert", exr, "-o", tmp_path / "ours.dng", *WORDS)
+    assert done.code == 0, done.err
+    assert (tmp_path / "ours.dng").read_bytes() == (tmp_path / "x.dng").read_bytes()
+
+
+OPTIONS = {
+    "preview": ({"preview": 1}, ["--preview"]),
+    "none": ({"compression": "none"}, ["--compression", "none"]),
+    "tagged": ({"shading": "tagged"}, ["--shading", "tagged"]),
+}
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_each_option_is_the_attribute(system_oiiotool, shot, name):
+    given, words = OPTIONS[name]
+    run = {"sensor": "gopro-hero6-black", "illuminant": "D50", "framerate": 24}
+    exr, ours, theirs = (shot / n for n in ("shot.1001.exr", "a.dng", "b.dng"))
+    system_oiiotool(exr, *attributes(**run, frame=7, **given), "-o", theirs)
+    words = [*words, "--sensor", run["sensor"], "--illuminant", "D50", "--frame", 7]
+    done = commands.run("convert", exr, "-o", ours, *words, "--framerate", 24)
+    assert done.code == 0, done.err
+    assert ours.read_bytes() == theirs.read_bytes()
+
+
+BAD = [
+    ({"framerate": 0}, "dng:framerate"),
+    ({"framerate": "film"}, "24000/1001"),
+    ({"framerate": 24, "timecode": "01:00:00;00", "first_frame": 1}, "drops frame"),
+    ({"framerate": 24, "timecode": "1h"}, "hh:mm:ss:ff"),
+    ({"timecode": "01:00:00:00"}, "dng:framerate 24"),
+    ({"framerate": 24, "timecode": "01:00:00:00"}, "dng:first_frame NUMBER"),
+    ({"framerate": 24, "timecode": "01:00:00:00", "first_frame": 1002}, "is before"),
+    ({"framerate": 120, "timecode": "01:00:00:00", "first_frame": 1}, "up to 60"),
+    ({"first_frame": 1}, "without dng:timecode"),
+    ({"shading": "none"}, "tagged or baked"),
+]
+
+
+@pytest.mark.parametrize(("given", "said"), BAD, ids=str)
+def test_errors_leave_no_file(oiiotool, shot, given, said):
+    out = shot / "shot.1001.dng"
+    words = [shot / "shot.1001.exr", *NOISY, *attributes(**given)]
+    done = oiiotool(*words, "-o", out, check=False)
+    assert done.returncode != 0 and not out.exists()
+    assert said in done.stdout + done.stderr
+
+
+def test_dropped_numbers_of_an_image_at_24(oiiotool, tmp_path, scene):
+    typed = [("smpte:TimeCode", oiio.TypeTimeCode, packed(1, 0, 0, 0, drop=True))]
+    exr = write_image(tmp_path / "x.exr", scene, typed=typed)
+    words = [exr, *NOISY, *attributes(framerate=24), "-o", tmp_path / "x.dng"]
+    done = oiiotool(*words, check=False)
+    assert "write it 01:00:00:00" in done.stdout + done.stderr
+    assert not (tmp_path / "x.dng").exists()
