@@ -17,6 +17,7 @@ import numpy as np
 import bench_dataset
 import bench_diagnose
 import bench_ocio
+import bench_sequence
 import bench_spectral
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -134,11 +135,15 @@ def main():
     parser.add_argument("--dataset", action="store_true", help="cg2raw dataset only")
     parser.add_argument("--diagnose", action="store_true", help="diagnosis only")
     parser.add_argument("--spectral", action="store_true", help="spectra only")
+    parser.add_argument("--sequence", action="store_true", help="a shot only")
     options = parser.parse_args()
     if options.diagnose:
         return bench_diagnose.bench(FOLDER / "diagnose")
     if options.spectral:
         return bench_spectral.bench((HEIGHT, WIDTH), options.rounds)
+    if options.sequence:
+        image = ROOT / "tests" / "data" / "interior.exr"
+        return bench_sequence.bench(image, FOLDER / "sequence", options.rounds)
     if options.dataset:
         image = input_image(ROOT / ".venv/bin/oiiotool")
         return bench_dataset.bench(image, FOLDER / "dataset", options.rounds)
