@@ -30,10 +30,9 @@ examples:
   cg2raw convert shot.exr -o shot.dng --sensor samsung-s20fe --illuminant 2856K
   cg2raw convert shot.exr -o shot.dng --sensor samsung-s20fe --illuminant sample:7 \\
       --iso 3200 --seed 7
-  cg2raw convert frames/*.exr -o raw/ --sensor nikon-d40 --illuminant D65 --json
-  cg2raw convert shot.exr -o shot.dng --sensor nikon-d40 --method upi --noise upi
-  cg2raw convert shot.####.exr -o raw/ --sensor blackmagic-pocket --illuminant D65 \\
+  cg2raw convert shot.%04d.exr -o raw/ --sensor blackmagic-pocket --illuminant D65 \\
       --framerate 24 --timecode 01:00:00:00 --reel A001
+  cg2raw convert shot.exr -o shot.dng --sensor nikon-d40 --method upi --noise upi
 """
 
 import argparse
