@@ -3,8 +3,8 @@
 """Measure `cg2raw convert` of a shot of 4K half-float EXRs.
 
 The peer is the same command on one core. Each is run for a few frames and for many, and
-their difference counts, so that starting Python does not. Every round runs all of them,
-so that what else the machine does meets them alike."""
+their difference counts, so that starting Python does not. The rate of all cores is what
+they allow only if nothing else runs; CPU seconds a frame hardly depend on that."""
 
 import os
 import statistics
@@ -32,7 +32,7 @@ def make_shot(source, folder, frames):
 
 
 def converted(folder, frames, cores):
-    """Return (seconds, peak MB) of converting frames on a set of cores."""
+    """Return (seconds, CPU seconds, peak MB) of converting frames on some cores."""
     command = [sys.executable, "-m", "cg2raw", "convert", f"{folder}/shot.####.exr"]
     command += ["-o", f"{folder}/raw/", "--frames", f"1-{frames}", *SENSOR]
     command += ["--framerate", "24", "--quiet"]
@@ -43,7 +43,8 @@ def converted(folder, frames, cores):
     _, status, usage = os.wait4(process.pid, 0)
     if status:
         raise SystemExit(f"failed: {' '.join(map(str, command))}")
-    return time.perf_counter() - begin, usage.ru_maxrss / 1024
+    cpu = usage.ru_utime + usage.ru_stime
+    return time.perf_counter() - begin, cpu, usage.ru_maxrss / 1024
 
 
 def bench(source, folder, rounds):
@@ -52,20 +53,26 @@ def bench(source, folder, rounds):
     ways = {"one core": {min(cores)}, f"{len(cores)} cores": cores}
     make_shot(source, folder, len(cores) * (1 + FRAMES))
     rates = {name: [] for name in ways}
+    costs = {name: [] for name in ways}
     peaks = {}
     for _ in range(rounds):
         for name, some in ways.items():
             few, many = len(some), len(some) * (1 + FRAMES)
-            short, small = converted(folder, few, some)
-            long, large = converted(folder, many, some)
+            short, cpu_of_few, small = converted(folder, few, some)
+            long, cpu_of_many, large = converted(folder, many, some)
             rates[name].append((many - few) / (long - short))
+            costs[name].append((cpu_of_many - cpu_of_few) / (many - few))
             peaks[name] = small, large
-    print(f"\n{WIDTH}x{HEIGHT} half EXRs, ISO 800, ljpeg, median of {rounds} rounds")
+    print(
+        f"\n{WIDTH}x{HEIGHT} half EXRs, ISO 800, ljpeg, median of {rounds} rounds; "
+        f"load of the last minute {os.getloadavg()[0]:.1f}"
+    )
     for name, values in rates.items():
         small, large = peaks[name]
         print(
-            f"{name:10}{statistics.median(values):6.2f} frames/s, peak {small:.0f} MB "
-            f"of the first frames, {large:.0f} MB of {1 + FRAMES} times as many"
+            f"{name:10}{statistics.median(values):6.2f} frames/s, "
+            f"{statistics.median(costs[name]):.3f} CPU s a frame, peak {small:.0f} MB, "
+            f"{large:.0f} MB of {1 + FRAMES} times as many"
         )
     one, every = map(statistics.median, rates.values())
     print(

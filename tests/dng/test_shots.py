@@ -56,9 +56,10 @@ def test_the_tags_of_a_frame(frame):
 
 
 def test_exiftool_shows_them(frame, program):
-    done = dng_files.run(program("exiftool"), "-j", "-warning", "-IFD0:all", frame[0])
+    words = ["-j", "-validate", "-warning", "-error", "-IFD0:all"]
+    done = dng_files.run(program("exiftool"), *words, frame[0])
     (said,) = json.loads(done.stdout)
-    assert "Warning" not in said
+    assert said["Validate"] == "OK" and not {"Warning", "Error"} & set(said)
     assert said["FrameRate"] == pytest.approx(24000 / 1001, abs=1e-3)
     assert said["TimeCodes"].startswith("01:02:03.04")
     assert (said["ReelName"], said["CameraLabel"]) == ("A001", "B")
