@@ -38,6 +38,12 @@ constexpr NamedLight named_lights[] = {
                 + "; it may be: " + illuminant_grammar);
 }
 
+[[noreturn]] void fail_unknown(std::string_view spec)
+{
+    throw Error("unknown illuminant \"" + std::string(spec)
+                + "\"; it may be: " + illuminant_grammar);
+}
+
 IlluminantSpec pair_spec(Kind kind, std::string_view spec,
                          const std::vector<std::string>& parts)
 {
@@ -56,7 +62,7 @@ IlluminantSpec kelvin_spec(std::string_view spec, const std::string& word)
 {
     const double kelvin = parsed_number(word.substr(0, word.size() - 1));
     if (std::isnan(kelvin))
-        fail(spec, "does not parse");
+        fail_unknown(spec);
     if (!(kelvin >= 1667.0 && kelvin <= 25000.0))
         fail(spec, "is outside 1667 K to 25000 K");
     return { Kind::kelvin, kelvin };
@@ -137,7 +143,7 @@ IlluminantSpec parse_illuminant(std::string_view spec)
         return lamp_spec(spec, word);
     if (word.size() > 1 && word.back() == 'k')
         return kelvin_spec(spec, word);
-    fail(spec, "does not parse");
+    fail_unknown(spec);
 }
 
 std::vector<std::string> illuminant_list(std::string_view list)

@@ -160,8 +160,8 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
     if (table.empty())
         throw Error(
             "sensor " + profile.id
-            + " has no measured noise: leave the ISO out, or add \"noise\" to its "
-              "profile");
+            + " has no measured noise: leave the ISO out, or measure it by cg2raw "
+              "calibrate (docs/calibrate.md)");
     if (table.size() == 1 && iso != table.front().iso)
         throw Error(
             "iso " + number(iso) + ": the noise of sensor " + profile.id

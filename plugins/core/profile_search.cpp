@@ -34,16 +34,19 @@ std::string read_file(const fs::path& path)
 {
     std::error_code error;
     if (fs::is_directory(path, error))
-        throw Error(path.string() + ": is a folder, not a sensor profile");
+        throw Error(path.string()
+                    + ": is a folder: give the path of a profile (.json) in it");
     const auto size = fs::file_size(path, error);
     if (error)
-        throw Error(path.string() + ": " + error.message());
+        throw Error(path.string() + ": " + error.message()
+                    + ": give the path of a profile (.json), or the id of an installed "
+                      "sensor");
     check_profile_size(size, path.string());
     std::ifstream file(path, std::ios::binary);
     std::ostringstream text;
     text << file.rdbuf();
     if (!file)
-        throw Error(path.string() + ": cannot be read");
+        throw Error(path.string() + ": cannot be read: check its permissions");
     return text.str();
 }
 
@@ -102,8 +105,10 @@ SensorProfile load_profile(const std::string& id_or_path)
             return parse_profile(read_file(path), path.string());
     }
     const auto installed = installed_profiles();
-    throw Error("unknown sensor \"" + id_or_path
-                + "\"; installed: " + (installed.empty() ? "none" : joined(installed))
+    throw Error("unknown sensor \"" + id_or_path + "\"; installed: "
+                + (installed.empty()
+                       ? "none (CG2RAW_PROFILE_PATH names folders of profiles)"
+                       : joined(installed))
                 + "; or give the path of a profile (.json)");
 }
 

@@ -37,12 +37,18 @@ void predict(Signal& signal, const Values& values)
 
 Effect color_matrix()
 {
+    constexpr std::pair<char, const char*> colors[]
+        = { { 'r', "red" }, { 'g', "green" }, { 'b', "blue" } };
     std::vector<Parameter> parameters;
-    for (const char* name : { "rg", "rb", "gr", "gb", "br", "bg" })
-        parameters.push_back({ name, "1", -1.0, 1.0, 0.0,
-                               "balanced camera RGB: into the first channel, of the"
-                               " second's difference to it",
-                               CfaRepeat::colors });
+    for (const auto& [to, to_word] : colors)
+        for (const auto& [from, from_word] : colors) {
+            if (to == from)
+                continue;
+            parameters.push_back(
+                { { to, from }, "1", -1.0, 1.0, 0.0, "", CfaRepeat::colors });
+            parameters.back().meaning = to_word + std::string(": share of (")
+                + from_word + " - " + to_word + ") added, in balanced camera RGB";
+        }
     return { "color_matrix",
              Stage::color,
              Pattern::none,

@@ -44,9 +44,16 @@ void predict(Signal& signal, const Values& values)
 Effect crosstalk()
 {
     std::vector<Parameter> parameters;
-    for (const char* side : { "left", "right", "up", "down" })
-        parameters.push_back({ side, "1", -0.05, 0.3, 0.0,
-                               "part of a pixel's signal that is that neighbour's" });
+    constexpr std::pair<const char*, const char*> sides[]
+        = { { "left", "to its left" },
+            { "right", "to its right" },
+            { "up", "above it" },
+            { "down", "below it" } };
+    for (const auto& [side, place] : sides) {
+        parameters.push_back({ side, "1", -0.05, 0.3, 0.0, "" });
+        parameters.back().meaning
+            = std::string("share of a pixel's signal that is of the pixel ") + place;
+    }
     return { "crosstalk",
              Stage::pixel,
              Pattern::none,

@@ -36,13 +36,9 @@ NAMES = {
 
 SENSOR = re.compile(r'unknown sensor "(.*?)"; installed: (.*?); or give the path', re.S)
 ILLUMINANT = re.compile(
-    r'illuminant "(.*?)" does not parse; it may be: '
-    + re.escape(_core.illuminant_grammar),
+    r'unknown illuminant "(.*?)"; it may be: ' + re.escape(_core.illuminant_grammar),
     re.S,
 )
-
-NO_NOISE = 'no measured noise: leave the ISO out, or add "noise" to its profile'
-MEASURE = "no measured noise: leave the ISO out, or measure it by cg2raw calibrate"
 
 
 def bare(word: str) -> str:
@@ -93,10 +89,8 @@ def did_you_mean(words: Sequence[str]) -> str:
 
 
 def with_suggestion(message: str) -> str:
-    """Return a message of the core with the words that may have been meant, or with
-    the command that makes what is missing."""
-    message = SENSOR.sub(_sensor_words, message.replace(NO_NOISE, MEASURE))
-    return ILLUMINANT.sub(_illuminant_words, message)
+    """Return a message of the core with the words that may have been meant."""
+    return ILLUMINANT.sub(_illuminant_words, SENSOR.sub(_sensor_words, message))
 
 
 def suggest_in_messages() -> None:

@@ -137,7 +137,7 @@ def test_ocio_has_no_space_of_it(profile, tmp_path, monkeypatch):
     monkeypatch.setattr(cg2raw._core, "installed_profiles", lambda: ["mono", "colored"])
     done = run("ocio", "--sensors", "all", *words)
     assert done.code == 0
-    assert "mono is monochrome and has no RAW colour space: left out" in done.err
+    assert "mono is monochrome and has no RAW colour space: skipped" in done.err
     text = (tmp_path / "x.ocio").read_text()
     assert "RAW - colored - D65" in text and "RAW - mono" not in text
 

@@ -153,9 +153,10 @@ def test_a_sensor_without_noise_is_told_how_to_measure_it(noise):
     sensor = cg2raw.Sensor("nikon-d40")
     with pytest.raises(ValueError) as found:
         sensor.simulate(RGB, illuminant="D65", iso=100, noise=noise)
-    assert "has no measured noise: leave the ISO out, or measure it by cg2raw" in str(
-        found.value
-    )
+    assert (
+        "has no measured noise: leave the ISO out, or measure it by cg2raw calibrate "
+        "(docs/calibrate.md)"
+    ) in str(found.value)
 
 
 def test_a_sensor_with_noise_at_one_iso_says_so_for_all_others():

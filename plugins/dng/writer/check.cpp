@@ -54,7 +54,9 @@ void check_size(const Checker& checker, const DngDescription& description)
             std::count(cfa.colors.begin(), cfa.colors.begin() + cfa.sites(), color) > 0,
             "cfa", "without colour " + std::to_string(color), "of R, G and B");
     const auto bound = [](int repeat) {
-        return "one repeat of the CFA (" + std::to_string(repeat) + ") to 65535 pixels";
+        return repeat >= smallest_side
+            ? "one repeat of the CFA (" + std::to_string(repeat) + ") to 65535 pixels"
+            : std::to_string(smallest_side) + " to 65535 pixels";
     };
     checker.need(legal(description.size.width, cfa.width), "width",
                  description.size.width, bound(cfa.width));

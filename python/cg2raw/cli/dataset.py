@@ -190,7 +190,7 @@ def dry_run(arguments: argparse.Namespace, plan: "Plan") -> int:
 
     found = estimate(arguments.inputs, arguments.out, plan)
     for image, reason in found.bad.items():
-        print(f"cg2raw dataset: left out: {image}: {reason}", file=sys.stderr)
+        print(f"cg2raw dataset: skipped: {image}: {reason}", file=sys.stderr)
     size = "unknown: no image could be used"
     if found.bytes is not None:
         size = f"about {bytes_words(found.bytes)}, as crops of {found.measured} are"
@@ -224,7 +224,7 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
     def leave_out(sentence: str) -> None:
         if arguments.sensors != "all":
             raise ValueError(sentence)
-        tell(f"left out: {sentence}")
+        tell(f"skipped: {sentence}")
 
     profiles = asked_sensors(
         arguments.sensors, lambda word: load_or_kept(word, arguments.out, tell)

@@ -179,7 +179,7 @@ def with_colors(
             "it out, and write its DNG from the scene (dng:sensor)"
         )
     for id in without:
-        note(arguments, f"{id} is monochrome and has no RAW colour space: left out")
+        note(arguments, f"{id} is monochrome and has no RAW colour space: skipped")
     return colored
 
 
@@ -192,7 +192,7 @@ def with_sensitivities(
         note(
             arguments,
             f"{len(profiles) - len(seeing)} sensors have no spectral_sensitivities: "
-            "left out",
+            "skipped",
         )
     return seeing
 

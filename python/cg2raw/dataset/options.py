@@ -44,7 +44,7 @@ def make_plan(
     ]
     plan = plan_of(kept, fields)
     for isos, reasons in unknown_noise(plan).items():
-        why = "their noise there is not known"
+        why = "they have no noise model there"
         if len(reasons) == 1:
             (why,) = reasons.values()
         leave_out(f"--iso {isos}: not with {', '.join(reasons)}: {why}")

@@ -36,7 +36,10 @@ NO_NEUTRALS = (
     "no set of its neutrals is published, so sample:n walks the Planckian locus "
     "between the calibration illuminants"
 )
-NO_NOISE = "none is published of its raw data, so this sensor is simulated clean"
+NO_NOISE = (
+    "no published noise data, so this sensor is simulated clean; cg2raw calibrate "
+    "measures it (docs/calibrate.md)"
+)
 ELD = (
     "Wei et al., A Physics-based Noise Formation Model for Extreme Low-light Raw "
     "Denoising (CVPR 2020), released parameters (MIT): K of ISO 100 to 6400 by its "
