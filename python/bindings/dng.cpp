@@ -43,6 +43,13 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
               parallel_threads(threads));
 }
 
+DngMetadata read(const std::string& path, const std::string& cfa)
+{
+    if (cfa.empty())
+        return read_dng_metadata(path);
+    return read_dng_metadata(path, cfa_from_name(cfa));
+}
+
 template <class T> py::object optional_of(const std::optional<T>& value)
 {
     return value ? py::cast(*value) : py::none();
@@ -174,9 +181,10 @@ void bind_metadata(py::module_& m)
             "The Shot of a file for which this one is the reference: its Exif, and of "
             "the\nimage what it lacks. Orientation, author, rights and description are "
             "the image's.");
-    m.def("read_dng_metadata",
-          py::overload_cast<const std::string&>(&read_dng_metadata), "path"_a,
+    m.def("read_dng_metadata", &read, "path"_a, "cfa"_a = "",
           "Metadata of a DNG; no pixels are read.\n\n"
+          "cfa: of a demosaicked file (LinearRaw, ProRAW), which does not say it: RGGB "
+          "...\n"
           "Raises ValueError naming file, tag, value and bound. Source: DNG "
           "specification 1.7.1.");
 }

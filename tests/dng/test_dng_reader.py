@@ -21,7 +21,7 @@ MOSAICS = (
 )
 REFUSED = {
     "oiio_testsuite_bayer_r5.dng": r"ColorMatrix1 \(50721\) is missing",
-    "canon6d_lossy_linear_photoprism.dng": r"LinearRaw \(34892\), already demosaicked",
+    "canon6d_lossy_linear_photoprism.dng": r"LinearRaw \(34892\), .*--cfa RGGB",
     "meta_only/iphone12pro_proraw_header_exiv2.dng": r"LinearRaw \(34892\)",
     "nikon_d1_imagemeta.nef": r"DNGVersion \(50706\) is missing: the file is no DNG",
     "meta_only/CanonRaw.cr2": r"DNGVersion \(50706\) is missing: the file is no DNG",

@@ -258,6 +258,22 @@ void read_dng_color(const TiffTags& camera, DngMetadata& metadata)
     }
 }
 
+void undo_analog_balance(const TiffTags& camera, DngMetadata& metadata)
+{
+    if (!camera.has(tag::analog_balance))
+        return;
+    const Mat3 balance = read_analog_balance(camera);
+    const Mat3 sensor_from_file = inverse(balance);
+    for (Calibration& calibration : metadata.calibrations)
+        calibration.camera_from_xyz = sensor_from_file * calibration.camera_from_xyz;
+    if (metadata.as_shot_neutral)
+        metadata.as_shot_neutral = checked_neutral(
+            camera, tag::as_shot_neutral, sensor_from_file * *metadata.as_shot_neutral);
+    metadata.notes.push_back(text_of(tag::analog_balance)
+                             + " is taken back: it is how the demosaicked image was"
+                               " balanced, and not the sensor's");
+}
+
 void read_dng_noise(const TiffTags& raw, DngMetadata& metadata)
 {
     if (!raw.has(tag::noise_profile))
@@ -267,9 +283,9 @@ void read_dng_noise(const TiffTags& raw, DngMetadata& metadata)
     if (values.size() == 8) {
         metadata.notes.push_back(text_of(tag::noise_profile)
                                  + " has 4 planes where the"
-                                   " specification has 1 or, of this sensor, 3: nobody"
-                                   " knows which is which, the noise is taken to be"
-                                   " unknown");
+                                   " specification has 1 or, of this sensor, 3, and"
+                                   " does not say which is which: the noise is taken"
+                                   " to be unknown");
         return;
     }
     if (values.size() != 2 && values.size() != 6)

@@ -58,7 +58,7 @@ void each_checked(const ParallelFor& parallel, int count,
 
 struct DngMosaic::State {
     State(std::istream& dng, const std::string& name)
-        : metadata(read_dng_stream(dng, name, &layout))
+        : metadata(read_dng_stream(dng, name, std::nullopt, &layout))
         , file(dng, name)
     {
     }

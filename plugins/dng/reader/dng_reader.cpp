@@ -69,79 +69,133 @@ int photometric_of_main_image(const TiffTags& ifd)
     return int(ifd.integer_or(tag::photometric, { 0, 65535 }, 0));
 }
 
-/// Whether the image holds what the sensor of a monochrome camera measured: LinearRaw
-/// of one sample. Of three, it is demosaicked.
-bool is_mono_mosaic(const TiffTags& ifd)
+/// What an image is to a sensor: a mosaic is what it measured, which LinearRaw of the
+/// one sample of a monochrome camera is too; of more samples it is demosaicked.
+enum class Kind { mosaic, linear, other };
+
+Kind kind_of(const TiffTags& image)
 {
-    return photometric_of_main_image(ifd) == photometric::linear_raw
-        && ifd.integer_or(tag::samples_per_pixel, { 1, 65535 }, 1) == 1;
+    const int photometric = photometric_of_main_image(image);
+    if (photometric == photometric::linear_raw)
+        return is_linear(image) ? Kind::linear : Kind::mosaic;
+    return photometric == photometric::cfa ? Kind::mosaic : Kind::other;
 }
 
-/// The directory of the mosaic: IFD0 or one of its SubIFDs.
-TiffIfd raw_ifd(const TiffReader& file, const TiffIfd& ifd0, Directories& directories)
+/// Throws Error: of a file that has @p seen, but nothing of the kind that is wanted.
+[[noreturn]] void fail_without(const TiffTags& main, Kind wanted, Kind seen)
+{
+    const std::string cfa = "CFA (" + std::to_string(photometric::cfa) + ")";
+    if (seen == Kind::mosaic)
+        main.fail(tag::photometric,
+                  "is that of a mosaic, which says its own CFA: leave the CFA out, it"
+                  " is for demosaicked files");
+    if (seen == Kind::linear && wanted == Kind::mosaic)
+        main.fail(tag::photometric,
+                  "is LinearRaw (" + std::to_string(photometric::linear_raw)
+                      + "), demosaicked as ProRAW is, and does not reveal the sensor's"
+                        " CFA: use a DNG that keeps the mosaic, "
+                      + cfa
+                      + ", or make a profile by cg2raw profile --cfa RGGB (or"
+                        " whichever it is)");
+    main.fail(tag::photometric,
+              "is " + cfa
+                  + " in no full-resolution image; a mosaic is required: use a DNG"
+                    " straight from the camera");
+}
+
+/// The directory of the image of that kind: IFD0 or one of its SubIFDs.
+TiffIfd raw_ifd(const TiffReader& file, const TiffIfd& ifd0, Directories& directories,
+                Kind wanted)
 {
     const TiffTags main(file, { &ifd0 });
-    int photometric = photometric_of_main_image(main);
-    if (photometric == photometric::cfa)
+    Kind seen = kind_of(main);
+    if (seen == wanted)
         return ifd0;
-    if (is_mono_mosaic(main))
-        return ifd0;
-    bool linear = photometric == photometric::linear_raw;
     std::vector<std::int64_t> offsets;
     if (main.has(tag::sub_ifds))
         offsets = main.integers(tag::sub_ifds, sub_ifd_count, any_offset);
     for (std::int64_t offset : offsets) {
         TiffIfd ifd = directories.read(std::uint64_t(offset), "SubIFD");
-        const TiffTags image(file, { &ifd });
-        photometric = photometric_of_main_image(image);
-        if (photometric == photometric::cfa || is_mono_mosaic(image))
+        const Kind kind = kind_of({ file, { &ifd } });
+        if (kind == wanted)
             return ifd;
-        linear = linear || photometric == photometric::linear_raw;
+        seen = std::min(seen, kind);
     }
-    if (linear)
-        main.fail(tag::photometric,
-                  "is LinearRaw (" + std::to_string(photometric::linear_raw)
-                      + "), already demosaicked; it must be a mosaic, CFA"
-                        " ("
-                      + std::to_string(photometric::cfa)
-                      + "), or nobody knows the sensor's: use a DNG that keeps the"
-                        " mosaic, no ProRAW, no lossy or linear conversion");
-    main.fail(tag::photometric,
-              "is CFA (" + std::to_string(photometric::cfa)
-                  + ") in no full-resolution image; a mosaic is required: use a DNG"
-                    " straight from the camera");
+    fail_without(main, wanted, seen);
+}
+
+/// Empty if there is none.
+TiffIfd exif_ifd(const TiffTags& main, Directories& directories)
+{
+    if (!main.has(tag::exif_ifd))
+        return {};
+    return directories.read(
+        std::uint64_t(main.integers(tag::exif_ifd, { 1, 1 }, any_offset)[0]),
+        "ExifIFD");
+}
+
+/// What a demosaicked file does not tell of its sensor.
+void note_linear(const TiffTags& raw, DngMetadata& metadata)
+{
+    metadata.notes.push_back(
+        text_of(tag::photometric) + " is LinearRaw: the CFA " + name_of(metadata.cfa)
+        + " is as given; black and white level are those of the demosaicked image, and"
+          " the sensor's own may differ");
+    if (!metadata.noise_profile.empty())
+        metadata.notes.push_back(
+            text_of(tag::noise_profile)
+            + " is of a demosaicked image, which may be a mean of several exposures,"
+              " denoised: a mosaic is noisier; cg2raw calibrate measures it");
+    if (raw.has(tag::opcode_list_2))
+        metadata.notes.push_back(text_of(tag::opcode_list_2)
+                                 + " is of a demosaicked image and not read: no lens"
+                                   " shading is simulated");
 }
 
 } // namespace
 
+bool is_linear(const TiffTags& image)
+{
+    return image.integer_or(tag::photometric, { 0, 65535 }, 0)
+        == photometric::linear_raw
+        && image.integer_or(tag::samples_per_pixel, { 1, 65535 }, 1) != 1;
+}
+
 DngMetadata read_dng_stream(std::istream& dng, const std::string& name,
+                            const std::optional<CfaPattern>& cfa_of_linear,
                             DngLayout* layout)
 {
+    if (cfa_of_linear && cfa_of_linear->is_mono())
+        throw Error(name
+                    + ": cfa MONO has no colours to demosaick: give the CFA of the"
+                      " sensor, such as RGGB");
     const TiffReader file(dng, name);
     Directories directories(file);
     const TiffIfd ifd0 = directories.read(file.first_ifd(), "IFD0");
     const TiffTags main(file, { &ifd0 });
     check_version(main);
-    const TiffIfd raw = raw_ifd(file, ifd0, directories);
-    TiffIfd exif;
-    if (main.has(tag::exif_ifd))
-        exif = directories.read(
-            std::uint64_t(main.integers(tag::exif_ifd, { 1, 1 }, any_offset)[0]),
-            "ExifIFD");
+    const TiffIfd raw
+        = raw_ifd(file, ifd0, directories, cfa_of_linear ? Kind::linear : Kind::mosaic);
+    const TiffIfd exif = exif_ifd(main, directories);
 
     DngMetadata metadata {};
     metadata.file = name;
-    read_dng_levels({ file, { &raw } }, metadata);
+    const TiffTags camera(file, { &ifd0, &raw });
+    read_dng_levels({ file, { &raw } }, cfa_of_linear, metadata);
     if (layout)
         *layout = read_dng_layout(file, { file, { &raw } }, main);
-    const TiffTags camera(file, { &ifd0, &raw });
     if (layout && !metadata.cfa.is_mono() && !camera.has(tag::color_matrix_1))
         metadata.notes.push_back(text_of(tag::color_matrix_1)
                                  + " is missing: the mosaic has no colours");
     else
         read_dng_color(camera, metadata);
     read_dng_noise({ file, { &raw, &ifd0 } }, metadata);
-    read_dng_opcodes({ file, { &raw } }, metadata);
+    if (cfa_of_linear) {
+        undo_analog_balance(camera, metadata);
+        note_linear({ file, { &raw } }, metadata);
+    } else {
+        read_dng_opcodes({ file, { &raw } }, metadata);
+    }
     read_dng_names(camera, { file, { &exif, &ifd0 } }, metadata);
     if (!metadata.noise_profile.empty() && !metadata.shot.iso)
         metadata.notes.push_back(text_of(tag::iso_speed_ratings)
@@ -150,7 +204,8 @@ DngMetadata read_dng_stream(std::istream& dng, const std::string& name,
     return metadata;
 }
 
-DngMetadata read_dng_metadata(const std::string& path)
+DngMetadata read_dng_metadata(const std::string& path,
+                              const std::optional<CfaPattern>& cfa_of_linear)
 {
     std::error_code unknown;
     if (!std::filesystem::is_regular_file(path, unknown))
@@ -159,7 +214,7 @@ DngMetadata read_dng_metadata(const std::string& path)
     std::ifstream dng(path, std::ios::binary);
     if (!dng)
         throw Error(path + ": cannot be opened for reading: check its permissions");
-    return read_dng_stream(dng, path);
+    return read_dng_stream(dng, path, cfa_of_linear);
 }
 
 } // namespace cg2raw

@@ -41,9 +41,18 @@ Rectangle read_active_area(const TiffTags& raw)
     return result;
 }
 
+/// Samples of a pixel, each with levels of its own.
+constexpr std::int64_t linear_planes = 3;
+
+std::int64_t planes_of(const TiffTags& raw)
+{
+    return is_linear(raw) ? linear_planes : 1;
+}
+
 void check_planes(const TiffTags& raw)
 {
-    raw.integer_or(tag::samples_per_pixel, { 1, 1 }, 1);
+    const std::int64_t planes = planes_of(raw);
+    raw.integer_or(tag::samples_per_pixel, { planes, planes }, 1);
     if (raw.integer_or(tag::sample_format, { 1, 4 }, 1) == 3)
         raw.fail(tag::sample_format,
                  "is 3, floating point; only unsigned integers (1) are"
@@ -62,8 +71,10 @@ void check_planes(const TiffTags& raw)
 }
 
 /// The phase starts at the corner of the active area (DNG specification, ActiveArea).
-CfaPattern read_cfa(const TiffTags& raw)
+CfaPattern read_cfa(const TiffTags& raw, const std::optional<CfaPattern>& of_linear)
 {
+    if (of_linear)
+        return *of_linear;
     if (raw.integer_or(tag::photometric, { 0, 65535 }, 0) == photometric::linear_raw)
         return mono_cfa();
     const auto dim = raw.integers(tag::cfa_repeat_pattern_dim, { 2, 2 }, cfa_side);
@@ -87,13 +98,17 @@ CfaPattern read_cfa(const TiffTags& raw)
     return cfa;
 }
 
+/// Of a demosaicked image the least of its planes': all of them saturate there.
 int read_white_level(const TiffTags& raw)
 {
+    const std::int64_t planes = planes_of(raw);
     const Bounds dn { 1, (1 << widest_sample) - 1 };
-    if (raw.has(tag::white_level))
-        return int(raw.integers(tag::white_level, { 1, 1 }, dn).front());
+    if (raw.has(tag::white_level)) {
+        const auto levels = raw.integers(tag::white_level, { 1, planes }, dn);
+        return int(*std::min_element(levels.begin(), levels.end()));
+    }
     const auto bits
-        = raw.integers(tag::bits_per_sample, { 1, 1 }, { 8, widest_sample });
+        = raw.integers(tag::bits_per_sample, { 1, planes }, { 8, widest_sample });
     return (1 << bits.front()) - 1;
 }
 
@@ -105,9 +120,9 @@ int bits_of(int white_level)
     return bits;
 }
 
-/// BlackLevel on its own repeat, rows x cols, row major.
+/// BlackLevel on its own repeat, rows x cols x planes, row major.
 struct BlackPattern {
-    std::int64_t rows, cols;
+    std::int64_t rows, cols, planes;
     std::vector<double> dn;
 };
 
@@ -116,12 +131,13 @@ BlackPattern read_black_pattern(const TiffTags& raw, DngMetadata& metadata)
     std::vector<std::int64_t> dim { 1, 1 };
     if (raw.has(tag::black_level_repeat_dim))
         dim = raw.integers(tag::black_level_repeat_dim, { 2, 2 }, black_side);
-    const std::int64_t count = dim[0] * dim[1];
+    const std::int64_t planes = planes_of(raw), count = dim[0] * dim[1] * planes;
     if (raw.has(tag::black_level))
-        return { dim[0], dim[1], raw.numbers(tag::black_level, { count, count }) };
+        return { dim[0], dim[1], planes,
+                 raw.numbers(tag::black_level, { count, count }) };
     metadata.notes.push_back(text_of(tag::black_level)
                              + " is missing: 0, the specification's default");
-    return { dim[0], dim[1], std::vector<double>(std::size_t(count), 0.0) };
+    return { dim[0], dim[1], planes, std::vector<double>(std::size_t(count), 0.0) };
 }
 
 /// Mean of a delta tag per phase of the CFA; zeros if the file has none.
@@ -145,15 +161,18 @@ std::vector<double> mean_deltas(const TiffTags& raw, TiffTag delta, std::int64_t
     return sums;
 }
 
-/// The mean of the black pattern over the pixels of one CFA site.
+/// The mean of the black pattern over the pixels of one CFA site: of its own plane, of
+/// an image that has all at each pixel.
 double mean_black(const BlackPattern& black, const CfaPattern& cfa, Site site)
 {
+    const std::int64_t plane = black.planes == 1 ? 0 : cfa.color(site);
     double sum = 0.0;
     for (std::int64_t r = 0; r < black.rows; ++r)
         for (std::int64_t c = 0; c < black.cols; ++c) {
             const std::int64_t row = (site.row + r * cfa.height) % black.rows;
             const std::int64_t col = (site.col + c * cfa.width) % black.cols;
-            sum += black.dn[std::size_t(row * black.cols + col)];
+            sum += black.dn[std::size_t((row * black.cols + col) * black.planes
+                                        + plane)];
         }
     return sum / double(black.rows * black.cols);
 }
@@ -189,12 +208,14 @@ void read_black_level(const TiffTags& raw, DngMetadata& metadata)
 
 } // namespace
 
-void read_dng_levels(const TiffTags& raw, DngMetadata& metadata)
+void read_dng_levels(const TiffTags& raw,
+                     const std::optional<CfaPattern>& cfa_of_linear,
+                     DngMetadata& metadata)
 {
     check_planes(raw);
     const Rectangle area = read_active_area(raw);
     metadata.active_area = { int(area.right - area.left), int(area.bottom - area.top) };
-    metadata.cfa = read_cfa(raw);
+    metadata.cfa = read_cfa(raw, cfa_of_linear);
     metadata.white_level = read_white_level(raw);
     metadata.bits = bits_of(metadata.white_level);
     read_black_level(raw, metadata);

@@ -142,7 +142,7 @@ void note_costs(const Fit& fit, const GainMapSamples& samples, bool colored,
 {
     if (fit.rms > negligible || fit.largest > 4 * negligible)
         notes.push_back("lens_shading leaves " + rounded_text(100 * fit.rms)
-                        + " % rms of the GainMaps' brightness, "
+                        + " % rms of the GainMaps' brightness at the same place, "
                         + rounded_text(100 * fit.largest)
                         + " % at most: frames are so much too bright or dark there");
     if (samples.between_sites > negligible && !colored)

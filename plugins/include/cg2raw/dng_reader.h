@@ -50,8 +50,15 @@ struct DngMetadata {
 /// Reads metadata only, a few kilobytes of a file of any size. Tags that are not needed
 /// are not looked at. Throws Error naming file, tag, value and bound for whatever is
 /// missing, malformed, cyclic or larger than the file can hold.
+///
+/// A file whose image is demosaicked, LinearRaw of three samples as ProRAW is, does not
+/// say its sensor's CFA: @p cfa_of_linear does, of such files alone, and its phase is
+/// that of the active area's corner. Levels and noise are those of the planes then, and
+/// opcodes are not read; notes say so.
 /// Source: DNG specification 1.7.1; TIFF 6.0.
-DngMetadata read_dng_metadata(const std::string& path);
+DngMetadata read_dng_metadata(const std::string& path,
+                              const std::optional<CfaPattern>& cfa_of_linear
+                              = std::nullopt);
 
 /// A profile as one reference DNG defines it: id from the model, one neutral, noise at
 /// the file's ISO where NoiseProfile says it, lens_shading and color_shading where

@@ -6,6 +6,8 @@ Reads their metadata: CFA, levels, colour matrices, the neutral and the noise of
 file, lens shading. Writes the profile (JSON) and reports what was found, what is
 missing and what that costs. Without -o the profile goes to stdout, the report to
 stderr. RAW files that are no DNGs are read through LibRaw, which knows less of them.
+DNGs that are demosaicked (LinearRaw: ProRAW of phones, linear conversions) do not
+reveal the sensor's CFA: --cfa says it. Their noise is less than a mosaic's.
 
 Measured spectral sensitivities (--ssf) replace matrices and neutrals of the files, or
 make a profile without a file, if --cfa, --size, --bits, --black-level and --white-level
@@ -13,7 +15,7 @@ say the rest.
 
 examples:
   cg2raw profile IMG_*.dng -o my-camera.json --plot my-camera.png
-  cg2raw profile IMG_*.dng --neutrals cards.csv -o my-camera.json --json
+  cg2raw profile PRORAW_*.dng --cfa RGGB -o my-phone.json
   cg2raw profile IMG_0001.NEF --iso-noise 400:2e-4,1e-6 -o my-camera.json
   cg2raw profile --ssf camera.json --cfa rggb --size 4000x3000 --bits 14 \\
       --black-level 512 --white-level 16383 --id my-camera -o my-camera.json
@@ -34,6 +36,7 @@ if TYPE_CHECKING:  # only the work itself loads its modules
 
 
 NOISE_HELP = "noise at one ISO by hand: ISO:S,O or ISO:S,O,S,O,S,O (of R, G, B)"
+CFA_HELP = "without a FILE, or of demosaicked ones (LinearRaw, ProRAW): RGGB ..."
 BY_HAND = ("cfa", "size", "bits", "black-level", "white-level")
 MANY = 20  # files above which a terminal shows progress
 
@@ -83,7 +86,11 @@ def add_sensitivities(group: argparse._ArgumentGroup) -> None:
         ("--black-level", "DN"),
         ("--white-level", "DN"),
     ):
-        add(option, metavar=metavar[0] if metavar else None, help="without a FILE")
+        add(
+            option,
+            metavar=metavar[0] if metavar else None,
+            help=CFA_HELP if option == "--cfa" else "without a FILE",
+        )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -129,8 +136,12 @@ def check_inputs(arguments: argparse.Namespace) -> None:
             f"{arguments.ssf}: sensitivities do not tell {', '.join(missing)}; give "
             "these, or a DNG of the camera"
         )
-    if given and arguments.files:
-        raise ValueError(f"--{given[0]}: the files say it; it goes with --ssf alone")
+    if arguments.files:  # of demosaicked ones, the CFA is asked for
+        given = [option for option in given if option != "cfa"]
+        if given:
+            raise ValueError(
+                f"--{given[0]}: the files say it; it goes with --ssf alone"
+            )
     if given and not arguments.ssf:
         raise ValueError(f"--{given[0]}: needs --ssf")
     if arguments.illuminant_spd and not arguments.ssf:
@@ -193,6 +204,7 @@ def make_of_files(arguments: argparse.Namespace) -> "Made":
             id=arguments.id,
             make=arguments.make,
             model=arguments.model,
+            cfa=arguments.cfa or "",
             skip_bad=arguments.skip_bad,
             progress=lambda paths: tracked(paths, "reading", arguments.quiet, MANY + 1),
         )

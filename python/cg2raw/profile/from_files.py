@@ -61,12 +61,14 @@ def profile_from_files(
     id: str = "",
     make: str = "",
     model: str = "",
+    cfa: str = "",
     skip_bad: bool = False,
     progress: Callable[[Sequence[str]], Iterable[str]] = lambda items: items,
 ) -> Made:
     """Return what RAW files of one camera, DNGs or others, make: a Made.
 
     id, make, model : stand in for those of the files.
+    cfa : of the sensor whose DNGs are demosaicked (LinearRaw); a mosaic says its own.
     skip_bad : skip unreadable files, and say which.
     progress : wraps the paths while they are read.
     Raises BadFiles, or ValueError if the files are not of one camera and kind."""
@@ -78,9 +80,15 @@ def profile_from_files(
                 f"{path}: is not of the kind of {paths[0]}; give DNGs or the camera's "
                 "own RAW files, not both"
             )
-    read = _core.read_dng_metadata if dng else libraw.read_raw_file
-    names = () if dng else (make, model)
-    good, reasons = read_all(lambda path: read(path, *names), progress(paths))
+    if cfa and not dng:
+        raise ValueError(f"{paths[0]}: says its own CFA: leave --cfa out")
+
+    def read(path: str) -> Any:
+        if dng:
+            return _core.read_dng_metadata(path, cfa)
+        return libraw.read_raw_file(path, make, model)
+
+    good, reasons = read_all(read, progress(paths))
     if reasons and (not skip_bad or not good):
         raise BadFiles(reasons, len(paths))
     fields, found = from_dngs(good, id) if dng else profile_from_raw_files(good, id)

@@ -53,7 +53,7 @@ const Case structure_cases[] = {
       [](Ifd& ifd) {
           ifd.bytes(50707, { 1, 8, 0, 0 });
       } },
-    { "LinearRaw", "is LinearRaw (34892), already demosaicked; it must be a mosaic",
+    { "LinearRaw", "is LinearRaw (34892), demosaicked as ProRAW is, and does not",
       [](Ifd& ifd) { ifd.shorts(262, { 34892 }).shorts(277, { 3 }); } },
     { "OnlyAPreview", "is CFA (32803) in no full-resolution image",
       [](Ifd& ifd) { ifd.longs(254, { 1 }); } },
