@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """The generated config that is installed: it is up to date, and everybody reads it."""
 
+import json
 import os
 import subprocess
 
@@ -12,12 +13,14 @@ from cg2raw import _core
 from cg2raw_ocio.config import config_text, make_config
 from ocio.conversion import system_python
 
-PAPER = (
-    "canon-1ds-mark-iii canon-600d fujifilm-x-m1 nikon-d40 nikon-d5200 olympus-e-pl6 "
-    "panasonic-gx1 samsung-nx2000 samsung-s20fe sony-a57"
+# The paper's ten, and those that have noise.
+SENSORS = (
+    "canon-1ds-mark-iii canon-5d-mark-iv canon-600d canon-700d canon-70d fujifilm-x-m1 "
+    "gopro-hero6-black nikon-d40 nikon-d5200 nikon-d850 olympus-e-pl6 panasonic-gx1 "
+    "samsung-nx2000 samsung-s20fe sony-a57 sony-a7s-ii"
 ).split()
 ILLUMINANTS = "A,D50,D65,sample:0-3"
-OPTIONS = ("--sensors", ",".join(PAPER), "--illuminants", ILLUMINANTS)
+OPTIONS = ("--sensors", ",".join(SENSORS), "--illuminants", ILLUMINANTS)
 
 
 @pytest.fixture(scope="module")
@@ -26,11 +29,20 @@ def text(repository):
 
 
 def test_it_is_what_the_generator_makes(text):
-    profiles = [_core.load_profile(name) for name in PAPER]
+    profiles = [_core.load_profile(name) for name in SENSORS]
     config = make_config(profiles, _core.illuminant_list(ILLUMINANTS))
     assert config_text(config) == text, (
         f"run: cg2raw ocio {' '.join(OPTIONS)} -o ocio/sensors.ocio"
     )
+
+
+def test_it_has_all_sensors_with_noise():
+    noisy = [
+        name
+        for name in _core.installed_profiles()
+        if json.loads(_core.load_profile(name).to_json()).get("noise")
+    ]
+    assert len(noisy) == 7 and set(noisy) <= set(SENSORS)
 
 
 def test_debian_generates_the_same_bytes(text, build_folder):
@@ -45,10 +57,10 @@ def test_the_plugin_knows_every_name_and_alias(text):
         ocio.SEARCH_REFERENCE_SPACE_SCENE, ocio.COLORSPACE_ALL
     )
     raw = [space for space in spaces if space.getFamily().startswith("RAW/")]
-    assert len(raw) == 2 * 7 * len(PAPER)
+    assert len(raw) == 2 * 7 * len(SENSORS)
     for space in raw:
         sensor, illuminant = space.getName().split(" - ")[1:]
-        assert sensor in PAPER
+        assert sensor in SENSORS
         for name in (space.getName(), *space.getAliases()):
             found = _core.raw_space_from_name(name)
             assert (found[0], found[1].lower()) == (sensor, illuminant.lower())
