@@ -9,7 +9,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/../run.cmake)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
 foreach(file lib/cg2raw/oiio/dng.imageio.so share/cg2raw/profiles/nikon-d40.json
-        include/cg2raw/simulation.h)
+        include/cg2raw/simulation.h share/man/man1/cg2raw-convert.1)
   if(NOT EXISTS ${work}/prefix/${file})
     message(FATAL_ERROR "not installed: ${file}")
   endif()

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Manual pages: one of each command, up to date, and man prints them."""
+
+import subprocess
+import sys
+
+import pytest
+
+from cg2raw.cli import make_parser, subcommands
+
+PAGES = ["cg2raw", *(f"cg2raw-{name}" for name in subcommands())]
+
+
+def test_the_pages_are_those_of_the_commands(repository):
+    script = repository / "scripts" / "man_pages.py"
+    done = subprocess.run(
+        [sys.executable, script, "--check"], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = {path.stem for path in (repository / "docs" / "man").iterdir()}
+    assert found == set(PAGES)
+
+
+def test_a_stale_page_is_told(repository, tmp_path):
+    script = repository / "scripts" / "man_pages.py"
+    assert subprocess.run([sys.executable, script, tmp_path]).returncode == 0
+    (tmp_path / "cg2raw-gone.1").write_text("of a command that is no more")
+    check = [sys.executable, script, "--check", tmp_path]
+    assert subprocess.run(check, capture_output=True).returncode == 1
+    assert subprocess.run([sys.executable, script, tmp_path]).returncode == 0
+    assert subprocess.run(check, capture_output=True).returncode == 0
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_man_prints_it(program, repository, name):
+    page = repository / "docs" / "man" / f"{name}.1"
+    done = subprocess.run(
+        [program("man"), "--warnings", "--local-file", page],
+        capture_output=True,
+        text=True,
+        env={"MANWIDTH": "80", "LC_ALL": "C.UTF-8", "PATH": "/usr/bin:/bin"},
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "NAME" in done.stdout and "SYNOPSIS" in done.stdout
+
+
+@pytest.mark.parametrize("name", subcommands())
+def test_every_option_is_there(repository, name):
+    text = (repository / "docs" / "man" / f"cg2raw-{name}.1").read_text()
+    commands = next(a for a in make_parser()._actions if a.dest == "==SUPPRESS==")
+    for action in commands.choices[name]._actions:
+        for option in action.option_strings:
+            assert option.replace("-", "\\-") in text
