@@ -166,4 +166,12 @@ std::optional<Values> Simulation::active(std::string_view effect_name) const
     return std::nullopt;
 }
 
+std::vector<std::string> Simulation::effects() const
+{
+    std::vector<std::string> names;
+    for (const ActiveEffect& one : m_state->stages.active)
+        names.push_back(one.effect->name);
+    return names;
+}
+
 } // namespace cg2raw

@@ -158,7 +158,7 @@ constexpr Known known[] = {
       [](Attributes& a, const Given& g) { a.effects = effects_from(g); } },
     { "dng:compression",
       [](Attributes& a, const Given& g) {
-          a.options.compression = g.named(compression_from_name);
+          a.compression = g.named(compression_from_name);
       } },
     { "dng:preview",
       [](Attributes& a, const Given& g) { a.options.preview = g.flag(); } },
@@ -166,6 +166,8 @@ constexpr Known known[] = {
       [](Attributes& a, const Given& g) {
           a.options.shading = g.named(shading_from_name);
       } },
+    { "dng:crop",
+      [](Attributes& a, const Given& g) { a.options.crop = g.named(crop_from_name); } },
     { "dng:tone_curve",
       [](Attributes& a, const Given& g) {
           a.options.tone_curve = g.named(tone_curve_from_name);
@@ -178,6 +180,18 @@ constexpr Known known[] = {
     for (const Known& attribute : known)
         names += std::string(names.empty() ? "" : ", ") + attribute.name;
     throw Error("attribute " + name + " is unknown; known: " + names);
+}
+
+/// dng:compression, else what the host says as it does for all formats: "none" of
+/// oiiotool's --compression, or of an input that was not compressed. Other words name
+/// codecs of other formats, as a rule the input's; the mosaic is compressed then.
+Compression compression_of(const OIIO::ImageSpec& spec, const Attributes& attributes)
+{
+    if (attributes.compression)
+        return *attributes.compression;
+    const std::string host(spec.get_string_attribute("compression"));
+    return OIIO::Strutil::iequals(host, "none") ? Compression::none
+                                                : Compression::ljpeg;
 }
 
 } // namespace
@@ -197,6 +211,7 @@ Attributes attributes_of(const OIIO::ImageSpec& spec)
             fail_unknown(name);
         found->set(attributes, { name, param });
     }
+    attributes.options.compression = compression_of(spec, attributes);
     return attributes;
 }
 

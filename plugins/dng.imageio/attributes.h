@@ -17,6 +17,7 @@ struct Attributes {
     std::optional<bool> highlights;
     std::optional<Convention> convention;
     std::optional<NoiseModel> noise;
+    std::optional<Compression> compression;
     bool sample_gain = false;
     std::uint64_t seed = 0;
     std::optional<std::uint64_t> frame;

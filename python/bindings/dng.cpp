@@ -15,7 +15,8 @@ namespace {
 void write(const std::string& path, const RawArray& raw, const Simulation& simulation,
            const std::string& compression, std::optional<bool> preview,
            const std::string& matrices, const std::string& tone_curve, int threads,
-           const Shot& of_image, bool sync, const std::optional<std::string>& shading)
+           const Shot& of_image, bool sync, bool drawn, const std::string& crop,
+           const std::optional<std::string>& shading)
 {
     const Size frame = simulation.frame();
     if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
@@ -31,6 +32,7 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
                          matrices_from_name(matrices),
                          tone_curve_from_name(tone_curve) };
     options.sync = sync;
+    options.crop = crop_from_name(crop);
     if (shading)
         options.shading = shading_from_name(*shading);
     Shot shot = of_image;
@@ -39,8 +41,14 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
     const Plane<const std::uint16_t> plane { raw.data(), frame.width, frame.height,
                                              frame.width };
     const py::gil_scoped_release release;
-    write_dng(path, plane, describe(simulation, options, shot), options,
-              parallel_threads(threads));
+    DngDescription description = describe(simulation, options, shot);
+    if (!drawn) { // the caller's DN: nobody knows how they were made
+        Origin& origin = description.origin;
+        origin.seed = origin.frame = std::nullopt;
+        origin.digital_gain = std::nullopt;
+        origin.convention.clear();
+    }
+    write_dng(path, plane, description, options, parallel_threads(threads));
 }
 
 DngMetadata read(const std::string& path, const std::string& cfa)
@@ -195,8 +203,8 @@ void bind_dng(py::module_& m)
 {
     m.def("write_dng", &write, "path"_a, "raw"_a, "simulation"_a, "compression"_a,
           "preview"_a, "matrices"_a, "tone_curve"_a, "threads"_a, "shot"_a,
-          "sync"_a = true, "shading"_a = py::none(),
-          "Write a DNG; see cg2raw.write_dng.");
+          "sync"_a = true, "drawn"_a = true, "crop"_a = "border",
+          "shading"_a = py::none(), "Write a DNG; see cg2raw.write_dng.");
     bind_metadata(m);
     bind_profiles(m);
 }

@@ -354,6 +354,8 @@ def write_dng(
     threads: int,
     shot: Shot,
     sync: bool = True,
+    drawn: bool = True,
+    crop: str = "border",
     shading: str | None = None,
 ) -> None: ...
 def read_dng_metadata(path: str, cfa: str = "") -> DngMetadata: ...

@@ -73,7 +73,8 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
         run["exposure_time"] = shot.exposure_time
         assert sensor is not None  # without either, exposure_of has raised
         frame = sensor.simulate(pixels, threads=request.threads, **run)
-    write_dng(output, frame, shot=shot, threads=request.threads, **request.writing)
+    writing = writing_of(image, request)
+    write_dng(output, frame, shot=shot, threads=request.threads, **writing)
     report = report_of(frame, request, asked, drawn)
     return {
         "input": str(path),
@@ -165,6 +166,13 @@ def frame_of(image: Image, output: FilePath, request: Request) -> int:
         _core.frame_from_name(image.path),
     )
     return next((number for number in said if number is not None), 0)
+
+
+def writing_of(image: Image, request: Request) -> dict[str, Any]:
+    """Return the keywords of write_dng: as asked; else an image that is not compressed
+    makes a file that is not, as hosts of OpenImageIO have it for all formats."""
+    kept = {"compression": "none"} if image.compression.lower() == "none" else {}
+    return kept | request.writing
 
 
 def exposure_of(

@@ -28,6 +28,7 @@ def write_dng(
     preview: bool | None = None,
     matrices: str = "camera",
     tone_curve: str = "camera",
+    crop: str = "border",
     shading: str | None = None,
     shot: Mapping[str, Any] | _core.Shot | None = None,
     threads: int = 0,
@@ -49,6 +50,9 @@ def write_dng(
         frame rate: players want the RAW there.
     matrices : "camera" (the sensor's) or "exact" (every reader gives the render back).
     tone_curve : "camera" (the reader's own) or "linear".
+    crop : what DefaultCrop leaves out of the picture that converters show: "border" (2
+        pixels on each side, where demosaicing lacks neighbours, as cameras do; nothing
+        of pictures below 16 pixels) or "none". The file holds all pixels either way.
     shading : "tagged" (GainMaps undo the sensor's lens shading) or "baked" (nothing
         does); None for tagged, unless the shot has a frame rate: players know no
         GainMaps.
@@ -62,6 +66,10 @@ def write_dng(
     sync : whether the file is on the disk before it has its name, so that not even a
         loss of power leaves a partial one; False is faster on slow disks.
 
+    Every file says in its XMP that the picture is computer generated, by which sensor's
+    profile and under which light; of a RawFrame also its seed, frame, convention and
+    gain (docs/provenance.md).
+
     Raises ValueError naming path and reason; DN above the sensor's white level are one.
     Source: DNG specification 1.7.1."""
     simulation = _simulation_of(raw, sensor, illuminant, iso, effects)
@@ -70,7 +78,7 @@ def write_dng(
         raise ValueError(f"path {name!r} holds a NUL character")
     _core.write_dng(
         name, raw_plane(raw), simulation, compression, preview, matrices, tone_curve,
-        threads, _shot(shot or {}), sync, shading,
+        threads, _shot(shot or {}), sync, sensor is None, crop, shading,
     )  # fmt: skip
 
 

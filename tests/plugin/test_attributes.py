@@ -35,6 +35,7 @@ BAD = [
     ("effects", "some", "profile or none"),
     ("compression", "zip", "ljpeg"),
     ("preview", "maybe", "0 or 1"),
+    ("crop", "2", "border or none"),
     ("tone_curve", "s-shaped", "linear"),
     ("reference", "/nowhere/x.dng", "/nowhere/x.dng"),
     ("colour", "red", "dng:sensor"),

@@ -96,7 +96,9 @@ def test_raw_pixels_of_another_camera_than_the_reference(
 def x_trans(tmp_path):
     """Return the path of an X-Trans sensor's profile."""
     path = tmp_path / "x-trans.json"
-    path.write_text(cameras.profile_text(cfa=cameras.X_TRANS, noise=None))
+    # The id that a reference, too, gives a camera of this name.
+    named = {"id": "x-trans", "unique_camera_model": "X-Trans"}
+    path.write_text(cameras.profile_text(cfa=cameras.X_TRANS, noise=None, **named))
     return path
 
 

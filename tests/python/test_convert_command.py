@@ -108,6 +108,7 @@ OPTIONS = {
     "exact": (["--matrices", "exact"], {"matrices": "exact"}),
     "uncompressed": (["--compression", "none"], {"compression": "none"}),
     "no preview": (["--no-preview"], {"preview": 0}),
+    "whole": (["--crop", "none"], {"crop": "none"}),
     "linear": (["--tone-curve", "linear"], {"tone_curve": "linear"}),
 }
 
@@ -213,7 +214,10 @@ def test_pixels_that_are_raw(tmp_path, scene):
     done = commands.run("convert", exr, "-o", out, *space)
     assert done.code == 0, done.err
     shot = read_image(exr).shot
-    cg2raw.write_dng(same, sensor.simulate(pixels, illuminant="A"), shot=shot)
+    converted = {"camera_input": True, "color_effects": False}
+    raw = sensor.simulate(camera, illuminant="A", **converted)
+    np.testing.assert_array_equal(raw, sensor.simulate(pixels, illuminant="A"))
+    cg2raw.write_dng(same, raw, shot=shot)
     assert out.read_bytes() == same.read_bytes()
     for words in (["--sensor", "canon-5d"], ["--illuminant", "D50"], ["--gain", 2]):
         line = commands.fails("convert", exr, "-o", out, *space, *words)

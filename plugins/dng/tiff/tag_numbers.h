@@ -17,7 +17,7 @@ struct TiffTag {
 };
 
 /// Numbers and names. Source: TIFF 6.0, Exif 2.32, DNG specification 1.7.1,
-/// CinemaDNG 1.1. Those from
+/// CinemaDNG 1.1; of XMP, ISO 16684-1. Those from
 /// 50936 on are younger than libtiff 4.5's table.
 namespace tag {
 constexpr TiffTag new_subfile_type { 254, "NewSubfileType" };

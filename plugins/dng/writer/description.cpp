@@ -110,6 +110,28 @@ GainMap gains_against(const FallOff& shading, int plane, Size frame)
     return map;
 }
 
+/// What the file says of how it was made.
+Origin origin_of(const Simulation& simulation)
+{
+    const Run& run = simulation.run();
+    Origin origin;
+    origin.sensor = simulation.profile().id;
+    origin.illuminant = run.illuminant;
+    const double kelvin = simulation.illuminant().temperature.cct.value;
+    if (std::isfinite(kelvin) && !run.illuminant.empty())
+        origin.temperature = kelvin;
+    origin.iso = run.iso;
+    // Pixels of a RAW space were converted elsewhere, as nobody says.
+    if (!run.camera_input) {
+        origin.convention = name_of(run.convention);
+        origin.digital_gain = simulation.digital_gain();
+    }
+    origin.seed = run.seed;
+    origin.frame = run.frame;
+    origin.effects = simulation.effects();
+    return origin;
+}
+
 } // namespace
 
 DngDescription describe(const Simulation& simulation, const DngOptions& options,
@@ -130,6 +152,7 @@ DngDescription describe(const Simulation& simulation, const DngOptions& options,
         std::nullopt,
         srgb_from_balanced(profile, simulation.illuminant()),
         shot,
+        origin_of(simulation),
     };
     if (options.matrices == Matrices::exact) {
         description.calibrations = { exact_calibration(simulation) };

@@ -71,9 +71,9 @@ struct DngWriter::State {
             append(tags, preview_tags());
             file.begin(storage_of(*preview), tags, exif, true);
             reserve_preview();
-            file.begin_sub_ifd(store->storage(), mosaic_tags(description));
+            file.begin_sub_ifd(store->storage(), mosaic_tags(description, options));
         } else {
-            append(tags, mosaic_tags(description));
+            append(tags, mosaic_tags(description, options));
             file.begin(store->storage(), tags, exif, false);
         }
     }

@@ -37,6 +37,12 @@ Matrices matrices_from_name(std::string_view name)
         { { "camera", Matrices::camera }, { "exact", Matrices::exact } });
 }
 
+Crop crop_from_name(std::string_view name)
+{
+    return named<Crop>("crop", name,
+                       { { "border", Crop::border }, { "none", Crop::none } });
+}
+
 ToneCurve tone_curve_from_name(std::string_view name)
 {
     return named<ToneCurve>(

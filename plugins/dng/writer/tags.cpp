@@ -85,10 +85,11 @@ Rationals black_value(const std::vector<double>& levels)
     return value;
 }
 
-void add_crop(Tags& tags, Size size)
+void add_crop(Tags& tags, Size size, Crop crop)
 {
-    const bool tiny = std::min(size.width, size.height) < smallest_cropped;
-    const std::uint32_t border = tiny ? 0 : crop_border;
+    const bool whole
+        = crop == Crop::none || std::min(size.width, size.height) < smallest_cropped;
+    const std::uint32_t border = whole ? 0 : crop_border;
     const std::uint32_t width = std::uint32_t(size.width);
     const std::uint32_t height = std::uint32_t(size.height);
     tags.push_back({ tag::active_area, Longs { 0, 0, height, width } });
@@ -144,6 +145,8 @@ Tags camera_tags(const DngDescription& description, const DngOptions& options)
     add_text(tags, tag::artist, description.shot.artist);
     add_text(tags, tag::copyright, description.shot.copyright);
     add_text(tags, tag::date_time, description.shot.date_time_original);
+    const std::string xmp = xmp_packet(description);
+    tags.push_back({ tag::xmp, Bytes(xmp.begin(), xmp.end()) });
     add_calibrations(tags, description, options.matrices);
     // Green stays 1 though red may pass 1 under tungsten: Adobe's renderer divides by
     // the maximum itself, LibRaw, dcraw, RawTherapee and RawSpeed take reciprocals.
@@ -159,7 +162,7 @@ Tags camera_tags(const DngDescription& description, const DngOptions& options)
     return tags;
 }
 
-Tags mosaic_tags(const DngDescription& description)
+Tags mosaic_tags(const DngDescription& description, const DngOptions& options)
 {
     Tags tags { { tag::new_subfile_type, Longs { 0 } } };
     if (!description.cfa.is_mono())
@@ -167,7 +170,7 @@ Tags mosaic_tags(const DngDescription& description)
     tags.push_back({ tag::black_level, black_value(description.black_level) });
     tags.push_back(
         { tag::white_level, Longs { std::uint32_t(description.white_level) } });
-    add_crop(tags, description.size);
+    add_crop(tags, description.size, options.crop);
     if (!description.noise_profile.empty()) {
         std::vector<double> pairs;
         for (const NoisePair& pair : description.noise_profile)

@@ -15,11 +15,14 @@ Tags camera_tags(const DngDescription& description, const DngOptions& options);
 /// The frame's place in a shot, also IFD 0. Source: CinemaDNG 1.1, 4.
 Tags shot_tags(const Shot& shot);
 /// CFA, levels, crop, noise, shading: the IFD of the mosaic.
-Tags mosaic_tags(const DngDescription& description);
+Tags mosaic_tags(const DngDescription& description, const DngOptions& options);
 /// What makes IFD 0 a preview.
 Tags preview_tags();
 /// The Exif IFD; only fields that are known.
 Tags exif_tags(const Shot& shot);
+
+/// The XMP packet: that the picture is computer generated, and how.
+std::string xmp_packet(const DngDescription& description);
 
 /// OpcodeList2 with the gain maps of the colours R, G, B. Throws Error if a map's size
 /// is not rows x cols.

@@ -9,6 +9,7 @@
 #include "cg2raw/time_code.h"
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,6 +53,19 @@ inline bool is_of_shot(const Shot& shot) { return shot.frame_rate.has_value(); }
 /// no reason to refuse a picture.
 Shot plausible(Shot shot);
 
+/// How a simulation made a file, for its XMP; what is empty is not said. A text is cut
+/// off behind 256 bytes.
+struct Origin {
+    std::string sensor; ///< id of the profile
+    std::string illuminant; ///< the word that named the light
+    std::optional<double> temperature; ///< of the light, K
+    std::optional<double> iso;
+    std::string convention;
+    std::optional<double> digital_gain;
+    std::optional<std::uint64_t> seed, frame;
+    std::vector<std::string> effects; ///< names, in the order of application
+};
+
 /// All that a file says of its pixels.
 struct DngDescription {
     Size size; ///< of the active area, which is the whole mosaic
@@ -72,6 +86,7 @@ struct DngDescription {
     std::optional<std::array<GainMap, 3>> shading_gains;
     Mat3 srgb_from_balanced; ///< for the preview
     Shot shot;
+    Origin origin;
 };
 
 } // namespace cg2raw

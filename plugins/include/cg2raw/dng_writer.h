@@ -33,6 +33,13 @@ enum class Shading {
 };
 Shading shading_from_name(std::string_view name);
 
+/// What DefaultCrop leaves out of the picture that converters show.
+enum class Crop {
+    border, ///< 2 pixels on each side of pictures of at least 16 x 16
+    none, ///< nothing: all pixels are shown
+};
+Crop crop_from_name(std::string_view name);
+
 struct DngOptions {
     Compression compression = Compression::ljpeg;
     /// A picture in IFD 0; none: one unless it is a frame of a shot, whose IFD 0 is
@@ -45,10 +52,11 @@ struct DngOptions {
     /// The file is on the disk before it has its name, so that not even a loss of power
     /// leaves a partial one; false for files that are checked and made again.
     bool sync = true;
+    Crop crop = Crop::border;
 };
 
 /// What the file of a simulation says: matrices and shading per @p options, noise of
-/// the active effects.
+/// the active effects, its origin.
 DngDescription describe(const Simulation& simulation, const DngOptions& options,
                         const Shot& shot);
 

@@ -9,7 +9,9 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace cg2raw {
 
@@ -57,6 +59,8 @@ public:
     const std::optional<NoiseAtIso>& noise() const;
     /// Values of an effect that is active in this run; nothing if it is not.
     std::optional<Values> active(std::string_view effect_name) const;
+    /// Names of all effects that are, in the order of application.
+    std::vector<std::string> effects() const;
 
     ~Simulation();
     Simulation(Simulation&&) noexcept;

@@ -51,6 +51,7 @@ if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.upi import Upi
 
 MOST_WORKERS = 16  # if nothing is asked for
+WRITING = ("matrices", "compression", "preview", "tone_curve", "crop", "shading")
 WORTH_SAYING = 0.001  # of the energy of spectra, outside the sensitivities
 
 
@@ -140,13 +141,23 @@ def add_writing(group: argparse._ArgumentGroup) -> None:
     """Declare the options of the DNG."""
     add = group.add_argument
     add("--matrices", choices=("camera", "exact"), default="camera", help="of colour")
-    add("--compression", choices=("ljpeg", "none"), default="ljpeg")
+    add(
+        "--compression",
+        choices=("ljpeg", "none"),
+        help="default: ljpeg (lossless), but none of an input that is not compressed",
+    )
     add(
         "--preview",
         action=argparse.BooleanOptionalAction,
         help="a picture in IFD0; default: yes, but not of shots",
     )
     add("--tone-curve", choices=("camera", "linear"), default="camera")
+    add(
+        "--crop",
+        choices=("border", "none"),
+        default="border",
+        help="what converters leave out: 2 pixels a side (default), or nothing",
+    )
 
 
 def workers(text: str) -> int:
@@ -245,7 +256,8 @@ def request_of(arguments: argparse.Namespace) -> "Request":
         upi=upi,
         writing={
             name: getattr(arguments, name)
-            for name in ("matrices", "compression", "preview", "tone_curve", "shading")
+            for name in WRITING
+            if getattr(arguments, name) is not None
         },
     )
 

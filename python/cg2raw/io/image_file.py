@@ -39,6 +39,7 @@ class Image:
     undone: str = ""
     layer: str = ""  # empty: unnamed R, G, B
     time_code: str = ""  # SMPTE, hh:mm:ss:ff
+    compression: str = ""  # as OpenImageIO calls it: "zip", "none"
 
 
 def opened(path: FilePath, straight_alpha: bool = False) -> Any:
@@ -93,6 +94,7 @@ def read_image(
         undone=image_spaces.name_of(curve),
         layer=chosen.name,
         time_code=spec.get_string_attribute("smpte:TimeCode"),
+        compression=spec.get_string_attribute("compression"),
     )
 
 

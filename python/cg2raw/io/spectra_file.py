@@ -68,8 +68,9 @@ class SpectraFile:
 
     def image(self, pixels: FloatImage) -> Image:
         """Return the Image of pixels that were made of the spectra."""
-        code = self.spec.get_string_attribute("smpte:TimeCode")
-        return Image(self.path, pixels, "", shot=shot_of(self.spec), time_code=code)
+        text = self.spec.get_string_attribute
+        said = {"time_code": text("smpte:TimeCode"), "compression": text("compression")}
+        return Image(self.path, pixels, "", shot=shot_of(self.spec), **said)
 
     def empty(self, depth: int) -> FloatImage:
         """Return (H, W, depth) zeros of the display window. Raises ValueError."""

@@ -98,10 +98,12 @@ TEST(DngTags, TextsStandInIfd0)
     EXPECT_EQ(std::get<std::vector<std::uint16_t>>(tags[274]).at(0), 6);
 }
 
-TEST(DngTags, CropIsTwoPixelsInsideUnlessTiny)
+TEST(DngTags, CropIsTwoPixelsInsideUnlessTinyOrNone)
 {
-    const auto crop = [](Size size) {
-        auto tags = by_number(mosaic_tags(description_of(size)));
+    const auto crop = [](Size size, Crop asked = Crop::border) {
+        DngOptions options;
+        options.crop = asked;
+        auto tags = by_number(mosaic_tags(description_of(size), options));
         const auto& origin = std::get<std::vector<Rational>>(tags[50719]);
         const auto& extent = std::get<std::vector<Rational>>(tags[50720]);
         return std::array<unsigned, 3> { origin.at(0).numerator, extent.at(0).numerator,
@@ -109,6 +111,7 @@ TEST(DngTags, CropIsTwoPixelsInsideUnlessTiny)
     };
     EXPECT_EQ(crop({ 64, 48 }), (std::array<unsigned, 3> { 2, 60, 44 }));
     EXPECT_EQ(crop({ 64, 5 }), (std::array<unsigned, 3> { 0, 64, 5 }));
+    EXPECT_EQ(crop({ 64, 48 }, Crop::none), (std::array<unsigned, 3> { 0, 64, 48 }));
 }
 
 TEST(DngTags, SixBySixPatterns)
@@ -118,7 +121,7 @@ TEST(DngTags, SixBySixPatterns)
     for (std::size_t i = 0; i < 36; ++i)
         description.cfa.colors[i] = std::uint8_t(i % 3);
     description.black_level.assign(36, 512.0);
-    auto tags = by_number(mosaic_tags(description));
+    auto tags = by_number(mosaic_tags(description, {}));
     EXPECT_EQ(std::get<std::vector<std::uint16_t>>(tags[33421]),
               (std::vector<std::uint16_t> { 6, 6 }));
     EXPECT_EQ(std::get<Bytes>(tags[33422]).size(), 36U);
