@@ -177,7 +177,9 @@ def test_layers_and_windows_are_those_of_convert(tmp_path):
         (row,) = rows(out)
         assert (row["layer"], row["width"], row["height"]) == (name, 36, 48)
         image = read_image(path, row["layer"], undo="stated")
-        frame = cg2raw.Sensor("nikon-d40").simulate(image.pixels, illuminant="D65")
-        cg2raw.write_dng(tmp_path / "same.dng", frame, preview=False)
+        drawn = {"seed": row["seed"], "frame": row["frame"]}
+        sensor = cg2raw.Sensor("nikon-d40")
+        raw = sensor.simulate(image.pixels, illuminant="D65", **drawn)
+        cg2raw.write_dng(tmp_path / "same.dng", raw, preview=False)
         assert (tmp_path / "same.dng").read_bytes() == (out / row["path"]).read_bytes()
     assert not image.pixels[:3].any() and image.pixels[3:43].any()

@@ -171,3 +171,18 @@ def test_libraw_keeps_it(path):
     finally:
         libraw.libraw_close(handle)
     assert kept.rstrip(b"\0") == packet(path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["darktable-cli", "rawtherapee-cli"])
+def test_developed_pictures_still_say_it(program, tmp_path, name):
+    file, out = tmp_path / "hero6.dng", tmp_path / "developed.jpg"
+    dng_files.write(file, cg2raw.Sensor("gopro-hero6-black"), shape=(480, 640))
+    words = {
+        "darktable-cli": (file, out, "--core", "--configdir", tmp_path / "config"),
+        "rawtherapee-cli": ("-q", "-o", out, "-c", file),
+    }
+    dng_files.run(program(name), *words[name])
+    found = exiftool(program, "-XMP:all", out)
+    assert found["XMP-iptcExt:DigitalSourceType"] == SOURCE
+    assert found["XMP-cg2raw:Sensor"] == "gopro-hero6-black"
