@@ -212,8 +212,11 @@ TEST_F(Order, TheWholeFrameMakesADifference)
     write_in_order("a.dng", spec("none"));
     take_blurred_sensor();
     write_in_order("b.dng", spec("none"));
-    EXPECT_NE(bytes("a.dng"), bytes("b.dng"));
-    EXPECT_EQ(bytes("a.dng").size(), bytes("b.dng").size());
+    // Behind the header come the pixels; what the file says of its effects is last.
+    const auto samples = [&](const char* name) {
+        return bytes(name).substr(8, sizeof(std::uint16_t) * pixels.size() / 3);
+    };
+    EXPECT_NE(samples("a.dng"), samples("b.dng"));
 }
 
 TEST_F(Order, ImageBufWrites)
