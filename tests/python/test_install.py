@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""pip makes a wheel of the sources, and what it installs works by itself."""
+"""An sdist of the sources makes a wheel, and what pip installs of it works by itself."""
 
 import os
 import shutil
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import zipfile
 
 import pytest
@@ -30,7 +31,7 @@ def run(*command, **keywords):
 
 @pytest.fixture(scope="module")
 def wheel(repository, tmp_path_factory):
-    """Return the wheel that pip builds of the sources under version control alone."""
+    """Return the wheel that the sdist of the sources under version control makes."""
     listed = run("git", "ls-files", "-z", cwd=repository)
     if listed.returncode:
         pytest.skip("not a git checkout")
@@ -40,11 +41,11 @@ def wheel(repository, tmp_path_factory):
         target.parent.mkdir(parents=True, exist_ok=True)
         if (repository / name).is_file():
             shutil.copy(repository / name, target)
-    pip = (sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", folder)
-    done = run(*pip, folder / "sources")
-    if "No matching distribution found for scikit-build-core" in done.stderr:
+    build = (sys.executable, "-m", "build", "--outdir", folder, folder / "sources")
+    done = run(*build)
+    if "No matching distribution found for scikit-build-core" in done.stdout:
         pytest.skip("no package index to take scikit-build-core from")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
     [wheel] = folder.glob("cg2raw-*.whl")
     return wheel
 
@@ -81,6 +82,17 @@ def test_the_wheel_holds_package_stubs_profiles_and_config(wheel, repository):
     assert any(name.endswith("data/share/man/man1/cg2raw.1") for name in names)
     assert "cg2raw/diagnose/report/templates/report.html.jinja" in names
     assert not [name for name in names if name.startswith(("tests", "include", "lib"))]
+
+
+def test_the_sdist_has_what_a_wheel_needs_and_no_test_data(wheel):
+    [sdist] = wheel.parent.glob("cg2raw-*.tar.gz")
+    with tarfile.open(sdist) as tar:
+        names = {name.partition("/")[2] for name in tar.getnames()}
+    needed = ("scripts/wheel", "plugins/dng.imageio/portable/loader.cpp", "LICENSE")
+    assert names.issuperset(needed)
+    assert not [
+        name for name in names if name.startswith(("tests/data", "build", ".ci"))
+    ]
 
 
 def test_the_package_works(environment, tmp_path):

@@ -4,11 +4,15 @@
 environment variables; import cg2raw alone changes nothing."""
 
 import os
+import platform
 import shutil
 import subprocess
 import sys
 
 import pytest
+
+from cg2raw.oiio import plugin_file
+from cg2raw.oiio.elf import Library
 
 WRITE = """
 image = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(64, 48, 3, "float"))
@@ -124,6 +128,60 @@ print(plugin_for("3.2.2.0")); print(plugin_for("2.4.7")); print(plugin_for("9.0"
     assert found[0] == str(wheel_plugin / "dng.imageio.so")
     assert found[0] not in found[1:]
     assert python(f'{PLUGIN_FOR}; print(plugin_for("9.0"))', tmp_path) == []
+
+
+@pytest.fixture(scope="module")
+def package_of_a_wheel(package_alone, wheel_plugin, tmp_path_factory):
+    """Return a folder with the package and its plugin, as pip installs a wheel's."""
+    folder = tmp_path_factory.mktemp("wheel")
+    shutil.copytree(package_alone, folder, dirs_exist_ok=True)
+    plugins = folder / "cg2raw/lib/cg2raw/oiio-3.1"
+    plugins.mkdir(parents=True)
+    shutil.copy(wheel_plugin / "dng.imageio.so", plugins)
+    return folder
+
+
+def test_the_plugin_inside_the_package_is_taken(package_of_a_wheel, tmp_path):
+    path = {"PYTHONPATH": str(package_of_a_wheel)}
+    found = python(
+        "import cg2raw; print(cg2raw.register_oiio_plugin())", tmp_path, **path
+    )
+    folder = f"{package_of_a_wheel}/cg2raw/lib/cg2raw/oiio-3.1"
+    assert found == [f"{folder}/dng.imageio.so"]
+    shell = python("from cg2raw import cli; cli.main(['env'])", tmp_path, **path)
+    assert f"OPENIMAGEIO_PLUGIN_PATH={folder}" in shell
+
+
+@pytest.mark.parametrize(
+    ("version", "api"),
+    [("3.0.4.0", "26"), ("2.5.18.0", "25"), ("3.3.0.0", "unknown to this cg2raw")],
+)
+def test_what_a_wheel_has_no_plugin_for_is_told(
+    package_of_a_wheel, version, api, tmp_path
+):
+    (tmp_path / "OpenImageIO.py").write_text(f"VERSION_STRING = {version!r}")
+    words = python(REFUSED, tmp_path, PYTHONPATH=str(package_of_a_wheel))
+    assert " ".join(words) == (
+        f"there is no DNG plugin for OpenImageIO {version} in this installation of "
+        f"cg2raw: its plugin API is {api}, and there are plugins for OpenImageIO 3.1 "
+        "to 3.2; install a wheel of cg2raw and one of these, or build the plugin "
+        "(scripts/setup)"
+    )
+
+
+@pytest.mark.parametrize(
+    ("folder", "version", "fits"),
+    [
+        ("oiio", "2.5.18", True),  # built for one SDK: OpenImageIO says itself
+        ("oiio-2.4", "2.4.7.1", True),
+        ("oiio-2.4", "2.5.18", False),
+        ("oiio-2.4", "3.0.3", False),
+    ],
+)
+def test_before_3_a_wheels_plugin_is_of_one_minor_version(folder, version, fits):
+    library = Library(platform.machine(), 25)
+    path = f"/site/cg2raw/lib/cg2raw/{folder}/dng.imageio.so"
+    assert (plugin_file.misfit(library, version, path) == "") == fits
 
 
 def test_doctor_tells_that_there_is_none_to_register(package_alone, tmp_path):

@@ -133,7 +133,7 @@ def plugins_of(host: hosts.Host, trial: hosts.Trial) -> list[Plugin]:
         api, reason = None, ""
         try:
             library = plugin_file.read_plugin(path)
-            api, reason = library.value, plugin_file.misfit(library, host.version)
+            api, reason = library.value, plugin_file.misfit(library, host.version, path)
         except (ValueError, OSError) as error:
             reason = str(error)
         reason = reason or (
@@ -146,6 +146,8 @@ def plugins_of(host: hosts.Host, trial: hosts.Trial) -> list[Plugin]:
 
 def loader_reason(path: str, log: str) -> str:
     """Return what the dynamic loader had against @path, by its LD_DEBUG=files @log."""
+    proper = os.path.join(os.path.dirname(path), plugin_file.PROPER)
+    path = proper if os.path.exists(proper) else path
     begin = re.search(rf"file={re.escape(path)} \[\d+\];\s+dynamically loaded by", log)
     if not log or re.search(rf"calling init: {re.escape(path)}$", log, re.MULTILINE):
         return ""
@@ -169,12 +171,12 @@ def remedy(host: hosts.Host, plugins: list[Plugin]) -> str:
     for path in known_plugins():
         try:
             library = plugin_file.read_plugin(path)
-            fits = not plugin_file.misfit(library, host.version)
+            fits = not plugin_file.misfit(library, host.version, path)
         except (ValueError, OSError):
             continue
         if fits and path not in [plugin.path for plugin in plugins]:
             folder = os.path.dirname(path)
-            return f"export {host.variable}={folder} (or: source scripts/env)"
+            return f'export {host.variable}={folder} (or: eval "$(cg2raw env)")'
     return (
         f"build the plugin for OpenImageIO {host.version}: cmake -S . -B build/own "
         "-DCMAKE_PREFIX_PATH=<its SDK> && cmake --build build/own, then "
@@ -186,14 +188,16 @@ def known_plugins() -> list[str]:
     """Return plugin files of the tree or installation that this module is part of."""
     here = Path(os.path.abspath(__file__))
     parents = dict.fromkeys([*here.parents, *here.resolve().parents])
-    found = [
-        path
+    places = [
+        place
         for parent in parents
-        for pattern in (
-            f"lib/cg2raw/oiio/{plugin_file.NAME}",
-            f"build/*/lib/cg2raw/oiio/{plugin_file.NAME}",
-        )
-        for path in sorted(parent.glob(pattern))
+        for place in (parent, *sorted(parent.glob("build/*")))
+    ]
+    found = [
+        folder / plugin_file.NAME
+        for place in places
+        for folder in plugin_file.folders_in(place)
+        if (folder / plugin_file.NAME).exists()
     ]
     return [str(path) for path in dict.fromkeys(found)]
 

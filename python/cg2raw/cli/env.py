@@ -81,8 +81,8 @@ def plugins_in(places: list[Path]) -> dict[int, str]:
     OpenImageIO 2 refuses the plugin of 3 at once; 3 would load all of 2 to refuse its.
     """
     found: dict[int, str] = {}
-    for place in places:
-        path = place / "lib/cg2raw/oiio" / plugin_file.NAME
+    folders = [folder for place in places for folder in plugin_file.folders_in(place)]
+    for path in [folder / plugin_file.NAME for folder in folders]:
         if not path.is_file():
             continue
         try:

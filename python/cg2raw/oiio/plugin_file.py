@@ -4,10 +4,12 @@
 
 import platform
 import re
+from pathlib import Path
 
 from cg2raw.oiio.elf import Library, read_library
 
 NAME = "dng.imageio.so"
+PROPER = "libcg2raw_dng_imageio.so"  # beside NAME in a wheel, where NAME only loads it
 # OIIO_PLUGIN_VERSION since OpenImageIO 2.3, 3.0 and 3.1. Source: its oiioversion.h.
 PLUGIN_APIS = (((3, 3), None), ((3, 1), 27), ((2, 6), 26), ((2, 3), 25))
 API_NAMES = {
@@ -15,6 +17,13 @@ API_NAMES = {
     26: "OpenImageIO 3.0",
     27: "OpenImageIO 3.1 to 3.2",
 }
+
+
+def folders_in(place: Path) -> list[Path]:
+    """Return the folders of @place that may hold a plugin: that of one SDK, then those
+    of the wheel, one for each C++ namespace of OpenImageIO, the newest first."""
+    portable = sorted(place.glob("lib/cg2raw/oiio-*"), reverse=True)
+    return [place / "lib/cg2raw/oiio", *portable]
 
 
 def version_of(text: str) -> tuple[int, ...]:
@@ -35,8 +44,9 @@ def read_plugin(path: str) -> Library:
     return read_library(path, "dng_imageio_version")
 
 
-def misfit(library: Library, version: str) -> str:
-    """Return why @library cannot be a plugin of OpenImageIO @version; empty if it may.
+def misfit(library: Library, version: str, path: str) -> str:
+    """Return why @library at @path cannot be a plugin of OpenImageIO @version; empty if
+    it may.
 
     What is not known of a version is left to OpenImageIO."""
     if library.machine != platform.machine():
@@ -50,4 +60,12 @@ def misfit(library: Library, version: str) -> str:
             f"is built for plugin API {library.value} ({name}); OpenImageIO "
             f"{version} wants {wanted}"
         )
+    # Before 3 each minor version has a C++ namespace of its own, but not a plugin API.
+    found = re.fullmatch(r"oiio-([23]\.\d+)", Path(path).parent.name)
+    if (
+        found
+        and version_of(version) < (3, 0)
+        and version_of(version) != version_of(found[1])
+    ):
+        return f"is built for OpenImageIO {found[1]}, not {version}"
     return ""

@@ -28,17 +28,32 @@ def register_oiio_plugin() -> str:
     version = module.VERSION_STRING
     plugin = plugin_for(version)
     if not plugin:
-        raise ValueError(
-            f"there is no DNG plugin for OpenImageIO {version} in this installation of "
-            "cg2raw: build it (scripts/setup), or name its folder by environment "
-            "variables; cg2raw doctor tells which"
-        )
+        raise ValueError(missing(version))
     folder = os.path.dirname(plugin)
     known = module.get_string_attribute("plugin_searchpath")
     if folder not in known.split(os.pathsep):
         path = folder + os.pathsep + known if known else folder
         module.attribute("plugin_searchpath", path)
     return plugin
+
+
+def missing(version: str) -> str:
+    """Return one line on an OpenImageIO that has no plugin here, and what helps."""
+    wanted = plugin_file.plugin_api_of(version) or "unknown to this cg2raw"
+    apis = []
+    for folder in plugin_folders():
+        try:
+            found = plugin_file.read_plugin(os.path.join(folder, plugin_file.NAME))
+        except (OSError, ValueError):
+            continue
+        apis.append(found.value)
+    known = [plugin_file.API_NAMES[api] for api in plugin_file.API_NAMES if api in apis]
+    return (
+        f"there is no DNG plugin for OpenImageIO {version} in this installation of "
+        f"cg2raw: its plugin API is {wanted}, and there are plugins for "
+        f"{', '.join(known) or 'none'}; install a wheel of cg2raw and one of these, or "
+        "build the plugin (scripts/setup)"
+    )
 
 
 def plugin_for(version: str) -> str:
@@ -51,7 +66,7 @@ def plugin_for(version: str) -> str:
     for folder in plugin_folders():
         path = os.path.join(folder, plugin_file.NAME)
         try:
-            if not plugin_file.misfit(plugin_file.read_plugin(path), version):
+            if not plugin_file.misfit(plugin_file.read_plugin(path), version, path):
                 return path
         except (OSError, ValueError):
             continue
@@ -62,10 +77,13 @@ def plugin_folders() -> list[str]:
     """Return where the plugin of this very package may lie.
 
     Plugins are programs, so no more than: the builds of the source tree that it is part
-    of, the lib folder that it is installed in, and that of this Python's prefix."""
+    of, the package itself if it is a wheel's, the lib folder that it is installed in,
+    and that of this Python's prefix."""
     here, source = Path(os.path.abspath(__file__)), Path(__file__).resolve()
-    folders = [here.parents[3], here.parents[4], Path(sys.prefix, "lib")]
-    folders = [lib / "cg2raw/oiio" for lib in folders if lib.name == "lib"]
+    libs = [here.parents[3], here.parents[4], Path(sys.prefix, "lib")]
+    places = [lib.parent for lib in libs if lib.name == "lib"]
+    folders = [*plugin_file.folders_in(here.parents[1])[1:]]
+    folders += [folder for place in places for folder in plugin_file.folders_in(place)]
     root = source.parents[3]
     if (root / "plugins/dng.imageio").is_dir():
         folders = [*sorted(root.glob("build/*/lib/cg2raw/oiio")), *folders]
