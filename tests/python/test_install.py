@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""An sdist of the sources makes a wheel, and what pip installs of it works by itself."""
+"""An sdist makes a wheel, and what pip installs of it works by itself."""
 
 import os
 import shutil
