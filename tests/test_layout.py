@@ -43,18 +43,21 @@ LIBRARIES = {
     r"(pybind11/|Python\.h)": set(),
     r"OpenColorIO/": set(),
     r"nlohmann/": {"core"},
+    # What one operating system has and another lacks.
+    r"(unistd|fcntl|dlfcn|sched|signal|windows|io|x?locale)\.h|sys/": {"platform"},
 }
 # The parts of dng, and what each may include of them and of dng's public headers; the
 # writer also the formulas of effects that it undoes.
 PARTS_OF_DNG = {
     "dng": {"dng_description"},
-    "dng/tiff": {"tiff"},
+    "dng/tiff": {"tiff", "platform"},
     "dng/jpeg": {"jpeg"},
     "dng/reader": {
         "reader",
         "tiff",
         "jpeg",
         "effects",
+        "platform",
         "dng_reader",
         "dng_mosaic",
         "dng_description",
@@ -76,7 +79,7 @@ PLUGINS = Path(__file__).resolve().parent.parent / "plugins"
 HEADERS = sorted((PLUGINS / "include" / "cg2raw").glob("*.h"))
 SOURCES = sorted(
     path
-    for folder in ("core", "effects", "dng", "dng.imageio")
+    for folder in ("platform", "core", "effects", "dng", "dng.imageio")
     for path in (PLUGINS / folder).rglob("*")
     if path.suffix in (".cpp", ".h")
 )
@@ -111,7 +114,11 @@ def stage_of_source(path):
     folder = folder_of(path).partition("/")[0]
     if folder != "core":
         return FLOW.index(
-            {"effects": "effect", "dng.imageio": "plugin"}.get(folder, folder)
+            {
+                "platform": "types",
+                "effects": "effect",
+                "dng.imageio": "plugin",
+            }.get(folder, folder)
         )
     served = [name for name in FLOW if serves(path, name)]
     return FLOW.index(max(served, key=len, default="effect"))

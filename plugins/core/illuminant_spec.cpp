@@ -4,6 +4,7 @@
 /// @file The illuminant grammar.
 #include "illuminant_spec.h"
 
+#include "platform/numbers.h"
 #include "text.h"
 
 #include <cmath>
@@ -49,7 +50,7 @@ IlluminantSpec pair_spec(Kind kind, std::string_view spec,
 {
     if (parts.size() != 3)
         fail(spec, "needs two numbers");
-    const double a = parsed_number(parts[1]), b = parsed_number(parts[2]);
+    const double a = number_in(parts[1]), b = number_in(parts[2]);
     const bool xy = kind == Kind::xy;
     if (xy && !(a > 0.0 && b >= 0.01 && a + b < 1.0))
         fail(spec, "is no chromaticity (x above 0, y at least 0.01, x + y below 1)");
@@ -60,7 +61,7 @@ IlluminantSpec pair_spec(Kind kind, std::string_view spec,
 
 IlluminantSpec kelvin_spec(std::string_view spec, const std::string& word)
 {
-    const double kelvin = parsed_number(word.substr(0, word.size() - 1));
+    const double kelvin = number_in(word.substr(0, word.size() - 1));
     if (std::isnan(kelvin))
         fail_unknown(spec);
     if (!(kelvin >= 1667.0 && kelvin <= 25000.0))
@@ -71,7 +72,7 @@ IlluminantSpec kelvin_spec(std::string_view spec, const std::string& word)
 IlluminantSpec drawn_spec(Kind kind, std::string_view spec,
                           const std::vector<std::string>& parts)
 {
-    const double index = parts.size() == 2 ? parsed_number(parts[1]) : -1.0;
+    const double index = parts.size() == 2 ? number_in(parts[1]) : -1.0;
     if (!(index >= 0.0 && index <= 2147483647.0 && index == std::floor(index)))
         fail(spec, "needs a whole number, as in " + parts[0] + ":7");
     return { kind, 0.0, 0.0, std::uint32_t(index) };

@@ -6,7 +6,7 @@
 #pragma once
 
 // Clang defines __GNUC__, too, but (as of 18) refuses target_clones on templates.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)                    \
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__)               \
     && !defined(__SANITIZE_ADDRESS__) && !defined(CG2RAW_SANITIZED)
 #define CG2RAW_MULTIVERSION __attribute__((target_clones("avx2", "default")))
 #else

@@ -4,13 +4,11 @@
 /// @file Where profiles lie.
 #include "cg2raw/profile.h"
 
+#include "platform/paths.h"
 #include "profile_syntax.h"
 #include "text.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -20,40 +18,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder of the library or program that this code is part of.
-fs::path own_folder()
-{
-    Dl_info info {};
-    if (!dladdr(reinterpret_cast<const void*>(&own_folder), &info) || !info.dli_fname)
-        return {};
-    std::error_code ignored;
-    return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
-}
-
 std::string read_file(const fs::path& path)
 {
     std::error_code error;
     if (fs::is_directory(path, error))
-        throw Error(path.string()
+        throw Error(utf8_of(path)
                     + ": is a folder: give the path of a profile (.json) in it");
     const auto size = fs::file_size(path, error);
     if (error)
-        throw Error(path.string() + ": " + error.message()
+        throw Error(utf8_of(path) + ": " + error.message()
                     + ": give the path of a profile (.json), or the id of an installed "
                       "sensor");
-    check_profile_size(size, path.string());
+    check_profile_size(size, utf8_of(path));
     std::ifstream file(path, std::ios::binary);
     std::ostringstream text;
     text << file.rdbuf();
     if (!file)
-        throw Error(path.string() + ": cannot be read: check its permissions");
+        throw Error(utf8_of(path) + ": cannot be read: check its permissions");
     return text.str();
 }
 
 bool is_path(const std::string& id_or_path)
 {
     const std::string ending = ".json";
-    return id_or_path.find('/') != std::string::npos
+    return has_folder(id_or_path)
         || (id_or_path.size() > ending.size()
             && id_or_path.compare(id_or_path.size() - ending.size(), ending.size(),
                                   ending)
@@ -65,17 +53,17 @@ bool is_path(const std::string& id_or_path)
 std::vector<std::string> profile_folders()
 {
     std::vector<std::string> folders;
-    if (const char* path = std::getenv("CG2RAW_PROFILE_PATH"))
-        for (const std::string& folder : split(path, ':'))
-            if (!folder.empty())
-                folders.push_back(folder);
+    for (const std::string& folder :
+         split(environment("CG2RAW_PROFILE_PATH"), path_list_separator))
+        if (!folder.empty())
+            folders.push_back(folder);
     const fs::path own = own_folder();
     for (const char* relative :
          { "share/cg2raw/profiles", "../../../share/cg2raw/profiles" }) {
         std::error_code ignored;
         const fs::path folder = fs::weakly_canonical(own / relative, ignored);
         if (fs::is_directory(folder, ignored))
-            folders.push_back(folder.string());
+            folders.push_back(utf8_of(folder));
     }
     return folders;
 }
@@ -85,9 +73,9 @@ std::vector<std::string> installed_profiles()
     std::vector<std::string> ids;
     for (const std::string& folder : profile_folders()) {
         std::error_code ignored;
-        for (const auto& entry : fs::directory_iterator(folder, ignored))
+        for (const auto& entry : fs::directory_iterator(path_of(folder), ignored))
             if (entry.path().extension() == ".json")
-                ids.push_back(entry.path().stem().string());
+                ids.push_back(utf8_of(entry.path().stem()));
     }
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -97,12 +85,12 @@ std::vector<std::string> installed_profiles()
 SensorProfile load_profile(const std::string& id_or_path)
 {
     if (is_path(id_or_path))
-        return parse_profile(read_file(id_or_path), id_or_path);
+        return parse_profile(read_file(path_of(id_or_path)), id_or_path);
     for (const std::string& folder : profile_folders()) {
-        const fs::path path = fs::path(folder) / (id_or_path + ".json");
+        const fs::path path = path_of(folder) / path_of(id_or_path + ".json");
         std::error_code ignored;
         if (!id_or_path.empty() && fs::exists(path, ignored))
-            return parse_profile(read_file(path), path.string());
+            return parse_profile(read_file(path), utf8_of(path));
     }
     const auto installed = installed_profiles();
     throw Error("unknown sensor \"" + id_or_path + "\"; installed: "

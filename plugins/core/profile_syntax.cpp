@@ -3,6 +3,7 @@
 
 #include "profile_syntax.h"
 
+#include "platform/numbers.h"
 #include "text.h"
 
 #include <nlohmann/json.hpp>

@@ -5,6 +5,7 @@
 
 #include "cg2raw/spectrum.h"
 #include "cg2raw/types.h"
+#include "platform/numbers.h"
 #include "text.h"
 
 #include <algorithm>
@@ -74,7 +75,7 @@ double number_before_unit(std::string_view text, char decimal)
         return std::nan("");
     std::string digits(text);
     std::replace(digits.begin(), digits.end(), decimal, '.');
-    return parsed_number(digits);
+    return number_in(digits);
 }
 
 /// A text, or its start, in quotation marks.
@@ -135,10 +136,10 @@ Spectrum spectrum_from_text(std::string_view text)
         const auto colon = std::min(row.find(':'), row.size());
         const auto nm = wavelength_of(stripped(row.substr(0, colon)), '.');
         const std::string_view value = row.substr(std::min(colon + 1, row.size()));
-        if (!nm || std::isnan(parsed_number(stripped(value))))
+        if (!nm || std::isnan(number_in(stripped(value))))
             throw Error("spectrum " + quoted(text)
                         + " must be pairs of wavelength and value as 550nm:0.3;");
-        rows.emplace_back(*nm, parsed_number(stripped(value)));
+        rows.emplace_back(*nm, number_in(stripped(value)));
     }
     return spectrum_from_rows(std::move(rows));
 }

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cmath>
-#include <limits>
 
 namespace cg2raw {
 
@@ -43,16 +41,6 @@ std::string number(double value)
     char buffer[40];
     const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
     return { buffer, result.ptr };
-}
-
-double parsed_number(std::string_view text)
-{
-    double value = 0.0;
-    const char* const end = text.data() + text.size();
-    const auto result = std::from_chars(text.data(), end, value);
-    if (result.ec != std::errc() || result.ptr != end || text.empty())
-        return std::numeric_limits<double>::quiet_NaN();
-    return value;
 }
 
 } // namespace cg2raw

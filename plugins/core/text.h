@@ -16,7 +16,5 @@ std::string joined(const std::vector<std::string>& words);
 std::vector<std::string> split(std::string_view text, char separator);
 /// A number as people write it: shortest form that reads back the same.
 std::string number(double value);
-/// The number that @p text is, whole, in the C locale; NaN if it is none.
-double parsed_number(std::string_view text);
 
 } // namespace cg2raw

@@ -3,10 +3,11 @@
 
 #include "attributes.h"
 
+#include "platform/numbers.h"
+
 #include <OpenImageIO/strutil.h>
 
 #include <charconv>
-#include <cmath>
 
 namespace cg2raw {
 namespace {
@@ -26,11 +27,7 @@ double number_from(std::string_view text)
 {
     if (!text.empty() && text.front() == '+')
         text.remove_prefix(1);
-    double value = 0.0;
-    const char* const end = text.data() + text.size();
-    const auto result = std::from_chars(text.data(), end, value);
-    const bool whole = result.ec == std::errc() && result.ptr == end && !text.empty();
-    return whole ? value : std::nan("");
+    return number_in(text);
 }
 
 /// An attribute's name and value, whatever its type.

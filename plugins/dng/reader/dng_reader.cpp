@@ -2,6 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file Which directories of a DNG say what; the order in which they are asked.
+#include "platform/paths.h"
 #include "reader/layout.h"
 #include "reader/metadata_parts.h"
 
@@ -208,10 +209,10 @@ DngMetadata read_dng_metadata(const std::string& path,
                               const std::optional<CfaPattern>& cfa_of_linear)
 {
     std::error_code unknown;
-    if (!std::filesystem::is_regular_file(path, unknown))
+    if (!std::filesystem::is_regular_file(path_of(path), unknown))
         throw Error(path
                     + ": is no file; the reference must be a DNG of the target camera");
-    std::ifstream dng(path, std::ios::binary);
+    std::ifstream dng(path_of(path), std::ios::binary);
     if (!dng)
         throw Error(path + ": cannot be opened for reading: check its permissions");
     return read_dng_stream(dng, path, cfa_of_linear);

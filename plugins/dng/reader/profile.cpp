@@ -2,13 +2,13 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file The sensor profile that DNGs of one camera amount to.
+#include "platform/paths.h"
 #include "reader/profile_parts.h"
 #include "tiff/tag_numbers.h"
 #include "tiff/text.h"
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 
 namespace cg2raw {
 namespace {
@@ -90,7 +90,7 @@ std::string camera_name(const DngMetadata& metadata)
 std::string names_of_files(const std::vector<DngMetadata>& files)
 {
     const auto name = [](const DngMetadata& metadata) {
-        return printable_text(std::filesystem::path(metadata.file).filename().string());
+        return printable_text(utf8_of(path_of(metadata.file).filename()));
     };
     if (files.size() == 1)
         return name(files.front());

@@ -4,6 +4,8 @@
 /// @file A file that appears under its name complete, or not at all.
 #pragma once
 
+#include "platform/new_file.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -11,9 +13,9 @@
 namespace cg2raw {
 
 /// A file without a name until publish(): not even kill -9 leaves something behind, on
-/// file systems with O_TMPFILE (ext4, xfs, btrfs, tmpfs). Elsewhere (NFS, SMB, exFAT)
-/// it carries a hidden temporary name in the same folder, which every failure but kill
-/// -9 removes.
+/// Linux's file systems with O_TMPFILE (ext4, xfs, btrfs, tmpfs). Elsewhere (NFS, SMB,
+/// exFAT, macOS) it carries a hidden temporary name in the same folder, which every
+/// failure but kill -9 removes; on Windows such a name, which goes with the process.
 class AtomicFile {
 public:
     /// Opens beside @p path, whose symbolic links are followed. With @p sync its bytes
@@ -22,9 +24,6 @@ public:
     /// Throws Error: missing or unwritable folder; @p path is no regular file, or
     /// read-only.
     explicit AtomicFile(std::string path, bool sync = true, bool unnamed = true);
-    ~AtomicFile();
-    AtomicFile(const AtomicFile&) = delete;
-    AtomicFile& operator=(const AtomicFile&) = delete;
 
     /// All of @p size bytes at @p offset. False, with the reason kept for fail(), if
     /// the system refuses or the file would pass 4 GiB, the limit of TIFF's 32-bit
@@ -44,22 +43,10 @@ public:
     [[noreturn]] void fail(const std::string& what, const std::string& otherwise) const;
 
 private:
-    void open_unnamed(const std::string& folder);
-    void open_named();
-    void flush();
-    void link_unnamed();
-    void close_link() noexcept;
-    void sync_folder(const std::string& folder) const;
-    void discard() noexcept;
-
     std::string m_path; ///< as given, for messages
-    std::string m_target; ///< links resolved
-    std::string m_temporary; ///< empty: the file has no name
     std::string m_reason; ///< of the first failed write
     std::uint64_t m_size = 0;
-    int m_file = -1;
-    bool m_sync;
-    unsigned m_mode = 0666;
+    NewFile m_file;
 };
 
 } // namespace cg2raw

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Linux and macOS. The latter has no files without a name.
+#include "platform/new_file.h"
+
+#include "cg2raw/types.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace cg2raw {
+
+struct NewFile::State {
+    std::string path; ///< as given, for messages
+    std::string target; ///< links resolved
+    bool sync;
+    std::string temporary {}; ///< empty: the file has no name
+    int file = -1;
+    unsigned mode = 0666;
+
+    void open_unnamed();
+    void open_named();
+    void flush();
+    void link_unnamed();
+    void close_link() noexcept;
+    void sync_folder() const;
+    void discard() noexcept;
+    [[noreturn]] void fail(const std::string& what, int error = errno) const;
+};
+
+namespace {
+
+std::error_code system_error(int error) { return { error, std::system_category() }; }
+
+std::string folder_of(const std::string& path)
+{
+    const std::size_t slash = path.rfind('/');
+    if (slash == std::string::npos)
+        return ".";
+    return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+std::string link_target(const std::string& path)
+{
+    const std::unique_ptr<char, decltype(&std::free)> real(
+        ::realpath(path.c_str(), nullptr), &std::free);
+    return real ? std::string(real.get()) : path;
+}
+
+/// A hidden name beside @p target that no other writer of this machine has.
+std::string temporary_name(const std::string& target)
+{
+    static std::atomic<unsigned> count { 0 };
+    const std::size_t slash = target.rfind('/');
+    const std::size_t base = slash == std::string::npos ? 0 : slash + 1;
+    // A name has 255 bytes at most: the tail of a long one is dropped.
+    return target.substr(0, base) + "." + target.substr(base, 200) + ".cg2raw-"
+        + std::to_string(::getpid()) + "-" + std::to_string(count++);
+}
+
+std::string descriptor_path(int file)
+{
+    return "/proc/self/fd/" + std::to_string(file);
+}
+
+int sync_once(int file)
+{
+#ifdef F_FULLFSYNC // macOS: its fsync() leaves bytes in the drive; a share may lack
+                   // this
+    if (::fcntl(file, F_FULLFSYNC) == 0)
+        return 0;
+#endif
+    return ::fsync(file);
+}
+
+/// fsync(); files that cannot be synchronised are as good as they will be.
+int sync_file(int file)
+{
+    int result = -1;
+    do
+        result = sync_once(file);
+    while (result != 0 && errno == EINTR);
+    return result != 0 && errno == EINVAL ? 0 : result;
+}
+
+} // namespace
+
+NewFile::NewFile(const std::string& path, bool sync, bool unnamed)
+    : m_state(new State { path, link_target(path), sync })
+{
+    struct stat status;
+    if (::stat(m_state->target.c_str(), &status) == 0) {
+        if (!S_ISREG(status.st_mode))
+            throw Error(path + ": is not a regular file: choose another name");
+        if (::access(m_state->target.c_str(), W_OK) != 0)
+            m_state->fail("replace");
+        m_state->mode = status.st_mode & 0777;
+    }
+    if (unnamed)
+        m_state->open_unnamed();
+    if (m_state->file < 0)
+        m_state->open_named();
+}
+
+NewFile::~NewFile() { m_state->discard(); }
+
+std::error_code NewFile::write(const void* data, std::size_t size,
+                               std::uint64_t offset) noexcept
+{
+    const char* from = static_cast<const char*>(data);
+    while (size > 0) {
+        const ssize_t done = ::pwrite(m_state->file, from, size, off_t(offset));
+        if (done < 0 && errno == EINTR)
+            continue;
+        if (done <= 0)
+            return system_error(done == 0 ? ENOSPC : errno);
+        from += done;
+        size -= std::size_t(done);
+        offset += std::uint64_t(done);
+    }
+    return {};
+}
+
+std::size_t NewFile::read(void* data, std::size_t size, std::uint64_t offset) noexcept
+{
+    std::size_t done = 0;
+    while (done < size) {
+        const ssize_t got = ::pread(m_state->file, static_cast<char*>(data) + done,
+                                    size - done, off_t(offset + done));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            break;
+        done += std::size_t(got);
+    }
+    return done;
+}
+
+void NewFile::publish()
+{
+    State& state = *m_state;
+    state.flush();
+    if (state.temporary.empty())
+        state.link_unnamed();
+    if (!state.temporary.empty()
+        && ::rename(state.temporary.c_str(), state.target.c_str()) != 0)
+        state.fail("replace");
+    // The name is the file's now, and nothing below may take it away.
+    state.temporary.clear();
+    state.close_link();
+    if (state.sync)
+        state.sync_folder();
+}
+
+void NewFile::State::open_unnamed()
+{
+#ifdef O_TMPFILE
+    file = ::open(folder_of(target).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
+    if (file < 0) // kernels and file systems without it say one of these
+        if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)
+            fail("create");
+    // Naming it later goes through /proc, which a container may lack.
+    if (file >= 0 && ::access(descriptor_path(file).c_str(), F_OK) != 0) {
+        ::close(file);
+        file = -1;
+    }
+#endif
+}
+
+void NewFile::State::open_named()
+{
+    std::string name;
+    do {
+        name = temporary_name(target);
+        file = ::open(name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, mode);
+    } while (file < 0 && errno == EEXIST); // a process of this number left it
+    if (file < 0)
+        fail("create");
+    temporary = name;
+}
+
+/// Everything that the system may still refuse, while an older file stands untouched:
+/// a full disk or quota shows as late as here, on network file systems at close().
+void NewFile::State::flush()
+{
+    if (sync && sync_file(file) != 0)
+        fail("write");
+    // A file without a name needs a descriptor to be given one.
+    const int link = temporary.empty() ? ::fcntl(file, F_DUPFD_CLOEXEC, 0) : -1;
+    if (temporary.empty() && link < 0)
+        fail("write");
+    const int written = file;
+    file = link;
+    if (::close(written) != 0 && errno != EINTR)
+        fail("write");
+}
+
+/// Makes the file's first name: the target itself, or where an older file has that, a
+/// temporary one, since a link cannot replace a file and a rename can. Between the two
+/// calls, and only there, the complete file has a temporary name.
+void NewFile::State::link_unnamed()
+{
+    const std::string unnamed = descriptor_path(file);
+    const auto link = [&](const std::string& name) {
+        return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(),
+                        AT_SYMLINK_FOLLOW)
+            == 0;
+    };
+    if (link(target))
+        return;
+    while (errno == EEXIST) {
+        const std::string name = temporary_name(target);
+        if (link(name)) {
+            temporary = name;
+            return;
+        }
+    }
+    fail("create");
+}
+
+void NewFile::State::close_link() noexcept
+{
+    if (file >= 0)
+        ::close(file); // nothing was written by it
+    file = -1;
+}
+
+/// Makes the new name outlast a loss of power.
+void NewFile::State::sync_folder() const
+{
+    const int folder
+        = ::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder < 0)
+        return; // a folder that may be written but not read
+    const int error = sync_file(folder) == 0 ? 0 : errno;
+    ::close(folder);
+    if (error != 0)
+        fail("write its folder", error);
+}
+
+void NewFile::State::discard() noexcept
+{
+    close_link();
+    if (!temporary.empty())
+        ::unlink(temporary.c_str());
+}
+
+void NewFile::State::fail(const std::string& what, int error) const
+{
+    throw Error(path + ": cannot " + what + ": " + words_of(system_error(error)));
+}
+
+std::string words_of(const std::error_code& error) { return error.message(); }
+
+} // namespace cg2raw
