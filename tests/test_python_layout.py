@@ -13,6 +13,7 @@ import pytest
 # and from rooms before it. "cg2raw" is the package's __init__.py: the public names.
 ROOMS = (
     "cg2raw._core",
+    "cg2raw.system",
     "cg2raw.near_words",
     "cg2raw.arrays",
     "cg2raw.raw_frame",

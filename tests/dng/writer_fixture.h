@@ -6,12 +6,15 @@
 
 #include "cg2raw/dng_writer.h"
 
+#include "platform/paths.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <random>
 #include <string>
 
 namespace cg2raw::testing {
@@ -64,15 +67,17 @@ class InFolder : public ::testing::Test {
 protected:
     InFolder()
     {
-        std::string name
-            = (std::filesystem::temp_directory_path() / "cg2raw-XXXXXX").string();
-        folder = ::mkdtemp(name.data());
+        const auto parent = std::filesystem::temp_directory_path();
+        std::random_device random;
+        do
+            folder = parent / ("cg2raw-" + std::to_string(random()));
+        while (!std::filesystem::create_directory(folder));
     }
     ~InFolder() override { std::filesystem::remove_all(folder); }
 
     std::string path(const std::string& name = "shot.dng") const
     {
-        return (folder / name).string();
+        return utf8_of(folder / name);
     }
     int files() const
     {

@@ -3,13 +3,28 @@
 
 #include "counted_memory.h"
 
+#ifdef __APPLE__
+#include <malloc/malloc.h>
+#else
 #include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <cstdlib>
 #include <new>
 
 namespace {
+
+std::size_t size_of(void* memory)
+{
+#if defined(__APPLE__)
+    return ::malloc_size(memory);
+#elif defined(_WIN32)
+    return ::_msize(memory);
+#else
+    return ::malloc_usable_size(memory);
+#endif
+}
 
 thread_local std::ptrdiff_t held = 0, most_held = 0;
 thread_local std::size_t largest_request = 0;
@@ -19,7 +34,7 @@ void* counted(std::size_t size)
     void* const memory = std::malloc(size ? size : 1);
     if (!memory)
         throw std::bad_alloc();
-    held += std::ptrdiff_t(malloc_usable_size(memory));
+    held += std::ptrdiff_t(size_of(memory));
     most_held = std::max(most_held, held);
     largest_request = std::max(largest_request, size);
     return memory;
@@ -36,7 +51,7 @@ void* counted_or_null(std::size_t size) noexcept
 
 void uncounted(void* memory)
 {
-    held -= memory ? std::ptrdiff_t(malloc_usable_size(memory)) : 0;
+    held -= memory ? std::ptrdiff_t(size_of(memory)) : 0;
     std::free(memory);
 }
 

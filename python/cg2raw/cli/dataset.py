@@ -37,6 +37,7 @@ from cg2raw.cli._numbers import number, number_list
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, refuse_twice
 from cg2raw.cli._progress import counted
 from cg2raw.spectra import is_estimate
+from cg2raw.system import usable_cores
 
 if TYPE_CHECKING:  # only the work itself loads its modules
     from cg2raw.dataset.journal import Row
@@ -156,7 +157,7 @@ def run(arguments: argparse.Namespace) -> int:
         if importlib.util.find_spec(library) is None:
             raise ValueError(f"needs {library}: pip install 'cg2raw[dataset]'")
     plan = plan_of(arguments)
-    workers = arguments.workers or len(os.sched_getaffinity(0))
+    workers = arguments.workers or usable_cores()
     if arguments.workers and arguments.scheduler:
         raise ValueError("--workers and --scheduler: the cluster has its own workers")
     if arguments.dry_run:

@@ -24,6 +24,7 @@ from importlib import resources
 from typing import Any, TextIO
 
 from cg2raw import _core
+from cg2raw.system import has_folder
 
 SCHEMA = "schema_1.json"  # beside the modules of cg2raw.profile
 COLUMNS = 120  # where there is no terminal
@@ -68,7 +69,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def is_one(word: str) -> bool:
     """Return whether @word is the id of one sensor, or the path of a profile."""
-    return word in _core.installed_profiles() or "/" in word or word.endswith(".json")
+    return (
+        word in _core.installed_profiles() or has_folder(word) or word.endswith(".json")
+    )
 
 
 def refuse_plot(arguments: argparse.Namespace, ids: Sequence[str]) -> None:

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO
 
 from cg2raw.io.atomic_file import failing, write_atomically
+from cg2raw.system import open_without_links
 
 Row = dict[str, Any]  # of JSON's types
 
@@ -69,8 +70,11 @@ def start(path: str, header: Row, rows: Iterable[Row] = ()) -> None:
 
 def append(path: str, row: Row) -> None:
     """Add a row, all of it or none. Raises OSError."""
-    flags = os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
-    with failing(path), open(os.open(path, flags), "ab", buffering=0) as stream:
+    flags = os.O_WRONLY | os.O_APPEND
+    with (
+        failing(path),
+        open(open_without_links(path, flags), "ab", buffering=0) as stream,
+    ):
         size = os.fstat(stream.fileno()).st_size
         line = line_of(row)
         try:

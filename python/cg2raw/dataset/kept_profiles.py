@@ -12,6 +12,7 @@ from typing import Any
 
 from cg2raw import _core
 from cg2raw.sensor import Sensor
+from cg2raw.system import has_folder
 
 PLAN = "dataset.json"
 
@@ -58,7 +59,7 @@ def load_or_kept(
 
     tell : called with a sentence if a kept profile stands in for a file.
     Raises ValueError."""
-    is_path = "/" in word or word.endswith(".json")
+    is_path = has_folder(word) or word.endswith(".json")
     plan = os.path.join(folder, PLAN)
     known = os.path.exists(word) if is_path else word in _core.installed_profiles()
     if known or not os.path.exists(plan):

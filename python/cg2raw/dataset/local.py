@@ -5,28 +5,32 @@
 import contextlib
 import json
 import os
-import selectors
+import queue
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import asdict
 from itertools import islice
-from typing import BinaryIO
+from typing import BinaryIO, TypeAlias
 
 from cg2raw.dataset.job import Job, give_up
 from cg2raw.dataset.journal import Row
 from cg2raw.io.atomic_file import create
+from cg2raw.system import new_session
 
 TRIES = 2  # of an image whose worker dies
 LONGEST = 1 << 16  # bytes that are read at a time
+# What workers have said: None when one has ended.
+Heard: TypeAlias = "queue.SimpleQueue[tuple[Worker, list[Row] | None]]"
 COMMAND = "from cg2raw.dataset.worker import main; main()"
 
 
 class Worker:
     """A process, its pipes, and the job that it has."""
 
-    def __init__(self, log: BinaryIO) -> None:
+    def __init__(self, log: BinaryIO, heard: Heard) -> None:
         path = os.pathsep.join(entry for entry in sys.path if entry)
         self.process = subprocess.Popen(
             [sys.executable, "-c", COMMAND, str(os.getpid())],
@@ -35,6 +39,7 @@ class Worker:
             stderr=log,
             env={**os.environ, "PYTHONPATH": path},
             start_new_session=True,  # Ctrl-C is ours to answer
+            creationflags=new_session(),
         )
         # Pipes, so they are there.
         assert self.process.stdin is not None and self.process.stdout is not None
@@ -42,6 +47,9 @@ class Worker:
         self.job: Job
         self.tries = 0
         self.rest = b""  # of a line that is not complete yet
+        # A thread, because Windows cannot wait for several pipes at once.
+        self.listener = threading.Thread(target=self.listen, args=(heard,), daemon=True)
+        self.listener.start()
 
     def give(self, job: Job, tries: int) -> None:
         """Hand over a job."""
@@ -52,10 +60,15 @@ class Worker:
         except BrokenPipeError:
             pass  # it died; its end of the other pipe tells
 
-    def read(self) -> list[Row] | None:
-        """Return what the process has said since, None if it has ended.
+    def listen(self, heard: Heard) -> None:
+        """Put all that the process says into @heard, None when it has ended."""
+        said: list[Row] | None = []
+        while said is not None:
+            said = self.read()
+            heard.put((self, said))
 
-        To be called when there is something to read: it waits otherwise."""
+    def read(self) -> list[Row] | None:
+        """Wait for the process to say something; return it, None if it has ended."""
         data = os.read(self.answers.fileno(), LONGEST)
         if not data:
             return None
@@ -66,6 +79,7 @@ class Worker:
         """End the process at once, which is safe at any time."""
         self.process.kill()
         self.process.wait()
+        self.listener.join()
         self.answers.close()
         with contextlib.suppress(BrokenPipeError):
             self.requests.close()
@@ -78,14 +92,13 @@ def results(jobs: Iterable[Job], count: int, log: str) -> Generator[Row]:
     count : workers. log : the path of a file for what they print. A worker that dies is
     replaced and its image tried again, then given up. Raises OSError with the message
     of a worker that cannot write."""
-    with create(log) as stream, selectors.DefaultSelector() as selector:
-        pool = Pool(iter(jobs), selector, stream)
+    with create(log) as stream:
+        pool = Pool(iter(jobs), stream)
         try:
             for job in islice(pool.jobs, count):
                 pool.hire().give(job, 1)
             while pool.workers:
-                for key, _ in selector.select():
-                    yield from pool.serve(key.data)
+                yield from pool.serve(*pool.heard.get())
         finally:
             for worker in pool.workers:
                 worker.stop()
@@ -94,29 +107,27 @@ def results(jobs: Iterable[Job], count: int, log: str) -> Generator[Row]:
 class Pool:
     """The workers that are busy, and the jobs that are left."""
 
-    def __init__(
-        self, jobs: Iterator[Job], selector: selectors.BaseSelector, log: BinaryIO
-    ) -> None:
-        self.jobs, self.selector, self.log = jobs, selector, log
+    def __init__(self, jobs: Iterator[Job], log: BinaryIO) -> None:
+        self.jobs, self.log = jobs, log
+        self.heard: Heard = queue.SimpleQueue()
         self.workers: set[Worker] = set()
 
     def hire(self) -> Worker:
         """Start a Worker."""
-        worker = Worker(self.log)
+        worker = Worker(self.log, self.heard)
         self.workers.add(worker)
-        self.selector.register(worker.answers, selectors.EVENT_READ, worker)
         return worker
 
     def dismiss(self, worker: Worker) -> int:
         """End a Worker; return the exit code of one that had ended by itself."""
-        self.selector.unregister(worker.answers)
         self.workers.discard(worker)
         worker.stop()
         return worker.process.returncode
 
-    def serve(self, worker: Worker) -> Iterator[Row]:
+    def serve(self, worker: Worker, said: list[Row] | None) -> Iterator[Row]:
         """Yield what a worker says; give it the next job when one is done."""
-        said = worker.read()
+        if worker not in self.workers:
+            return  # dismissed; its end is no news
         if said is None:
             yield from self.replace(worker)
             return

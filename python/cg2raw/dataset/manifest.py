@@ -9,7 +9,8 @@ from typing import Any
 
 from cg2raw.dataset import journal
 from cg2raw.dataset.journal import Row
-from cg2raw.io.atomic_file import create, sync_folder
+from cg2raw.io.atomic_file import create
+from cg2raw.system import sync_folder
 
 NAME = "manifest"
 ENDINGS = (".parquet", ".jsonl")

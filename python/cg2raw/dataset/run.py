@@ -3,8 +3,6 @@
 """Make a whole data set, or resume it: hand jobs to workers, write the manifest."""
 
 import contextlib
-import ctypes
-import fcntl
 import hashlib
 import os
 import re
@@ -19,6 +17,7 @@ from cg2raw.dataset.journal import Row
 from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.plan import Plan
 from cg2raw.io.atomic_file import write_atomically
+from cg2raw.system import lock, open_without_links, sync_file_system
 
 # What write_atomically leaves where it was killed.
 LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.[a-z0-9_]{{8}}")
@@ -70,7 +69,7 @@ def make_dataset(
                 if "reason" in result:
                     count(summary, result)
         shutil.rmtree(parts_of(out), ignore_errors=True)
-        sync_file_system(out)
+        sync_file_system(out)  # before a manifest says that all files are there
         manifest.write(out, images, summary.made + summary.kept)
     return summary
 
@@ -113,9 +112,9 @@ def locked(out: str) -> Iterator[None]:
         if os.path.islink(name):
             raise ValueError(f"{name}: is a link, which is not ours; remove it")
     os.makedirs(folder, exist_ok=True)
-    with open(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)) as stream:
+    with open(open_without_links(path, os.O_RDWR | os.O_CREAT)) as stream:
         try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(stream.fileno())
         except OSError:
             raise ValueError(f"{out}: is being written by another cg2raw") from None
         yield
@@ -145,15 +144,6 @@ def has_bytes(path: str, data: bytes) -> bool:
     """Return whether a file is as given; an older dataset.json has fewer fields."""
     with open(path, "rb") as stream:
         return stream.read() == data
-
-
-def sync_file_system(out: str) -> None:
-    """Put all files on the disk, before a manifest says that they are there."""
-    handle = os.open(out, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        ctypes.CDLL(None).syncfs(handle)
-    finally:
-        os.close(handle)
 
 
 def parts_of(out: str) -> str:

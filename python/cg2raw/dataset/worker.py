@@ -2,13 +2,11 @@
 # Copyright Contributors to the cg2raw Project.
 """A worker process of this machine: jobs come in by stdin, results leave by stdout."""
 
-import ctypes
 import json
 import os
-import signal
 import sys
 
-PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
+from cg2raw.system import end_with_parent
 
 
 def main() -> None:
@@ -30,13 +28,6 @@ def main() -> None:
         except (OSError, ValueError) as error:
             answer = {"failure": " ".join(f"{error}".split())}
         say(answer)
-
-
-def end_with_parent(parent: int) -> None:
-    """Let the system kill this process when its parent is killed."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:
-        sys.exit(1)
 
 
 def use_one_thread() -> None:

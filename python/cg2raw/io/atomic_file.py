@@ -3,12 +3,13 @@
 """Atomic files: they appear whole or not at all."""
 
 import contextlib
-import errno
 import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from typing import BinaryIO, Protocol
+
+from cg2raw.system import open_without_links, set_mode, sync, sync_folder
 
 FilePath = str | os.PathLike[str]
 
@@ -37,7 +38,7 @@ def write_atomically(path: FilePath, data: bytes) -> None:
         handle, part = tempfile.mkstemp(prefix=f".{name[:32]}.", dir=folder)
     try:
         with failing(path):
-            os.fchmod(handle, mode_of(target))
+            set_mode(handle, mode_of(target))
         write_all(handle, path, data)
         with failing(path):
             os.replace(part, target)
@@ -114,15 +115,6 @@ def write_all(file: FilePath | int, path: FilePath, data: bytes) -> None:
         sync(stream.fileno())
 
 
-def sync(handle: int) -> None:
-    """Put a file on the disk; what has none, such as a pipe, stays as it is."""
-    try:
-        os.fsync(handle)
-    except OSError as error:
-        if error.errno != errno.EINVAL:
-            raise
-
-
 @contextlib.contextmanager
 def failing(path: FilePath) -> Iterator[None]:
     """Name @path in what the system says of a call that fails."""
@@ -132,23 +124,13 @@ def failing(path: FilePath) -> Iterator[None]:
         raise OSError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def sync_folder(folder: str) -> None:
-    """Make names in a folder outlast a loss of power, where the system can."""
-    with contextlib.suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            sync(handle)
-        finally:
-            os.close(handle)
-
-
 def create(path: FilePath) -> BinaryIO:
     """Return a binary stream of a new file at @path, which replaces any; no link is
     followed. Raises OSError."""
     with contextlib.suppress(FileNotFoundError):
         os.unlink(path)
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
-    return open(os.open(path, flags, 0o666), "wb")
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
+    return open(open_without_links(path, flags), "wb")
 
 
 def mode_of(target: str) -> int:

@@ -7,8 +7,9 @@ import re
 from pathlib import Path
 
 from cg2raw.oiio.elf import Library, read_library
+from cg2raw.system import PLUGIN_SUFFIX
 
-NAME = "dng.imageio.so"
+NAME = f"dng.imageio{PLUGIN_SUFFIX}"
 PROPER = "libcg2raw_dng_imageio.so"  # beside NAME in a wheel, where NAME only loads it
 # OIIO_PLUGIN_VERSION since OpenImageIO 2.3, 3.0 and 3.1. Source: its oiioversion.h.
 PLUGIN_APIS = (((3, 3), None), ((3, 1), 27), ((2, 6), 26), ((2, 3), 25))

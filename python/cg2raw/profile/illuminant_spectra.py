@@ -11,6 +11,7 @@ import numpy as np
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.near_words import CIE_LAMPS, FORMS, did_you_mean, near_illuminants
 from cg2raw.profile.spectral_file import WAVELENGTHS, Array, check_cover, read_power
+from cg2raw.system import has_folder
 
 # Lights that cameras meet, for a distribution of neutrals without a photograph: black
 # bodies (candle to halogen), CIE A, phases of daylight, the CIE's lamps. Source:
@@ -35,7 +36,7 @@ def illuminant_spectrum(light: FilePath) -> Array:
     coarser ones interpolated linearly; outside a table its end value holds (CIE 015,
     7.2.3). Raises ValueError that lists the grammar."""
     light = os.fspath(light)
-    if "/" in light or light.endswith((".csv", ".json")):
+    if has_folder(light) or light.endswith((".csv", ".json")):
         return _on_grid(*read_power(light))
     temperature = re.fullmatch(r"([Dd]?)([0-9]+(?:\.[0-9]+)?)[Kk]", light)
     if temperature:

@@ -11,6 +11,7 @@ from typing import Any
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.profile.illuminant_spectra import illuminant_spectrum
 from cg2raw.profile.spectral_file import WAVELENGTHS
+from cg2raw.system import has_folder
 
 # The light source of EXIF 2.32 whose range of temperatures a fluorescent lamp of CIE
 # 015 is in; other lamps have none. Source: CIPA DC-008, LightSource.
@@ -29,7 +30,7 @@ def lamp_name(light: FilePath) -> str:
 
     "FL2" -> "FL2", "lamps/my lamp.csv" -> "my-lamp"."""
     word = os.fspath(light)
-    if "/" in word or word.endswith((".csv", ".json")):
+    if has_folder(word) or word.endswith((".csv", ".json")):
         word = Path(word).stem
     return re.sub(r"[^A-Za-z0-9._]+", "-", word).strip("-")
 

@@ -107,7 +107,7 @@ def check_nuisances(manifest: Manifest, sensor: Sensor) -> None:
 def sensor_of(manifest: Manifest) -> Sensor:
     """Return the manifest's sensor: a profile's id or path, or a DNG's metadata."""
     word = manifest.at["sensor"].text()
-    is_path = "/" in word or word.lower().endswith(PROFILE_ENDINGS)
+    is_path = os.path.dirname(word) != "" or word.lower().endswith(PROFILE_ENDINGS)
     path = os.path.join(manifest.folder, word) if is_path else word
     try:
         if path.lower().endswith(".dng"):

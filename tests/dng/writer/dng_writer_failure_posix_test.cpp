@@ -6,7 +6,9 @@
 
 #include "writer_fixture.h"
 
+#ifdef __linux__
 #include <sys/mount.h>
+#endif
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -66,6 +68,7 @@ TEST_P(DngFailures, FileSizeLimit)
     std::signal(SIGXFSZ, SIG_DFL);
 }
 
+#ifdef __linux__
 TEST_P(DngFailures, FullDisk)
 {
     if (::mount("none", folder.c_str(), "tmpfs", 0, "size=300k") != 0)
@@ -85,6 +88,7 @@ TEST_P(DngFailures, ReadOnlyFileSystem)
     ::umount(folder.c_str());
     EXPECT_EQ(text, path() + ": cannot create: Read-only file system");
 }
+#endif
 
 TEST_P(DngFailures, MissingFolder)
 {

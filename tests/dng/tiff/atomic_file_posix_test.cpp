@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file What Linux and macOS have: modes, pipes, limits of a process.
+#include "tiff/atomic_file.h"
+
+#include "writer_fixture.h"
+
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+
+namespace cg2raw {
+namespace {
+
+using cg2raw::testing::bytes_of;
+using cg2raw::testing::message_of;
+namespace fs = std::filesystem;
+
+class PosixAtomicFiles : public cg2raw::testing::InFolder { };
+
+/// With files that have no name, and without.
+class EitherPosixAtomicFile : public cg2raw::testing::InFolder,
+                              public ::testing::WithParamInterface<bool> { };
+
+INSTANTIATE_TEST_SUITE_P(Systems, EitherPosixAtomicFile, ::testing::Values(true, false),
+                         [](const auto& info) {
+                             return info.param ? "unnamed" : "named";
+                         });
+
+TEST_P(EitherPosixAtomicFile, KeepTheModeOfAFile)
+{
+    std::ofstream(path()) << "old";
+    fs::permissions(path(), fs::perms(0640));
+    AtomicFile file(path(), true, GetParam());
+    ASSERT_TRUE(file.write("new", 3, 0));
+    file.publish();
+    EXPECT_EQ(fs::status(path()).permissions(), fs::perms(0640));
+}
+
+TEST_P(EitherPosixAtomicFile, FollowLinks)
+{
+    fs::create_directory(folder / "elsewhere");
+    std::ofstream(path("elsewhere/real.dng")) << "old";
+    fs::create_symlink("elsewhere/real.dng", path());
+    AtomicFile file(path(), true, GetParam());
+    ASSERT_TRUE(file.write("new", 3, 0));
+    file.publish();
+    EXPECT_TRUE(fs::is_symlink(path()));
+    EXPECT_EQ(bytes_of(path("elsewhere/real.dng")), "new");
+}
+
+TEST_F(PosixAtomicFiles, RefuseAFolderThatCannotBeWritten)
+{
+    // As root permissions do not bind; /proc refuses root, too.
+    const std::string message = message_of([&] { AtomicFile file("/proc/shot.dng"); });
+    EXPECT_EQ(message.rfind("/proc/shot.dng: cannot create: ", 0), 0U) << message;
+    if (::geteuid() == 0)
+        return;
+    fs::permissions(folder, fs::perms(0555));
+    EXPECT_EQ(message_of([&] { AtomicFile file(path()); }),
+              path() + ": cannot create: Permission denied");
+    fs::permissions(folder, fs::perms(0755));
+}
+
+TEST_F(PosixAtomicFiles, RefuseWhatIsNoFile)
+{
+    ASSERT_EQ(::mkfifo(path().c_str(), 0600), 0);
+    EXPECT_EQ(message_of([&] { AtomicFile file(path()); }),
+              path() + ": is not a regular file: choose another name");
+    EXPECT_EQ(message_of([&] { AtomicFile file(folder.string()); }),
+              folder.string() + ": is not a regular file: choose another name");
+    EXPECT_EQ(message_of([&] { AtomicFile file("/dev/null"); }),
+              "/dev/null: is not a regular file: choose another name");
+}
+
+/// The soft limit on a file's size, for as long as it lives; writing beyond it is
+/// EFBIG.
+class FileSizeLimit {
+public:
+    explicit FileSizeLimit(rlim_t bytes)
+    {
+        std::signal(SIGXFSZ, SIG_IGN);
+        ::getrlimit(RLIMIT_FSIZE, &m_before);
+        const rlimit limit { bytes, m_before.rlim_max };
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit()
+    {
+        ::setrlimit(RLIMIT_FSIZE, &m_before);
+        std::signal(SIGXFSZ, SIG_DFL);
+    }
+
+private:
+    rlimit m_before;
+};
+
+TEST_F(PosixAtomicFiles, ReportTheSystemsReason)
+{
+    const FileSizeLimit limit(10);
+    AtomicFile file(path());
+    EXPECT_FALSE(file.write("twelve bytes", 12, 0));
+    EXPECT_EQ(message_of([&] { file.fail("write", "?"); }),
+              path() + ": cannot write: File too large");
+}
+
+} // namespace
+} // namespace cg2raw
