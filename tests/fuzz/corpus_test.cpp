@@ -79,8 +79,13 @@ TEST(Targets, SeeMemoryBeyondTheBound)
 {
     constexpr MemoryBound bound { 1000, 2 };
     const auto take = [&](std::size_t size) {
-        return bounded([=] { const std::vector<char> taken(size, '\0'); }, 100, bound,
-                       "a file");
+        const auto use_memory = [=] {
+            const std::vector<char> taken(size, '\0');
+            // Seen, or a compiler may leave the memory out.
+            const volatile char* const seen = taken.data();
+            static_cast<void>(*seen);
+        };
+        return bounded(use_memory, 100, bound, "a file");
     };
     EXPECT_TRUE(take(1100));
     EXPECT_THROW(take(1300), Finding);
