@@ -4,10 +4,12 @@
 #include "noise_table.h"
 
 #include "effect_names.h"
+#include "elementary.h"
 #include "text.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cg2raw {
 namespace {
@@ -17,8 +19,8 @@ constexpr double reach = 2.0;
 
 double log_log(double a, double b, double weight)
 {
-    if (a > 0.0 && b > 0.0)
-        return std::exp(std::log(a) + weight * (std::log(b) - std::log(a)));
+    if (std::min(a, b) >= std::numeric_limits<double>::min())
+        return exponential(natural_log(a) + weight * (natural_log(b) - natural_log(a)));
     return std::max(0.0, a + weight * (b - a)); // a measured 0 has no logarithm
 }
 
@@ -180,7 +182,7 @@ NoiseAtIso noise_at(const SensorProfile& profile, double iso)
     const std::size_t second = std::clamp<std::size_t>(
         std::size_t(above - table.begin()), 1, table.size() - 1);
     const NoiseAtIso &a = table[second - 1], &b = table[second];
-    const double weight = std::log(iso / a.iso) / std::log(b.iso / a.iso);
+    const double weight = natural_log(iso / a.iso) / natural_log(b.iso / a.iso);
     NoiseAtIso result { iso, {}, {} };
     for (std::size_t site = 0; site < a.beta1.size(); ++site) {
         result.beta1.push_back(log_log(a.beta1[site], b.beta1[site], weight));

@@ -3,6 +3,7 @@
 
 #include "cg2raw/random.h"
 
+#include "elementary.h"
 #include "multiversion.h"
 
 #include <algorithm>
@@ -290,7 +291,7 @@ double Rng::uniform(std::uint32_t n) const
 
 double Rng::normal(std::uint32_t n) const
 {
-    const double radius = std::sqrt(-2.0 * std::log(uniform(2 * n)));
+    const double radius = std::sqrt(-2.0 * natural_log(uniform(2 * n)));
     return radius * std::cos(6.283185307179586 * uniform(2 * n + 1));
 }
 

@@ -5,6 +5,8 @@
 /// read-out adds its own.
 #include "cg2raw/effect.h"
 
+#include "elementary.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +32,7 @@ void clip(double level, float& mean, float& variance)
     }
     const double a = above / sigma;
     constexpr double root_half = 0.70710678118654752, root_2_pi = 2.5066282746310002;
-    const double density = std::exp(-0.5 * a * a) / root_2_pi;
+    const double density = exponential(-0.5 * a * a) / root_2_pi;
     const double below = 0.5 * std::erfc(a * root_half);
     const double shortfall = density - a * below; // of the mean, in sigma
     const double square = (1.0 + a * a) * below - a * density;
