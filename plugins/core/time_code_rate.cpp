@@ -4,6 +4,8 @@
 /// @file Frame rates as people and files write them.
 #include "cg2raw/time_code.h"
 #include "cg2raw/types.h"
+
+#include "platform/numbers.h"
 #include "text.h"
 
 #include <cmath>
@@ -40,9 +42,8 @@ bool is_part(double number)
 FrameRate frame_rate_from_text(std::string_view text)
 {
     const auto slash = text.find('/');
-    const double over = parsed_number(text.substr(0, slash));
-    const double under
-        = slash == text.npos ? 1.0 : parsed_number(text.substr(slash + 1));
+    const double over = number_in(text.substr(0, slash));
+    const double under = slash == text.npos ? 1.0 : number_in(text.substr(slash + 1));
     const double value = over / under;
     if (!(value >= least && value <= most))
         fail(text);
