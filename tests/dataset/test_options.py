@@ -13,7 +13,10 @@ BAD = [
     ("--illuminants 99K", "illuminant"),
     ("--illuminants A --light-draws measured", "name them, as measured:0-9"),
     ("--illuminants 1 --light-draws measured --method upi", "not with --method upi"),
-    ("--illuminants 1 --light-draws measured", "has no measured neutrals"),
+    (
+        "--illuminants 1 --light-draws measured --sensors canon-70d",
+        "has no measured neutrals",
+    ),
     ("--illuminants 1 --gains 0", "digital gain"),
     ("--illuminants 1 --gains 1,1.0", "name it once"),
     ("--illuminants 1 --gains much", "must be a number or sample"),

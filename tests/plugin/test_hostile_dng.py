@@ -55,7 +55,7 @@ FILES = {
     "LinearRaw": (
         with_preview(make_seeds.raw(t262=(make_seeds.SHORT, [34892]))
                      | {277: (make_seeds.SHORT, [3])}),
-        "is LinearRaw (34892), already demosaicked",
+        "is LinearRaw (34892), demosaicked",
     ),
     "white below black": (
         made(make_seeds.raw(t50717=(make_seeds.SHORT, [10]))),

@@ -45,6 +45,7 @@ from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import number, whole
 from cg2raw.cli._outputs import each_file
 from cg2raw.cli._shots import add_shot, frames_asked, outputs_of_shot
+from cg2raw.system import usable_cores
 
 if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.conversion import Request
@@ -207,8 +208,7 @@ def run(arguments: argparse.Namespace) -> int:
 def workers_for(files: int, asked: int | None) -> int:
     """Return how many files are converted at a time: one per core, if that is not
     said, and up to 16, for the memory that each takes."""
-    cores = len(os.sched_getaffinity(0))
-    return max(1, min(files, asked or min(cores, MOST_WORKERS)))
+    return max(1, min(files, asked or min(usable_cores(), MOST_WORKERS)))
 
 
 def frames_of(
