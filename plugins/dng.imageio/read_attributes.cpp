@@ -51,6 +51,26 @@ void add_number(ImageSpec& spec, const std::string& name,
         spec.attribute(name, float(*number));
 }
 
+/// As OpenImageIO's reader of OpenEXR has them: a frame that is read is one of the shot
+/// when it is written again.
+void add_place(const Shot& shot, ImageSpec& spec)
+{
+    if (const auto& rate = shot.frame_rate) {
+        const int fraction[2] = { rate->numerator, rate->denominator };
+        spec.attribute("FramesPerSecond", OIIO::TypeRational, fraction);
+    }
+    if (shot.time_code) {
+        // SMPTE 331M's bytes are those of a packed one, lowest first.
+        const auto bytes = smpte_331m(*shot.time_code, shot.frame_rate);
+        std::uint32_t packed[2] = { 0, 0 }; // the second: user data
+        for (int i = 3; i >= 0; --i)
+            packed[0] = packed[0] << 8 | bytes[std::size_t(i)];
+        spec.attribute("smpte:TimeCode", OIIO::TypeTimeCode, packed);
+    }
+    add_text(spec, "reelName", shot.reel_name);
+    add_text(spec, "cameraLabel", shot.camera_label);
+}
+
 void add_shot(const Shot& shot, ImageSpec& spec)
 {
     spec.attribute("Orientation", shot.orientation);
@@ -66,6 +86,7 @@ void add_shot(const Shot& shot, ImageSpec& spec)
     add_text(spec, "Artist", shot.artist);
     add_text(spec, "Copyright", shot.copyright);
     add_text(spec, "ImageDescription", shot.description);
+    add_place(shot, spec);
 }
 
 void add_colors(const DngMetadata& metadata, ImageSpec& spec)

@@ -24,6 +24,13 @@ inline py::array_t<double> array_of(const Mat3& matrix)
     return py::array_t<double>({ 3, 3 }, matrix.m.data());
 }
 
+/// What has a text, or None.
+template <class T>
+std::optional<std::string> text_or_none(const std::optional<T>& value)
+{
+    return value ? std::optional(text_of(*value)) : std::nullopt;
+}
+
 /// A (height, width, 3 or 4) image argument. float32 whose channels lie together is
 /// seen in place, with any strides of its rows and columns; float16 is converted strip
 /// by strip; other float32 layouts are copied. Throws Error on other shapes and types.

@@ -70,7 +70,11 @@ py::dict dict_of(const Shot& shot)
                     "focal_length"_a = optional_of(shot.focal_length),
                     "iso"_a = optional_of(shot.iso),
                     "date_time_original"_a = shot.date_time_original,
-                    "orientation"_a = shot.orientation);
+                    "orientation"_a = shot.orientation,
+                    "frame_rate"_a = text_or_none(shot.frame_rate),
+                    "time_code"_a = text_or_none(shot.time_code),
+                    "reel_name"_a = shot.reel_name,
+                    "camera_label"_a = shot.camera_label);
 }
 
 py::list list_of(const std::vector<Calibration>& calibrations)
@@ -178,8 +182,9 @@ void bind_metadata(py::module_& m)
         .def_property_readonly(
             "shot", [](const DngMetadata& d) { return dict_of(d.shot); },
             "{\"exposure_time\" (s), \"f_number\", \"focal_length\" (mm), \"iso\", "
-            "\"date_time_original\",\n\"orientation\"} of Exif; None or empty: not "
-            "said.")
+            "\"date_time_original\",\n\"orientation\"} of Exif, and \"frame_rate\", "
+            "\"time_code\", \"reel_name\", \"camera_label\"\nas write_dng takes them; "
+            "None or empty: not said.")
         .def(
             "merged_shot",
             [](const DngMetadata& d, const Shot& of_image) {
@@ -188,7 +193,9 @@ void bind_metadata(py::module_& m)
             "of_image"_a,
             "The Shot of a file for which this one is the reference: its Exif, and of "
             "the\nimage what it lacks. Orientation, author, rights and description are "
-            "the image's.");
+            "the image's,\nas is the frame's place in a shot: frame rate, time code, "
+            "reel "
+            "and camera label.");
     m.def("read_dng_metadata", &read, "path"_a, "cfa"_a = "",
           "Metadata of a DNG; no pixels are read.\n\n"
           "cfa: of a demosaicked file (LinearRaw, ProRAW), which does not say it: RGGB "

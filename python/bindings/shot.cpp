@@ -27,12 +27,6 @@ std::optional<TimeCode> code_of(const TimeCodeWord& word, const OptionalRate& ra
     return text.empty() ? std::nullopt : std::optional(time_code_from_text(text));
 }
 
-template <class T>
-std::optional<std::string> text_or_none(const std::optional<T>& value)
-{
-    return value ? std::optional(text_of(*value)) : std::nullopt;
-}
-
 } // namespace
 
 void bind_shot(py::module_& m)

@@ -146,6 +146,21 @@ def test_exif_is_exiftools(pair):
     assert [metadata.shot["orientation"]] == tags.numbers("Orientation", default=[1])
 
 
+def test_the_place_in_a_shot_is_exiftools(pair):
+    """Of these, the Blackmagic's is a frame of a shot; exiftool -n shows the digits of
+    frames, seconds, minutes and hours."""
+    metadata, tags = pair
+    (rate,) = tags.numbers("FrameRate", default=[None])
+    assert metadata.shot["frame_rate"] == (rate and f"{rate:g}")
+    digits = re.findall(r"\d\d", tags.text("TimeCodes"))
+    code = ":".join(digits[3::-1]) or None
+    assert metadata.shot["time_code"] == code
+    assert metadata.shot["reel_name"] == tags.text("ReelName")
+    assert metadata.shot["camera_label"] == tags.text("CameraLabel")
+    if "blackmagic" in metadata.unique_camera_model.lower():
+        assert (rate, code) == (30.0, "02:16:10:01")
+
+
 @pytest.mark.parametrize(("name", "message"), REFUSED.items(), ids=list(REFUSED))
 def test_refuses_with_the_reason(name, message, camera_data):
     path = camera_data / "real" / name

@@ -55,6 +55,39 @@ def test_the_tags_of_a_frame(frame):
         assert tags[REEL_NAME].value == "A001" and tags[CAMERA_LABEL].value == "B"
 
 
+RATES = [
+    ("23.976", "24000/1001", "01:02:03:23"),
+    ("24", "24", "23:59:59:00"),
+    ("29.97", "30000/1001", "00:01:00;02"),
+    ("47.952", "48000/1001", "01:00:00:47"),
+    ("50", "50", "10:20:30:49"),
+    ("59.94", "60000/1001", "00:10:00;59"),
+    ("12.5", "25/2", None),
+]
+
+
+@pytest.mark.parametrize(("rate", "lowest", "code"), RATES)
+def test_our_reader_reads_them_back(tmp_path, rate, lowest, code):
+    """And the file that is written with what was read says the same."""
+    path, again = tmp_path / "x.dng", tmp_path / "again.dng"
+    sensor = dng_files.sensor()
+    mosaic = dng_files.random_mosaic(sensor, (64, 96))
+    shot = SHOT | {"frame_rate": rate, "time_code": code or ""}
+    write(path, sensor, mosaic, shot=shot)
+    read = cg2raw.read_dng_metadata(str(path)).shot
+    assert (read["frame_rate"], read["time_code"]) == (lowest, code)
+    assert (read["reel_name"], read["camera_label"]) == ("A001", "B")
+    place = {name: read[name] or "" for name in SHOT}
+    write(again, sensor, mosaic, shot=place)
+    assert again.read_bytes() == path.read_bytes()
+
+
+def test_a_still_s_reader_says_none(tmp_path):
+    dng_files.write(tmp_path / "x.dng", dng_files.sensor())
+    read = cg2raw.read_dng_metadata(str(tmp_path / "x.dng")).shot
+    assert [read[name] for name in SHOT] == [None, None, "", ""]
+
+
 def test_exiftool_shows_them(frame, program):
     words = ["-j", "-validate", "-warning", "-error", "-IFD0:all"]
     done = dng_files.run(program("exiftool"), *words, frame[0])

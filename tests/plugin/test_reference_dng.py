@@ -57,6 +57,22 @@ def test_ours_is_in_the_image_of_the_reference(
     np.testing.assert_allclose(neutral / neutral[1], expected / expected[1], atol=2e-6)
 
 
+def test_a_reference_s_place_in_a_shot_is_its_own(oiiotool, camera_data, exr, tmp_path):
+    """The file is a frame of another shot, or of none; two frames with one time code
+    would be one frame of a clip."""
+    real = camera_data / "real" / "bmpcc_twelvemonkeys.dng"
+    theirs = cg2raw.read_dng_metadata(str(real)).shot
+    assert theirs["frame_rate"] == "30" and theirs["time_code"]
+    given = attributes(reference=real, illuminant="as-shot")
+    oiiotool(exr, *given, "-o", tmp_path / "still.dng")
+    still = cg2raw.read_dng_metadata(str(tmp_path / "still.dng")).shot
+    assert still["frame_rate"] is None and still["time_code"] is None
+    place = attributes(framerate=24, timecode="10:00:00:00", first_frame=0, frame=1)
+    oiiotool(exr, *given, *place, "-o", tmp_path / "frame.dng")
+    frame = cg2raw.read_dng_metadata(str(tmp_path / "frame.dng")).shot
+    assert (frame["frame_rate"], frame["time_code"]) == ("24", "10:00:00:01")
+
+
 def test_pixels_are_those_of_the_reference_s_profile(
     oiiotool, reference, exr, scene, tmp_path
 ):

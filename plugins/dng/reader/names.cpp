@@ -14,6 +14,8 @@ constexpr Bounds iso_count { 1, 16 };
 /// ISOSpeedRatings is 16 bits wide and says 65535 for more; the others hold the number.
 constexpr std::int64_t iso_elsewhere = 65535;
 constexpr Bounds iso_bounds { 0, 10000000 };
+/// Eight for each time code; a frame has few.
+constexpr Bounds time_code_bytes { 0, 65536 };
 
 /// 0 is Exif's unknown.
 std::optional<int> read_iso(const TiffTags& exif)
@@ -33,6 +35,44 @@ std::optional<double> plausible(const TiffTags& exif, TiffTag tag)
 {
     const auto value = exif.positive(tag);
     return value && *value >= 1e-9 && *value <= 1e6 ? value : std::nullopt;
+}
+
+/// What CinemaDNG calls one; what no camera runs at is unknown.
+std::optional<FrameRate> read_frame_rate(const TiffTags& camera)
+{
+    const auto said = camera.fraction(tag::frame_rate);
+    if (!said)
+        return std::nullopt;
+    try {
+        return frame_rate_from_text(std::to_string(said->numerator) + "/"
+                                    + std::to_string(said->denominator));
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
+/// The first of the time codes. Its bytes are those of a packed one, lowest first.
+std::optional<TimeCode> read_time_code(const TiffTags& camera,
+                                       const std::optional<FrameRate>& rate)
+{
+    if (!camera.has(tag::time_codes))
+        return std::nullopt;
+    const auto bytes = camera.bytes(tag::time_codes, time_code_bytes);
+    if (bytes.size() < 4)
+        return std::nullopt;
+    std::uint32_t packed = 0;
+    for (int i = 3; i >= 0; --i)
+        packed = packed << 8 | bytes[std::size_t(i)];
+    return time_code_from_packed(packed, rate);
+}
+
+/// The frame's place in a shot. All of it is in IFD0.
+void read_place(const TiffTags& camera, Shot& shot)
+{
+    shot.frame_rate = read_frame_rate(camera);
+    shot.time_code = read_time_code(camera, shot.frame_rate);
+    shot.reel_name = camera.text(tag::reel_name);
+    shot.camera_label = camera.text(tag::camera_label);
 }
 
 } // namespace
@@ -62,6 +102,7 @@ void read_dng_names(const TiffTags& camera, const TiffTags& exif, DngMetadata& m
     const double orientation = camera.positive(tag::orientation).value_or(1.0);
     const bool known = orientation <= 8.0 && orientation == std::floor(orientation);
     shot.orientation = known ? int(orientation) : 1;
+    read_place(camera, shot);
 }
 
 } // namespace cg2raw

@@ -34,6 +34,11 @@ struct TiffEntry {
     std::uint64_t field; ///< file offset of the entry's four bytes of value or offset
 };
 
+/// What a RATIONAL is, exactly.
+struct Fraction {
+    std::int32_t numerator, denominator;
+};
+
 using TiffIfd = std::vector<TiffEntry>;
 
 /// Bytes of one value of a TIFF type, by its number 1 to 13; 0: no such type.
@@ -87,6 +92,9 @@ public:
     /// The first number of a tag if it is there, finite and above 0, as Exif's unknown
     /// values are not.
     std::optional<double> positive(TiffTag tag) const;
+    /// The one number of a tag as a fraction, its parts above 0 and below 2^31; of an
+    /// integer, over 1. Nothing if the file does not have the tag, or says no such one.
+    std::optional<Fraction> fraction(TiffTag tag) const;
     /// Text up to its first NUL or, unterminated, to its end; without outer blanks,
     /// control characters and bytes that are no UTF-8. Empty if there is none.
     std::string text(TiffTag tag) const;

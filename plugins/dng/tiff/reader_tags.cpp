@@ -157,6 +157,26 @@ std::optional<double> TiffTags::positive(TiffTag tag) const
     return value;
 }
 
+std::optional<Fraction> TiffTags::fraction(TiffTag tag) const
+{
+    if (!has(tag))
+        return std::nullopt;
+    const TiffEntry& entry = required(tag, { 1, 16 });
+    const bool rational = entry.type == type_rational || entry.type == type_srational;
+    if (!rational && !holds_integers(entry.type))
+        return std::nullopt;
+    const auto values = raw_values(tag, entry);
+    const std::size_t size = rational ? 4 : tiff_value_size(entry.type);
+    const std::uint64_t numerator = m_file.number(values.data(), size);
+    const std::uint64_t denominator
+        = rational ? m_file.number(values.data() + size, size) : 1;
+    // A negative number is, as its bits stand here, too large.
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    if (numerator == 0 || denominator == 0 || numerator > most || denominator > most)
+        return std::nullopt;
+    return Fraction { std::int32_t(numerator), std::int32_t(denominator) };
+}
+
 std::string TiffTags::text(TiffTag tag) const
 {
     if (!has(tag))

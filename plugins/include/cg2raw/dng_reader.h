@@ -73,7 +73,8 @@ SensorProfile with_measurements(SensorProfile reference, const SensorProfile& me
                                 const std::string& file);
 
 /// Exif of a reference DNG, and of the image what that lacks. Orientation, author,
-/// rights and description are the image's own: they are not the camera's.
+/// rights and description are the image's own: they are not the camera's. So are frame
+/// rate, time code, reel and camera label: the reference is a frame of another shot.
 Shot merged(Shot reference, const Shot& image);
 
 /// A profile, and what its files lack or had simplified with what that costs: one
