@@ -60,8 +60,8 @@ def write_dng(
         date_time_original ("YYYY:MM:DD HH:MM:SS"), artist, copyright, description,
         lens_model, orientation (1 to 8); what makes no sense there is left out. Of a
         frame of a shot (CinemaDNG) also frame_rate (24, 23.976, "24000/1001"),
-        time_code ("hh:mm:ss:ff"), reel_name, camera_label. Or a Shot, as
-        DngMetadata.merged_shot returns it. The ISO is the simulation's.
+        time_code ("hh:mm:ss:ff"), reel_name, camera_label. None: not said. Or a Shot,
+        as DngMetadata.merged_shot returns it. The ISO is the simulation's, or iso.
     threads : 0 for one per core; the bytes do not depend on it.
     sync : whether the file is on the disk before it has its name, so that not even a
         loss of power leaves a partial one; False is faster on slow disks.
@@ -82,19 +82,30 @@ def write_dng(
     )  # fmt: skip
 
 
+NUMBERS = ("exposure_time", "f_number", "focal_length")
+TEXTS = ("date_time_original", "artist", "copyright", "description", "lens_model")
+OF_SHOT = ("frame_rate", "time_code", "reel_name", "camera_label")
+
+
 def _shot(shot: Mapping[str, Any] | _core.Shot) -> _core.Shot:
-    """Return the core's Shot of a dict, or of itself."""
+    """Return the core's Shot of a dict, or of itself; None is not said."""
     if isinstance(shot, _core.Shot):
         return shot
+    fields = {name: value for name, value in shot.items() if value is not None}
+    if "frame_rate" in fields:
+        fields["frame_rate"] = str(fields["frame_rate"])
+    known = (*NUMBERS, *TEXTS, "orientation", *OF_SHOT)
+    for name in fields:
+        if name == "iso":
+            raise ValueError("shot has an iso: give it as the argument iso")
+        if name not in known:
+            raise ValueError(f"shot has no {name!r}; known: {', '.join(known)}")
     try:
-        rate = shot.get("frame_rate")
-        return _core.Shot(**{**shot, "frame_rate": "" if rate is None else str(rate)})
+        return _core.Shot(**fields)
     except TypeError:
         raise ValueError(
-            f"shot {shot!r} must be a dict of exposure_time, f_number, focal_length "
-            "(numbers), date_time_original, artist, copyright, description, lens_model "
-            "(texts), orientation (a whole number), frame_rate, time_code, reel_name "
-            "and camera_label"
+            f"shot {fields!r}: {', '.join(NUMBERS)} must be numbers, orientation a "
+            "whole number, the others texts"
         ) from None
 
 

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+import rawpy
 
 import cg2raw
 from cg2raw import _core
@@ -36,6 +37,33 @@ def test_the_sensor_is_the_files(reference):
     assert sensor.id == sensor_id
     as_shot = sensor.illuminant("as-shot", as_shot=metadata.as_shot_neutral)
     np.testing.assert_allclose(as_shot.neutral, metadata.as_shot_neutral, atol=1e-6)
+
+
+def test_a_photograph_s_raw_data_are_changed_and_written(reference, tmp_path):
+    """As docs/python.md does it: what rawpy's issues 43, 95 and 245 ask for."""
+    path, _ = reference
+    sensor, said = cg2raw.Sensor.from_dng(path), cg2raw.read_dng_metadata(path)
+    try:
+        with rawpy.imread(path) as photograph:
+            words = photograph.raw_image_visible.copy()
+    except rawpy.LibRawError as error:
+        pytest.skip(f"{path} has no pixels: {error}")
+    words[10:20] //= 2
+    words = np.minimum(words, sensor.white_level)
+    light = sensor.illuminant("as-shot", as_shot=said.as_shot_neutral)
+    shot, out = said.shot, tmp_path / "changed.dng"
+    iso = shot.pop("iso")
+    run = {"sensor": sensor, "illuminant": light}
+    run["iso"] = iso if said.noise_profile else None
+    cg2raw.write_dng(out, words, **run, shot=shot)
+    with rawpy.imread(str(out)) as changed:
+        np.testing.assert_array_equal(changed.raw_image, words)
+    again = cg2raw.read_dng_metadata(str(out))
+    assert (again.make, again.model) == (sensor.make, sensor.model)
+    np.testing.assert_allclose(again.as_shot_neutral, said.as_shot_neutral, atol=1e-5)
+    for name, value in shot.items():
+        expected = pytest.approx(value) if isinstance(value, float) else value
+        assert again.shot[name] == expected, name
 
 
 SITES = [500 + 3 * site for site in range(36)]

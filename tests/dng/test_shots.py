@@ -193,7 +193,10 @@ BAD = [
     ({"frame_rate": 24, "time_code": "01:00:00;00"}, "write it 01:00:00:00"),
     ({"frame_rate": 24, "time_code": "01:00:00:24"}, "from 0 to 23"),
     ({"time_code": "an hour"}, "hh:mm:ss:ff"),
-    ({"framerate": 24}, "frame_rate, time_code"),
+    ({"framerate": 24}, "shot has no 'framerate'; known: exposure_time, f_number"),
+    ({"iso": 100}, "shot has an iso: give it as the argument iso"),
+    ({"f_number": "f/8"}, "shot {'f_number': 'f/8'}: exposure_time, f_number"),
+    ({"reel_name": 7}, "a whole number, the others texts"),
 ]
 
 
