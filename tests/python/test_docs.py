@@ -281,6 +281,28 @@ def test_pages_have_commands():
     ]
 
 
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+LINKED = [*ALL_PAGES, *(ROOT / f for f in ("CONTRIBUTING.md", "packaging/README.md"))]
+
+
+def anchors(page):
+    """Return the names by which links lead to headings of a page, as on GitHub."""
+    found = re.findall(r"^#+ (.*)$", FENCED.sub("", page.read_text()), re.MULTILINE)
+    plain = [re.sub(r"[^\w\- ]", "", heading.lower()) for heading in found]
+    return {heading.replace(" ", "-") for heading in plain}
+
+
+@pytest.mark.parametrize("page", LINKED, ids=lambda page: page.name)
+def test_every_link_to_a_file_leads_somewhere(page):
+    for link in LINK.findall(page.read_text()):
+        file, _, name = link.partition("#")
+        if link.startswith(("https://", "http://")):
+            continue
+        target = page.parent / file if file else page
+        assert target.exists(), link
+        assert not name or name in anchors(target), link
+
+
 INLINE = re.compile(r"`(cg2raw [^`\n]+)`")
 
 
