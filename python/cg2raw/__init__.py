@@ -20,11 +20,10 @@ from cg2raw._core import (
     raw_space_alias,
     raw_space_from_name,
     raw_space_name,
-    read_dng_metadata,
     temperature_from_xy,
 )
 from cg2raw.cfa import demosaic, mosaic
-from cg2raw.dng import write_dng
+from cg2raw.dng import read_dng_metadata, write_dng
 from cg2raw.exposure import Run
 from cg2raw.oiio.registration import register_oiio_plugin
 from cg2raw.raw_frame import RawFrame

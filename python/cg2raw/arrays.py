@@ -55,3 +55,18 @@ def _floating(image: ArrayLike, name: str, what: str) -> NDArray[Any]:
             "to 0..1 and linearise them first"
         )
     return array
+
+
+def planes_of(image: ArrayLike) -> FloatImage:
+    """Return a mosaic as it is, (H, W, 3 or 4) camera RGB as (3, H, W)."""
+    if np.ndim(image) != 3:
+        return signal_plane(image, "image")
+    rgb = rgb_image(image, "camera RGB")[..., :3]
+    return np.ascontiguousarray(np.moveaxis(rgb, -1, 0), np.float32)
+
+
+def pixels_of(planes: FloatImage) -> FloatImage:
+    """Undo planes_of."""
+    return (
+        np.ascontiguousarray(np.moveaxis(planes, 0, -1)) if planes.ndim == 3 else planes
+    )

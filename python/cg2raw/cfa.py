@@ -6,6 +6,7 @@
 from numpy.typing import ArrayLike
 
 from cg2raw import _core
+from cg2raw.argument_types import TEXT, check_types, thread_count
 from cg2raw.arrays import FloatImage, rgb_image, signal_plane
 
 
@@ -18,7 +19,10 @@ def mosaic(camera: ArrayLike, cfa: str, *, threads: int = 0) -> FloatImage:
         filters: the second of three equal planes.
 
     Raises ValueError."""
-    return _core.mosaic(rgb_image(camera, "camera RGB"), cfa, threads=threads)
+    check_types(TEXT, {"cfa": cfa})
+    return _core.mosaic(
+        rgb_image(camera, "camera RGB"), cfa, threads=thread_count(threads)
+    )
 
 
 def demosaic(signal: ArrayLike, cfa: str, *, threads: int = 0) -> FloatImage:
@@ -30,7 +34,8 @@ def demosaic(signal: ArrayLike, cfa: str, *, threads: int = 0) -> FloatImage:
     Normalised convolution with a tent, which is bilinear interpolation for Bayer
     patterns; a constant mosaic stays constant to its edges. What was measured stays.
     Raises ValueError. Source: Knutsson and Westin, CVPR 1993."""
-    return _core.demosaic(signal_plane(signal), cfa, threads=threads)
+    check_types(TEXT, {"cfa": cfa})
+    return _core.demosaic(signal_plane(signal), cfa, threads=thread_count(threads))
 
 
 def is_mono(cfa: str) -> bool:

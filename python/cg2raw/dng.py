@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Write a mosaic of DN as a DNG."""
+"""Write a mosaic of DN as a DNG; read what a DNG says."""
 
 import os
 from collections.abc import Mapping
@@ -11,6 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw import _core
+from cg2raw.argument_types import (
+    TEXT,
+    TRUTH,
+    check_types,
+    path_text,
+    thread_count,
+)
 from cg2raw.arrays import raw_plane
 from cg2raw.cfa import is_mono
 from cg2raw.sensor import Sensor
@@ -73,13 +80,34 @@ def write_dng(
     Raises ValueError naming path and reason; DN above the sensor's white level are one.
     Source: DNG specification 1.7.1."""
     simulation = _simulation_of(raw, sensor, illuminant, iso, effects)
-    name = os.fspath(path)
-    if "\0" in name:
-        raise ValueError(f"path {name!r} holds a NUL character")
+    check_types(
+        TEXT,
+        {
+            "compression": compression,
+            "matrices": matrices,
+            "tone_curve": tone_curve,
+            "crop": crop,
+        },
+    )
+    check_types(f"{TEXT} or None", {"shading": shading})
+    check_types(f"{TRUTH} or None", {"preview": preview})
+    check_types(TRUTH, {"sync": sync})
     _core.write_dng(
-        name, raw_plane(raw), simulation, compression, preview, matrices, tone_curve,
-        threads, _shot(shot or {}), sync, sensor is None, crop, shading,
+        path_text(path), raw_plane(raw), simulation, compression, preview, matrices,
+        tone_curve, thread_count(threads), _shot(shot or {}), sync, sensor is None,
+        crop, shading,
     )  # fmt: skip
+
+
+def read_dng_metadata(path: str | os.PathLike[str], cfa: str = "") -> _core.DngMetadata:
+    """Return what a DNG says of its camera and shot; no pixels are read.
+
+    cfa : of a demosaicked file (LinearRaw, ProRAW), which does not say it: RGGB ...
+
+    Raises ValueError naming file, tag, value and bound. Source: DNG specification
+    1.7.1."""
+    check_types(TEXT, {"cfa": cfa})
+    return _core.read_dng_metadata(path_text(path), cfa)
 
 
 NUMBERS = ("exposure_time", "f_number", "focal_length")
@@ -91,6 +119,8 @@ def _shot(shot: Mapping[str, Any] | _core.Shot) -> _core.Shot:
     """Return the core's Shot of a dict, or of itself; None is not said."""
     if isinstance(shot, _core.Shot):
         return shot
+    if not isinstance(shot, Mapping):
+        raise ValueError(f"shot {shot!r} must be a dict or a Shot")
     fields = {name: value for name, value in shot.items() if value is not None}
     if "frame_rate" in fields:
         fields["frame_rate"] = str(fields["frame_rate"])

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, TypedDict, TypeVar
 
 from cg2raw import _core
+from cg2raw.argument_types import NUMBER, TEXT, TRUTH, check_types
 
 Light = str | _core.Illuminant
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -104,7 +105,13 @@ def core_run(sensor: str, run: Run) -> _core.Run:
         raise ValueError(_wrong_types(fields)) from None
 
 
-NUMBER, TRUTH = "a number", "True or False"
+def check_transform(convention: str, digital_gain: float, highlights: bool) -> None:
+    """Raise ValueError for what are, by their types, no options of a Run."""
+    check_types(TEXT, {"convention": convention})
+    check_types(NUMBER, {"digital_gain": digital_gain})
+    check_types(TRUTH, {"highlights": highlights})
+
+
 WHOLE = "a whole number from 0 to 2**64 - 1"
 # What the fields of a Run must be; the core refuses other types.
 TYPES = {

@@ -7,16 +7,25 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from cg2raw import _core
-from cg2raw.arrays import FloatImage, RawImage, raw_plane, rgb_image, signal_plane
+from cg2raw.argument_types import effect_parameters, thread_count
+from cg2raw.arrays import (
+    FloatImage,
+    RawImage,
+    pixels_of,
+    planes_of,
+    raw_plane,
+    rgb_image,
+    signal_plane,
+)
 from cg2raw.cfa import demosaic, mosaic
 from cg2raw.exposure import (
     Light,
     Run,
     RunFields,
+    check_transform,
     core_run,
     illuminant_word,
     takes_run,
@@ -122,7 +131,7 @@ class Sensor:
         Raises ValueError for other arrays and bad runs."""
         image = rgb_image(rgb)
         simulation = self.simulation(image.shape[:2], **run)
-        frame = simulation.raw(image, threads=threads).view(RawFrame)
+        frame = simulation.raw(image, threads=thread_count(threads)).view(RawFrame)
         frame.simulation = simulation
         return frame
 
@@ -134,7 +143,9 @@ class Sensor:
 
         rgb, threads, run : see `simulate`. Raises ValueError."""
         image = rgb_image(rgb)
-        return self.simulation(image.shape[:2], **run).signal(image, threads=threads)
+        return self.simulation(image.shape[:2], **run).signal(
+            image, threads=thread_count(threads)
+        )
 
     @takes_run
     def predict(
@@ -149,7 +160,7 @@ class Sensor:
         Raises ValueError."""
         image = rgb_image(rgb)
         simulation = self.simulation(image.shape[:2], **run)
-        return simulation.predict(image, threads=threads)
+        return simulation.predict(image, threads=thread_count(threads))
 
     @takes_run
     def simulation(
@@ -180,7 +191,7 @@ class Sensor:
         rgb : (H, W, 3 or 4) float, scene-linear Rec.709; other arguments as of
         cg2raw.Run. Raises ValueError."""
         transform = self.transform(illuminant, convention, digital_gain, highlights)
-        return _core.to_camera(transform, rgb_image(rgb), threads=threads)
+        return _core.to_camera(transform, rgb_image(rgb), threads=thread_count(threads))
 
     def to_scene(
         self,
@@ -202,7 +213,7 @@ class Sensor:
         Raises ValueError. Source: DNG specification 1.7.1, chapter 6."""
         transform = self.transform(illuminant, convention, digital_gain, False)
         image = rgb_image(camera, "camera RGB, white at 1")
-        return _core.to_scene(transform, image, threads=threads)
+        return _core.to_scene(transform, image, threads=thread_count(threads))
 
     def transform(
         self,
@@ -216,6 +227,7 @@ class Sensor:
 
         highlights : whether clipped ones stay white. Raises ValueError. Source: DNG
         specification 1.7.1, chapter 6."""
+        check_transform(convention, digital_gain, highlights)
         seen = self._profile.illuminant(illuminant_word(light, self.id))
         return _core.camera_from_scene(
             self._profile, seen, convention, digital_gain, highlights
@@ -229,7 +241,7 @@ class Sensor:
         """Return (H, W, 3) float32 camera RGB of an (H, W) mosaic; see cg2raw.demosaic.
 
         signal : float, 0..1 above black; signal_from_raw makes it of DN."""
-        return demosaic(signal, self.cfa, threads=threads)
+        return demosaic(signal, self.cfa, threads=thread_count(threads))
 
     def signal_from_raw(self, raw: ArrayLike) -> FloatImage:
         """Return (H, W) float32 (DN - black) / (white - black), per CFA site.
@@ -266,7 +278,7 @@ class Sensor:
             self._profile,
             signal_plane(signal),
             core_run(self.id, run),
-            threads=threads,
+            threads=thread_count(threads),
         )
 
     def apply_effect(
@@ -297,13 +309,13 @@ class Sensor:
         )
         result = _core.apply_effect(
             self._profile,
-            _planes(image),
+            planes_of(image),
             name,
-            dict(parameters),
+            effect_parameters(name, parameters),
             core_run(self.id, run),
-            threads=threads,
+            threads=thread_count(threads),
         )
-        return _pixels(result)
+        return pixels_of(result)
 
     def predict_effect(
         self,
@@ -323,25 +335,10 @@ class Sensor:
         run = Run(illuminant=illuminant, exposure_time=exposure_time)
         mean, variance = _core.predict_effect(
             self._profile,
-            _planes(image),
+            planes_of(image),
             name,
-            dict(parameters),
+            effect_parameters(name, parameters),
             core_run(self.id, run),
-            threads=threads,
+            threads=thread_count(threads),
         )
-        return _pixels(mean), variance
-
-
-def _planes(image: ArrayLike) -> FloatImage:
-    """Return a mosaic as it is, camera RGB as (3, H, W)."""
-    if np.ndim(image) != 3:
-        return signal_plane(image, "image")
-    rgb = rgb_image(image, "camera RGB")[..., :3]
-    return np.ascontiguousarray(np.moveaxis(rgb, -1, 0), np.float32)
-
-
-def _pixels(planes: FloatImage) -> FloatImage:
-    """Undo _planes."""
-    return (
-        np.ascontiguousarray(np.moveaxis(planes, 0, -1)) if planes.ndim == 3 else planes
-    )
+        return pixels_of(mean), variance

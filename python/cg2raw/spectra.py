@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cg2raw import _core
+from cg2raw.argument_types import thread_count
 from cg2raw.arrays import FloatImage
 from cg2raw.exposure import Light, illuminant_word
 from cg2raw.raw_frame import RawFrame
@@ -184,7 +185,7 @@ def simulate_spectra(
         as_shot=as_shot,
         exposure_time=exposure_time,
         color_effects=color_effects,
-        threads=threads,
+        threads=thread_count(threads),
         **SEEN,
     )
 
@@ -216,4 +217,4 @@ def seen(
 
     light, word = seen_light(sensor, illuminant, estimate)
     response = _core.SpectralResponse(sensor.profile, light, centres.tolist(), white)
-    return response.to_camera(image, threads=threads), word
+    return response.to_camera(image, threads=thread_count(threads)), word
