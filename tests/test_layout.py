@@ -44,7 +44,10 @@ LIBRARIES = {
     r"OpenColorIO/": set(),
     r"nlohmann/": {"core"},
     # What one operating system has and another lacks.
-    r"(unistd|fcntl|dlfcn|sched|signal|windows|io|x?locale)\.h|sys/": {"platform"},
+    r"(unistd|fcntl|dlfcn|sched|signal|windows|io|x?locale)\.h|sys/": {
+        "platform",
+        "dng.imageio/portable",  # the loader in wheels, by dlopen
+    },
 }
 # The parts of dng, and what each may include of them and of dng's public headers; the
 # writer also the formulas of effects that it undoes.

@@ -41,3 +41,20 @@ def spectra():
 def exr(tmp_path, scene):
     """Return the path of the scene as a float OpenEXR file."""
     return write_image(tmp_path / "scene.exr", scene)
+
+
+@pytest.fixture
+def ours(oiiotool):
+    """Return ours(path): a name by which this oiiotool's choice is our reader.
+
+    LibRaw's reader, of the system's, keeps the ending .dng."""
+
+    def link(path):
+        if oiiotool.name == "oiio-wheel":
+            return path
+        other = path.with_suffix(".cg2raw")
+        other.unlink(missing_ok=True)
+        other.symlink_to(path)
+        return other
+
+    return link

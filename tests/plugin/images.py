@@ -7,6 +7,9 @@ import numpy as np
 import OpenImageIO as oiio
 import rawpy
 
+# What asks our reader for a picture, before the name of a DNG.
+DEVELOPED = ("-iconfig", "dng:developed", 1)
+
 
 def write_image(path, pixels, attributes=None, tile=0, typed=()):
     """Write (H, W, C) pixels as float32 and return the path; tiled if tile is not 0."""
@@ -37,3 +40,15 @@ def attributes(**values):
     for name, value in values.items():
         arguments += ["--attrib", f"dng:{name}", value]
     return arguments
+
+
+def said_of(oiiotool, path, *hints):
+    """Return {name: text} of what oiiotool --info -v prints."""
+    lines = oiiotool(*hints, "--info", "-v", path).stdout.splitlines()
+    pairs = [line.strip().split(": ", 1) for line in lines[1:] if ": " in line]
+    return {"": lines[1], **{name: value.strip('"') for name, value in pairs}}
+
+
+def numbers(text):
+    """Return the numbers of an attribute."""
+    return [float(word) for word in text.split(",")]
