@@ -7,14 +7,23 @@ import ctypes
 import errno
 import os
 import signal
+import stat
 import subprocess
 import sys
+from pathlib import PurePath
+from types import TracebackType
 
 if sys.platform == "win32":
     import msvcrt
 else:
     import fcntl
 
+if sys.platform == "win32":
+    OPEN_FILE, OPEN_FOLDER = os.O_BINARY, 0
+else:
+    # A pipe that nobody has at its other end is opened at once, to be refused.
+    OPEN_FILE = os.O_NOFOLLOW | os.O_NONBLOCK
+    OPEN_FOLDER = os.O_RDONLY | os.O_DIRECTORY
 PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
 
 
@@ -43,6 +52,104 @@ def open_without_links(path: str | os.PathLike[str], flags: int) -> int:
     return os.open(path, flags | os.O_BINARY, 0o666)
 
 
+class Folder:
+    """A folder whose files are reached without following a link; a context manager.
+
+    It stays the one that was opened, whatever its name leads to later, but on Windows,
+    which opens no folders: there each call asks whether a name is a link. What is said
+    of a link or of what is no file is one line that begins with its path."""
+
+    def __init__(self, root: str, below: str = "", make: bool = False) -> None:
+        """Open the folder at a relative path @below a folder.
+
+        make : those below that are missing. Raises OSError."""
+        self.path, self.handle = root, -1
+        if sys.platform != "win32":
+            self.handle = os.open(root, OPEN_FOLDER)
+        try:
+            for name in PurePath(below).parts:
+                self._go_into(name, make)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> "Folder":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the folder."""
+        if self.handle >= 0:
+            os.close(self.handle)
+        self.handle = -1
+
+    def path_of(self, name: str) -> str:
+        """Return the path of a name in the folder."""
+        return os.path.join(self.path, name)
+
+    def open(self, name: str, flags: int, mode: int = 0o666) -> int:
+        """Return a descriptor of a regular file, as os.open. Raises OSError."""
+        if not flags & os.O_EXCL:  # which tells of a link as of a file
+            self._refuse_link(name)
+        at, where = self._at(name)
+        handle = os.open(where, flags | OPEN_FILE, mode, dir_fd=at)
+        if stat.S_ISREG(os.fstat(handle).st_mode):
+            return handle
+        os.close(handle)
+        raise OSError(f"{self.path_of(name)}: is no regular file; remove it")
+
+    def status(self, name: str) -> os.stat_result:
+        """Return what the system knows of a name. Raises OSError."""
+        at, where = self._at(name)
+        return os.stat(where, dir_fd=at, follow_symlinks=False)
+
+    def names(self) -> list[str]:
+        """Return the names in the folder, sorted."""
+        return sorted(os.listdir(self.path if self.handle < 0 else self.handle))
+
+    def replace(self, name: str, other: "Folder", new: str) -> None:
+        """Move a file to a name in another folder, where it replaces any, or a link."""
+        (at, where), (to, there) = self._at(name), other._at(new)
+        os.replace(where, there, src_dir_fd=at, dst_dir_fd=to)
+
+    def remove(self, name: str) -> None:
+        """Remove a file, or a link. Raises OSError."""
+        at, where = self._at(name)
+        os.unlink(where, dir_fd=at)
+
+    def _at(self, name: str) -> tuple[int | None, str]:
+        """Return (dir_fd, path) of a name, as the functions of os take them."""
+        return (None, self.path_of(name)) if self.handle < 0 else (self.handle, name)
+
+    def _go_into(self, name: str, make: bool) -> None:
+        if name == os.pardir or os.path.isabs(name):
+            raise OSError(f"{self.path_of(name)}: is not below {self.path}")
+        at, where = self._at(name)
+        if make:
+            with contextlib.suppress(FileExistsError):
+                os.mkdir(where, dir_fd=at)
+        self._refuse_link(name)
+        if sys.platform != "win32":
+            inner = os.open(where, OPEN_FOLDER | os.O_NOFOLLOW, dir_fd=at)
+            os.close(self.handle)
+            self.handle = inner
+        self.path = self.path_of(name)
+
+    def _refuse_link(self, name: str) -> None:
+        """Say of a link that it is one; the system refuses it too, in other words."""
+        with contextlib.suppress(FileNotFoundError):
+            if stat.S_ISLNK(self.status(name).st_mode):
+                path = self.path_of(name)
+                raise OSError(f"{path}: is a link, which is not ours; remove it")
+
+
 def lock(handle: int) -> None:
     """Lock a file until it is closed. Raises OSError if another process has done so."""
     if sys.platform == "win32":
@@ -52,9 +159,14 @@ def lock(handle: int) -> None:
 
 
 def set_mode(handle: int, mode: int) -> None:
-    """Give an open file permissions, where the system has them."""
-    if sys.platform != "win32":
+    """Give an open file permissions, where the system and its file system have them."""
+    if sys.platform == "win32" or stat.S_IMODE(os.fstat(handle).st_mode) == mode:
+        return
+    try:
         os.fchmod(handle, mode)
+    except OSError as error:
+        if error.errno not in (errno.EPERM, errno.ENOTSUP):
+            raise
 
 
 def sync(handle: int) -> None:

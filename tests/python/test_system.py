@@ -68,6 +68,73 @@ def test_a_link_is_not_opened(tmp_path):
     os.close(handle)
 
 
+@pytest.fixture
+def tree(tmp_path):
+    """Return a folder a/b with files, and links from it to another one."""
+    (tmp_path / "a/b").mkdir(parents=True)
+    (tmp_path / "a/b/file").write_bytes(b"ours")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere/file").write_bytes(b"theirs")
+    (tmp_path / "a/link").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "a/b/link").symlink_to(tmp_path / "elsewhere/file")
+    return tmp_path
+
+
+def test_a_folder_is_reached_without_following_a_link(tree):
+    with pytest.raises(OSError, match=r"/a/link: is a link, which is not ours; remove"):
+        system.Folder(str(tree), "a/link")
+    with pytest.raises(OSError, match=r"/a/link: is a link, which is not ours; remove"):
+        system.Folder(str(tree), "a/link/new", make=True)
+    assert [path.name for path in (tree / "elsewhere").iterdir()] == ["file"]
+    for below in ("..", "a/../../b", "/tmp"):
+        with pytest.raises(OSError, match="is not below"):
+            system.Folder(str(tree), below)
+    with pytest.raises(FileNotFoundError):
+        system.Folder(str(tree), "a/c")
+    with pytest.raises(NotADirectoryError):
+        system.Folder(str(tree), "a/b/file", make=True)
+    with system.Folder(str(tree), "a/c/d", make=True) as folder:
+        assert folder.path == str(tree / "a/c/d") and folder.names() == []
+
+
+def test_files_in_a_folder_are_no_links(tree):
+    with system.Folder(str(tree), "a/b") as folder:
+        assert folder.names() == ["file", "link"]
+        for flags in (os.O_RDONLY, os.O_WRONLY | os.O_TRUNC, os.O_RDWR | os.O_CREAT):
+            with pytest.raises(OSError, match="/b/link: is a link, which is not ours"):
+                folder.open("link", flags)
+        os.mkfifo(tree / "a/b/pipe")
+        with pytest.raises(OSError, match="/b/pipe: is no regular file"):
+            folder.open("pipe", os.O_RDONLY)  # not: wait for who writes to it
+        folder.replace("file", folder, "link")
+        assert (tree / "a/b/link").read_bytes() == b"ours"
+        folder.remove("link")
+        assert folder.names() == ["pipe"]
+    assert (tree / "elsewhere/file").read_bytes() == b"theirs"
+
+
+def test_a_folder_stays_the_one_that_was_opened(tree):
+    """A stranger who swaps it for a link while we work gains nothing."""
+    with system.Folder(str(tree), "a/b") as folder:
+        (tree / "a/b").rename(tree / "a/moved")
+        (tree / "a/b").symlink_to(tree / "elsewhere")
+        handle = folder.open("new", os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+        os.close(handle)
+        folder.remove("file")
+    assert (tree / "elsewhere/file").read_bytes() == b"theirs"
+    assert not (tree / "elsewhere/new").exists() and (tree / "a/moved/new").exists()
+
+
+def test_a_folder_that_fails_to_open_leaves_no_descriptor(tree):
+    before = len(os.listdir("/proc/self/fd"))
+    for below in ("a/link", "a/c", "..", "a/b/file"):
+        with pytest.raises(OSError):
+            system.Folder(str(tree), below)
+    with system.Folder(str(tree), "a/b"):
+        pass
+    assert len(os.listdir("/proc/self/fd")) == before
+
+
 def test_a_locked_file_is_refused_to_another_process_until_it_is_closed(tmp_path):
     path = tmp_path / "lock"
     program = (

@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Job: all files for one image, read once, made in order; finished ones are kept."""
 
+import contextlib
 import hashlib
 import json
 import os
@@ -19,6 +20,7 @@ from cg2raw.dataset.methods import METHODS, Camera
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.dataset.source import Source, read_source
 from cg2raw.dataset.truth import noise_of, truth
+from cg2raw.system import Folder
 
 Write = Callable[[str], None]  # of the file at a path
 
@@ -145,13 +147,13 @@ class Target:
             return False
         if any(row[name] != value for name, value in expected.items()):
             return False
-        path = os.path.join(self.job.out, row["path"])
+        below, name = os.path.split(row["path"])
         try:
-            if os.stat(path).st_size != row["bytes"]:
-                return False
-            return self.job.verify == "size" or file_sha256(path) == row["sha256"]
+            with Folder(self.job.out, below) as folder:
+                size, sha256 = size_and_sha256(folder, name, self.job.verify == "hash")
         except OSError:
             return False
+        return size == row["bytes"] and sha256 in (None, row["sha256"])
 
     def open_variants(self) -> list[tuple[int, Variant]]:
         """Return [(order, Variant)] of what is to be made."""
@@ -160,28 +162,31 @@ class Target:
     def remove_files(self) -> None:
         """Remove what was made of another image of this name."""
         for _, variant in self.variants():
-            try:
-                os.unlink(os.path.join(self.job.out, variant.path))
-            except FileNotFoundError:
-                pass
+            below, name = os.path.split(variant.path)
+            with (
+                contextlib.suppress(FileNotFoundError),
+                Folder(self.job.out, below) as folder,
+            ):
+                folder.remove(name)
 
     def publish(self, write: Write, variant: Variant, row: Row) -> None:
-        """Write a file, give it its name, and enter its row."""
-        parts = os.path.join(self.job.out, journal.FOLDER, PARTS)
-        os.makedirs(parts, exist_ok=True)
-        ending = os.path.splitext(variant.path)[1]
-        part = os.path.join(parts, f"{uuid.uuid4().hex}{ending}")
-        final = os.path.join(self.job.out, variant.path)
-        try:
-            write(part)
-            row["bytes"] = os.stat(part).st_size
-            row["sha256"] = file_sha256(part)
-            os.makedirs(os.path.dirname(final), exist_ok=True)
-            os.replace(part, final)
-        except BaseException:
-            if os.path.exists(part):
-                os.unlink(part)
-            raise
+        """Write a file, give it its name, and enter its row. Raises OSError, also if a
+        folder of the data set is a link: what that leads to is not written."""
+        out = self.job.out
+        below, name = os.path.split(variant.path)
+        part = f"{uuid.uuid4().hex}{os.path.splitext(name)[1]}"
+        with (
+            Folder(out, os.path.join(journal.FOLDER, PARTS), make=True) as parts,
+            Folder(out, below, make=True) as place,
+        ):
+            try:
+                write(parts.path_of(part))
+                row["bytes"], row["sha256"] = size_and_sha256(parts, part)
+                parts.replace(part, place, name)
+            except BaseException:
+                with contextlib.suppress(FileNotFoundError):
+                    parts.remove(part)
+                raise
         journal.append(self.journal, row)
 
 
@@ -190,13 +195,28 @@ def is_utf8(name: str) -> bool:
     return name == name.encode(errors="replace").decode()
 
 
-def file_sha256(path: str) -> str:
-    """Return the SHA-256 of a file, in hexadecimal."""
+def file_sha256(file: str | int) -> str:
+    """Return the SHA-256 of a file, in hexadecimal.
+
+    file : path, or a descriptor, which is closed."""
     digest = hashlib.sha256()
-    with open(path, "rb", buffering=0) as stream:
+    with open(file, "rb", buffering=0) as stream:
         while block := stream.read(BLOCK):
             digest.update(block)
     return digest.hexdigest()
+
+
+def size_and_sha256(
+    folder: Folder, name: str, hashed: bool = True
+) -> tuple[int, str | None]:
+    """Return (bytes, SHA-256) of a file in a Folder; None for that of one that is not
+    @hashed. Raises OSError, also for a link."""
+    handle = folder.open(name, os.O_RDONLY)
+    size = os.fstat(handle).st_size
+    if hashed:
+        return size, file_sha256(handle)
+    os.close(handle)
+    return size, None
 
 
 def make_variants(

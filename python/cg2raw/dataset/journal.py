@@ -7,14 +7,15 @@ the row's file stands under its final name. A checksum stands before each: a lin
 was cut short, damaged or edited is no line, and what it told of is made again.
 """
 
+import contextlib
 import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO
 
-from cg2raw.io.atomic_file import failing, write_atomically
-from cg2raw.system import open_without_links
+from cg2raw.io.atomic_file import failing, write_in
+from cg2raw.system import Folder
 
 Row = dict[str, Any]  # of JSON's types
 
@@ -29,14 +30,33 @@ def path_of(out: str, image: str) -> str:
 
 
 def read(path: str) -> tuple[Row | None, dict[str, Row]]:
-    """Return (header, {path: row}) of a journal; (None, {}) if there is none."""
+    """Return (header, {path: row}) of a journal; (None, {}) if there is none.
+
+    Raises OSError for a link."""
     try:
-        with open(path, "rb") as stream:
+        with folder_of(path) as folder, opened(folder, path) as stream:
             header = header_in(stream)
             rows = [parsed(line) for line in stream] if header else []
     except FileNotFoundError:
         return None, {}
     return header, {row["path"]: row for row in rows if row and names(row, "path")}
+
+
+def folder_of(path: str, make: bool = False) -> Folder:
+    """Return the Folder of a journal; no link in a data set's folder leads to it.
+
+    make : those folders that are missing. Raises OSError."""
+    folder = os.path.dirname(path)
+    mark = f"{os.sep}{FOLDER}{os.sep}"
+    if mark not in folder:
+        return Folder(folder)
+    out, _, below = folder.rpartition(mark)
+    return Folder(out or os.sep, os.path.join(FOLDER, below), make)
+
+
+def opened(folder: Folder, path: str) -> BinaryIO:
+    """Return a stream of a journal in its Folder. Raises OSError."""
+    return open(folder.open(os.path.basename(path), os.O_RDONLY), "rb")
 
 
 def header_in(stream: BinaryIO) -> Row | None:
@@ -64,8 +84,9 @@ def parsed(line: bytes) -> Row | None:
 
 def start(path: str, header: Row, rows: Iterable[Row] = ()) -> None:
     """Begin a journal anew, whole or not at all. Raises OSError."""
-    os.makedirs(os.path.dirname(path), exist_ok=True)
-    write_atomically(path, b"".join(line_of(entry) for entry in (header, *rows)))
+    data = b"".join(line_of(entry) for entry in (header, *rows))
+    with failing(path), folder_of(path, make=True) as folder:
+        write_in(folder, os.path.basename(path), data, path)
 
 
 def append(path: str, row: Row) -> None:
@@ -73,7 +94,8 @@ def append(path: str, row: Row) -> None:
     flags = os.O_WRONLY | os.O_APPEND
     with (
         failing(path),
-        open(open_without_links(path, flags), "ab", buffering=0) as stream,
+        folder_of(path) as folder,
+        open(folder.open(os.path.basename(path), flags), "ab", buffering=0) as stream,
     ):
         size = os.fstat(stream.fileno()).st_size
         line = line_of(row)
@@ -97,12 +119,24 @@ def checksum_of(text: bytes) -> bytes:
 
 
 def headers(out: str) -> Iterator[tuple[str, Row]]:
-    """Yield (path, header) of every journal that can be read."""
-    for folder, _, names in os.walk(os.path.join(out, FOLDER, "journal")):
-        for name in names:
-            path = os.path.join(folder, name)
-            if name.endswith(ENDING):
-                with open(path, "rb") as stream:
+    """Yield (path, header) of every journal that can be read. Raises OSError for what
+    is no file of ours, such as a link."""
+    below = os.path.join(FOLDER, "journal")
+    try:
+        with Folder(out, below) as folder:
+            groups = folder.names()
+    except FileNotFoundError:
+        return
+    for group in groups:
+        with (
+            contextlib.suppress(NotADirectoryError),
+            Folder(out, os.path.join(below, group)) as folder,
+        ):
+            for name in folder.names():
+                path = folder.path_of(name)
+                if not name.endswith(ENDING):
+                    continue
+                with opened(folder, path) as stream:
                     header = header_in(stream)
                 if header:
                     yield path, header

@@ -77,7 +77,7 @@ def remove(out: str) -> None:
     """Remove the manifest: there is one only of a data set that is complete."""
     for ending in ENDINGS:
         path = os.path.join(out, NAME + ending)
-        if os.path.exists(path):
+        if os.path.lexists(path):
             os.unlink(path)
 
 

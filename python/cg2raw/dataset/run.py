@@ -16,10 +16,10 @@ from cg2raw.dataset.job import PARTS, Job
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.plan import Plan
-from cg2raw.io.atomic_file import write_atomically
-from cg2raw.system import lock, open_without_links, sync_file_system
+from cg2raw.io.atomic_file import write_in
+from cg2raw.system import Folder, lock, sync_file_system
 
-# What write_atomically leaves where it was killed.
+# What write_in leaves where it was killed.
 LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.[a-z0-9_]{{8}}")
 
 
@@ -84,13 +84,14 @@ def check_folder(out: str, plan: Plan) -> bool:
     """Return whether a folder holds the data set of a plan already.
 
     Raises ValueError if it holds something else, or one of other options."""
-    path = os.path.join(out, PLAN)
-    if not os.path.exists(path):
-        if any(not is_ours(name) for name in os.listdir(out)):
+    with Folder(out) as folder:
+        names = folder.names()
+        if PLAN not in names:
+            if all(map(is_ours, names)):
+                return False
             raise ValueError(f"{out}: holds files of no data set; give an empty folder")
-        return False
-    with open(path, encoding="utf-8") as stream:
-        differs = options.difference(stream.read(), plan)
+        with open(folder.open(PLAN, os.O_RDONLY), encoding="utf-8") as stream:
+            differs = options.difference(stream.read(), plan)
     if differs:
         raise ValueError(
             f"{out}: {differs}; go on with what it was begun with, or give another OUT"
@@ -106,13 +107,10 @@ def is_ours(name: str) -> bool:
 @contextlib.contextmanager
 def locked(out: str) -> Iterator[None]:
     """Keep others from writing the same data set. Raises ValueError if one does."""
-    folder = os.path.join(out, journal.FOLDER)
-    path = os.path.join(folder, "lock")
-    for name in (folder, path):
-        if os.path.islink(name):
-            raise ValueError(f"{name}: is a link, which is not ours; remove it")
-    os.makedirs(folder, exist_ok=True)
-    with open(open_without_links(path, os.O_RDWR | os.O_CREAT)) as stream:
+    with (
+        Folder(out, journal.FOLDER, make=True) as folder,
+        open(folder.open("lock", os.O_RDWR | os.O_CREAT)) as stream,
+    ):
         try:
             lock(stream.fileno())
         except OSError:
@@ -137,7 +135,8 @@ def begin(out: str, plan: Plan, images: Images) -> None:
         os.unlink(os.path.join(out, name))
     path, text = os.path.join(out, PLAN), plan.to_json().encode()
     if not check_folder(out, plan) or not has_bytes(path, text):
-        write_atomically(path, text)
+        with Folder(out) as folder:
+            write_in(folder, PLAN, text, path)
 
 
 def has_bytes(path: str, data: bytes) -> bool:

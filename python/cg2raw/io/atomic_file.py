@@ -4,14 +4,20 @@
 
 import contextlib
 import os
+import secrets
 import shutil
+import stat
+import string
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from typing import BinaryIO, Protocol
 
-from cg2raw.system import open_without_links, set_mode, sync, sync_folder
+from cg2raw.system import Folder, open_without_links, set_mode, sync, sync_folder
 
 FilePath = str | os.PathLike[str]
+
+TRIES = 100  # names for a temporary file
+LETTERS = string.ascii_lowercase + string.digits  # of such a name
 
 
 class Files(Protocol):
@@ -25,29 +31,76 @@ class Files(Protocol):
 def write_atomically(path: FilePath, data: bytes) -> None:
     """Write bytes to @path: a temporary file beside it takes its place when complete.
 
-    A symbolic link stays one; what is no regular file, such as /dev/stdout, is written
-    to as it is. Raises OSError naming @path; an existing file is then as it was."""
+    A symbolic link stays one, and what it leads to is written, there already or not;
+    what is no regular file, such as /dev/stdout, is written to as it is. A file that is
+    there keeps its permissions. Raises OSError naming @path, also for a circle of
+    links; an existing file is then as it was."""
     target = os.path.realpath(path)
     if os.path.isdir(target):
         raise OSError(f"{path}: is a folder")
+    if os.path.islink(target):
+        raise OSError(f"{path}: cannot be written: its links lead in a circle")
     if os.path.exists(target) and not os.path.isfile(target):
         write_all(path, path, data)
         return
     folder, name = os.path.split(target)
     with failing(path):
-        handle, part = tempfile.mkstemp(prefix=f".{name[:32]}.", dir=folder)
+        opened = Folder(folder)
+    with opened:
+        write_in(opened, name, data, path)
+
+
+def write_in(folder: Folder, name: str, data: bytes, path: FilePath) -> None:
+    """Write bytes to a name in a Folder, as write_atomically; a link of that name is
+    replaced. Raises OSError naming @path."""
+    with failing(path):
+        handle, part = new_file(folder, name)
     try:
-        with failing(path):
-            set_mode(handle, mode_of(target))
         write_all(handle, path, data)
         with failing(path):
-            os.replace(part, target)
+            folder.replace(part, folder, name)
     except BaseException:
         # Not there any more if the last call was interrupted after its work.
         with contextlib.suppress(FileNotFoundError):
-            os.unlink(part)
+            folder.remove(part)
         raise
-    sync_folder(folder)
+    sync_folder(folder.path)
+
+
+def new_file(folder: Folder, name: str) -> tuple[int, str]:
+    """Return (descriptor, name) of a new file that is to take the place of @name.
+
+    It has the permissions of a file there, or those of any new one; its name is one
+    that nobody can foresee. Raises OSError."""
+    mode = mode_in(folder, name)
+    for tries_left in reversed(range(TRIES)):
+        ending = "".join(secrets.choice(LETTERS) for _ in range(8))
+        part = f".{name[:32]}.{ending}"
+        try:
+            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL
+            handle = folder.open(part, flags, 0o666 if mode is None else mode)
+        except FileExistsError:
+            if not tries_left:
+                raise
+            continue
+        break
+    try:
+        if mode is not None:
+            set_mode(handle, mode)
+    except BaseException:
+        os.close(handle)
+        folder.remove(part)
+        raise
+    return handle, part
+
+
+def mode_in(folder: Folder, name: str) -> int | None:
+    """Return the permissions of a file in a folder, None if there is none."""
+    try:
+        status = folder.status(name)
+    except FileNotFoundError:
+        return None
+    return status.st_mode & 0o777 if stat.S_ISREG(status.st_mode) else None
 
 
 def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -> None:
@@ -70,7 +123,9 @@ def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -
     fresh, old = os.path.join(part, "new"), os.path.join(part, "old")
     try:
         with failing(path):
-            os.mkdir(fresh)  # with the permissions of any new folder
+            os.mkdir(fresh)  # with the permissions of any new folder, or the old one's
+            if os.path.isdir(target):
+                shutil.copymode(target, fresh)
         for name, data in files.items():
             write_all(os.path.join(fresh, name), path, data)
         exchange(path, target, fresh, old)
@@ -121,6 +176,8 @@ def failing(path: FilePath) -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        if error.strerror is None:  # in our words
+            raise
         raise OSError(f"{path}: cannot be written: {error.strerror}") from None
 
 
@@ -131,12 +188,3 @@ def create(path: FilePath) -> BinaryIO:
         os.unlink(path)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
     return open(open_without_links(path, flags), "wb")
-
-
-def mode_of(target: str) -> int:
-    """Return the permissions of the file at @target, or those of a new one."""
-    if os.path.exists(target):
-        return os.stat(target).st_mode & 0o7777
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask
