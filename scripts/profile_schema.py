@@ -204,7 +204,7 @@ def fields():
     known = {"type": "array", "items": {"oneOf": [*map(effect, cg2raw.effects())]}}
     rows = {"type": "array", "items": noise_row()}
     said = {"type": "object", "additionalProperties": TEXT}
-    ids = {"type": "string", "pattern": "^[a-z0-9.-]+$"}
+    ids = {"type": "string", "pattern": "^[a-z0-9][a-z0-9.-]{0,99}$"}
     schemas = {
         "schema": {"const": 1}, "id": ids, "make": TEXT, "model": TEXT,
         "unique_camera_model": TEXT, "sources": said,
@@ -226,7 +226,7 @@ def fields():
 # One line for each field.
 MEANINGS = """
 schema: Version of this format: 1.
-id: Name of the sensor in commands; lower-case letters, digits, hyphens and dots.
+id: Name of the sensor in commands; up to 100 lower-case letters, digits, hyphens and dots, a letter or digit first.
 make: Exif Make.
 model: Exif Model.
 unique_camera_model: DNG UniqueCameraModel.

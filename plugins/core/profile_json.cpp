@@ -197,11 +197,8 @@ SensorProfile profile_from(Fields fields)
     if (fields.integer("schema") != profile_schema)
         fields.fail("schema", "must be 1, the only one that this version reads");
     profile.id = fields.text("id");
-    const auto legal = "abcdefghijklmnopqrstuvwxyz0123456789-.";
-    if (profile.id.find_first_not_of(legal) != std::string::npos)
-        fields.fail("id",
-                    "\"" + profile.id
-                        + "\" must be of lower-case letters, digits, '-' and '.'");
+    if (const std::string fault = sensor_id_fault(profile.id); !fault.empty())
+        fields.fail("id", fault);
     profile.make = fields.text("make");
     profile.model = fields.text("model");
     profile.unique_camera_model = fields.text("unique_camera_model");

@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string in_quotes(std::string_view text) { return '"' + quotable(text) + '"'; }
+
 std::string read_file(const fs::path& path)
 {
     std::error_code error;
@@ -48,7 +50,35 @@ bool is_path(const std::string& id_or_path)
                 == 0);
 }
 
+/// Throws Error for a word that no file can be named by, before a file is sought.
+void check_word(const std::string& word)
+{
+    const bool has_control = std::any_of(
+        word.begin(), word.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; });
+    const bool is_dots
+        = !word.empty() && word.find_first_not_of('.') == std::string::npos;
+    if (is_path(word) ? word.find('\0') == std::string::npos
+                      : !has_control && !is_dots && word.size() <= longest_sensor_id)
+        return;
+    throw Error("sensor "
+                + (is_path(word) ? "path " + in_quotes(word) + " has a null byte"
+                                 : sensor_id_fault(word))
+                + "; or give the path of a profile (.json)");
+}
+
 } // namespace
+
+std::string sensor_id_fault(std::string_view id)
+{
+    constexpr std::string_view legal = "abcdefghijklmnopqrstuvwxyz0123456789-.";
+    const bool is_legal = id.find_first_not_of(legal) == std::string_view::npos
+        && id.find_first_of("-.") != 0 && !id.empty();
+    if (is_legal && id.size() <= longest_sensor_id)
+        return "";
+    return in_quotes(id) + " must be of lower-case letters, digits, '-' and '.', begin "
+        + "with a letter or digit, and have up to " + std::to_string(longest_sensor_id)
+        + " characters" + (is_legal ? ", not " + std::to_string(id.size()) : "");
+}
 
 std::vector<std::string> profile_folders()
 {
@@ -84,6 +114,7 @@ std::vector<std::string> installed_profiles()
 
 SensorProfile load_profile(const std::string& id_or_path)
 {
+    check_word(id_or_path);
     if (is_path(id_or_path))
         return parse_profile(read_file(path_of(id_or_path)), id_or_path);
     for (const std::string& folder : profile_folders()) {

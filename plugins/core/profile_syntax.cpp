@@ -16,17 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// As much of a stranger's text as a message holds, of printable ASCII alone.
-std::string quotable(const std::string& text)
-{
-    constexpr std::size_t most = 160;
-    std::string result = text.substr(0, most);
-    for (char& c : result)
-        if (c < ' ' || c > '~')
-            c = '?';
-    return text.size() > most ? result + "..." : result;
-}
-
 /// Counts what the parser meets, and keeps nothing but the names of open objects.
 class SyntaxCheck : public nlohmann::json_sax<Json> {
 public:

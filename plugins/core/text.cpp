@@ -43,4 +43,14 @@ std::string number(double value)
     return { buffer, result.ptr };
 }
 
+std::string quotable(std::string_view text)
+{
+    constexpr std::size_t most = 160;
+    std::string result(text.substr(0, most));
+    for (char& c : result)
+        if (c < ' ' || c > '~')
+            c = '?';
+    return text.size() > most ? result + "..." : result;
+}
+
 } // namespace cg2raw

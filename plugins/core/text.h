@@ -16,5 +16,7 @@ std::string joined(const std::vector<std::string>& words);
 std::vector<std::string> split(std::string_view text, char separator);
 /// A number as people write it: shortest form that reads back the same.
 std::string number(double value);
+/// As much of a stranger's text as a message holds, of printable ASCII alone.
+std::string quotable(std::string_view text);
 
 } // namespace cg2raw

@@ -62,10 +62,9 @@ sources_of(const SensorProfile& profile, const std::string& files, const Notes& 
 /// @p given if it is legal, else what the camera's name gives.
 std::string checked_id(const std::string& given, const DngMetadata& metadata)
 {
-    constexpr const char* legal = "abcdefghijklmnopqrstuvwxyz0123456789-.";
-    if (given.find_first_not_of(legal) != std::string::npos)
-        throw Error(metadata.file + ": id \"" + given
-                    + "\" must be of lower-case letters, digits, '-' and '.'");
+    const std::string fault = given.empty() ? "" : sensor_id_fault(given);
+    if (!fault.empty())
+        throw Error(metadata.file + ": id " + fault);
     const std::string name = camera_name(metadata);
     const std::string id = given.empty() ? sensor_id_from_name(name) : given;
     if (id.empty())
@@ -122,6 +121,9 @@ std::string sensor_id_from_name(std::string_view name)
         gap = false;
         id += upper ? char(c - 'A' + 'a') : c;
     }
+    id.resize(std::min(id.size(), longest_sensor_id));
+    while (!id.empty() && id.back() == '-')
+        id.pop_back();
     return id;
 }
 

@@ -87,7 +87,7 @@ struct ProfileOfDngs {
 /// A profile as several DNGs of one camera define it: all their neutrals, a row of
 /// noise per ISO (means where several files have it), the mean shading of their
 /// GainMaps.
-/// @p id: of lower-case letters, digits, '-' and '.'; empty: from the model.
+/// @p id: as sensor_id_fault() asks; empty: from the model.
 /// Throws Error for no files, for files of several cameras, sizes, CFAs, white levels
 /// or matrices, naming the files, and for black levels that differ by more than 1 DN
 /// and 0.2 % of the white level.
@@ -95,7 +95,8 @@ ProfileOfDngs profile_from_dngs(const std::vector<DngMetadata>& files,
                                 const std::string& id = "");
 
 /// A camera's name as an id: lower case, words joined by '-'. "GoPro HERO6 Black" ->
-/// "gopro-hero6-black". Empty if the name has no ASCII letter or digit.
+/// "gopro-hero6-black"; cut to longest_sensor_id. Empty if the name has no ASCII letter
+/// or digit.
 std::string sensor_id_from_name(std::string_view name);
 
 } // namespace cg2raw

@@ -168,6 +168,12 @@ struct SensorProfile {
     std::vector<EffectSetting> effects;
 };
 
+/// Files are named by ids, and a file's name has 255 bytes at most.
+constexpr std::size_t longest_sensor_id = 100;
+/// What is wrong with @p id, quoted; empty if a sensor can have it: up to
+/// longest_sensor_id lower-case letters, digits, '-' and '.', a letter or digit first.
+std::string sensor_id_fault(std::string_view id);
+
 /// Read a profile (JSON, schema 1). @p file names the source in messages.
 /// Throws Error naming file, field, value and what is allowed; unknown fields are
 /// errors, as are fields given twice and texts larger than a profile can be: 16 MiB,
@@ -178,7 +184,9 @@ SensorProfile parse_profile(std::string_view json, const std::string& file);
 std::string to_json(const SensorProfile& profile);
 
 /// A profile by id (folders of profile_folders()) or by path (has a slash or ends in
-/// .json). Throws Error; for an unknown id the message lists those installed.
+/// .json). Throws Error; for an unknown id the message lists those installed, and a
+/// word that is no file's name (dots alone, control characters, 300 letters) is sought
+/// nowhere.
 SensorProfile load_profile(const std::string& id_or_path);
 /// Throws Error if an invariant of the profile does not hold; @p file leads the
 /// message.

@@ -28,6 +28,7 @@ from cg2raw.profile.spectral_file import (
 )
 
 CALIBRATION_ILLUMINANTS = ("A", "D65")
+LONGEST_ID = 100  # characters; cg2raw/profile.h, longest_sensor_id
 DECIMALS_OF_MATRIX = 4  # steps of a DNG's ColorMatrix, as its renderer keeps it
 DECIMALS_OF_NEUTRAL = 6  # steps of a DNG's AsShotNeutral
 DECIMALS_OF_SENSITIVITY = 6  # of a peak of 1; measurements have three or four
@@ -236,9 +237,9 @@ def _neutral(measured: Sensitivities, light: FilePath) -> list[float]:
 
 
 def _id_of(make: str, model: str) -> str:
-    """Return an id: "Canon", "EOS 600D" -> "canon-eos-600d"."""
+    """Return an id, cut if too long: "Canon", "EOS 600D" -> "canon-eos-600d"."""
     name = f"{make} {model}".lower()
-    return re.sub(r"[^a-z0-9.]+", "-", name).strip("-")
+    return re.sub(r"[^a-z0-9.]+", "-", name).strip("-.")[:LONGEST_ID].rstrip("-.")
 
 
 def _sources(

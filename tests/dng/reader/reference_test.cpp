@@ -23,6 +23,9 @@ TEST(DngReference, NamesBecomeIds)
     EXPECT_EQ(sensor_id_from_name("LEICA T (Typ 701)"), "leica-t-typ-701");
     EXPECT_EQ(sensor_id_from_name("iPhone13,3 back camera"), "iphone13-3-back-camera");
     EXPECT_EQ(sensor_id_from_name(" \xE7\x9B\xB8 "), "");
+    // 300 letters are no file's name; a word that begins at the cut is cut with it.
+    EXPECT_EQ(sensor_id_from_name(std::string(300, 'X')), std::string(100, 'x'));
+    EXPECT_EQ(sensor_id_from_name(std::string(99, 'X') + " Y"), std::string(99, 'x'));
 }
 
 TEST(DngReference, IsAProfileThatReadsBack)
