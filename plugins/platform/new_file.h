@@ -17,10 +17,13 @@ namespace cg2raw {
 /// AtomicFile for what each system promises.
 class NewFile {
 public:
-    /// Opens beside @p path (UTF-8), whose symbolic links are followed. With @p sync
-    /// its bytes are on the disk before it has its name. With @p unnamed false as on
-    /// file systems that know no files without a name. Throws Error: missing or
-    /// unwritable folder; @p path is no regular file, or read-only.
+    /// Opens beside @p path (UTF-8), whose symbolic links are followed; one that leads
+    /// to no file yet makes that file, but on Windows. An older file's permissions are
+    /// kept; a new one has what the umask leaves. With @p sync its bytes are on the
+    /// disk before it has its name. With @p unnamed false as on file systems that know
+    /// no files without a name. Throws Error: missing or unwritable folder; @p path is
+    /// no regular file, or read-only, or its links lead in a circle, or on Windows
+    /// nowhere.
     NewFile(const std::string& path, bool sync, bool unnamed);
     ~NewFile();
 

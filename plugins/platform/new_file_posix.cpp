@@ -5,10 +5,12 @@
 #include "platform/new_file.h"
 
 #include "cg2raw/types.h"
+#include "platform/temporary_name.h"
 
-#include <atomic>
 #include <cerrno>
+#include <climits>
 #include <cstdlib>
+#include <optional>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -22,10 +24,14 @@ struct NewFile::State {
     bool sync;
     std::string temporary {}; ///< empty: the file has no name
     int file = -1;
-    unsigned mode = 0666;
+    std::optional<mode_t> mode {}; ///< of an older file
+
+    ~State() { discard(); } // also where the constructor of NewFile throws
 
     void open_unnamed();
     void open_named();
+    void keep_mode() const;
+    mode_t first_mode() const { return mode.value_or(0666); }
     void flush();
     void link_unnamed();
     void close_link() noexcept;
@@ -46,22 +52,43 @@ std::string folder_of(const std::string& path)
     return slash == 0 ? "/" : path.substr(0, slash);
 }
 
-std::string link_target(const std::string& path)
+/// What the symbolic link at @p path says; empty if it is none.
+std::string text_of_link(const std::string& path)
 {
-    const std::unique_ptr<char, decltype(&std::free)> real(
-        ::realpath(path.c_str(), nullptr), &std::free);
-    return real ? std::string(real.get()) : path;
+    std::string text(PATH_MAX, '\0');
+    const ssize_t size = ::readlink(path.c_str(), text.data(), text.size());
+    text.resize(size > 0 ? std::size_t(size) : 0);
+    return text;
 }
 
-/// A hidden name beside @p target that no other writer of this machine has.
+/// Where a file that is opened as @p path lies or would lie, unless its links lead in a
+/// circle.
+std::optional<std::string> link_target(std::string path)
+{
+    constexpr int most_links = 40; // as Linux has it
+    for (int links = 0; links < most_links; ++links) {
+        const std::unique_ptr<char, decltype(&std::free)> real(
+            ::realpath(path.c_str(), nullptr), &std::free);
+        if (real)
+            return real.get();
+        if (errno == ELOOP)
+            break;
+        // One that leads to no file yet; what else is wrong, open() will say.
+        const std::string text = errno == ENOENT ? text_of_link(path) : "";
+        if (text.empty())
+            return path;
+        path = text.front() == '/' ? text : folder_of(path) + "/" + text;
+    }
+    return std::nullopt;
+}
+
+/// A hidden name beside @p target that no other writer has.
 std::string temporary_name(const std::string& target)
 {
-    static std::atomic<unsigned> count { 0 };
     const std::size_t slash = target.rfind('/');
     const std::size_t base = slash == std::string::npos ? 0 : slash + 1;
     // A name has 255 bytes at most: the tail of a long one is dropped.
-    return target.substr(0, base) + "." + target.substr(base, 200) + ".cg2raw-"
-        + std::to_string(::getpid()) + "-" + std::to_string(count++);
+    return target.substr(0, base) + "." + target.substr(base, 200) + temporary_ending();
 }
 
 std::string descriptor_path(int file)
@@ -92,8 +119,12 @@ int sync_file(int file)
 } // namespace
 
 NewFile::NewFile(const std::string& path, bool sync, bool unnamed)
-    : m_state(new State { path, link_target(path), sync })
+    : m_state(new State { path, path, sync })
 {
+    const std::optional<std::string> target = link_target(path);
+    if (!target)
+        m_state->fail("create", ELOOP);
+    m_state->target = *target;
     struct stat status;
     if (::stat(m_state->target.c_str(), &status) == 0) {
         if (!S_ISREG(status.st_mode))
@@ -106,9 +137,10 @@ NewFile::NewFile(const std::string& path, bool sync, bool unnamed)
         m_state->open_unnamed();
     if (m_state->file < 0)
         m_state->open_named();
+    m_state->keep_mode();
 }
 
-NewFile::~NewFile() { m_state->discard(); }
+NewFile::~NewFile() = default;
 
 std::error_code NewFile::write(const void* data, std::size_t size,
                                std::uint64_t offset) noexcept
@@ -161,7 +193,8 @@ void NewFile::publish()
 void NewFile::State::open_unnamed()
 {
 #ifdef O_TMPFILE
-    file = ::open(folder_of(target).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
+    file = ::open(folder_of(target).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC,
+                  first_mode());
     if (file < 0) // kernels and file systems without it say one of these
         if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)
             fail("create");
@@ -176,13 +209,27 @@ void NewFile::State::open_unnamed()
 void NewFile::State::open_named()
 {
     std::string name;
-    do {
+    for (int tries = 0; tries < most_temporary_names; ++tries) {
         name = temporary_name(target);
-        file = ::open(name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, mode);
-    } while (file < 0 && errno == EEXIST); // a process of this number left it
+        file
+            = ::open(name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, first_mode());
+        if (file >= 0 || errno != EEXIST)
+            break;
+    }
     if (file < 0)
         fail("create");
-    temporary = name;
+    temporary.swap(name);
+}
+
+/// An older file's permissions, whatever the umask; a new one has what that leaves.
+void NewFile::State::keep_mode() const
+{
+    struct stat status;
+    if (!mode || ::fstat(file, &status) != 0 || (status.st_mode & 0777) == *mode)
+        return;
+    // File systems without permissions refuse, and have none to keep.
+    if (::fchmod(file, *mode) != 0 && errno != EPERM && errno != EOPNOTSUPP)
+        fail("keep its permissions");
 }
 
 /// Everything that the system may still refuse, while an older file stands untouched:
@@ -214,10 +261,10 @@ void NewFile::State::link_unnamed()
     };
     if (link(target))
         return;
-    while (errno == EEXIST) {
-        const std::string name = temporary_name(target);
+    for (int tries = 0; errno == EEXIST && tries < most_temporary_names; ++tries) {
+        std::string name = temporary_name(target);
         if (link(name)) {
-            temporary = name;
+            temporary.swap(name);
             return;
         }
     }

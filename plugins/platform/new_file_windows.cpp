@@ -6,9 +6,9 @@
 
 #include "cg2raw/types.h"
 #include "platform/paths.h"
+#include "platform/temporary_name.h"
 
 #include <algorithm>
-#include <atomic>
 
 #include <windows.h>
 
@@ -48,29 +48,29 @@ std::wstring whole_path(const std::string& path)
     return is_special ? whole : LR"(\\?\UNC\)" + whole.substr(2);
 }
 
-/// What a symbolic link at @p path leads to.
+/// What a symbolic link at @p path leads to; empty if that is nothing.
 std::wstring link_target(const std::wstring& path)
 {
     const HANDLE file = ::CreateFileW(
         path.c_str(), 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,
         nullptr, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr);
     if (file == INVALID_HANDLE_VALUE)
-        return path;
+        return L"";
     std::wstring found(32768, L'\0'); // the longest path that Windows has
     found.resize(
         ::GetFinalPathNameByHandleW(file, found.data(), DWORD(found.size()), 0));
     ::CloseHandle(file);
-    return found.empty() ? path : found;
+    return found;
 }
 
-/// A hidden name beside @p target that no other writer of this machine has.
+/// A hidden name beside @p target that no other writer has.
 std::wstring temporary_name(const std::wstring& target)
 {
-    static std::atomic<unsigned> count { 0 };
+    const std::string ending = temporary_ending(); // ASCII
     const std::size_t base = target.rfind(L'\\') + 1;
     // A name has 255 characters at most: the tail of a long one is dropped.
-    return target.substr(0, base) + L"." + target.substr(base, 200) + L".cg2raw-"
-        + std::to_wstring(::GetCurrentProcessId()) + L"-" + std::to_wstring(count++);
+    return target.substr(0, base) + L"." + target.substr(base, 200)
+        + std::wstring(ending.begin(), ending.end());
 }
 
 OVERLAPPED at(std::uint64_t offset)
@@ -92,7 +92,10 @@ NewFile::NewFile(const std::string& path, bool sync, bool)
     State& state = *m_state;
     DWORD found = ::GetFileAttributesW(state.target.c_str());
     if (found != INVALID_FILE_ATTRIBUTES && (found & FILE_ATTRIBUTE_REPARSE_POINT)) {
-        state.target = link_target(state.target);
+        const std::wstring real = link_target(state.target);
+        if (real.empty())
+            state.fail("create");
+        state.target = real;
         found = ::GetFileAttributesW(state.target.c_str());
     }
     const bool is_device = state.target.rfind(LR"(\\.\)", 0) == 0; // as NUL
@@ -160,12 +163,14 @@ void NewFile::publish()
 void NewFile::State::open()
 {
     std::wstring name;
+    int tries = 0;
     do {
         name = temporary_name(target);
         file = ::CreateFileW(name.c_str(), GENERIC_READ | GENERIC_WRITE | DELETE,
                              FILE_SHARE_READ | FILE_SHARE_DELETE, nullptr, CREATE_NEW,
                              FILE_ATTRIBUTE_NORMAL, nullptr);
-    } while (file == INVALID_HANDLE_VALUE && ::GetLastError() == ERROR_FILE_EXISTS);
+    } while (file == INVALID_HANDLE_VALUE && ::GetLastError() == ERROR_FILE_EXISTS
+             && ++tries < most_temporary_names);
     if (file == INVALID_HANDLE_VALUE)
         fail("create");
     temporary = name;

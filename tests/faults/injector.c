@@ -3,7 +3,7 @@
  *
  * LD_PRELOAD: makes a system call on files of one folder fail. Environment:
  *   FAULT_UNDER   the folder; files elsewhere, pipes and sockets are left alone
- *   FAULT_CALL    open, write, pwrite, fsync, close, link or rename
+ *   FAULT_CALL    open, write, pwrite, fsync, close, link, rename or fchmod
  *   FAULT_ERRNO   what it fails with
  *   FAULT_NTH     which of these calls in a process fails, from 1 on
  *   FAULT_STICKY  1: and all after it
@@ -131,6 +131,34 @@ int open64(const char* path, int flags, ...)
     return refused(path, flags) ? -1 : real(path, flags, mode);
 }
 
+/* Below a folder that was opened before. */
+static int refused_at(int folder, const char* path, int flags)
+{
+    if (folder == AT_FDCWD || *path == '/')
+        return refused(path, flags);
+    return (flags & O_ACCMODE) != O_RDONLY && is_file_under(folder) && fails("open");
+}
+
+int openat(int folder, const char* path, int flags, ...)
+{
+    REAL(openat);
+    va_list rest;
+    va_start(rest, flags);
+    const mode_t mode = mode_of(flags, rest);
+    va_end(rest);
+    return refused_at(folder, path, flags) ? -1 : real(folder, path, flags, mode);
+}
+
+int openat64(int folder, const char* path, int flags, ...)
+{
+    REAL(openat64);
+    va_list rest;
+    va_start(rest, flags);
+    const mode_t mode = mode_of(flags, rest);
+    va_end(rest);
+    return refused_at(folder, path, flags) ? -1 : real(folder, path, flags, mode);
+}
+
 ssize_t write(int file, const void* data, size_t size)
 {
     REAL(write);
@@ -177,4 +205,18 @@ int rename(const char* from, const char* to)
 {
     REAL(rename);
     return is_under(to) && fails("rename") ? -1 : real(from, to);
+}
+
+int renameat(int from_folder, const char* from, int to_folder, const char* to)
+{
+    REAL(renameat);
+    const int is_ours = *to != '/' && to_folder != AT_FDCWD ? is_file_under(to_folder)
+                                                            : is_under(to);
+    return is_ours && fails("rename") ? -1 : real(from_folder, from, to_folder, to);
+}
+
+int fchmod(int file, mode_t mode)
+{
+    REAL(fchmod);
+    return is_file_under(file) && fails("fchmod") ? -1 : real(file, mode);
 }

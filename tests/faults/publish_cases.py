@@ -21,8 +21,9 @@ import cg2raw
 from cg2raw.dataset import journal
 from cg2raw.io.atomic_file import write_atomically, write_folder
 
-CALLS = ("open", "write", "pwrite", "fsync", "close", "link", "rename")
-NUMBERS = ("ENOSPC", "EIO", "EDQUOT")
+CALLS = ("open", "write", "pwrite", "fsync", "close", "link", "rename", "fchmod")
+NUMBERS = ("ENOSPC", "EIO", "EDQUOT", "EEXIST")
+NAMING = ("open", "link")  # calls that may find that a name is taken
 OLD = b"what was there before"
 ROW = {"path": "x"}
 
@@ -59,6 +60,7 @@ def begin(path, route, exists):
         (path / "a.json").write_bytes(OLD)
     else:
         path.write_bytes(OLD)
+        path.chmod(0o666)  # which the umask forbids
 
 
 def contents(path):
@@ -92,6 +94,8 @@ def main(place, log, route):
         for call, number, sticky, tmpfile in itertools.product(
             CALLS, NUMBERS, "01", "01"
         ):
+            if number == "EEXIST" and call not in NAMING:
+                continue
             for nth in itertools.count(1):
                 begin(path, route, exists)
                 log.unlink(missing_ok=True)

@@ -18,11 +18,13 @@ namespace cg2raw {
 /// failure but kill -9 removes; on Windows such a name, which goes with the process.
 class AtomicFile {
 public:
-    /// Opens beside @p path, whose symbolic links are followed. With @p sync its bytes
-    /// are on the disk before it has its name.
+    /// Opens beside @p path, whose symbolic links are followed; one that leads to no
+    /// file yet makes that file, but on Windows. An older file's permissions are kept;
+    /// a new one has what the umask leaves. With @p sync its bytes are on the disk
+    /// before it has its name.
     /// With @p unnamed false as on file systems that know no files without a name.
     /// Throws Error: missing or unwritable folder; @p path is no regular file, or
-    /// read-only.
+    /// read-only, or its links lead in a circle, or on Windows nowhere.
     explicit AtomicFile(std::string path, bool sync = true, bool unnamed = true);
 
     /// All of @p size bytes at @p offset. False, with the reason kept for fail(), if

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <set>
 
 namespace cg2raw {
 namespace {
@@ -38,6 +39,78 @@ TEST_P(EitherPosixAtomicFile, KeepTheModeOfAFile)
     ASSERT_TRUE(file.write("new", 3, 0));
     file.publish();
     EXPECT_EQ(fs::status(path()).permissions(), fs::perms(0640));
+}
+
+/// For as long as it lives.
+class Umask {
+public:
+    explicit Umask(mode_t mask)
+        : m_before(::umask(mask))
+    {
+    }
+    ~Umask() { ::umask(m_before); }
+
+private:
+    mode_t m_before;
+};
+
+TEST_P(EitherPosixAtomicFile, KeepAModeThatTheUmaskForbids)
+{
+    const Umask umask(0027);
+    for (const unsigned mode : { 0666U, 0664U, 0777U, 0600U }) {
+        std::ofstream(path()) << "old";
+        fs::permissions(path(), fs::perms(mode));
+        AtomicFile file(path(), true, GetParam());
+        ASSERT_TRUE(file.write("new", 3, 0));
+        file.publish();
+        EXPECT_EQ(fs::status(path()).permissions(), fs::perms(mode));
+    }
+}
+
+TEST_P(EitherPosixAtomicFile, HaveTheModeThatTheUmaskLeaves)
+{
+    const Umask umask(0027);
+    AtomicFile file(path(), true, GetParam());
+    ASSERT_TRUE(file.write("new", 3, 0));
+    file.publish();
+    EXPECT_EQ(fs::status(path()).permissions(), fs::perms(0640));
+}
+
+TEST_P(EitherPosixAtomicFile, MakeTheFileThatALinkLeadsTo)
+{
+    fs::create_directory(folder / "elsewhere");
+    fs::create_symlink("elsewhere/later.dng", path("link.dng"));
+    fs::create_symlink(folder / "link.dng", path());
+    AtomicFile file(path(), true, GetParam());
+    ASSERT_TRUE(file.write("new", 3, 0));
+    file.publish();
+    EXPECT_TRUE(fs::is_symlink(path()) && fs::is_symlink(path("link.dng")));
+    EXPECT_EQ(bytes_of(path("elsewhere/later.dng")), "new");
+}
+
+TEST_P(EitherPosixAtomicFile, RefuseLinksInACircle)
+{
+    fs::create_symlink("there.dng", path());
+    fs::create_symlink(path(), path("there.dng"));
+    EXPECT_EQ(message_of([&] { AtomicFile file(path(), true, GetParam()); }),
+              path() + ": cannot create: Too many levels of symbolic links");
+    EXPECT_TRUE(fs::is_symlink(path()));
+}
+
+TEST_F(PosixAtomicFiles, HaveTemporaryNamesThatNobodyForesees)
+{
+    // 64 bits: two of 100 names share the first 32 once in a million runs.
+    std::set<std::string> beginnings;
+    for (int i = 0; i < 100; ++i) {
+        AtomicFile file(path(), false, false);
+        for (const auto& entry : fs::directory_iterator(folder)) {
+            const std::string name = entry.path().filename();
+            const std::string ending = name.substr(name.rfind('-') + 1);
+            EXPECT_EQ(ending.size(), 16U) << name;
+            beginnings.insert(ending.substr(0, 8));
+        }
+    }
+    EXPECT_EQ(beginnings.size(), 100U);
 }
 
 TEST_P(EitherPosixAtomicFile, FollowLinks)
