@@ -22,7 +22,7 @@ copyright = "Contributors to the cg2raw Project"
 version = release = cg2raw.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
-PAGES = ("README.md", "CONTRIBUTING.md", "CHANGES.md")
+PAGES = ("README.md", "CONTRIBUTING.md", "CHANGES.md", "SECURITY.md")
 root_doc = "docs/index"
 include_patterns = [*PAGES, "docs/**"]
 # Folders that are not left out are searched.
