@@ -83,6 +83,15 @@ def test_an_unknown_id_is_told_the_closest():
         "sensors", "nikno"
     )
     assert 'unknown sensor ""' in fails("sensors", "")
+    assert 'unknown sensor "?!"' in fails(
+        "sensors", "?!"
+    )  # not: all that are installed
+
+
+@pytest.mark.parametrize("word", ["..", ".", "a" * 300])
+def test_a_word_that_is_no_id_is_refused(word):
+    line = fails("sensors", word)
+    assert "must be of lower-case letters" in line and len(line) < 400
 
 
 def ids(done):

@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     found, errors = load_all()
     if word is not None:
-        found, errors = (matching(found, word) if word else []), []
+        found, errors = matching(found, word), []
         if not found:
             _core.load_profile(word)  # says which are near, and which there are
     if arguments.plot:

@@ -29,12 +29,14 @@ LEAST_SOURCES = 30  # columns; in fewer, they only lengthen the table
 def matching(found: Sequence[dict[str, Any]], word: str) -> list[dict[str, Any]]:
     """Return the summaries whose id, make or model has @word in it.
 
-    Case, hyphens and spaces do not count."""
+    Case, hyphens and spaces do not count; a word without a letter or digit is in
+    none."""
     asked = bare(word)
     return [
         sensor
         for sensor in found
-        if any(asked in bare(text) for text in (sensor["id"], full_name(sensor)))
+        if asked
+        and any(asked in bare(text) for text in (sensor["id"], full_name(sensor)))
     ]
 
 
