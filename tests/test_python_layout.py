@@ -12,6 +12,7 @@ import pytest
 # A room is a module, or a package with all that is in it. Its modules import from it
 # and from rooms before it. "cg2raw" is the package's __init__.py: the public names.
 ROOMS = (
+    "cg2raw.interrupts",
     "cg2raw._core",
     "cg2raw.system",
     "cg2raw.near_words",
@@ -25,6 +26,7 @@ ROOMS = (
     "cg2raw.dng",
     "cg2raw.upi",
     "cg2raw.oiio",
+    "cg2raw._public",
     "cg2raw",
     "cg2raw.io",
     "cg2raw.profile",

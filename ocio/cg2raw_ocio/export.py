@@ -8,7 +8,6 @@ spectral over the roots themselves. A .cube is a preview."""
 
 import functools
 import os
-import tempfile
 import uuid
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from cg2raw._core import CameraTransform, SensorProfile
 from cg2raw.arrays import FloatImage
+from cg2raw.interrupts import scratch_folder
 
 from . import chain, color_effects, cube, measure, names, spectral_chain
 from .spaces import Exposure, camera_chain, camera_transform, group, seen_by
@@ -182,7 +182,7 @@ def with_file(
     text: str, ending: str, use: Callable[[chain.Op], FloatImage]
 ) -> FloatImage:
     """Return use(FileTransform) of a temporary file that holds @text."""
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch_folder("cg2raw.") as folder:
         path = os.path.join(folder, "chain" + ending)
         with open(path, "w", encoding="utf-8", newline="\n") as stream:
             stream.write(text)

@@ -3,59 +3,26 @@
 
 """cg2raw: the RAW file that a chosen camera would have recorded of a CG image."""
 
-from cg2raw import near_words
-from cg2raw._core import (
-    DngMetadata,
-    Illuminant,
-    SensorProfile,
-    Simulation,
-    __version__,
-    effects,
-    illuminant_grammar,
-    illuminant_list,
-    installed_profiles,
-    philox_words,
-    planckian_xy,
-    profile_folders,
-    raw_space_alias,
-    raw_space_from_name,
-    raw_space_name,
-    temperature_from_xy,
-)
-from cg2raw.cfa import demosaic, mosaic
-from cg2raw.dng import read_dng_metadata, write_dng
-from cg2raw.exposure import Run
-from cg2raw.oiio.registration import register_oiio_plugin
-from cg2raw.raw_frame import RawFrame
-from cg2raw.sensor import Sensor
-from cg2raw.upi import Upi
+# Public names are loaded when the first is asked for: the command has to answer Ctrl-C
+# before NumPy and the core are there.
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from cg2raw._public import *  # noqa: F403
+else:
 
-near_words.suggest_in_messages()
+    def __getattr__(name):
+        from importlib import import_module
 
-__all__ = [
-    "DngMetadata",
-    "Illuminant",
-    "RawFrame",
-    "Run",
-    "Sensor",
-    "SensorProfile",
-    "Simulation",
-    "Upi",
-    "__version__",
-    "demosaic",
-    "effects",
-    "illuminant_grammar",
-    "illuminant_list",
-    "installed_profiles",
-    "mosaic",
-    "philox_words",
-    "planckian_xy",
-    "profile_folders",
-    "raw_space_alias",
-    "raw_space_from_name",
-    "raw_space_name",
-    "read_dng_metadata",
-    "register_oiio_plugin",
-    "temperature_from_xy",
-    "write_dng",
-]
+        if name == "_core":
+            core = import_module("cg2raw._core")
+            import_module("cg2raw.near_words")  # every message of it has hints
+            return core
+        if name.startswith("__") and name not in ("__all__", "__version__"):
+            raise AttributeError(f"module 'cg2raw' has no attribute {name!r}")
+        public = import_module("cg2raw._public")
+        if name != "__all__" and name not in public.__all__:
+            raise AttributeError(f"module 'cg2raw' has no attribute {name!r}")
+        return globals().setdefault(name, getattr(public, name))
+
+    def __dir__():
+        return sorted({*globals(), *__getattr__("__all__")} - {"TYPE_CHECKING"})

@@ -93,13 +93,9 @@ def with_suggestion(message: str) -> str:
     return ILLUMINANT.sub(_illuminant_words, SENSOR.sub(_sensor_words, message))
 
 
-def suggest_in_messages() -> None:
-    """Let every _core.Error be read with a suggestion."""
-
-    def read(error: BaseException) -> str:
-        return with_suggestion(BaseException.__str__(error))
-
-    _core.Error.__str__ = read  # type: ignore[method-assign]
+def _read(error: BaseException) -> str:
+    """Return the message of a _core.Error with a suggestion."""
+    return with_suggestion(BaseException.__str__(error))
 
 
 def _sensor_words(found: re.Match[str]) -> str:
@@ -128,3 +124,6 @@ def _close(word: str, known: Sequence[str]) -> list[str]:
     close = difflib.get_close_matches(word, known, MOST, cutoff=CLOSE)
     ratio = {name: difflib.SequenceMatcher(None, name, word).ratio() for name in close}
     return [name for name in close if ratio[name] >= ratio[close[0]] - HARDLY]
+
+
+_core.Error.__str__ = _read  # type: ignore[method-assign]

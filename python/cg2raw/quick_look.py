@@ -3,12 +3,12 @@
 """A DNG as a picture: LibRaw's development with the file's own white balance."""
 
 import os
-import tempfile
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.interrupts import scratch_folder
 from cg2raw.io.atomic_file import FilePath, write_atomically
 from cg2raw.io.libraw import opened
 from cg2raw.oiio.openimageio import one_line, openimageio
@@ -72,7 +72,7 @@ def write_png(path: FilePath, picture: NDArray[Any]) -> None:
     kind = "uint16" if picture.dtype == np.uint16 else "uint8"
     spec = oiio.ImageSpec(width, height, channels, kind)
     spec.attribute("oiio:ColorSpace", "sRGB")
-    with tempfile.TemporaryDirectory(prefix="cg2raw-render-") as folder:
+    with scratch_folder("cg2raw-render-") as folder:
         part = os.path.join(folder, "picture.png")
         out = oiio.ImageOutput.create(part)
         done = out and out.open(part, spec) and out.write_image(picture) and out.close()

@@ -216,6 +216,15 @@ def new_session() -> int:
     return 0
 
 
+def end_process(process: int) -> None:
+    """Kill a child of this process at once, and wait for its end. Raises OSError."""
+    if sys.platform == "win32":
+        os.kill(process, signal.SIGTERM)  # which is TerminateProcess there
+    else:
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+
+
 def end_with_parent(parent: int) -> None:
     """Let the system kill this process when its parent is killed.
 

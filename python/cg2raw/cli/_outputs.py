@@ -11,6 +11,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
+from cg2raw.interrupts import held, is_asked_to_end
+
 Pair = tuple[str, str]  # input, output
 Report = dict[str, Any]
 
@@ -119,8 +121,13 @@ def each_file(
     for path, text in faults:
         errors.append({"input": path, "error": text})
         print(f"cg2raw {name}: {text}", file=sys.stderr)
-    with contextlib.closing(results_of(pairs, work, workers)) as results:
+    with (
+        held() if workers > 1 else contextlib.nullcontext(),
+        contextlib.closing(results_of(pairs, work, workers)) as results,
+    ):
         for path, _ in tracked(pairs, words, arguments.quiet):
+            if is_asked_to_end():
+                break
             try:
                 reports.append(next(results)())
             except (ValueError, OSError, MemoryError) as error:

@@ -162,7 +162,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError("--workers and --scheduler: the cluster has its own workers")
     if arguments.dry_run:
         return dry_run(arguments, plan)
-    from cg2raw.dataset.run import make_dataset
+    from cg2raw.dataset.run import STOPPED, make_dataset
 
     try:
         summary = make_dataset(
@@ -175,10 +175,7 @@ def run(arguments: argparse.Namespace) -> int:
             verify=arguments.verify,
         )
     except KeyboardInterrupt:
-        print(
-            "cg2raw dataset: stopped; run the same command again to resume",
-            file=sys.stderr,
-        )
+        print(f"cg2raw dataset: {STOPPED}", file=sys.stderr)
         return 130
     if not arguments.quiet:
         report(arguments.out, summary)

@@ -18,7 +18,6 @@ import json
 import os
 import re
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +26,7 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.dng import write_dng
+from cg2raw.interrupts import scratch_folder
 from cg2raw.oiio import hosts, plugin_file, registration
 from cg2raw.sensor import Sensor
 
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
 def examine() -> Report:
     """Return the whole report as JSON's types."""
     folders, sensors = _core.profile_folders(), _core.installed_profiles()
-    with tempfile.TemporaryDirectory(prefix="cg2raw-doctor-") as folder:
+    with scratch_folder("cg2raw-doctor-") as folder:
         shot = written_dng(folder, sensors)
         found = [examine_host(host, sensors, shot) for host in hosts.find_hosts()]
     return {

@@ -6,7 +6,6 @@ few crops of one of them, which are made in a temporary folder."""
 import hashlib
 import json
 import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -18,6 +17,7 @@ from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.manifest import ENDINGS
 from cg2raw.dataset.plan import Plan
 from cg2raw.dataset.run import check_count, check_folder
+from cg2raw.interrupts import scratch_folder
 from cg2raw.io.image_file import image_size
 from cg2raw.io.spectra_file import spectra_in
 
@@ -108,7 +108,7 @@ def made(name: str, path: str, plan: Plan) -> list[Row]:
 
     Raises ValueError or OSError for an image that cannot be used."""
     text = plan.to_json().encode()
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch_folder("cg2raw.") as folder:
         with open(os.path.join(folder, PLAN), "wb") as stream:
             stream.write(text)
         sha256 = hashlib.sha256(text).hexdigest()

@@ -17,8 +17,9 @@ from typing import BinaryIO, TypeAlias
 
 from cg2raw.dataset.job import Job, give_up
 from cg2raw.dataset.journal import Row
+from cg2raw.interrupts import tidied
 from cg2raw.io.atomic_file import create
-from cg2raw.system import new_session
+from cg2raw.system import end_process, new_session
 
 TRIES = 2  # of an image whose worker dies
 LONGEST = 1 << 16  # bytes that are read at a time
@@ -95,10 +96,11 @@ def results(jobs: Iterable[Job], count: int, log: str) -> Generator[Row]:
     with create(log) as stream:
         pool = Pool(iter(jobs), stream)
         try:
-            for job in islice(pool.jobs, count):
-                pool.hire().give(job, 1)
-            while pool.workers:
-                yield from pool.serve(*pool.heard.get())
+            with tidied(pool.kill):
+                for job in islice(pool.jobs, count):
+                    pool.hire().give(job, 1)
+                while pool.workers:
+                    yield from pool.serve(*pool.heard.get())
         finally:
             for worker in pool.workers:
                 worker.stop()
@@ -117,6 +119,13 @@ class Pool:
         worker = Worker(self.log, self.heard)
         self.workers.add(worker)
         return worker
+
+    def kill(self) -> None:
+        """End all processes when a signal ends this one, which may hold locks of
+        theirs."""
+        for worker in self.workers:
+            with contextlib.suppress(OSError):
+                end_process(worker.process.pid)
 
     def dismiss(self, worker: Worker) -> int:
         """End a Worker; return the exit code of one that had ended by itself."""

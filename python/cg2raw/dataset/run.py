@@ -9,6 +9,7 @@ import re
 import shutil
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from cg2raw.dataset import journal, manifest, options
 from cg2raw.dataset.images import Images
@@ -16,9 +17,11 @@ from cg2raw.dataset.job import PARTS, Job
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.plan import Plan
+from cg2raw.interrupts import tidied
 from cg2raw.io.atomic_file import write_in
 from cg2raw.system import Folder, lock, sync_file_system
 
+STOPPED = "stopped; run the same command again to resume"
 # What write_in leaves where it was killed.
 LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.[a-z0-9_]{{8}}")
 
@@ -63,7 +66,8 @@ def make_dataset(
         jobs = jobs_of(images, out, plan, verify)
         found = worked(out, jobs, workers, scheduler)
         summary = Summary()
-        with contextlib.closing(found):
+        parts = partial(shutil.rmtree, parts_of(out), True)
+        with tidied(parts, STOPPED), contextlib.closing(found):
             each = plan.files_of_an_image
             for result in watch(found, total, each) if watch else found:
                 if "reason" in result:

@@ -10,8 +10,10 @@ import stat
 import string
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from typing import BinaryIO, Protocol
 
+from cg2raw.interrupts import held, tidied
 from cg2raw.system import Folder, open_without_links, set_mode, sync, sync_folder
 
 FilePath = str | os.PathLike[str]
@@ -50,6 +52,7 @@ def write_atomically(path: FilePath, data: bytes) -> None:
         write_in(opened, name, data, path)
 
 
+@held()
 def write_in(folder: Folder, name: str, data: bytes, path: FilePath) -> None:
     """Write bytes to a name in a Folder, as write_atomically; a link of that name is
     replaced. Raises OSError naming @path."""
@@ -117,18 +120,34 @@ def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -
     )
     if foreign:
         raise ValueError(f"{path}: holds {foreign[0]}, which is not ours; remove it")
-    parent = os.path.dirname(target)
-    with failing(path):
-        part = tempfile.mkdtemp(prefix=".cg2raw.", dir=parent)
-    fresh, old = os.path.join(part, "new"), os.path.join(part, "old")
+    with contextlib.ExitStack() as undo:
+        with held():
+            with failing(path):
+                part = tempfile.mkdtemp(prefix=".cg2raw.", dir=os.path.dirname(target))
+            undo.enter_context(tidied(partial(shutil.rmtree, part, True)))
+        fresh = os.path.join(part, "new")
+        try:
+            with failing(path):
+                os.mkdir(fresh)  # with the permissions of any new folder, or the old
+                if os.path.isdir(target):
+                    shutil.copymode(target, fresh)
+            for name, data in files.items():
+                write_all(os.path.join(fresh, name), path, data)
+        except BaseException:
+            shutil.rmtree(part, ignore_errors=True)
+            raise
+        with held():
+            undo.close()
+            _exchange_or_stay(path, target, part)
+    sync_folder(os.path.dirname(target))
+
+
+def _exchange_or_stay(path: FilePath, target: str, part: str) -> None:
+    """Put part/new in the place of the folder @target, which comes back if that fails;
+    remove @part."""
+    old = os.path.join(part, "old")
     try:
-        with failing(path):
-            os.mkdir(fresh)  # with the permissions of any new folder, or the old one's
-            if os.path.isdir(target):
-                shutil.copymode(target, fresh)
-        for name, data in files.items():
-            write_all(os.path.join(fresh, name), path, data)
-        exchange(path, target, fresh, old)
+        exchange(path, target, os.path.join(part, "new"), old)
     except BaseException:
         move_back(path, target, old)
         raise
@@ -136,7 +155,6 @@ def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -
         # What could not be moved back stays where it is.
         if os.path.exists(target) or not os.path.exists(old):
             shutil.rmtree(part, ignore_errors=True)
-    sync_folder(parent)
 
 
 def exchange(path: FilePath, target: str, fresh: str, old: str) -> None:

@@ -6,10 +6,10 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cg2raw.interrupts import scratch_folder
 from cg2raw.oiio.plugin_file import plugin_api_of, version_of
 
 SECONDS = 60  # patience with any program that is asked
@@ -143,7 +143,7 @@ class Trial:
 
 def try_to_write(host: Host, sensor: str) -> Trial:
     """Let @host write a DNG into a temporary folder; return the Trial."""
-    with tempfile.TemporaryDirectory(prefix="cg2raw-doctor-") as folder:
+    with scratch_folder("cg2raw-doctor-") as folder:
         target = Path(folder, "trial.dng")
         done = ask(
             host.write_command(str(target), sensor),

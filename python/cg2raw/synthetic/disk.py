@@ -7,13 +7,13 @@ import hashlib
 import io
 import json
 import os
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from cg2raw import Sensor, write_dng
+from cg2raw.interrupts import scratch_folder
 from cg2raw.io.atomic_file import write_folder
 from cg2raw.synthetic import conditions
 from cg2raw.synthetic.synthetic_camera import Shot, SyntheticCamera
@@ -100,7 +100,7 @@ class Folder:
         return ", ".join(f"{name}: {value}" for name, value in fields.items())
 
     def _dng(self, shot: Shot) -> bytes:
-        with tempfile.TemporaryDirectory(prefix="cg2raw.") as folder:
+        with scratch_folder("cg2raw.") as folder:
             path = os.path.join(folder, f"{shot.name}.dng")
             write_dng(
                 path,

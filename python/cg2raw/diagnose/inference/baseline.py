@@ -18,6 +18,7 @@ from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model, Term
 from cg2raw.diagnose.likelihood.prediction import predict
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
+from cg2raw.interrupts import raised
 
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
 HIGHEST_COMPARED = 0.9  # of white, for that
@@ -47,15 +48,26 @@ def baseline_of(
     else."""
     bare = Model(capture_set.sensor)
     try:
-        registration = _registration(capture_set, splits, bare, report)
-        placed = splits if registration is None else splits.placed(registration)
-        if capture_set.doubts_light:
-            shown = [without_highlights(frame, bare) for frame in placed.frames]
-            placed = Splits(shown, placed.workers)
-        check_correspondence(bare, placed)
-        model = _fitted(capture_set, placed, bare)
+        with raised():
+            return _found(capture_set, splits, bare, report)
     except (KeyboardInterrupt, TimeIsUp) as ended:
         return Baseline(bare, splits, ended=type(ended))
+
+
+def _found(
+    capture_set: CaptureSet,
+    splits: Splits,
+    bare: Model,
+    report: Callable[[str, float], None],
+) -> Baseline:
+    """Return the baseline of all steps."""
+    registration = _registration(capture_set, splits, bare, report)
+    placed = splits if registration is None else splits.placed(registration)
+    if capture_set.doubts_light:
+        shown = [without_highlights(frame, bare) for frame in placed.frames]
+        placed = Splits(shown, placed.workers)
+    check_correspondence(bare, placed)
+    model = _fitted(capture_set, placed, bare)
     return Baseline(model, placed, registration, free=capture_set.nuisances)
 
 

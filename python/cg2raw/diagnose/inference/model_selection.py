@@ -54,6 +54,7 @@ from cg2raw.diagnose.inference.ties import CLEAR, simplest_of_ties
 from cg2raw.diagnose.inference.warmth import by_temperature
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import TimeIsUp
+from cg2raw.interrupts import raised
 
 MOST_SWAPS = 3
 FEW_EFFECTS = 3  # effects, up to which both ways of the search are gone
@@ -106,7 +107,8 @@ class Search:
         if self.baseline.ended:
             return self._reached
         try:
-            self._run()
+            with raised():
+                self._run()
         except KeyboardInterrupt:
             self.interrupted = True
         except TimeIsUp:

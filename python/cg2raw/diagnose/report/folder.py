@@ -5,11 +5,11 @@
 
 import json
 import os
-import tempfile
 from pathlib import Path
 
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.report.verdict_json import verdict_json
+from cg2raw.interrupts import scratch_folder
 from cg2raw.io.atomic_file import write_atomically, write_folder
 
 VERDICT, PROFILE = "verdict.json", "profile.json"
@@ -56,7 +56,7 @@ def write_report_folder(
     from cg2raw.diagnose.report import write_report
 
     check_folder(path, force)
-    with tempfile.TemporaryDirectory(prefix="cg2raw.") as name:
+    with scratch_folder("cg2raw.") as name:
         drawn = Path(name) / "report"
         write_report(diagnosis, drawn)
         files = {file.name: file.read_bytes() for file in sorted(drawn.iterdir())}
