@@ -15,10 +15,11 @@ else:
 
         if name == "_core":
             core = import_module("cg2raw._core")
-            import_module("cg2raw.near_words")  # every message of it has hints
+            import_module("cg2raw.core_arguments")  # in whose words it speaks
             return core
         if name.startswith("__") and name not in ("__all__", "__version__"):
             raise AttributeError(f"module 'cg2raw' has no attribute {name!r}")
+        import_module("cg2raw.core_arguments")
         public = import_module("cg2raw._public")
         if name != "__all__" and name not in public.__all__:
             raise AttributeError(f"module 'cg2raw' has no attribute {name!r}")

@@ -20,6 +20,7 @@ from cg2raw.argument_types import (
 )
 from cg2raw.arrays import raw_plane
 from cg2raw.cfa import is_mono
+from cg2raw.core_arguments import shown
 from cg2raw.sensor import Sensor
 
 
@@ -120,7 +121,7 @@ def _shot(shot: Mapping[str, Any] | _core.Shot) -> _core.Shot:
     if isinstance(shot, _core.Shot):
         return shot
     if not isinstance(shot, Mapping):
-        raise ValueError(f"shot {shot!r} must be a dict or a Shot")
+        raise ValueError(f"shot {shown(shot)} must be a dict or a Shot")
     fields = {name: value for name, value in shot.items() if value is not None}
     if "frame_rate" in fields:
         fields["frame_rate"] = str(fields["frame_rate"])
@@ -129,13 +130,13 @@ def _shot(shot: Mapping[str, Any] | _core.Shot) -> _core.Shot:
         if name == "iso":
             raise ValueError("shot has an iso: give it as the argument iso")
         if name not in known:
-            raise ValueError(f"shot has no {name!r}; known: {', '.join(known)}")
+            raise ValueError(f"shot has no {shown(name)}; known: {', '.join(known)}")
     try:
         return _core.Shot(**fields)
     except TypeError:
         raise ValueError(
-            f"shot {fields!r}: {', '.join(NUMBERS)} must be numbers, orientation a "
-            "whole number, the others texts"
+            f"shot {shown(fields)}: {', '.join(NUMBERS)} must be numbers, orientation "
+            "a whole number, the others texts"
         ) from None
 
 
@@ -148,6 +149,8 @@ def _simulation_of(
 ) -> _core.Simulation:
     """Return what the file says of its pixels."""
     if sensor is not None:
+        if not isinstance(sensor, Sensor):
+            raise TypeError(f"sensor {shown(sensor)} must be a Sensor: cg2raw.Sensor")
         if illuminant is None and not is_mono(sensor.cfa):
             raise ValueError("a sensor needs an illuminant: give the light, or neither")
         return sensor.simulation(

@@ -10,6 +10,7 @@ from typing import Any, TypedDict, TypeVar
 
 from cg2raw import _core
 from cg2raw.argument_types import NUMBER, TEXT, TRUTH, check_types
+from cg2raw.core_arguments import shown
 
 Light = str | _core.Illuminant
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -138,7 +139,7 @@ def _wrong_types(fields: Mapping[str, Any]) -> str:
         try:
             _core.Run(**{**right, name: fields[name]})
         except TypeError:
-            wrong.append(f"{name} {fields[name]!r} must be {words}")
+            wrong.append(f"{name} {shown(fields[name])} must be {words}")
     return "; ".join(wrong)
 
 
@@ -148,8 +149,8 @@ def illuminant_word(illuminant: Light, sensor: str) -> str:
         return illuminant
     if not isinstance(illuminant, _core.Illuminant):
         raise ValueError(
-            f"illuminant {illuminant!r} must be one word or an Illuminant; the words: "
-            f"{_core.illuminant_grammar}"
+            f"illuminant {shown(illuminant)} must be one word or an Illuminant; the "
+            f"words: {_core.illuminant_grammar}"
         )
     if illuminant.sensor != sensor:
         raise ValueError(

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 from cg2raw import _core
 
+LONGEST = 1500  # letters of a message
 MOST = 3  # words that a message suggests
 CLOSE, HARDLY = 0.7, 0.05  # ratios of difflib
 DAYLIGHTS = ("D50", "D55", "D65", "D75")
@@ -94,8 +95,15 @@ def with_suggestion(message: str) -> str:
 
 
 def _read(error: BaseException) -> str:
-    """Return the message of a _core.Error with a suggestion."""
-    return with_suggestion(BaseException.__str__(error))
+    """Return the message of a _core.Error with a suggestion, and not too long: its
+    start and end, where it repeats what it was given."""
+    return _cut(with_suggestion(_cut(BaseException.__str__(error))))
+
+
+def _cut(message: str) -> str:
+    if len(message) <= LONGEST:
+        return message
+    return f"{message[: LONGEST // 2]} ... {message[-LONGEST // 2 :]}"
 
 
 def _sensor_words(found: re.Match[str]) -> str:

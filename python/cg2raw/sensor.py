@@ -21,6 +21,7 @@ from cg2raw.arrays import (
     signal_plane,
 )
 from cg2raw.cfa import demosaic, mosaic
+from cg2raw.core_arguments import shown
 from cg2raw.exposure import (
     Light,
     Run,
@@ -92,6 +93,8 @@ class Sensor:
     @classmethod
     def from_profile(cls, profile: _core.SensorProfile) -> "Sensor":
         """Return the sensor of a profile that is loaded already."""
+        if not isinstance(profile, _core.SensorProfile):
+            raise TypeError(f"profile {shown(profile)} must be a SensorProfile")
         sensor = cls.__new__(cls)
         sensor._profile = profile
         return sensor

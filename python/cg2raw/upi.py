@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from cg2raw import _core
 from cg2raw.argument_types import thread_count
 from cg2raw.cfa import is_mono, sites_of
+from cg2raw.core_arguments import shown
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
 
@@ -215,18 +216,18 @@ def asked_ranges(
         _one_of("gains", gains, (*GAINS, "camera"))
         return gain_ranges(sensor) if gains == "camera" else GAINS[gains]
     try:
-        ranges = np.array(gains, float)
-    except (TypeError, ValueError):
+        ranges = np.array(gains, object).astype(float)
+    except (TypeError, ValueError, OverflowError):
         ranges = np.empty(0)
     if ranges.shape != (2, 2) or not (
         LEAST_GAIN <= ranges.min() and ranges.max() <= MOST_GAIN
     ):
         raise ValueError(
-            f"gains {gains!r} must be ((low, high), (low, high)) of red and blue, "
+            f"gains {shown(gains)} must be ((low, high), (low, high)) of red and blue, "
             f"{LEAST_GAIN:g} to {MOST_GAIN:g}"
         )
     if (ranges[:, 0] > ranges[:, 1]).any():
-        raise ValueError(f"gains {gains!r}: a range goes from low to high")
+        raise ValueError(f"gains {shown(gains)}: a range goes from low to high")
     (red_low, red_high), (blue_low, blue_high) = ranges.tolist()
     return (red_low, red_high), (blue_low, blue_high)
 
@@ -313,4 +314,4 @@ def _sensor(sensor: SensorLike) -> Sensor:
 def _one_of(name: str, value: object, allowed: Sequence[str]) -> None:
     """Raise ValueError unless @value is one of @allowed."""
     if value not in allowed:
-        raise ValueError(f"{name} {value!r} must be {' or '.join(allowed)}")
+        raise ValueError(f"{name} {shown(value)} must be {' or '.join(allowed)}")

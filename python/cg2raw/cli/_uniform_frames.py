@@ -14,6 +14,7 @@ import numpy as np
 from cg2raw.arrays import RawImage
 from cg2raw.calibration import UniformFrame
 from cg2raw.diagnose.captures.raw_files import check_sensor, read_header, read_raw
+from cg2raw.io.npy_file import whole
 from cg2raw.sensor import Sensor
 
 Kind = Literal["dark", "flat"]
@@ -149,7 +150,7 @@ def stored_in_npz(path: str) -> Iterator[tuple[UniformFrame, Said]]:
 
     def reader(name: str) -> Callable[[], RawImage]:
         def read() -> RawImage:
-            with np.load(path, allow_pickle=False) as stored:
+            with whole(path, ".npz"), np.load(path, allow_pickle=False) as stored:
                 array: RawImage = stored[name]
                 return array
 
@@ -157,11 +158,8 @@ def stored_in_npz(path: str) -> Iterator[tuple[UniformFrame, Said]]:
 
     with open(path, "rb"):  # NumPy's own message of a missing file has no path
         pass
-    try:
-        with np.load(path, allow_pickle=False) as stored:
-            names = sorted(stored.files)
-    except (ValueError, OSError, EOFError) as error:
-        raise ValueError(f"{path}: is no .npz file, or cut off: {error}") from None
+    with whole(path, ".npz"), np.load(path, allow_pickle=False) as stored:
+        names = sorted(stored.files)
     for name in names:
         yield UniformFrame(name, "dark", reader(name)), Said()
 

@@ -3,11 +3,15 @@
 
 """Arrays in .npy files."""
 
+import contextlib
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+LONGEST = 160  # letters of what NumPy says
 
 
 def is_npy(path: str) -> bool:
@@ -22,10 +26,21 @@ def mapped(path: str) -> NDArray[Any]:
     """
     with open(path, "rb"):  # NumPy's own message of a missing file has no path
         pass
-    try:
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (ValueError, EOFError) as error:
-        raise ValueError(f"{path}: is no .npy file, or cut off: {error}") from None
-    if not isinstance(array, np.ndarray) or array.ndim < 2:
+    array: NDArray[Any]
+    with whole(path, ".npy"), np.errstate(over="ignore"):
+        array = np.lib.format.open_memmap(path, mode="r")
+    if array.ndim < 2:
         raise ValueError(f"{path}: is no image: give one array, (H, W) or (H, W, 3)")
     return array
+
+
+@contextlib.contextmanager
+def whole(path: str, kind: str) -> Iterator[None]:
+    """Raise ValueError in one line for whatever NumPy raises of a damaged file.
+
+    Those are errors of its own, and of Python's tokenizer, zip files and integers."""
+    try:
+        yield
+    except Exception as error:
+        words = " ".join(f"{error}".split())[:LONGEST]
+        raise ValueError(f"{path}: is no {kind} file, or cut off: {words}") from None
