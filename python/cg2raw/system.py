@@ -10,6 +10,7 @@ import signal
 import stat
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import PurePath
 from types import TracebackType
 
@@ -214,6 +215,20 @@ def new_session() -> int:
     if sys.platform == "win32":  # which does not know start_new_session
         return subprocess.CREATE_NEW_PROCESS_GROUP
     return 0
+
+
+@contextlib.contextmanager
+def children_without_ctrl_c() -> Iterator[None]:
+    """Let processes that are started in the block leave Ctrl-C to this one, which
+    answers it afterwards; on Windows they get it too."""
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end_process(process: int) -> None:

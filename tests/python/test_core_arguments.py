@@ -142,7 +142,8 @@ def test_every_public_name_is_tried(tmp_path):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_wrong_arguments_are_told_in_one_short_line(tmp_path, name):
+def test_wrong_arguments_are_told_in_one_short_line(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)  # bytes are a path, too
     function, right = calls(tmp_path)[name]
     function(**right)
     refused, bad = 0, []

@@ -163,3 +163,13 @@ def test_a_pipe_has_no_disk():
 def test_a_process_of_another_parent_ends():
     with pytest.raises(SystemExit):
         system.end_with_parent(os.getppid() + 1)
+
+
+def test_children_leave_ctrl_c_to_their_parent():
+    program = "import os, signal; os.kill(os.getpid(), signal.SIGINT); print('lives')"
+    child = [sys.executable, "-c", program]
+    with system.children_without_ctrl_c():
+        done = subprocess.run(child, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "lives\n", "")
+    done = subprocess.run(child, capture_output=True, text=True)
+    assert done.returncode != 0 and "KeyboardInterrupt" in done.stderr

@@ -8,6 +8,7 @@
 A suite that was interrupted resumes where it stopped if --json names the same file."""
 
 import argparse
+import contextlib
 import json
 import math
 import multiprocessing
@@ -15,6 +16,7 @@ import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,8 @@ from cg2raw.benchmark.scores import covered, half_points, score, table
 from cg2raw.benchmark.suites import SUITES, AnyCase, cases
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.interrupts import raised
+from cg2raw.system import children_without_ctrl_c
 
 # Threads of BLAS and OpenMP would only be in the way of the worker processes.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -112,7 +116,10 @@ def records_of(
         return
     for name in ONE_THREAD:
         os.environ[name] = "1"
-    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
+    resource_tracker.ensure_running()  # which unblocks Ctrl-C when it starts
+    with raised(), contextlib.ExitStack() as end:
+        with children_without_ctrl_c():
+            pool = end.enter_context(multiprocessing.get_context("spawn").Pool(jobs))
         yield from pool.imap_unordered(_job, work)
 
 
