@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from cg2raw.core_arguments import shown
+
 TEXT, TRUTH, NUMBER = "a text", "True or False", "a number"
 WHOLE = "a whole number"
 
@@ -22,16 +24,16 @@ def check_types(kind: str, arguments: Mapping[str, Any]) -> None:
         if value is None and kind.endswith(" or None"):
             continue
         if not _is(kind.removesuffix(" or None"), value):
-            raise ValueError(f"{name} {value!r} must be {kind}")
+            raise ValueError(f"{name} {shown(value)} must be {kind}")
 
 
 def path_text(path: str | os.PathLike[str]) -> str:
     """Return the text of a path. Raises ValueError for what is none."""
     text = path if isinstance(path, str) else getattr(path, "__fspath__", str)()
     if not isinstance(text, str) or not text:
-        raise ValueError(f"path {path!r} must be the path of a file, a text")
+        raise ValueError(f"path {shown(path)} must be the path of a file, a text")
     if "\0" in text:
-        raise ValueError(f"path {text!r} holds a NUL character")
+        raise ValueError(f"path {shown(text)} holds a NUL character")
     return text
 
 
@@ -46,11 +48,11 @@ def effect_parameters(effect: str, parameters: Mapping[str, float]) -> dict[str,
     check_types(TEXT, {"name": effect})
     if not isinstance(parameters, Mapping):
         raise ValueError(
-            f"{effect}: parameters {parameters!r} must be a dict of numbers"
+            f"{effect}: parameters {shown(parameters)} must be a dict of numbers"
         )
     for name, value in parameters.items():
         if not _is(NUMBER, value):
-            raise ValueError(f"{effect}: {name} {value!r} must be a number")
+            raise ValueError(f"{effect}: {name} {shown(value)} must be a number")
     return dict(parameters)
 
 
