@@ -39,6 +39,7 @@ STUBS = stub_nodes()
 
 def stub_of(name, obj):
     """Return the node that types something compiled; None if Python has its source."""
+    obj = inspect.unwrap(obj)  # what the core has is wrapped: its errors are plain
     if inspect.isfunction(obj) or inspect.ismethod(obj):
         return None
     return STUBS.get(name.partition(".")[2])
@@ -54,7 +55,7 @@ def signature(app, what, name, obj, options, given, returned):
     if what == "class":
         if dataclasses.is_dataclass(obj):
             return "", None  # its fields follow
-        init = vars(obj).get("__init__")
+        init = inspect.unwrap(vars(obj).get("__init__"))
         if inspect.isfunction(init):
             return arguments_of(source_node(init)), None
         return None if name.partition(".")[2] in STUBS else ("", None)
