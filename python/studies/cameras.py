@@ -4,13 +4,16 @@
 
 import csv
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import cg2raw
+from cg2raw.profile.neutral_mixture import mixture_of
 from cg2raw.profile.spectral import profile_from_ssf, spectral_field
 from cg2raw.profile.spectral_file import Sensitivities, read_sensitivities
 from studies.world.colorimetry import Array
@@ -55,9 +58,26 @@ class Camera:
     def told(self, found: Array) -> cg2raw.Sensor:
         """Return the sensor whose lights are drawn from neutrals (n, 3), as found in
         training captures."""
-        profile = json.loads(self.sensor.to_json())
         ratios = found[:, [0, 2]].round(6).tolist()
-        profile["illuminants"] = {"neutrals": ratios}
+        return self.with_illuminants({"neutrals": ratios})
+
+    def told_mixture(self, found: Array) -> cg2raw.Sensor:
+        """Return the sensor as bundled profiles have it: what stands for neutrals
+        (n, 3) is their mean, covariance, hull and mixture of Gaussians."""
+        lights = self.told(found).illuminants
+        return self.with_illuminants(
+            {
+                "mean": lights["mean"],
+                "covariance": lights["covariance"].tolist(),
+                "hull": lights["hull"],
+                "mixture": mixture_of(np.asarray(lights["neutrals"])),
+            }
+        )
+
+    def with_illuminants(self, illuminants: Mapping[str, Any]) -> cg2raw.Sensor:
+        """Return the sensor with that field of a profile."""
+        profile = json.loads(self.sensor.to_json())
+        profile["illuminants"] = illuminants
         return cg2raw.Sensor.from_json(json.dumps(profile), self.id)
 
     def with_sensitivities(self) -> cg2raw.Sensor:

@@ -19,9 +19,11 @@ LEFT = 0.3  # the goal: of a baseline's gap to real
 
 
 def illuminant_tables(
-    found: Mapping[str, Errors], own: str = OWN, title: str = "Illuminant"
+    found: Mapping[str, Errors],
+    compared: Sequence[str] = (OWN,),
+    title: str = "Illuminant",
 ) -> str:
-    """Return the tables of {camera: errors}. own : the source that is compared."""
+    """Return the tables of {camera: errors}. compared : sources, each with others."""
     first = next(iter(found.values()))
     seeds, frames = np.shape(first[REAL])
     rows = [
@@ -31,7 +33,9 @@ def illuminant_tables(
     return (
         f"### {title}, {seeds} seeds, {frames} test frames a camera\n\n"
         "Degrees: mean +- sd over seeds; median; mean of the best and of the worst "
-        f"quarter.\n\n{table(['trained on', *found], rows)}\n\n{sure(found, own)}"
+        f"quarter.\n\n{table(['trained on', *found], rows)}\n\n"
+        "Paired differences, degrees (SE over seeds and frames); beats: by more than "
+        f"{BEATS:g} SE.\n\n" + "\n\n".join(sure(found, own) for own in compared)
     )
 
 
@@ -63,10 +67,7 @@ def sure(found: Mapping[str, Errors], own: str) -> str:
         ]
         for baseline in BASELINES
     ]
-    return (
-        f"Paired differences, degrees (SE over seeds and frames); beats: by more than "
-        f"{BEATS:g} SE.\n\n{table(['difference', *found], rows)}"
-    )
+    return table(["difference", *found], rows)
 
 
 def longer_tables(

@@ -13,7 +13,7 @@ from studies.tables_isp import isp_tables
 from studies.tables_paired import REAL
 from studies.world.shots import KINDS
 
-MEASURED = "ours, measured lights"
+DRAWN = ("ours, measured lights", "ours, mixture of lights")
 FAMILIES = ("real", "ours", "upi", "translation")
 TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
@@ -52,7 +52,7 @@ def more_tables(results: Results) -> Iterator[tuple[str, str]]:
     studies = ("illuminant", "light_draws", "longer", "unet")
     once, drawn, longer, by_unet = (ready(results, study) for study in studies)
     if drawn:
-        yield "illuminant", illuminant_tables(drawn, MEASURED, "How lights are drawn")
+        yield "illuminant", illuminant_tables(drawn, DRAWN, "How lights are drawn")
     if once and longer:
         yield "illuminant", longer_tables(once, longer)
     if by_unet:

@@ -128,8 +128,16 @@ def sources(
 
 
 def ablations(found: Material, camera: Camera, seed: int) -> Sources:
-    """Return sources that know what no user does, to tell what a gap comes of."""
+    """Return sources that tell what a gap comes of: one knows what no user does, one
+    knows of the neutrals what a bundled profile does."""
     told = camera.told(found.captures.neutrals)
     order = np.random.default_rng([seed, SHUFFLE]).permutation(len(found.renders))
     lights = words_of(found.captures.neutrals[order])
-    return {"ours, captures' lights": lambda: ours(found.renders, told, lights=lights)}
+    bundled = camera.told_mixture(found.captures.neutrals)
+    measured = drawn(len(found.renders), seed, "measured")
+    return {
+        "ours, captures' lights": lambda: ours(found.renders, told, lights=lights),
+        "ours, mixture of lights": lambda: ours(
+            found.renders, bundled, lights=measured
+        ),
+    }
