@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from cg2raw.core_arguments import shown
+from cg2raw.core_arguments import PLAIN, is_number, is_whole, shown
 
-TEXT, TRUTH, NUMBER = "a text", "True or False", "a number"
-WHOLE = "a whole number"
+TEXT, TRUTH, NUMBER, WHOLE = (PLAIN[kind] for kind in ("str", "bool", "float", "int"))
 
 
 def check_types(kind: str, arguments: Mapping[str, Any]) -> None:
@@ -51,7 +50,7 @@ def effect_parameters(effect: str, parameters: Mapping[str, float]) -> dict[str,
             f"{effect}: parameters {shown(parameters)} must be a dict of numbers"
         )
     for name, value in parameters.items():
-        if not _is(NUMBER, value):
+        if not is_number(value):
             raise ValueError(f"{effect}: {name} {shown(value)} must be a number")
     return dict(parameters)
 
@@ -61,6 +60,4 @@ def _is(kind: str, value: Any) -> bool:
         return isinstance(value, str)
     if kind == TRUTH:
         return isinstance(value, bool | np.bool_)
-    if kind == WHOLE:
-        return hasattr(value, "__index__")
-    return hasattr(value, "__index__") or hasattr(value, "__float__")
+    return is_whole(value) if kind == WHOLE else is_number(value)

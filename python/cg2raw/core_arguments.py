@@ -56,6 +56,16 @@ def shown(value: object) -> str:
     return words if len(words) <= 2 * LONGEST else f"{words[:LONGEST]} ..."
 
 
+def is_whole(value: object) -> bool:
+    """Return whether the core takes a value for a whole number."""
+    return hasattr(value, "__index__")
+
+
+def is_number(value: object) -> bool:
+    """Return whether the core takes a value for a number."""
+    return hasattr(value, "__float__") or is_whole(value)
+
+
 def _wrapped(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     """Return a function of the core whose TypeErrors are about arguments alone."""
 
@@ -126,9 +136,9 @@ def _fits(node: ast.expr | None, value: object) -> bool:
     if kind == "str":
         return isinstance(value, str) and not _has_surrogates(value)
     if kind == "int":
-        return hasattr(value, "__index__")
+        return is_whole(value)
     if kind == "float":
-        return hasattr(value, "__float__") or hasattr(value, "__index__")
+        return is_number(value)
     if kind == "None":
         return value is None
     if kind == "ndarray":

@@ -29,11 +29,12 @@ class Command:
     holds = 0
     waiting = 0  # a signal that came while something was held
     raises = False
-    undo: list[Callable[[], None]]
+
+    def __init__(self) -> None:
+        self.undo: list[Callable[[], None]] = []
 
 
 _command = Command()
-_command.undo = []
 
 
 def answer_signals() -> None:

@@ -244,7 +244,7 @@ class Sensor:
         """Return (H, W, 3) float32 camera RGB of an (H, W) mosaic; see cg2raw.demosaic.
 
         signal : float, 0..1 above black; signal_from_raw makes it of DN."""
-        return demosaic(signal, self.cfa, threads=thread_count(threads))
+        return demosaic(signal, self.cfa, threads=threads)
 
     def signal_from_raw(self, raw: ArrayLike) -> FloatImage:
         """Return (H, W) float32 (DN - black) / (white - black), per CFA site.

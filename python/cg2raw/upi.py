@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cg2raw import _core
-from cg2raw.argument_types import thread_count
 from cg2raw.cfa import is_mono, sites_of
 from cg2raw.core_arguments import shown
 from cg2raw.raw_frame import RawFrame
@@ -177,7 +176,7 @@ class Upi:
         drawn = self.draw(seed)
         return drawn.sensor.simulate(
             rgb,
-            threads=thread_count(threads),
+            threads=threads,
             illuminant=drawn.illuminant,
             digital_gain=drawn.digital_gain,
             seed=seed,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import cg2raw
-from cg2raw.profile.neutral_mixture import mixture_of
+from cg2raw.profile.neutral_mixture import without_neutrals
 from cg2raw.profile.spectral import profile_from_ssf, spectral_field
 from cg2raw.profile.spectral_file import Sensitivities, read_sensitivities
 from studies.world.colorimetry import Array
@@ -64,15 +64,7 @@ class Camera:
     def told_mixture(self, found: Array) -> cg2raw.Sensor:
         """Return the sensor as bundled profiles have it: what stands for neutrals
         (n, 3) is their mean, covariance, hull and mixture of Gaussians."""
-        lights = self.told(found).illuminants
-        return self.with_illuminants(
-            {
-                "mean": lights["mean"],
-                "covariance": lights["covariance"].tolist(),
-                "hull": lights["hull"],
-                "mixture": mixture_of(np.asarray(lights["neutrals"])),
-            }
-        )
+        return self.with_illuminants(without_neutrals(self.told(found).illuminants))
 
     def with_illuminants(self, illuminants: Mapping[str, Any]) -> cg2raw.Sensor:
         """Return the sensor with that field of a profile."""

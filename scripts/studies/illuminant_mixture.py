@@ -8,8 +8,8 @@ import numpy as np
 from scipy import stats
 
 import cg2raw
-from cg2raw.profile.neutral_mixture import mixture_of
-from illuminant_models import SensorGaussian, halves, is_inside, mass_inside
+from cg2raw.profile.neutral_mixture import without_neutrals
+from illuminant_models import SensorGaussian, is_inside, mass_inside
 
 
 class SensorMixture:
@@ -18,16 +18,10 @@ class SensorMixture:
     Fitted and drawn by cg2raw; Gaussians that the hull of the neutrals cuts off."""
 
     def __init__(self, neutrals, camera):
-        one = SensorGaussian(neutrals, camera)
-        profile = json.loads(one.sensor.to_json())
-        lights = one.sensor.illuminants
-        self.mixture, self.hull = mixture_of(neutrals), one.hull
-        profile["illuminants"] = {
-            "mean": lights["mean"],
-            "covariance": lights["covariance"].tolist(),
-            "hull": lights["hull"],
-            "mixture": self.mixture,
-        }
+        self.one = SensorGaussian(neutrals, camera)
+        profile = json.loads(self.one.sensor.to_json())
+        profile["illuminants"] = without_neutrals(self.one.sensor.illuminants)
+        self.mixture, self.hull = profile["illuminants"]["mixture"], self.one.hull
         self.sensor = cg2raw.Sensor.from_json(json.dumps(profile), camera)
 
     def draws(self, count, split):
@@ -44,17 +38,3 @@ class SensorMixture:
             whole += weight * stats.multivariate_normal(mean, covariance).pdf(points)
             mass += weight * mass_inside(mean, np.array(covariance), self.hull)
         return np.where(is_inside(points, self.hull), whole / mass, 0.0)
-
-
-def gains(neutrals, camera, number, splits, log_likelihood):
-    """(splits, N) nats that the mixture gains a held-out neutral; NaN if fitted."""
-    found = np.full((splits, len(neutrals)), np.nan)
-    for split in range(splits):
-        fitted, held = halves(neutrals, number, split)
-        models = (kind(neutrals[fitted], camera) for kind in KINDS)
-        one, several = (log_likelihood(m.density(neutrals[held])) for m in models)
-        found[split, held] = several - one
-    return found
-
-
-KINDS = (SensorGaussian, SensorMixture)

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from illuminant_mixture import gains, mixture_of
+from cg2raw.profile.neutral_mixture import mixture_of
+from illuminant_mixture import SensorMixture
 from illuminant_models import DRAWS, MODELS, fitted_models, halves
 
 NEUTRALS = Path("tables") / "illuminants" / "nus9_gt_illuminants.csv"
@@ -66,6 +67,18 @@ def measured(neutrals, camera, number, splits=SPLITS):
             angle[split, i, held] = nearest_angle(neutrals[held], draws)
             density[split, i, held] = model.density(neutrals[held])
     return angle, density
+
+
+def mixture_gains(neutrals, camera, number, splits=MIXTURE_SPLITS):
+    """(splits, N) nats that a mixture gains over the Gaussian; NaN if fitted."""
+    found = np.full((splits, len(neutrals)), np.nan)
+    for split in range(splits):
+        fitted, held = halves(neutrals, number, split)
+        several = SensorMixture(neutrals[fitted], camera)
+        models = (several, several.one)
+        mixed, one = (log_likelihood(m.density(neutrals[held])) for m in models)
+        found[split, held] = mixed - one
+    return found
 
 
 def lead(gain):
@@ -141,7 +154,7 @@ def mixture_table(cameras):
     """Markdown of what a mixture gains over the Gaussian, a row per camera."""
     rows = []
     for number, (camera, neutrals) in enumerate(cameras.items()):
-        gain = gains(neutrals, camera, number, MIXTURE_SPLITS, log_likelihood)
+        gain = mixture_gains(neutrals, camera, number)
         mean, error = lead(gain)
         won = (np.nanmean(gain, axis=1) > 0.0).mean()
         cells = [f"{mean:.2f} ({error:.2f})", f"{won:.0%}"]

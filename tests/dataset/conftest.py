@@ -20,3 +20,21 @@ def images(tmp_path_factory):
     from dataset.data_sets import folder_of_images
 
     return folder_of_images(tmp_path_factory.mktemp("images"))
+
+
+@pytest.fixture
+def image(tmp_path):
+    """Return the path of an image in a folder of its own."""
+    from dataset.data_sets import scene, write_image
+
+    return write_image(tmp_path / "in/a.exr", scene())
+
+
+@pytest.fixture
+def out(image, tmp_path):
+    """Return the folder of a finished data set."""
+    from dataset.data_sets import OPTIONS
+    from python.commands import run
+
+    assert run("dataset", image, tmp_path / "out", *OPTIONS).code == 0
+    return tmp_path / "out"

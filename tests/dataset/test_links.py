@@ -14,18 +14,6 @@ GROUP = hashlib.blake2b(b"a.exr", digest_size=16).hexdigest()[:2]  # journal.pat
 FOLDERS = [".cg2raw", ".cg2raw/parts", ".cg2raw/journal", f".cg2raw/journal/{GROUP}"]
 
 
-@pytest.fixture
-def image(tmp_path):
-    return write_image(tmp_path / "in/a.exr", scene())
-
-
-@pytest.fixture
-def out(image, tmp_path):
-    """Return the folder of a finished data set."""
-    assert run("dataset", image, tmp_path / "out", *OPTIONS).code == 0
-    return tmp_path / "out"
-
-
 def journal_of(out):
     return next((out / ".cg2raw/journal").rglob("*.jsonl"))
 

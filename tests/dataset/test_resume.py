@@ -24,18 +24,6 @@ from dataset.data_sets import (
 from python.commands import fails, run
 
 
-@pytest.fixture
-def image(tmp_path):
-    return write_image(tmp_path / "in/a.exr", scene())
-
-
-@pytest.fixture
-def out(image, tmp_path):
-    """Return the folder of a finished data set."""
-    assert run("dataset", image, tmp_path / "out", *OPTIONS).code == 0
-    return tmp_path / "out"
-
-
 def resume(image, out, *options):
     """Run the same command; it must succeed. Return how many files were kept."""
     done = run("dataset", image, out, *OPTIONS, *options)

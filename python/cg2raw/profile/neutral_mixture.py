@@ -6,6 +6,7 @@ Source: A. P. Dempster et al., Maximum Likelihood from Incomplete Data via the E
 Algorithm, J. R. Stat. Soc. B 39, 1977; G. Schwarz, Estimating the Dimension of a Model,
 Ann. Stat. 6, 1978."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,18 @@ def mixture_of(neutrals: Array) -> list[dict[str, Any]]:
         }
         for k in order
     ]
+
+
+def without_neutrals(lights: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a profile's illuminants that stand for neutrals which it may not list.
+
+    lights : illuminants of a sensor whose profile lists them."""
+    return {
+        "mean": lights["mean"],
+        "covariance": lights["covariance"].tolist(),
+        "hull": lights["hull"],
+        "mixture": mixture_of(np.asarray(lights["neutrals"])),
+    }
 
 
 Fit = tuple[float, Array, Array, Array]  # log-likelihood, weights, means, covariances
