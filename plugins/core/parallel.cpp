@@ -32,8 +32,12 @@ ParallelFor parallel_threads(int threads)
             }
         };
         std::vector<std::thread> helpers;
-        for (int i = 1; i < std::min(wanted, count); ++i)
-            helpers.emplace_back(work);
+        try {
+            for (int i = 1; i < std::min(wanted, count); ++i)
+                helpers.emplace_back(work);
+        } catch (const std::exception&) {
+            // No more threads, or no memory for one: those that run do the work.
+        }
         work();
         for (std::thread& helper : helpers)
             helper.join();
