@@ -32,11 +32,12 @@ ParallelFor parallel_threads(int threads)
             }
         };
         std::vector<std::thread> helpers;
-        try {
-            for (int i = 1; i < std::min(wanted, count); ++i)
+        for (int i = 1; i < std::min(wanted, count); ++i) {
+            try {
                 helpers.emplace_back(work);
-        } catch (const std::exception&) {
-            // No more threads, or no memory for one: those that run do the work.
+            } catch (const std::exception&) {
+                break; // no more threads, or no memory for one: the others do the work
+            }
         }
         work();
         for (std::thread& helper : helpers)
