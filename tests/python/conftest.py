@@ -17,3 +17,13 @@ def written(tmp_path):
         return tmp_path / name
 
     return write
+
+
+@pytest.fixture(scope="session")
+def wheel_plugin(repository):
+    """Return the folder of the plugin for OpenImageIO's wheel, or skip."""
+    pytest.importorskip("OpenImageIO")
+    folder = repository / "build/wheel/lib/cg2raw/oiio"
+    if not (folder / "dng.imageio.so").exists():
+        pytest.skip(f"no plugin for OpenImageIO's wheel in {folder}: run scripts/setup")
+    return folder

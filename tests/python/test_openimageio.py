@@ -42,16 +42,6 @@ def python(code, folder, **environment):
     return done.stdout.split()
 
 
-@pytest.fixture(scope="module")
-def wheel_plugin(repository):
-    """Return the folder of the plugin for OpenImageIO's wheel, or skip."""
-    pytest.importorskip("OpenImageIO")
-    folder = repository / "build/wheel/lib/cg2raw/oiio"
-    if not (folder / "dng.imageio.so").exists():
-        pytest.skip(f"no plugin for OpenImageIO's wheel in {folder}: run scripts/setup")
-    return folder
-
-
 @pytest.mark.parametrize("order", [BEFORE, AFTER, TWICE])
 def test_it_writes_whichever_is_imported_first(wheel_plugin, order, tmp_path):
     assert python(order + "\n" + WRITE, tmp_path) == ["True"]
