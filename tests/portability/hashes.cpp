@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Prints hashes of what each sensor, noise and effect makes of one scene, float
-/// by float and as DNG: builds of other compilers and machines must print the same.
+/// @file Hashes of what each sensor, noise and effect makes of one scene, float by float
+/// and as DNG. Builds of all compilers, levels of optimisation and machines must print
+/// the lines of hashes.txt.
 #include "cg2raw/dng_writer.h"
 #include "cg2raw/frame.h"
 
 #include "platform/paths.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -43,10 +45,13 @@ std::vector<float> scene()
 const std::vector<float> pixels = scene();
 const RgbView view { pixels.data(), size.width, size.height, 3, 3 * size.width };
 
-void print(const std::string& name, const char* kind, std::uint64_t hash)
+std::vector<std::string> lines;
+
+void add(const std::string& name, const char* kind, std::uint64_t hash)
 {
-    std::printf("%016llx %s %s\n", static_cast<unsigned long long>(hash), kind,
-                name.c_str());
+    char text[20];
+    std::snprintf(text, sizeof text, "%016llx ", static_cast<unsigned long long>(hash));
+    lines.push_back(text + std::string(kind) + " " + name);
 }
 
 std::uint64_t hash_of_file(const std::string& path)
@@ -72,15 +77,15 @@ void hash_run(const std::string& name, const SensorProfile& profile, const Run& 
         return Plane<float> { of.data(), size.width, size.height, size.width };
     };
     simulate(rows, simulation, plane(mean), threads);
-    print(name, "signal", hash_of(mean.data(), count * sizeof(float)));
+    add(name, "signal", hash_of(mean.data(), count * sizeof(float)));
     predict(rows, simulation, plane(mean), plane(variance), threads);
-    print(name, "mean", hash_of(mean.data(), count * sizeof(float)));
-    print(name, "variance", hash_of(variance.data(), count * sizeof(float)));
+    add(name, "mean", hash_of(mean.data(), count * sizeof(float)));
+    add(name, "variance", hash_of(variance.data(), count * sizeof(float)));
     const RawFrame frame = simulate(view, simulation, threads);
     const DngOptions options;
     write_dng(path, { frame.dn.data(), frame.width, frame.height, frame.width },
               describe(simulation, options, Shot()), options);
-    print(name, "dng", hash_of_file(path));
+    add(name, "dng", hash_of_file(path));
 }
 
 /// As it is bundled: lights, and each ISO, half way to the next, and one stop beyond.
@@ -129,32 +134,60 @@ void hash_effect(SensorProfile profile, const Effect& effect, const std::string&
     try {
         check(profile, effect.name);
     } catch (const Error&) {
-        std::printf("no setting of %s\n", effect.name.c_str());
+        lines.push_back("no setting of " + effect.name);
         return;
     }
     hash_run(effect.name, profile, run, path);
+}
+
+void hash_all(const std::string& folder, const std::string& path)
+{
+    for (const char* id : { "nikon-d40", "fujifilm-x-m1", "samsung-s20fe", "sony-a7s-ii",
+                            "canon-5d-mark-iv", "gopro-hero6-black" })
+        hash_profile(load_profile(folder + "/" + id + ".json"), path);
+    const SensorProfile bayer = load_profile(folder + "/nikon-d850.json");
+    for (const Effect& effect : all_effects())
+        hash_effect(bayer, effect, path);
+}
+
+/// Prints what differs from the table. Windows may have its line ends.
+int compare_with(const std::string& table)
+{
+    std::ifstream file(path_of(table));
+    std::vector<std::string> expected;
+    for (std::string line; std::getline(file, line);)
+        expected.push_back(line.substr(0, line.find('\r')));
+    std::size_t differ = 0;
+    for (std::size_t i = 0; i < std::max(lines.size(), expected.size()); ++i) {
+        const std::string ours = i < lines.size() ? lines[i] : "(no line)";
+        const std::string theirs = i < expected.size() ? expected[i] : "(no line)";
+        if (ours != theirs && ++differ <= 40)
+            std::printf("%s, and %s has %s\n", ours.c_str(), table.c_str(),
+                        theirs.c_str());
+    }
+    std::printf("%zu hashes, %zu differ\n", lines.size(), differ);
+    return differ == 0 && !expected.empty() ? 0 : 1;
 }
 
 } // namespace
 
 int main(int argc, char** argv)
 {
-    if (argc != 3) {
-        std::fputs("hashes PROFILES FILE.dng\n", stderr);
+    if (argc != 3 && argc != 4) {
+        std::fputs("hashes PROFILES FILE.dng [TABLE]: prints all, or what differs from "
+                   "those of a table\n",
+                   stderr);
         return 2;
     }
     try {
-        const std::string folder = argv[1], path = argv[2];
-        for (const char* id :
-             { "nikon-d40", "fujifilm-x-m1", "samsung-s20fe", "sony-a7s-ii",
-               "canon-5d-mark-iv", "gopro-hero6-black" })
-            hash_profile(load_profile(folder + "/" + id + ".json"), path);
-        const SensorProfile bayer = load_profile(folder + "/nikon-d850.json");
-        for (const Effect& effect : all_effects())
-            hash_effect(bayer, effect, path);
+        hash_all(argv[1], argv[2]);
     } catch (const Error& error) {
         std::fprintf(stderr, "hashes: %s\n", error.what());
         return 1;
     }
+    if (argc == 4)
+        return compare_with(argv[3]);
+    for (const std::string& line : lines)
+        std::printf("%s\n", line.c_str());
     return 0;
 }

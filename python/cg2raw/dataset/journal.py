@@ -33,13 +33,26 @@ def read(path: str) -> tuple[Row | None, dict[str, Row]]:
     """Return (header, {path: row}) of a journal; (None, {}) if there is none.
 
     Raises OSError for a link."""
+    header, texts = read_texts(path)
+    return header, by_path(texts)
+
+
+def read_texts(path: str) -> tuple[Row | None, list[bytes]]:
+    """Return (header, JSON of each whole line after it) of a journal, (None, []) if
+    there is none. Raises OSError for a link."""
     try:
         with folder_of(path) as folder, opened(folder, path) as stream:
             header = header_in(stream)
-            rows = [parsed(line) for line in stream] if header else []
+            texts = [text_of(line) for line in stream] if header else []
     except FileNotFoundError:
-        return None, {}
-    return header, {row["path"]: row for row in rows if row and names(row, "path")}
+        return None, []
+    return header, [text for text in texts if text is not None]
+
+
+def by_path(texts: Iterable[bytes]) -> dict[str, Row]:
+    """Return {path: row} of rows as JSON."""
+    rows = map(object_of, texts)
+    return {row["path"]: row for row in rows if row and names(row, "path")}
 
 
 def folder_of(path: str, make: bool = False) -> Folder:
@@ -72,9 +85,19 @@ def names(entry: Row | None, field: str) -> bool:
 
 def parsed(line: bytes) -> Row | None:
     """Return the object of a whole line, None of any other."""
+    text = text_of(line)
+    return None if text is None else object_of(text)
+
+
+def text_of(line: bytes) -> bytes | None:
+    """Return what stands after the checksum of a whole line, None of any other."""
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
-    if not line.endswith(b"\n") or checksum != checksum_of(text):
-        return None
+    whole = line.endswith(b"\n") and checksum == checksum_of(text)
+    return text if whole else None
+
+
+def object_of(text: bytes) -> Row | None:
+    """Return a JSON object, None of any other text."""
     try:
         found = json.loads(text)
     except (ValueError, RecursionError):

@@ -2,9 +2,11 @@
 # Copyright Contributors to the cg2raw Project.
 """The manifest: a row per file, as JSON lines and Parquet, in the order of images."""
 
-import json
+import hashlib
 import os
+import re
 from collections.abc import Iterable, Iterator
+from itertools import islice
 from typing import Any
 
 from cg2raw.dataset import journal
@@ -70,7 +72,16 @@ COLUMNS = (
     ("cg2raw", "string"),
 )
 
-NAMES = {name for name, _ in COLUMNS}
+NAMES = [name for name, _ in COLUMNS]
+# Of the columns that the rows of a journal have, in their order.
+COLUMNS_DIGEST = hashlib.blake2b(" ".join(NAMES).encode(), digest_size=8).hexdigest()
+ORDER = re.compile(rb'\{"order": (\d+), ')  # what an entry begins with
+
+
+def entry(row: Row) -> Row:
+    """Return a row as journals have it: where it stands among those of its image, then
+    the columns of the manifest, in their order. Raises KeyError."""
+    return {name: row[name] for name in ("order", *NAMES)}
 
 
 def remove(out: str) -> None:
@@ -91,21 +102,16 @@ def write(out: str, images: Iterable[tuple[str, str]], expected: int) -> None:
     schema = arrow_schema()
     text = os.path.join(out, journal.FOLDER, "manifest.jsonl")
     table = os.path.join(out, journal.FOLDER, "manifest.parquet")
-    count, batch = 0, []
+    count, found = 0, lines(out, images)
     with (
-        create(text) as lines,
+        create(text) as stream,
         create(table) as file,
         pyarrow.parquet.ParquetWriter(file, schema) as writer,
     ):
-        for row in rows(out, images):
-            lines.write(json.dumps(row).encode() + b"\n")
-            batch.append(row)
-            count += 1
-            if len(batch) == ROWS:
-                writer.write_batch(pyarrow.RecordBatch.from_pylist(batch, schema))
-                batch.clear()
-        if batch:
-            writer.write_batch(pyarrow.RecordBatch.from_pylist(batch, schema))
+        while batch := list(islice(found, ROWS)):
+            stream.writelines(batch)
+            writer.write_table(table_of(batch, schema), ROWS)
+            count += len(batch)
     if count != expected:
         raise ValueError(
             f"{out}: {expected} files are finished, {count} are on record: something "
@@ -123,14 +129,27 @@ def publish(out: str, text: str, table: str) -> None:
     sync_folder(out)
 
 
-def rows(out: str, images: Iterable[tuple[str, str]]) -> Iterator[Row]:
-    """Yield the rows of the manifest."""
-    names = [name for name, _ in COLUMNS]
+def lines(out: str, images: Iterable[tuple[str, str]]) -> Iterator[bytes]:
+    """Yield the lines of the manifest, as the journals have them."""
     for image, _ in images:
-        _, found = journal.read(journal.path_of(out, image))
-        whole = [row for row in found.values() if row.keys() >= NAMES | {"order"}]
-        for row in sorted(whole, key=lambda row: row["order"]):
-            yield {name: row[name] for name in names}
+        header, texts = journal.read_texts(journal.path_of(out, image))
+        if not header or header.get("columns") != COLUMNS_DIGEST:
+            continue
+        numbered = {}
+        for text in texts:
+            if found := ORDER.match(text):
+                numbered[int(found[1])] = b"{" + text[found.end() :] + b"\n"
+        yield from (numbered[order] for order in sorted(numbered))
+
+
+def table_of(batch: list[bytes], schema: Any) -> Any:
+    """Return lines of JSON as a table of Arrow."""
+    from pyarrow import BufferReader, json
+
+    data = b"".join(batch)
+    how = json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="error")
+    whole = json.ReadOptions(use_threads=False, block_size=len(data) + 1)
+    return json.read_json(BufferReader(data), whole, how)
 
 
 def bad_images(

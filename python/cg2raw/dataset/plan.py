@@ -218,7 +218,7 @@ class Variant:
             self.patch,
         )
 
-    @property
+    @cached_property
     def path(self) -> str:
         """Return the file's path in the data set's folder."""
         return self.path_at(self.iso)
