@@ -17,6 +17,7 @@ import numpy as np
 import bench_dataset
 import bench_diagnose
 import bench_ocio
+import bench_rows
 import bench_sequence
 import bench_spectral
 
@@ -133,6 +134,7 @@ def main():
     parser.add_argument("--core", action="store_true", help="the core only")
     parser.add_argument("--ocio", action="store_true", help="OCIO in Python only")
     parser.add_argument("--dataset", action="store_true", help="cg2raw dataset only")
+    parser.add_argument("--rows", type=int, help="a data set of so many rows only")
     parser.add_argument("--diagnose", action="store_true", help="diagnosis only")
     parser.add_argument("--spectral", action="store_true", help="spectra only")
     parser.add_argument("--sequence", action="store_true", help="a shot only")
@@ -144,6 +146,9 @@ def main():
     if options.sequence:
         image = ROOT / "tests" / "data" / "interior.exr"
         return bench_sequence.bench(image, FOLDER / "sequence", options.rounds)
+    if options.rows:
+        image = ROOT / "tests" / "data" / "interior.exr"
+        return bench_rows.bench(image, FOLDER / "dataset", options.rows)
     if options.dataset:
         image = input_image(ROOT / ".venv/bin/oiiotool")
         return bench_dataset.bench(image, FOLDER / "dataset", options.rounds)
