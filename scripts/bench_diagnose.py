@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Measure `cg2raw diagnose` on 12 frames of 1 MP and of 12 MP: seconds and memory.
+"""Measure `cg2raw diagnose` on 12 frames of 1 MP and of 12 MP, and on 204 of 1 MP:
+seconds and memory.
 
 The frames are those of a profile with lens shading and row noise, in DNGs; the baseline
 model lacks both. There is no peer that names effects: bounds are absolute, for two
@@ -11,11 +12,18 @@ import os
 import subprocess
 import sys
 import time
+from itertools import product
 
 import numpy as np
 
+GROUPS = ("fit", "select", "report")
 SENSOR, LIGHT, ISO = "canon-5d-mark-iv", "D65", 800
-SIZES = {"1 MP": (1200, 840, 30, None), "12 MP": (4000, 3000, 300, 3000)}
+# Width, height, how often four frames of a group are taken; bounds of seconds and MB.
+SIZES = {
+    "12 of 1 MP": (1200, 840, 1, 30, None),
+    "12 of 12 MP": (4000, 3000, 1, 300, 3000),
+    "204 of 1 MP": (1200, 840, 17, 510, None),
+}
 EFFECTS = [
     {
         "name": "lens_shading",
@@ -45,8 +53,8 @@ def rendered(width, height, seed):
     return scene
 
 
-def make_captures(folder, width, height):
-    """Write 12 frames, their renders and captures.yaml."""
+def make_captures(folder, width, height, times):
+    """Write 12 frames, @times over, their renders and captures.yaml."""
     import cg2raw
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -70,24 +78,25 @@ def make_captures(folder, width, height):
         cg2raw.write_dng(folder / f"{name}.dng", raw, shot={"exposure_time": seconds})
         lines.append(f"  - {{file: {name}.dng, exposure_time: {seconds}, {words}}}")
 
-    for place, group in enumerate(("fit", "select", "report")):
+    for place, (group, taken) in enumerate(product(GROUPS, range(times))):
+        name = f"{group}_{taken}"
         dark = np.zeros((height, width, 3), np.float32)
-        shoot(f"{group}_dark", dark, 0.5, f"kind: dark, group: {group}")
-        flat = f"kind: flat, scene: 0.4, set: {group}_flat, group: {group}"
-        shoot(f"{group}_flat", dark + np.float32(0.4), 0.1, flat)
+        shoot(f"{name}_dark", dark, 0.5, f"kind: dark, group: {group}")
+        flat = f"kind: flat, scene: 0.4, set: {name}_flat, group: {group}"
+        shoot(f"{name}_flat", dark + np.float32(0.4), 0.1, flat)
         scene = rendered(width, height, place)
-        np.save(folder / f"{group}.npy", scene)
-        words = f"kind: scene, scene: {group}.npy, set: {group}, group: {group}"
+        np.save(folder / f"{name}.npy", scene)
+        words = f"kind: scene, scene: {name}.npy, set: {name}, group: {group}"
         for repeat in range(2):
-            shoot(f"{group}_scene_{repeat}", scene, 0.1, words)
+            shoot(f"{name}_scene_{repeat}", scene, 0.1, words)
     (folder / "captures.yaml").write_text("\n".join(lines) + "\n")
 
 
 def bench(folder):
-    """Print seconds, memory and verdict of both sizes."""
+    """Print seconds, memory and verdict of each size."""
     print(f"\n{'cg2raw diagnose':16}{'seconds':>9}{'bound':>7}{'MB':>7}{'bound':>7}")
-    for name, (width, height, bound, most) in SIZES.items():
-        make_captures(folder / name.replace(" ", ""), width, height)
+    for name, (width, height, times, bound, most) in SIZES.items():
+        make_captures(folder / name.replace(" ", ""), width, height, times)
         captures = folder / name.replace(" ", "") / "captures.yaml"
         report = captures.parent / "report"
         command = [sys.executable, "-m", "cg2raw", "diagnose", captures, "-o", report]
