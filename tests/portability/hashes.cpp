@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Hashes of what each sensor, noise and effect makes of one scene, float by float
-/// and as DNG. Builds of all compilers, levels of optimisation and machines must print
-/// the lines of hashes.txt.
+/// @file Hashes of what each sensor, noise and effect makes of one scene, float by
+/// float and as DNG. Builds of all compilers, levels of optimisation and machines must
+/// print the lines of hashes.txt.
 #include "cg2raw/dng_writer.h"
 #include "cg2raw/frame.h"
 
@@ -142,8 +142,8 @@ void hash_effect(SensorProfile profile, const Effect& effect, const std::string&
 
 void hash_all(const std::string& folder, const std::string& path)
 {
-    for (const char* id : { "nikon-d40", "fujifilm-x-m1", "samsung-s20fe", "sony-a7s-ii",
-                            "canon-5d-mark-iv", "gopro-hero6-black" })
+    for (const char* id : { "nikon-d40", "fujifilm-x-m1", "samsung-s20fe",
+                            "sony-a7s-ii", "canon-5d-mark-iv", "gopro-hero6-black" })
         hash_profile(load_profile(folder + "/" + id + ".json"), path);
     const SensorProfile bayer = load_profile(folder + "/nikon-d850.json");
     for (const Effect& effect : all_effects())
