@@ -99,6 +99,9 @@ IlluminantSpec lamp_spec(std::string_view spec, const std::string& name)
     return { Kind::lamp, 0.0, 0.0, 0, name };
 }
 
+/// Words of a list of lights: draws can be named by the million.
+constexpr std::size_t most_words = 100000;
+
 /// "sample:0-9" -> its ten words, "measured:0-9" too; any other word alone.
 void append_words(const std::string& word, std::vector<std::string>& words)
 {
@@ -113,8 +116,8 @@ void append_words(const std::string& word, std::vector<std::string>& words)
     }
     const auto first = parse_illuminant(draws + ":" + ends[0]).index;
     const auto last = parse_illuminant(draws + ":" + ends[1]).index;
-    if (last < first || last - first >= 100000)
-        fail(word, "must rise, over 100000 draws at most");
+    if (last < first || last - first >= most_words)
+        fail(word, "must rise, over " + std::to_string(most_words) + " draws at most");
     for (auto index = first; index <= last; ++index)
         words.push_back(draws + ":" + std::to_string(index));
 }
@@ -150,8 +153,13 @@ IlluminantSpec parse_illuminant(std::string_view spec)
 std::vector<std::string> illuminant_list(std::string_view list)
 {
     std::vector<std::string> words;
-    for (const std::string& word : split(list, ','))
+    for (const std::string& word : split(list, ',')) {
         append_words(word, words);
+        if (words.size() > most_words)
+            throw Error("a list of more than " + std::to_string(most_words)
+                        + " illuminants, as of \"" + word
+                        + "\" on, is too long: give fewer");
+    }
     return words;
 }
 

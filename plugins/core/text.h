@@ -18,5 +18,9 @@ std::vector<std::string> split(std::string_view text, char separator);
 std::string number(double value);
 /// As much of a stranger's text as a message holds, of printable ASCII alone.
 std::string quotable(std::string_view text);
+/// @p text as one line of UTF-8: '?' for what is none, for control characters and for
+/// separators of lines. Above @p most bytes (8 or more) it is cut to its start and its
+/// end, with " ... " between.
+std::string one_line(std::string_view text, std::size_t most);
 
 } // namespace cg2raw

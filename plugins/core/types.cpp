@@ -4,6 +4,7 @@
 #include "cg2raw/types.h"
 
 #include "multiversion.h"
+#include "text.h"
 
 #include <cstring>
 
@@ -32,6 +33,11 @@ inline float float_of_half(std::uint32_t half)
 }
 
 } // namespace
+
+Error::Error(std::string_view message)
+    : std::runtime_error(one_line(message, longest_message))
+{
+}
 
 CG2RAW_MULTIVERSION void float_from_half(const std::uint16_t* half, int count,
                                          float* out)

@@ -3,6 +3,7 @@
 
 /// @file The other face of cg2raw in OpenImageIO: DNG -> mosaic, or a linear picture.
 #include "cg2raw/dng_mosaic.h"
+#include "messages.h"
 #include "proxy_stream.h"
 #include "read_attributes.h"
 #include "thread_pool.h"
@@ -94,9 +95,7 @@ bool DngInput::open(const std::string& name, ImageSpec& spec, const ImageSpec& c
     try {
         start(name, config);
     } catch (const std::exception& error) {
-        const std::string message = error.what();
-        const bool names_file = message.find(name) != message.npos;
-        m_unreadable = names_file ? message : name + ": " + message;
+        m_unreadable = led_by_name(name, error.what());
         if (!is_dng(*m_stream)) { // another reader may know what it is
             errorfmt("{}", m_unreadable);
             forget();

@@ -4,6 +4,7 @@
 /// @file The face of cg2raw in OpenImageIO: ImageSpec attributes -> simulation -> DNG.
 #include "frame_sink.h"
 #include "host_pixels.h"
+#include "messages.h"
 #include "request.h"
 
 #include <OpenImageIO/imageio.h>
@@ -72,9 +73,7 @@ template <class Work> bool DngOutput::reported(const Work& work)
         errorfmt("{}: not enough memory for {} x {} pixels", m_name, m_spec.width,
                  m_spec.height);
     } catch (const std::exception& error) {
-        const std::string message = error.what();
-        const bool names_file = message.find(m_name) != message.npos;
-        errorfmt("{}{}", names_file ? "" : m_name + ": ", message);
+        errorfmt("{}", led_by_name(m_name, error.what()));
     } catch (...) {
         errorfmt("{}: unknown failure", m_name);
     }
@@ -181,9 +180,15 @@ bool DngOutput::write_scanlines(int ybegin, int yend, int, TypeDesc format,
                                 const void* data, stride_t xstride, stride_t ystride)
 {
     return written([&] {
-        take(host_pixels(data, format, m_spec.width, yend - ybegin, xstride, ystride,
+        const std::int64_t row = std::int64_t(ybegin) - m_spec.y;
+        const std::int64_t rows = std::int64_t(yend) - ybegin;
+        if (row < 0 || row > m_spec.height || rows < 0)
+            throw Error("rows " + std::to_string(ybegin) + " to " + std::to_string(yend)
+                        + " are outside the image");
+        const int height = int(std::min(rows, m_spec.height - row));
+        take(host_pixels(data, format, m_spec.width, height, xstride, ystride,
                          m_spec.width),
-             { ybegin - m_spec.y, 0 });
+             { int(row), 0 });
     });
 }
 
@@ -191,11 +196,12 @@ bool DngOutput::write_tile(int x, int y, int, TypeDesc format, const void* data,
                            stride_t xstride, stride_t ystride, stride_t)
 {
     return written([&] {
-        const Site at { y - m_spec.y, x - m_spec.x };
-        if (at.row < 0 || at.col < 0 || at.row >= m_spec.height
-            || at.col >= m_spec.width)
+        const std::int64_t row = std::int64_t(y) - m_spec.y;
+        const std::int64_t col = std::int64_t(x) - m_spec.x;
+        if (row < 0 || col < 0 || row >= m_spec.height || col >= m_spec.width)
             throw Error("tile at x " + std::to_string(x) + ", y " + std::to_string(y)
                         + " is outside the image");
+        const Site at { int(row), int(col) };
         const int width = std::min(m_spec.tile_width, m_spec.width - at.col);
         const int height = std::min(m_spec.tile_height, m_spec.height - at.row);
         take(host_pixels(data, format, width, height, xstride, ystride,

@@ -4,6 +4,7 @@
 #include "host_pixels.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 
 namespace cg2raw {
@@ -89,31 +90,46 @@ RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
 
 FrameWindow::FrameWindow(const OIIO::ImageSpec& spec)
     : m_size { spec.full_width, spec.full_height }
-    , m_data_size { spec.width, spec.height }
-    , m_data { spec.y - spec.full_y, spec.x - spec.full_x }
 {
+    const Size data { spec.width, spec.height };
+    if (data.width <= 0 || data.height <= 0)
+        throw Error("its data window has " + std::to_string(data.width) + " x "
+                    + std::to_string(data.height) + " pixels: it is no picture");
+    // Files state any integer, and a difference of two may be none.
+    std::int64_t row = std::int64_t(spec.y) - spec.full_y;
+    std::int64_t col = std::int64_t(spec.x) - spec.full_x;
     if (spec.full_width <= 0 || spec.full_height <= 0) { // a host that knows of none
-        m_size = m_data_size;
-        m_data = { 0, 0 };
+        m_size = data;
+        row = col = 0;
     }
-    if (m_data.row >= m_size.height || m_data.row + m_data_size.height <= 0
-        || m_data.col >= m_size.width || m_data.col + m_data_size.width <= 0)
+    if (row >= m_size.height || row + data.height <= 0 || col >= m_size.width
+        || col + data.width <= 0)
         throw Error(
             "its data window, " + text_of(spec.x, spec.y, spec.width, spec.height)
             + ", lies outside its display window, "
             + text_of(spec.full_x, spec.full_y, spec.full_width, spec.full_height)
             + ": nothing would be seen (oiiotool --origin, or --fullpixels)");
+    m_data = { int(row), int(col) };
+    m_data_end = { int(std::min<std::int64_t>(row + data.height, m_size.height)),
+                   int(std::min<std::int64_t>(col + data.width, m_size.width)) };
 }
 
 bool FrameWindow::take(HostPixels& host, Site& at) const
 {
-    at = { at.row + m_data.row, at.col + m_data.col };
-    const int top = std::max(-at.row, 0), left = std::max(-at.col, 0);
-    host.height = std::min(host.height, m_size.height - at.row) - top;
-    host.width = std::min(host.width, m_size.width - at.col) - left;
-    host.data += top * host.ystride + left * host.xstride;
-    at = { at.row + top, at.col + left };
-    return host.height > 0 && host.width > 0;
+    const std::int64_t row = std::int64_t(at.row) + m_data.row;
+    const std::int64_t col = std::int64_t(at.col) + m_data.col;
+    const auto first
+        = [](std::int64_t place) { return std::max<std::int64_t>(place, 0); };
+    const std::int64_t bottom
+        = std::min<std::int64_t>(row + host.height, m_size.height);
+    const std::int64_t right = std::min<std::int64_t>(col + host.width, m_size.width);
+    if (bottom <= first(row) || right <= first(col))
+        return false;
+    host.data += (first(row) - row) * host.ystride + (first(col) - col) * host.xstride;
+    host.height = int(bottom - first(row));
+    host.width = int(right - first(col));
+    at = { int(first(row)), int(first(col)) };
+    return true;
 }
 
 HostPixels FrameWindow::black(Size size)

@@ -38,7 +38,7 @@ RgbView rgb_view(const HostPixels& host, std::vector<float>& room);
 /// is black, as where oiiotool writes a format that has no windows.
 class FrameWindow {
 public:
-    /// Throws Error if the two windows have no pixel in common.
+    /// Throws Error if the two windows have no pixel in common, or the image none.
     explicit FrameWindow(const OIIO::ImageSpec& spec);
 
     Size size() const { return m_size; }
@@ -48,22 +48,20 @@ public:
     /// Calls @p visit with blocks of black that, with the data window, are the frame.
     template <class Visit> void each_margin(const Visit& visit) const
     {
-        const int bottom = m_data.row + m_data_size.height;
-        const int right = m_data.col + m_data_size.width;
-        const int top_rows = std::max(m_data.row, 0);
-        const int last = std::min(bottom, m_size.height);
-        visit(black({ m_size.width, top_rows }), Site { 0, 0 });
-        visit(black({ m_data.col, last - top_rows }), Site { top_rows, 0 });
-        visit(black({ m_size.width - right, last - top_rows }),
-              Site { top_rows, right });
+        const int top = std::max(m_data.row, 0);
+        const auto [bottom, right] = m_data_end;
+        visit(black({ m_size.width, top }), Site { 0, 0 });
+        visit(black({ m_data.col, bottom - top }), Site { top, 0 });
+        visit(black({ m_size.width - right, bottom - top }), Site { top, right });
         visit(black({ m_size.width, m_size.height - bottom }), Site { bottom, 0 });
     }
 
 private:
     static HostPixels black(Size size);
 
-    Size m_size, m_data_size;
-    Site m_data; ///< of the data window's first pixel, in the frame
+    Size m_size;
+    /// Of the data window's first pixel in the frame, and behind its last there.
+    Site m_data {}, m_data_end {};
 };
 
 } // namespace cg2raw

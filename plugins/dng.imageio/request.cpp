@@ -85,6 +85,16 @@ void require_rec709_primaries(const ImageSpec& spec)
                                      rec709_of_config());
 }
 
+/// A name is of a channel that the host's pixels have.
+void require_channels(const ImageSpec& spec)
+{
+    if (spec.channelnames.size() > std::size_t(std::max(spec.nchannels, 0)))
+        throw Error("its pixels have " + std::to_string(spec.nchannels)
+                    + " channels, and it names "
+                    + std::to_string(spec.channelnames.size())
+                    + ": give a name to each");
+}
+
 /// The channels to take. Hosts hand over one image of a file that may have several.
 SceneLayer layer_of(const ImageSpec& spec, const std::string& asked)
 {
@@ -220,6 +230,7 @@ void put_reference(const std::string& file, const std::optional<SensorProfile>& 
 Request request_of(const ImageSpec& spec, const std::string& file)
 {
     const Attributes attributes = attributes_of(spec);
+    require_channels(spec);
     const auto bins = bins_of(spec, attributes);
     if (!bins && attributes.exposure)
         throw Error("dng:exposure is the luminance of white of a spectral image, and "

@@ -12,7 +12,9 @@ from collections.abc import Sequence
 
 from cg2raw import _core
 
-LONGEST = 1500  # letters of a message
+LONGEST = 1500  # bytes of a message
+# What ends a line or steers a terminal, and half of a pair.
+CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 MOST = 3  # words that a message suggests
 CLOSE, HARDLY = 0.7, 0.05  # ratios of difflib
 DAYLIGHTS = ("D50", "D55", "D65", "D75")
@@ -94,16 +96,21 @@ def with_suggestion(message: str) -> str:
     return ILLUMINANT.sub(_illuminant_words, SENSOR.sub(_sensor_words, message))
 
 
+def one_line(message: str) -> str:
+    """Return a message as one line, whatever it repeats of a stranger's text; of a long
+    one the start and the end."""
+    line = CONTROLS.sub("?", message)
+    data = line.encode()
+    if len(data) <= LONGEST:
+        return line
+    start, end = data[: LONGEST // 2], data[-LONGEST // 2 :]
+    return f"{start.decode(errors='ignore')} ... {end.decode(errors='ignore')}"
+
+
 def _read(error: BaseException) -> str:
     """Return the message of a _core.Error with a suggestion, and not too long: its
     start and end, where it repeats what it was given."""
-    return _cut(with_suggestion(_cut(BaseException.__str__(error))))
-
-
-def _cut(message: str) -> str:
-    if len(message) <= LONGEST:
-        return message
-    return f"{message[: LONGEST // 2]} ... {message[-LONGEST // 2 :]}"
+    return one_line(with_suggestion(one_line(BaseException.__str__(error))))
 
 
 def _sensor_words(found: re.Match[str]) -> str:

@@ -70,7 +70,12 @@ TEST_P(Corpus, IsSmall)
 INSTANTIATE_TEST_SUITE_P(
     Fuzz, Corpus,
     testing::Values(Target { "dng", fuzz_dng_reader, fuzz_profile },
+                    Target { "illuminant", fuzz_illuminant, fuzz_profile },
+                    Target { "jpeg", fuzz_jpeg, fuzz_profile },
                     Target { "mosaic", fuzz_mosaic, fuzz_profile },
+#ifdef CG2RAW_FUZZ_PLUGIN
+                    Target { "plugin", fuzz_plugin, fuzz_profile },
+#endif
                     Target { "profile", fuzz_profile, fuzz_dng_reader },
                     Target { "spectra", fuzz_spectra, fuzz_profile }),
     [](const auto& test) { return std::string(test.param.folder); });
@@ -98,6 +103,14 @@ TEST(Targets, SeeAnErrorThatDoesNotNameTheFile)
     };
     EXPECT_FALSE(fail("a file: is damaged"));
     EXPECT_THROW(fail("is damaged"), Finding);
+}
+
+TEST(Targets, SeeWhatIsNoMessage)
+{
+    EXPECT_NO_THROW(check_message("a file: is damaged"));
+    for (const std::string& text :
+         { std::string(), std::string("a file: is\ndamaged"), std::string(2001, 'a') })
+        EXPECT_THROW(check_message(text), Finding);
 }
 
 TEST(Targets, SeeAProfileThatDoesNotReadBack)

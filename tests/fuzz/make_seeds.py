@@ -24,6 +24,7 @@ BYTE, ASCII, SHORT, LONG, RATIONAL, UNDEFINED, SRATIONAL, DOUBLE = (
 FORMATS = {1: "B", 2: "B", 3: "H", 4: "I", 5: "I", 7: "B", 10: "i", 12: "d"}
 
 X_TRANS = "GGRGGBGGBGGRBRGRBGGGBGGRGGRGGBRBGBRG"  # as the layout is published
+GLARE = {"uniform": 0.1, "wide": 0.1}
 SECOND_MATRIX = (
     SRATIONAL,
     10000,
@@ -283,6 +284,9 @@ def profiles():
                 },
                 {"name": "quantisation"},
             ]
+        ),
+        "whole_frame": profile(
+            effects=[{"name": "veiling_glare", "parameters": GLARE}]
         ),
         "no_lists": profile(noise=[], effects=[], illuminants={"neutrals": []}),
         "nulls": profile().replace("}", "", 1)[:-1] + ', "noise": null}',

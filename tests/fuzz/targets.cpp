@@ -61,28 +61,6 @@ void use_noise(const SensorProfile& profile, double iso)
     });
 }
 
-void use_light(const SensorProfile& profile, const char* spec)
-{
-    try_step([&] {
-        const Illuminant light = illuminant(profile, spec);
-        expect_finite(light.neutral, "a neutral");
-        for (Convention convention : { Convention::dng, Convention::paper })
-            try_step([&] {
-                const auto transform = camera_from_scene(profile, light, convention);
-                if (convention == Convention::dng)
-                    expect_finite(transform.first.m, "camera_from_scene");
-                expect_finite(transform.gains, "a gain of the white balance");
-            });
-        try_step([&] {
-            const auto uplift
-                = camera_from_scene(profile, light, Convention::spectral).uplift;
-            for (const auto& row : *uplift)
-                expect_finite(row, "a matrix of terms");
-        });
-        try_step([&] { srgb_from_balanced(profile, light); });
-    });
-}
-
 void use_spectra(const SensorProfile& profile)
 {
     const SpectralChannels bins { { 0, 1, 2 }, { 400, 500, 640 } };
@@ -105,12 +83,44 @@ bool bounded(const std::function<void()>& read, std::size_t size, MemoryBound bo
     } catch (const Error& error) {
         check_memory(meter, size, bound);
         const std::string message = error.what();
+        check_message(message);
         if (message.rfind(name + ": ", 0) != 0)
             throw Finding("an Error does not name the file: " + message);
         return false;
     }
     check_memory(meter, size, bound);
     return true;
+}
+
+void check_message(const std::string& message)
+{
+    const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+    if (message.empty() || message.size() > 2000
+        || std::any_of(message.begin(), message.end(), is_control))
+        throw Finding(std::to_string(message.size())
+                      + " bytes that are no line of a message: " + message);
+}
+
+void use_light(const SensorProfile& profile, const char* spec)
+{
+    try_step([&] {
+        const Illuminant light = illuminant(profile, spec);
+        expect_finite(light.neutral, "a neutral");
+        for (Convention convention : { Convention::dng, Convention::paper })
+            try_step([&] {
+                const auto transform = camera_from_scene(profile, light, convention);
+                if (convention == Convention::dng)
+                    expect_finite(transform.first.m, "camera_from_scene");
+                expect_finite(transform.gains, "a gain of the white balance");
+            });
+        try_step([&] {
+            const auto uplift
+                = camera_from_scene(profile, light, Convention::spectral).uplift;
+            for (const auto& row : *uplift)
+                expect_finite(row, "a matrix of terms");
+        });
+        try_step([&] { srgb_from_balanced(profile, light); });
+    });
 }
 
 void use(const SensorProfile& profile)

@@ -29,6 +29,10 @@ constexpr MemoryBound dng_memory { 64 * 1024, 8 };
 constexpr MemoryBound mosaic_memory { 64 * 1024, 96 };
 constexpr MemoryBound profile_memory { 64 * 1024, 128 };
 constexpr MemoryBound spectra_memory { 64 * 1024, 64 };
+/// An Error; the tables lie on the stack, and the samples are the caller's.
+constexpr MemoryBound jpeg_memory { 16 * 1024, 0 };
+/// The longest list of lights has 100000 words.
+constexpr MemoryBound illuminant_memory { 16 << 20, 64 };
 
 /// @p bytes as a DNG, to its profile. Throws Finding for an Error that does not name
 /// the file, for memory beyond dng_memory, and as use() does. Returns false if the
@@ -43,12 +47,30 @@ bool fuzz_profile(std::string_view bytes);
 /// wavelength in m and its response as attributes say them; likewise within
 /// spectra_memory. Returns false if they are no spectrum.
 bool fuzz_spectra(std::string_view bytes);
+/// @p bytes as a lossless JPEG, likewise within jpeg_memory, and again encoded and
+/// decoded.
+bool fuzz_jpeg(std::string_view bytes);
+/// @p bytes as the word of a light, a list of them, and the name of a colour space,
+/// likewise within illuminant_memory. Returns false if they are none of these.
+bool fuzz_illuminant(std::string_view bytes);
+/// @p bytes as what a host asks of the plugin, a line each (plugin_program.h says
+/// which), in a folder for that alone. Throws Finding unless what is left there is a
+/// whole DNG or nothing, for a descriptor that stays open, for a call that fails
+/// without a message, and for a message that does not name the file. Returns false if
+/// no file was published.
+bool fuzz_plugin(std::string_view bytes);
 
 /// Runs @p read, whose input has @p size bytes. Throws Finding if it held more memory
 /// than @p bound allows, or threw an Error that does not start with @p name and a
-/// colon. Returns false if it threw an Error.
+/// colon, or is no message. Returns false if it threw an Error.
 bool bounded(const std::function<void()>& read, std::size_t size, MemoryBound bound,
              const std::string& name);
+
+/// Throws Finding unless @p message is one line of at most 2000 bytes.
+void check_message(const std::string& message);
+
+/// All that is computed of a light that @p spec names: it is finite, or refused.
+void use_light(const SensorProfile& profile, const char* spec);
 
 /// All that is computed of a profile before the first pixel: it is finite, or refused
 /// by an Error. Throws Finding unless to_json() reads back the same.

@@ -9,16 +9,35 @@ from pathlib import Path
 import pytest
 
 import cg2raw
-from fuzz import make_seeds, mosaic_seeds
+from fuzz import (
+    illuminant_seeds,
+    jpeg_seeds,
+    make_seeds,
+    mosaic_seeds,
+    plugin_seeds,
+    python_seeds,
+)
 
 HERE = Path(__file__).parent
 OTHERS = re.compile(r"found_\w+|[0-9a-f]{40}")
 
 
-@pytest.mark.parametrize("kind", ["dng", "mosaic", "profile", "spectra"])
+SCRIPTS = {
+    "captures": python_seeds,
+    "dng": make_seeds,
+    "illuminant": illuminant_seeds,
+    "journal": python_seeds,
+    "jpeg": jpeg_seeds,
+    "mosaic": mosaic_seeds,
+    "plugin": plugin_seeds,
+    "profile": make_seeds,
+    "spectra": make_seeds,
+}
+
+
+@pytest.mark.parametrize("kind", SCRIPTS)
 def test_seeds_are_those_of_the_script(tmp_path, kind):
-    make_seeds.main(tmp_path)
-    mosaic_seeds.main(tmp_path)
+    SCRIPTS[kind].main(tmp_path)
     made = {path.name: path.read_bytes() for path in (tmp_path / kind).iterdir()}
     kept = {
         path.name: path.read_bytes()

@@ -46,7 +46,8 @@ struct LightSpectrum {
 /// a sensor without sensitivities.
 LightSpectrum spectrum_of(const SensorProfile& profile, const Illuminant& light);
 
-/// "A,D65,sample:0-9" -> its single words. Throws Error on a word that names none.
+/// "A,D65,sample:0-9" -> its single words. Throws Error on a word that names none, and
+/// for more than 100000 words.
 std::vector<std::string> illuminant_list(std::string_view list);
 
 /// What a raw converter makes of a neutral: fixed point of

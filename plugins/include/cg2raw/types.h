@@ -8,12 +8,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
+#include <string_view>
 
 namespace cg2raw {
 
-/// Bad input: the message names file, field, value, bound and remedy, in one line.
+/// Bad input: the message names file, field, value, bound and remedy, in one line. It
+/// is UTF-8 without control characters whatever it repeats of a stranger's text, where
+/// '?' stands for others, and of one above longest_message bytes the middle is left
+/// out.
 struct Error : std::runtime_error {
-    using std::runtime_error::runtime_error;
+    static constexpr std::size_t longest_message = 1500;
+    explicit Error(std::string_view message);
 };
 
 /// A pixel's place; row 0, col 0 is the top-left pixel of the active area.

@@ -5,13 +5,14 @@
 import hashlib
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any
 
 from cg2raw.dataset import journal
 from cg2raw.dataset.journal import Row
 from cg2raw.io.atomic_file import create
+from cg2raw.near_words import one_line
 from cg2raw.system import sync_folder
 
 NAME = "manifest"
@@ -76,6 +77,52 @@ NAMES = [name for name, _ in COLUMNS]
 # Of the columns that the rows of a journal have, in their order.
 COLUMNS_DIGEST = hashlib.blake2b(" ".join(NAMES).encode(), digest_size=8).hexdigest()
 ORDER = re.compile(rb'\{"order": (\d+), ')  # what an entry begins with
+
+
+def is_text(value: Any) -> bool:
+    """Return whether Arrow takes a value for a text: not with half of a pair."""
+    return type(value) is str and (
+        value.isascii() or value.encode(errors="replace").decode() == value
+    )
+
+
+def is_between(low: int, high: int) -> Callable[[Any], bool]:
+    """Return a test for whole numbers from @low to below @high; True is none."""
+    return lambda value: type(value) is int and low <= value < high
+
+
+is_exact = is_between(-(2**53), 2**53 + 1)  # a whole number that a double has
+
+
+def is_double(value: Any) -> bool:
+    """Return whether a value is a number that a double has."""
+    return type(value) is float or is_exact(value)
+
+
+def is_list_of(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    """Return a test for lists whose items all fit."""
+    return lambda value: type(value) is list and all(map(fits, value))
+
+
+FITS = {
+    "string": is_text,
+    "double": is_double,
+    "int32": is_between(-(2**31), 2**31),
+    "int64": is_between(-(2**63), 2**63),
+    "uint64": is_between(0, 2**64),
+    "bool": lambda value: type(value) is bool,
+    "list": is_list_of(is_double),
+    "integers": is_list_of(is_between(-(2**31), 2**31)),
+    "strings": is_list_of(is_text),
+}
+TESTS = [(name, FITS[kind]) for name, kind in COLUMNS]
+
+
+def is_whole(row: Row) -> bool:
+    """Return whether a row has all columns, each of its type or None, and its place."""
+    if not row.keys() >= {"order", *NAMES} or not FITS["int64"](row["order"]):
+        return False
+    return all(row[name] is None or fits(row[name]) for name, fits in TESTS)
 
 
 def entry(row: Row) -> Row:
@@ -158,8 +205,8 @@ def bad_images(
     """Yield (image, reason) of those that could not be used."""
     for image, _ in images:
         header, _ = journal.read(journal.path_of(out, image))
-        if header and "reason" in header:
-            yield image, header["reason"]
+        if header and journal.names(header, "reason"):
+            yield image, one_line(header["reason"])
 
 
 def arrow_schema() -> Any:

@@ -20,6 +20,7 @@ from cg2raw.dataset.plan import Plan
 from cg2raw.dataset.target import PARTS
 from cg2raw.interrupts import tidied
 from cg2raw.io.atomic_file import write_in
+from cg2raw.near_words import one_line
 from cg2raw.system import Folder, lock, sync_file_system
 
 STOPPED = "stopped; run the same command again to resume"
@@ -130,8 +131,8 @@ def begin(out: str, plan: Plan, images: Images) -> None:
             continue
         if "reason" not in header:
             raise ValueError(
-                f"{out}: holds files of {header['image']}, which is no longer among "
-                "the images: put it back, or give another OUT"
+                f"{out}: holds files of {one_line(header['image'])}, which is no "
+                "longer among the images: put it back, or give another OUT"
             )
         os.unlink(path)
     manifest.remove(out)

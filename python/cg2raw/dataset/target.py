@@ -23,7 +23,6 @@ Write = Callable[[str], None]  # of the file at a path
 
 PARTS = "parts"  # folder of files that are being written
 BLOCK = 1 << 20  # bytes that are hashed at a time
-COLUMNS = {"order", *manifest.NAMES}
 
 
 class BadImage(Exception):
@@ -42,7 +41,7 @@ class Target:
     def header(self) -> Row:
         """Return what is known of the image file, and find the rows that still hold."""
         old, texts = journal.read_texts(self.journal)
-        old = old if old and "sha256" in old else None  # else it was given up
+        old = old if journal.names(old, "sha256") else None  # else it was given up
         if not is_utf8(self.job.image):
             raise BadImage("its name is no UTF-8; rename the file")
         try:
@@ -90,7 +89,7 @@ class Target:
 
     def holds(self, folder: Folder, row: Row, expected: Row) -> bool:
         """Return whether a row is of the file that is asked for, and that is there."""
-        if not (row.keys() >= COLUMNS and row.items() >= expected.items()):
+        if not (manifest.is_whole(row) and row.items() >= expected.items()):
             return False
         name = os.path.basename(row["path"])
         try:

@@ -152,8 +152,8 @@ def plain(name: str) -> str:
     words = re.sub(r"\(.*\)", "", name).lower().replace("_", " ").split()
     text = " ".join(words)
     text = {"white 9.5": "white", "black 2": "black"}.get(text, text)
-    is_number = text.isdecimal() and 1 <= int(text) <= len(COLORCHECKER_NAMES)
-    return COLORCHECKER_NAMES[int(text) - 1] if is_number else text
+    by_number = {str(n): name for n, name in enumerate(COLORCHECKER_NAMES, 1)}
+    return by_number.get(text.lstrip("0"), text)
 
 
 def missing_notes(

@@ -17,6 +17,8 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.near_words import one_line
+
 SITES = ("R", "G1", "G2", "B")  # G1: green in rows of red, G2: in rows of blue
 COLOR_OF_SITE = [0, 1, 1, 2]
 DEVIATIONS = tuple(f"{site}_sd" for site in SITES)
@@ -150,7 +152,7 @@ def number(
 
 def fail(path: str, line: int, column: str, message: str) -> NoReturn:
     """Raise ValueError with file, line and column before a message."""
-    raise ValueError(f"{path}:{line}: {column} {message}")
+    raise ValueError(one_line(f"{path}:{line}: {column} {message}"))
 
 
 def with_bounds(

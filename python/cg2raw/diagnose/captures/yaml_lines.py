@@ -6,13 +6,17 @@
 import difflib
 import math
 import os
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn, TypeVar
 
+from cg2raw.near_words import one_line
+
 Word = TypeVar("Word", bound=str)
 
 MISSING = "PyYAML is not installed: pip install 'cg2raw[diagnose]'"
+SURROGATES = re.compile("[\ud800-\udfff]")
 KINDS = {"mapping": "fields", "sequence": "a list", "scalar": "one value"}
 
 
@@ -39,7 +43,7 @@ class Value:
     def fail(self, message: str) -> NoReturn:
         """Raise ValueError with file, line and field before a message."""
         field = f"{self.field} " if self.field else ""
-        raise ValueError(f"{self.file}:{self.line}: {field}{message}")
+        raise ValueError(one_line(f"{self.file}:{self.line}: {field}{message}"))
 
     def _need(self, kind: str) -> None:
         if self.node.id != kind:
@@ -83,7 +87,10 @@ class Value:
         self._need("scalar")
         if not self.node.value or self.node.tag.endswith(":null"):
             self.fail("is empty; give a value, or leave the field out")
-        return str(self.node.value)
+        text = str(self.node.value)
+        if SURROGATES.search(text):
+            self.fail(f"is {text!r}; must be Unicode: half of a pair is none")
+        return text
 
     def word(self, allowed: Collection[Word]) -> Word:
         """Return one of the allowed words. Raises ValueError."""
@@ -125,6 +132,8 @@ def existing(value: Value, manifest: str | os.PathLike[str]) -> str:
         value.fail(f'is "{value.text()}"; there is no file {path}')
     if os.path.isdir(path):
         value.fail(f'is "{value.text()}", a folder; name one file')
+    if not os.path.isfile(path):  # nobody may ever write to a pipe
+        value.fail(f'is "{value.text()}", no regular file; name one that is')
     return path
 
 
@@ -145,10 +154,12 @@ def read_yaml(path: str | os.PathLike[str]) -> Value:
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             line = f":{mark.line + 1}" if mark else ""
-            raise ValueError(f"{name}{line}: is no YAML: {error.problem}") from None
-        except (yaml.YAMLError, RecursionError) as error:
+            why = one_line(f"{name}{line}: is no YAML: {error.problem}")
+            raise ValueError(why) from None
+        # PyYAML makes characters and versions of numbers that are none.
+        except (yaml.YAMLError, RecursionError, ValueError, OverflowError) as error:
             text = " ".join(str(error).split())
-            raise ValueError(f"{name}: is no YAML: {text}") from None
+            raise ValueError(one_line(f"{name}: is no YAML: {text}")) from None
     if node is None:
         raise ValueError(f"{name}: is empty")
     return Value(node, name)

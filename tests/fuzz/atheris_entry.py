@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A target of python_targets.py under libFuzzer, by Atheris; scripts/fuzz runs it.
+
+    python -m fuzz.atheris_entry TARGET FOLDER [what libFuzzer takes ...]
+
+FOLDER is empty, and is the target's own."""
+
+import sys
+
+import atheris
+
+with atheris.instrument_imports(include=["cg2raw", "yaml"]):
+    from fuzz import python_targets
+
+
+def main():
+    name, folder, *arguments = sys.argv[1:]
+    target = python_targets.TARGETS[name](folder)
+
+    def one_input(data):
+        target(data)
+
+    atheris.Setup([sys.argv[0], *arguments], one_input)
+    atheris.Fuzz()
+
+
+if __name__ == "__main__":
+    main()
