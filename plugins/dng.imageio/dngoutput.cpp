@@ -103,6 +103,12 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
         if (spec.deep || spec.depth > 1)
             throw Error("deep and volume images cannot become a DNG: flatten first "
                         "(oiiotool --flatten)");
+        // OpenImageIO divides by both when it writes an image.
+        const bool tiled = spec.tile_width != 0 || spec.tile_height != 0;
+        if (tiled && (spec.tile_width <= 0 || spec.tile_height <= 0))
+            throw Error("its tiles have " + std::to_string(spec.tile_width) + " x "
+                        + std::to_string(spec.tile_height)
+                        + " pixels: give both sides, or 0 and 0 for none");
         start(name);
     });
 }

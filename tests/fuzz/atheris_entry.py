@@ -4,8 +4,9 @@
 
     python -m fuzz.atheris_entry TARGET FOLDER [what libFuzzer takes ...]
 
-FOLDER is empty, and is the target's own."""
+FOLDER is empty or not there yet, and is the target's own."""
 
+import os
 import sys
 
 import atheris
@@ -16,6 +17,7 @@ with atheris.instrument_imports(include=["cg2raw", "yaml"]):
 
 def main():
     name, folder, *arguments = sys.argv[1:]
+    os.makedirs(folder, exist_ok=True)
     target = python_targets.TARGETS[name](folder)
 
     def one_input(data):

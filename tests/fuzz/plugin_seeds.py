@@ -24,7 +24,11 @@ def attributes():
     """Return {name: lines} of what an image says beside its size."""
     given = {
         "noise": [*NOISY, "attribute int dng:seed 7", "attribute int dng:frame 3"],
-        "physical": [*NOISY, "attribute string dng:noise physical"],
+        "physical": [
+            "attribute string dng:sensor sony-a7s-ii",
+            *NOISY[1:],
+            "attribute string dng:noise physical",
+        ],
         "choices": [
             "attribute string dng:compression none",
             "attribute string dng:matrices exact",
@@ -35,6 +39,7 @@ def attributes():
             "attribute int dng:highlights 0",
         ],
         "paper": [
+            *NOISY[:1],
             "attribute string dng:convention paper",
             "attribute string dng:gain sample",
         ],
