@@ -67,18 +67,25 @@ TEST_P(Corpus, IsSmall)
     EXPECT_LT(all, 75U << 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Fuzz, Corpus,
-    testing::Values(Target { "dng", fuzz_dng_reader, fuzz_profile },
-                    Target { "illuminant", fuzz_illuminant, fuzz_profile },
-                    Target { "jpeg", fuzz_jpeg, fuzz_profile },
-                    Target { "mosaic", fuzz_mosaic, fuzz_profile },
+std::vector<Target> targets()
+{
+    return {
+        { "dng", fuzz_dng_reader, fuzz_profile },
+        { "illuminant", fuzz_illuminant, fuzz_profile },
+        { "jpeg", fuzz_jpeg, fuzz_profile },
+        { "mosaic", fuzz_mosaic, fuzz_profile },
 #ifdef CG2RAW_FUZZ_PLUGIN
-                    Target { "plugin", fuzz_plugin, fuzz_profile },
+        { "plugin", fuzz_plugin, fuzz_profile },
 #endif
-                    Target { "profile", fuzz_profile, fuzz_dng_reader },
-                    Target { "spectra", fuzz_spectra, fuzz_profile }),
-    [](const auto& test) { return std::string(test.param.folder); });
+        { "profile", fuzz_profile, fuzz_dng_reader },
+        { "spectra", fuzz_spectra, fuzz_profile },
+    };
+}
+
+INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, testing::ValuesIn(targets()),
+                         [](const auto& test) {
+                             return std::string(test.param.folder);
+                         });
 
 TEST(Targets, SeeMemoryBeyondTheBound)
 {
