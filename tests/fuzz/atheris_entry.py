@@ -12,6 +12,8 @@ import sys
 import atheris
 
 with atheris.instrument_imports(include=["cg2raw", "yaml"]):
+    import yaml  # noqa: F401  # which readers import when they need it
+
     from fuzz import python_targets
 
 
