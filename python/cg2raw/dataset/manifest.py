@@ -76,7 +76,7 @@ COLUMNS = (
 NAMES = [name for name, _ in COLUMNS]
 # Of the columns that the rows of a journal have, in their order.
 COLUMNS_DIGEST = hashlib.blake2b(" ".join(NAMES).encode(), digest_size=8).hexdigest()
-ORDER = re.compile(rb'\{"order": (\d+), ')  # what an entry begins with
+ORDER = re.compile(rb'\{"order": (\d{1,18}), ')  # what an entry begins with
 
 
 def is_text(value: Any) -> bool:
@@ -190,13 +190,16 @@ def lines(out: str, images: Iterable[tuple[str, str]]) -> Iterator[bytes]:
 
 
 def table_of(batch: list[bytes], schema: Any) -> Any:
-    """Return lines of JSON as a table of Arrow."""
-    from pyarrow import BufferReader, json
+    """Return lines of JSON as a table of Arrow. Raises ValueError for other columns."""
+    from pyarrow import ArrowInvalid, BufferReader, json
 
     data = b"".join(batch)
     how = json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="error")
     whole = json.ReadOptions(use_threads=False, block_size=len(data) + 1)
-    return json.read_json(BufferReader(data), whole, how)
+    try:
+        return json.read_json(BufferReader(data), whole, how)
+    except ArrowInvalid as error:
+        raise ValueError(f"{NAME}: rows of other columns: {error}") from None
 
 
 def bad_images(
