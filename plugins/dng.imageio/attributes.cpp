@@ -180,15 +180,18 @@ constexpr Known known[] = {
 }
 
 /// dng:compression, else what the host says as it does for all formats: "none" of
-/// oiiotool's --compression, or of an input that was not compressed. Other words name
-/// codecs of other formats, as a rule the input's; the mosaic is compressed then.
+/// oiiotool's --compression, or of an input that was not compressed, and "ljpeg-2d".
+/// Other words name codecs of other formats, as a rule the input's; the mosaic is
+/// compressed then.
 Compression compression_of(const OIIO::ImageSpec& spec, const Attributes& attributes)
 {
     if (attributes.compression)
         return *attributes.compression;
     const std::string host(spec.get_string_attribute("compression"));
-    return OIIO::Strutil::iequals(host, "none") ? Compression::none
-                                                : Compression::ljpeg;
+    if (OIIO::Strutil::iequals(host, "none"))
+        return Compression::none;
+    return OIIO::Strutil::iequals(host, "ljpeg-2d") ? Compression::ljpeg_2d
+                                                    : Compression::ljpeg;
 }
 
 } // namespace

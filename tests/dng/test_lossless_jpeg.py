@@ -32,11 +32,16 @@ def sensor():
 
 
 @pytest.fixture(params=MOSAICS)
-def file(request, sensor, tmp_path):
+def mosaic(request):
+    """Return planted DN."""
+    return MOSAICS[request.param].astype(np.uint16)
+
+
+@pytest.fixture(params=["ljpeg", "ljpeg-2d"])
+def file(request, mosaic, sensor, tmp_path):
     """Return (path, DN) of a planted mosaic."""
-    mosaic = MOSAICS[request.param].astype(np.uint16)
     path = tmp_path / "planted.dng"
-    return path, dng_files.write(path, sensor, mosaic, compression="ljpeg")
+    return path, dng_files.write(path, sensor, mosaic, compression=request.param)
 
 
 def tiles_of(path):

@@ -40,6 +40,8 @@ def plain_exr(tmp_path, scene):
         (["--compression", "none"], NONE),
         (["--compression", "NONE"], NONE),
         (["--compression", "zip"], LOSSLESS_JPEG),
+        (["--compression", "ljpeg-2d"], LOSSLESS_JPEG),
+        (attributes(compression="ljpeg-2d"), LOSSLESS_JPEG),
         (attributes(compression="none"), NONE),
         ([*attributes(compression="ljpeg"), "--compression", "none"], LOSSLESS_JPEG),
         ([*attributes(compression="none"), "--compression", "zip"], NONE),
@@ -59,7 +61,7 @@ def test_an_input_that_is_not_compressed(compression_of, plain_exr):
     assert compression_of(plain_exr, "--compression", "ljpeg") == LOSSLESS_JPEG
 
 
-@pytest.mark.parametrize("asked", [None, "ljpeg", "none"])
+@pytest.mark.parametrize("asked", [None, "ljpeg", "ljpeg-2d", "none"])
 @pytest.mark.parametrize("compressed", [True, False])
 def test_convert_does_the_same(oiiotool, exr, plain_exr, tmp_path, asked, compressed):
     path = exr if compressed else plain_exr

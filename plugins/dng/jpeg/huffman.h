@@ -14,6 +14,10 @@ namespace cg2raw {
 constexpr int difference_sizes = 17;
 using SizeHistogram = std::array<std::uint64_t, difference_sizes>;
 
+/// Bits of the difference itself behind the code of its size: 32768, the only one of
+/// size 16, is its size alone. Source: T.81, H.1.2.2.
+constexpr unsigned own_bits(int size) { return size == 16 ? 0 : unsigned(size); }
+
 /// A code of 1 to 16 bits per size that occurs; no code is all ones.
 struct HuffmanCode {
     std::array<std::uint16_t, difference_sizes> code {};

@@ -3,6 +3,7 @@
 #include "jpeg/lossless_decoder.h"
 
 #include "jpeg/huffman_decoder.h"
+#include "jpeg/predictor.h"
 
 #include <algorithm>
 #include <numeric>
@@ -174,7 +175,7 @@ private:
         }
         m_frame.predictor = segment.byte();
         segment.byte();
-        if (m_frame.predictor < 1 || m_frame.predictor > 7)
+        if (m_frame.predictor < 1 || m_frame.predictor > predictors)
             throw Error("has predictor " + std::to_string(m_frame.predictor)
                         + "; allowed: 1 to 7");
         if (segment.byte() != 0)
@@ -185,27 +186,6 @@ private:
     Frame m_frame;
     std::array<std::optional<HuffmanDecoder>, most_components> m_tables;
 };
-
-/// Of the samples to the left, above, and above left. Source: T.81, table H.1.
-template <int predictor> int predicted(int left, int above, int corner)
-{
-    switch (predictor) {
-    case 1:
-        return left;
-    case 2:
-        return above;
-    case 3:
-        return corner;
-    case 4:
-        return left + above - corner;
-    case 5:
-        return left + ((above - corner) >> 1);
-    case 6:
-        return above + ((left - corner) >> 1);
-    default:
-        return (left + above) >> 1;
-    }
-}
 
 class Decoder {
 public:

@@ -85,8 +85,10 @@ private:
 /// tile's pixels and codes within a core's cache, the code table under 0.1 % of a tile.
 class Tiles : public MosaicStore {
 public:
-    Tiles(const DngDescription& description, ParallelFor parallel)
+    Tiles(const DngDescription& description, Prediction prediction,
+          ParallelFor parallel)
         : m_size(description.size)
+        , m_prediction(prediction)
         , m_storage(storage_of(description, compression_jpeg))
         , m_repeat { description.cfa.width, description.cfa.height }
         , m_across(std::max(1, (m_size.width + widest / 2) / widest))
@@ -99,10 +101,11 @@ public:
         if (m_across == 1 && m_size.width % tile_step != 0)
             m_across = 2;
         m_tile.width = width_of(m_across);
-        // LibRaw takes two tiles that are just as wide as the image for one of another
-        // layout and scrambles them (seen in 0.22).
-        if (2 * m_tile.width == m_size.width)
-            m_tile.width = width_of(3);
+        // LibRaw takes two lines of a JPEG that are just as wide as the image for one
+        // of another layout and scrambles them (seen in 0.22).
+        for (int rows = 1; rows <= (prediction == Prediction::best ? 2 : 1); ++rows)
+            if (2 * rows * m_tile.width == m_size.width)
+                m_tile.width = width_of(2 * rows + 1);
         m_across = (m_size.width + m_tile.width - 1) / m_tile.width;
         m_storage.tile_width = std::uint32_t(m_tile.width);
         m_storage.tile_height = std::uint32_t(m_tile.height);
@@ -143,7 +146,7 @@ private:
             group.height, group.pitch
         };
         std::unique_ptr<JpegScratch> scratch = taken_scratch();
-        encode_lossless_jpeg(part, m_tile, m_repeat, m_bits, *scratch,
+        encode_lossless_jpeg(part, m_tile, m_repeat, m_bits, m_prediction, *scratch,
                              m_jpegs[std::size_t(i)]);
         const std::lock_guard<std::mutex> lock(m_guard);
         m_scratch.push_back(std::move(scratch));
@@ -161,6 +164,7 @@ private:
     }
 
     Size m_size;
+    Prediction m_prediction;
     Storage m_storage;
     Size m_repeat;
     int m_across; ///< tiles side by side
@@ -197,7 +201,9 @@ std::unique_ptr<MosaicStore> mosaic_store(const DngDescription& description,
 {
     if (compression == Compression::none || description.size.width < tile_step)
         return std::make_unique<Strips>(description);
-    return std::make_unique<Tiles>(description, std::move(parallel));
+    const Prediction prediction
+        = compression == Compression::ljpeg_2d ? Prediction::best : Prediction::left;
+    return std::make_unique<Tiles>(description, prediction, std::move(parallel));
 }
 
 } // namespace cg2raw

@@ -25,9 +25,10 @@ Value named(const char* option, std::string_view word,
 
 Compression compression_from_name(std::string_view name)
 {
-    return named<Compression>(
-        "compression", name,
-        { { "none", Compression::none }, { "ljpeg", Compression::ljpeg } });
+    return named<Compression>("compression", name,
+                              { { "none", Compression::none },
+                                { "ljpeg", Compression::ljpeg },
+                                { "ljpeg-2d", Compression::ljpeg_2d } });
 }
 
 Matrices matrices_from_name(std::string_view name)

@@ -10,7 +10,11 @@
 
 namespace cg2raw {
 
-enum class Compression { none, ljpeg };
+enum class Compression {
+    none,
+    ljpeg, ///< lossless JPEG that every reader knows
+    ljpeg_2d, ///< the smallest lossless JPEG; RawSpeed, of darktable, refuses it
+};
 Compression compression_from_name(std::string_view name);
 
 /// Which colour matrices the file carries.

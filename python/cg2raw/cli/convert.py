@@ -144,8 +144,9 @@ def add_writing(group: argparse._ArgumentGroup) -> None:
     add("--matrices", choices=("camera", "exact"), default="camera", help="of colour")
     add(
         "--compression",
-        choices=("ljpeg", "none"),
-        help="default: ljpeg (lossless), but none of an input that is not compressed",
+        choices=("ljpeg", "ljpeg-2d", "none"),
+        help="default: ljpeg (lossless), but none of an input that is not compressed; "
+        "ljpeg-2d is smaller, but not for darktable",
     )
     add(
         "--preview",

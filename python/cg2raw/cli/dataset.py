@@ -130,7 +130,11 @@ def add_files(group: argparse._ArgumentGroup) -> None:
         help="of npy and exr: four half-size planes R, G1, G2, B, 0..1 above black "
         "(default float32)",
     )
-    add("--compression", choices=["ljpeg", "none"], help="of DNGs (default ljpeg)")
+    add(
+        "--compression",
+        choices=["ljpeg", "ljpeg-2d", "none"],
+        help="of DNGs (default ljpeg; ljpeg-2d is smaller, but not for darktable)",
+    )
     add("--crop", metavar="WxH", help="random crops of this size")
     add("--patch-size", type=positive, metavar="S", help="the same as --crop SxS")
     add("--patches", type=positive, metavar="N", help="crops per image (default 1)")

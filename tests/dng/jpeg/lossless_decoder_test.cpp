@@ -74,9 +74,11 @@ TEST(LosslessDecoder, ReadsWhatTheEncoderWrites)
             const auto dn = values(std::size_t(tile.width * tile.height), bits);
             JpegScratch scratch;
             Jpeg jpeg;
-            encode_lossless_jpeg({ dn.data(), tile.width, tile.height, tile.width },
-                                 tile, repeat, bits, scratch, jpeg);
-            EXPECT_EQ(decoded(jpeg, dn.size()), dn);
+            for (const Prediction prediction : { Prediction::left, Prediction::best }) {
+                encode_lossless_jpeg({ dn.data(), tile.width, tile.height, tile.width },
+                                     tile, repeat, bits, prediction, scratch, jpeg);
+                EXPECT_EQ(decoded(jpeg, dn.size()), dn);
+            }
         }
 }
 

@@ -147,7 +147,7 @@ std::vector<std::uint16_t> round_trip(const Image& image, Size covered, Size til
     JpegScratch scratch;
     std::vector<std::uint8_t> jpeg;
     encode_lossless_jpeg({ dn.data(), covered.width, covered.height, pitch }, tile,
-                         { 2, 2 }, bits, scratch, jpeg);
+                         { 2, 2 }, bits, Prediction::left, scratch, jpeg);
     Decoder decoder(jpeg);
     EXPECT_EQ(decoder.height, tile.height);
     EXPECT_EQ(decoder.columns, tile.width / 2);

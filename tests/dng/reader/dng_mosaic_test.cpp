@@ -259,7 +259,8 @@ TEST_F(Written, ComesBackAndDevelops)
     constexpr Size frame { 150, 70 };
     DngDescription description = cg2raw::testing::description_of(frame);
     const auto dn = cg2raw::testing::mosaic_of(frame);
-    for (const Compression compression : { Compression::none, Compression::ljpeg })
+    for (const Compression compression :
+         { Compression::none, Compression::ljpeg, Compression::ljpeg_2d })
         for (const bool preview : { false, true }) {
             DngOptions options;
             options.compression = compression;

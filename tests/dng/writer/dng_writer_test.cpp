@@ -32,10 +32,13 @@ protected:
     }
 };
 
+constexpr Compression kinds[]
+    = { Compression::none, Compression::ljpeg, Compression::ljpeg_2d };
+
 TEST_F(DngWriters, SameBytesHoweverRowsArrive)
 {
     const Size size { 777, 301 };
-    for (const Compression compression : { Compression::none, Compression::ljpeg }) {
+    for (const Compression compression : kinds) {
         const DngOptions options { compression };
         const std::string whole = written(size, options, size.height, 1);
         EXPECT_EQ(written(size, options, size.height, 8), whole);
@@ -54,7 +57,7 @@ TEST_F(DngWriters, PixelsOfAWiderImageAreLeftOut)
     for (int row = 0; row < size.height; ++row)
         cut.insert(cut.end(), dn.begin() + row * wide.width,
                    dn.begin() + row * wide.width + size.width);
-    for (const Compression compression : { Compression::none, Compression::ljpeg }) {
+    for (const Compression compression : kinds) {
         const DngOptions options { compression };
         write_dng(path("a"), plane_of(cut, size), description_of(size), options);
         write_dng(path("b"), { dn.data(), size.width, size.height, wide.width },
@@ -108,7 +111,7 @@ TEST_F(DngWriters, TinyMosaics)
 {
     for (const Size size : { Size { 2, 2 }, Size { 3, 5 }, Size { 15, 40 },
                              Size { 17, 3 }, Size { 16, 16 }, Size { 1000, 2 } })
-        for (const Compression compression : { Compression::none, Compression::ljpeg })
+        for (const Compression compression : kinds)
             EXPECT_GT(written(size, { compression }, 1, 1).size(), 500U);
 }
 
@@ -198,10 +201,12 @@ TEST(DngOptions, Words)
 {
     EXPECT_EQ(compression_from_name("none"), Compression::none);
     EXPECT_EQ(compression_from_name("ljpeg"), Compression::ljpeg);
+    EXPECT_EQ(compression_from_name("ljpeg-2d"), Compression::ljpeg_2d);
     EXPECT_EQ(matrices_from_name("exact"), Matrices::exact);
     EXPECT_EQ(tone_curve_from_name("linear"), ToneCurve::linear);
     EXPECT_EQ(message_of([] { compression_from_name("zip"); }),
-              "compression is \"zip\", but must be none or ljpeg");
+              "compression is \"zip\", but must be none or ljpeg or "
+              "ljpeg-2d");
 }
 
 } // namespace
