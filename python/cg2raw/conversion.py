@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.cfa import is_mono
@@ -26,6 +27,7 @@ CONVERTING = {
     "digital_gain": "gain",
     "highlights": "highlights",
 }
+COUNTED_ROWS = 16  # at a time: of photographs they fit a core's cache
 NO_LIGHT = f"under which light? Add --illuminant WORD: {_core.illuminant_grammar}"
 
 
@@ -56,8 +58,9 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
     asked = {**request.run, **of_pixels, "frame": frame_of(image, output, request)}
     pixels = image.pixels
     if request.exposure:
-        pixels = pixels * np.float32(2.0**request.exposure)
-    nan, inf = np.isnan(pixels).sum(), np.isinf(pixels).sum()
+        gain = np.float32(2.0**request.exposure)
+        pixels = pixels.astype(np.float32, copy=False) * gain
+    nan, inf = not_finite(pixels)
     shot, drawn = _core.Shot(**{**image.shot, **request.shot}), None
     if request.upi:
         image_file.check_rec709(image)
@@ -85,9 +88,20 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
         "layer": image.layer or None,
         "linearized": image.undone or None,
         "unseen_energy": unseen,
-        "nan": int(nan),
-        "inf": int(inf),
+        "nan": nan,
+        "inf": inf,
     }
+
+
+def not_finite(pixels: NDArray[np.floating[Any]]) -> tuple[int, int]:
+    """Return how many values are NaN, and how many infinite."""
+    nan = inf = 0
+    for first in range(0, len(pixels), COUNTED_ROWS):
+        part = pixels[first : first + COUNTED_ROWS]
+        if not np.isfinite(part).all():
+            nan += int(np.isnan(part).sum())
+            inf += int(np.isinf(part).sum())
+    return nan, inf
 
 
 def image_of(
@@ -111,7 +125,11 @@ def image_of(
             "and this one has no channels such as S0.550nm: name the light"
         )
     image = image_file.read_image(
-        path, request.layer, undo=request.linearize, space=request.space
+        path,
+        request.layer,
+        undo=request.linearize,
+        space=request.space,
+        keep_half=True,
     )
     return image, {}, None
 

@@ -235,6 +235,24 @@ def test_channels_of_a_layer_may_lie_apart(tmp_path):
     assert np.array_equal(image.pixels, pixels[..., [4, 2, 1]])
 
 
+@pytest.mark.parametrize("depth", ["half", "float"])
+def test_half_floats_may_remain_so(tmp_path, depth):
+    """Depth beside them, as renderers write it, changes nothing."""
+    pixels = np.random.default_rng(4).random((24, 36, 4), dtype=np.float32)
+    spec = oiio.ImageSpec(36, 24, 4, depth)
+    spec.channelnames = ("R", "G", "B", "Z")
+    if depth == "float":
+        spec.channelformats = ("half", "half", "half", depth)
+    path = write_parts(tmp_path / "a.exr", [(spec, pixels)])
+    kept = read_image(path, keep_half=True).pixels
+    assert kept.dtype == np.float16
+    assert np.array_equal(kept, pixels[..., :3].astype(np.float16))
+    found = read_image(path).pixels
+    assert found.dtype == np.float32 and np.array_equal(found, kept)
+    float_file = write_image(tmp_path / "b.exr", pixels[..., :3].copy(), "float")
+    assert read_image(float_file, keep_half=True).pixels.dtype == np.float32
+
+
 @pytest.mark.parametrize("tile", [0, 16])
 @pytest.mark.parametrize("layout", ["margins", "overscan", "both"])
 def test_an_image_is_its_display_window(tmp_path, layout, tile):

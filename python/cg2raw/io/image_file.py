@@ -25,14 +25,14 @@ ROWS = 256  # that are read at a time; the most that EXR compresses together (DW
 class Image:
     """The picture in a file, and what the file says of it.
 
-    pixels : (H, W, 3) float32, R, G, B of the whole display window; black where the
-    file has no data. space : the name of the pixels' colour space; may be empty.
-    chromaticities : x, y of red, green, blue and white, if the file has them.
-    shot : Exif, as write_dng takes it. undone : the curve that was undone, "srgb" or
-    "g2.2", empty if the file's numbers are as they were."""
+    pixels : (H, W, 3) float32, or float16 where that was asked for, R, G, B of the
+    whole display window; black where the file has no data. space : the name of the
+    pixels' colour space; may be empty. chromaticities : x, y of red, green, blue and
+    white, if the file has them. shot : Exif, as write_dng takes it. undone : the curve
+    that was undone, "srgb" or "g2.2", empty if the file's numbers are as they were."""
 
     path: str
-    pixels: np.ndarray
+    pixels: NDArray[np.floating[Any]]
     space: str
     chromaticities: tuple[float, ...] | None = None
     shot: dict[str, Any] = field(default_factory=dict)
@@ -63,6 +63,7 @@ def read_image(
     layer: str | None = None,
     undo: str | None = None,
     space: str | None = None,
+    keep_half: bool = False,
 ) -> Image:
     """Return the Image at @path.
 
@@ -72,6 +73,8 @@ def read_image(
     files that say they are sRGB; "stated": the one that the file states, for integers
     without a word sRGB's, and a file of another colour space is an error.
     space : the name of the pixels' colour space, if the file errs.
+    keep_half : pixels that are half floats in the file remain float16: reading those of
+    a compressed EXR takes half the time then.
     Raises ValueError saying what is wrong with the file, OSError."""
     path = str(path)
     with contextlib.closing(opened(path, straight_alpha=undo is not None)) as source:
@@ -83,7 +86,7 @@ def read_image(
             curve = image_spaces.curve_of(spec, undo)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-        pixels = read_pixels(path, source, spec, chosen.channels, curve)
+        pixels = read_pixels(path, source, spec, chosen.channels, curve, keep_half)
     chromaticities = spec.getattribute("chromaticities")
     return Image(
         path=path,
@@ -102,7 +105,8 @@ def read_plane(path: FilePath) -> FloatImage:
     """Return (H, W) float32 of the first channel at @path, its whole display window."""
     with contextlib.closing(opened(path)) as source:
         check_size(path, source.spec())
-        return read_pixels(path, source, source.spec(), [0], None)[..., 0]
+        plane: FloatImage = read_pixels(path, source, source.spec(), [0], None)[..., 0]
+        return plane
 
 
 def image_size(path: FilePath, layer: str | None = None) -> tuple[int, int]:
@@ -191,17 +195,36 @@ def check_size(path: FilePath, spec: Any) -> None:
 
 
 def read_pixels(
-    path: FilePath, source: Any, spec: Any, channels: Sequence[int], curve: Curve | None
-) -> FloatImage:
-    """Return (H, W, C) float32 of the display window, a few rows at a time."""
-    whole = np.zeros((spec.full_height, spec.full_width, len(channels)), np.float32)
-    for rows, cols, part in visible_rows(path, source, spec, channels, curve):
+    path: FilePath,
+    source: Any,
+    spec: Any,
+    channels: Sequence[int],
+    curve: Curve | None,
+    keep_half: bool = False,
+) -> NDArray[np.floating[Any]]:
+    """Return (H, W, C) float32, or float16, of the display window, a few rows at a
+    time."""
+    shape = spec.full_height, spec.full_width, len(channels)
+    if keep_half and curve is None and are_half(spec, channels):
+        halves = np.zeros(shape, np.float16)
+        kind = openimageio().HALF
+        for rows, cols, part in visible_rows(path, source, spec, channels, kind):
+            halves[rows, cols] = part
+        return halves
+    whole = np.zeros(shape, np.float32)
+    kind = openimageio().FLOAT if curve is None else spec.format
+    for rows, cols, part in visible_rows(path, source, spec, channels, kind):
         whole[rows, cols] = image_spaces.light_of(part, curve)
     return whole
 
 
+def are_half(spec: Any, channels: Sequence[int]) -> bool:
+    """Return whether all of some channels are half floats in the file."""
+    return all(str(spec.channelformat(channel)) == "half" for channel in channels)
+
+
 def visible_rows(
-    path: FilePath, source: Any, spec: Any, channels: Sequence[int], curve: Curve | None
+    path: FilePath, source: Any, spec: Any, channels: Sequence[int], kind: Any
 ) -> Iterator[tuple[slice, slice, NDArray[Any]]]:
     """Yield (rows, cols, (h, w, C) pixels) of the display window where there are data.
 
@@ -219,7 +242,7 @@ def visible_rows(
     step = spec.tile_height or ROWS
     for row in range((first - top) // step * step, last - top, step):
         count = min(step, spec.height - row)
-        part = read_rows(path, source, spec, row, count, channels, curve)
+        part = read_rows(path, source, spec, row, count, channels, kind)
         begin, end = max(first - top - row, 0), min(last - top - row, count)
         rows = slice(top + row + begin, top + row + end)
         yield rows, cols, part[begin:end, cols.start - left : cols.stop - left]
@@ -232,14 +255,13 @@ def read_rows(
     row: int,
     count: int,
     channels: Sequence[int],
-    curve: Curve | None,
+    kind: Any,
 ) -> NDArray[Any]:
-    """Return (count, W, C) pixels of rows of the data window; code values on a curve.
+    """Return (count, W, C) pixels of rows of the data window, of OpenImageIO's @kind.
 
     Rows that are compressed together are read together, so that no whole copy is
     made: at most 256 in OpenEXR, or a row of tiles."""
     top, least, most = spec.y + row, min(channels), max(channels) + 1
-    kind = openimageio().FLOAT if curve is None else spec.format
     if spec.tile_height:
         box = (spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1)
         pixels = source.read_tiles(*box, least, most, kind)

@@ -21,6 +21,7 @@ from cg2raw.io.image_file import (
     shot_of,
     visible_rows,
 )
+from cg2raw.oiio.openimageio import openimageio
 from cg2raw.spectra import Rows, Statistic
 
 
@@ -58,7 +59,8 @@ class SpectraFile:
         Raises ValueError, OSError."""
         channels = self.bins.channels
         with contextlib.closing(opened(self.path)) as source:
-            found = visible_rows(self.path, source, self.spec, channels, None)
+            kind = openimageio().FLOAT
+            found = visible_rows(self.path, source, self.spec, channels, kind)
             for rows, cols, part in found:
                 yield rows, cols, np.ascontiguousarray(part, np.float32)
 
