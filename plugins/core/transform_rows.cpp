@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 namespace cg2raw {
 namespace {
@@ -120,6 +122,31 @@ CG2RAW_MULTIVERSION void legal_piece(const float* scene, std::ptrdiff_t pixel_st
     inf += infs;
 }
 
+/// Whether legal() leaves all of @p count floats as they are: no NaN, none too large.
+/// Their bits without the sign, as whole numbers, are in the order of their magnitudes.
+CG2RAW_MULTIVERSION bool are_legal(const float* values, std::ptrdiff_t count)
+{
+    std::int32_t largest = 0, bound = 0;
+    std::memcpy(&bound, &largest_radiance, sizeof bound);
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+        std::int32_t bits = 0;
+        std::memcpy(&bits, values + i, sizeof bits);
+        largest = std::max(largest, bits & 0x7fffffff);
+    }
+    return largest <= bound;
+}
+
+/// Pixels of three floats that are all legal, as nearly all are.
+CG2RAW_MULTIVERSION void split_piece(const float* scene, int count, float* r, float* g,
+                                     float* b)
+{
+    for (int i = 0; i < count; ++i) {
+        r[i] = scene[3 * i];
+        g[i] = scene[3 * i + 1];
+        b[i] = scene[3 * i + 2];
+    }
+}
+
 CG2RAW_MULTIVERSION void camera_piece(const Coefficients& c, int count, float* r,
                                       float* g, float* b)
 {
@@ -176,7 +203,9 @@ void make_legal(const float* scene, std::ptrdiff_t stride, int count, float* r,
                 float* g, float* b, Illegal& illegal)
 {
     int nan = 0, inf = 0;
-    if (stride == 3)
+    if (stride == 3 && are_legal(scene, std::ptrdiff_t(3) * count))
+        split_piece(scene, count, r, g, b);
+    else if (stride == 3)
         legal_piece<3>(scene, stride, count, r, g, b, nan, inf);
     else if (stride == 4)
         legal_piece<4>(scene, stride, count, r, g, b, nan, inf);
