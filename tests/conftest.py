@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What tests share: where things lie, both oiiotools, and the choice of slow tests."""
 
+import contextlib
 import os
 import shutil
 import subprocess
@@ -19,6 +20,7 @@ OIIOTOOLS = {
 
 def pytest_addoption(parser):
     parser.addoption("--slow", action="store_true", help="run the slow tests too")
+    parser.addoption("--kills", type=int, default=500, help="of the slow test of them")
 
 
 def pytest_configure(config):
@@ -79,6 +81,21 @@ def oiiotool_runner(name):
 
     run.name = name
     return run
+
+
+@contextlib.contextmanager
+def mounted(folder, *options):
+    """Mount a small tmpfs on a folder, or skip."""
+    folder.mkdir()
+    done = subprocess.run(
+        ["mount", "-t", "tmpfs", *options, "tmpfs", folder], capture_output=True
+    )
+    if done.returncode:
+        pytest.skip(f"mounting a tmpfs needs root: {done.stderr.decode().strip()}")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", folder], check=True)
 
 
 @pytest.fixture(params=list(OIIOTOOLS))

@@ -44,7 +44,7 @@ LIBRARIES = {
     r"OpenColorIO/": set(),
     r"nlohmann/": {"core"},
     # What one operating system has and another lacks.
-    r"(unistd|fcntl|dlfcn|sched|signal|windows|io|x?locale)\.h|sys/": {
+    r"(unistd|fcntl|dlfcn|dirent|sched|signal|windows|io|x?locale)\.h|sys/": {
         "platform",
         "dng.imageio/portable",  # the loader in wheels, by dlopen
     },

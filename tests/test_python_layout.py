@@ -16,6 +16,7 @@ ROOMS = (
     "cg2raw._core",
     "cg2raw.system",
     "cg2raw.near_words",
+    "cg2raw.short_messages",
     "cg2raw.core_arguments",
     "cg2raw.argument_types",
     "cg2raw.arrays",

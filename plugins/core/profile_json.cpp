@@ -168,13 +168,13 @@ std::vector<EffectSetting> effect_settings(Fields& fields)
         }
         if (row.has("parameters")) {
             Fields parameters = row.object("parameters");
-            for (const auto& [name, value] : parameters.json().items())
+            for (const auto& [name, value] : parameters.json().members())
                 setting.parameters[name] = parameters.real(name);
         }
         for (const char* extra : { "ci95", "evidence" })
             if (row.has(extra))
                 setting.evidence += (setting.evidence.empty() ? "{\"" : ", \"")
-                    + std::string(extra) + "\": " + row.at(extra, "").dump();
+                    + std::string(extra) + "\": " + row.at(extra, "").dump(true);
         if (!setting.evidence.empty())
             setting.evidence += "}";
         row.done();
@@ -186,7 +186,7 @@ std::vector<EffectSetting> effect_settings(Fields& fields)
 std::vector<std::pair<std::string, std::string>> sources(Fields fields)
 {
     std::vector<std::pair<std::string, std::string>> result;
-    for (const auto& [name, value] : fields.json().items())
+    for (const auto& [name, value] : fields.json().members())
         result.emplace_back(name, fields.text(name));
     return result;
 }
@@ -235,14 +235,10 @@ SensorProfile profile_from(Fields fields)
 SensorProfile parse_profile(std::string_view text, const std::string& file)
 {
     check_profile_syntax(text, file);
-    const Fields::Json json = Fields::Json::parse(text);
-    try {
-        SensorProfile profile = profile_from({ json, file, "" });
-        check(profile, file);
-        return profile;
-    } catch (const nlohmann::json::exception& error) {
-        throw Error(file + ": " + error.what());
-    }
+    const JsonTree json = JsonTree::parse(text);
+    SensorProfile profile = profile_from({ json, file, "" });
+    check(profile, file);
+    return profile;
 }
 
 } // namespace cg2raw

@@ -5,8 +5,7 @@
 #pragma once
 
 #include "cg2raw/profile.h"
-
-#include <nlohmann/json.hpp>
+#include "profile_json_tree.h"
 
 #include <array>
 #include <set>
@@ -20,15 +19,13 @@ namespace cg2raw {
 /// is something else.
 class Fields {
 public:
-    using Json = nlohmann::ordered_json;
-
     /// Keeps a reference to @p json. Throws Error unless that is an object.
-    Fields(const Json& json, std::string file, std::string path);
+    Fields(const JsonTree& json, std::string file, std::string path);
 
     [[noreturn]] void fail(const std::string& field, const std::string& what) const;
 
     bool has(const std::string& field);
-    const Json& at(const std::string& field, const char* allowed);
+    const JsonTree& at(const std::string& field, const char* allowed);
     std::string text(const std::string& field);
     int integer(const std::string& field);
     double real(const std::string& field);
@@ -41,17 +38,17 @@ public:
     Fields object(const std::string& field);
     std::vector<Fields> objects(const std::string& field);
 
-    const Json& json() const { return m_json; }
+    const JsonTree& json() const { return m_json; }
 
     /// Fields that nobody asked for are errors.
     void done() const;
 
 private:
-    double real_of(const Json& value, const std::string& field) const;
-    std::vector<double> reals_of(const Json& list, const std::string& field,
+    double real_of(const JsonTree& value, const std::string& field) const;
+    std::vector<double> reals_of(const JsonTree& list, const std::string& field,
                                  std::size_t count) const;
 
-    const Json& m_json;
+    const JsonTree& m_json;
     std::string m_file, m_path;
     std::set<std::string> m_asked;
 };

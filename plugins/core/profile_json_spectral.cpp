@@ -44,17 +44,17 @@ SpectralSensitivities sensitivities_from_json(Fields fields, const CfaPattern& c
     return result;
 }
 
-Fields::Json json_of(const SpectralSensitivities& sensitivities, const CfaPattern& cfa)
+JsonTree json_of(const SpectralSensitivities& sensitivities, const CfaPattern& cfa)
 {
-    Fields::Json json { { "unit", name_of(sensitivities.unit) },
-                        { "scale", sensitivities.scale },
-                        { "wavelengths", sensitivities.wavelengths } };
+    JsonTree json = JsonTree::object({ { "unit", name_of(sensitivities.unit) },
+                                       { "scale", sensitivities.scale },
+                                       { "wavelengths", sensitivities.wavelengths } });
     const std::vector<std::string> channels = channels_of(cfa);
     for (std::size_t channel = 0; channel < channels.size(); ++channel) {
-        Fields::Json values = Fields::Json::array();
+        std::vector<double> values;
         for (const Vec3& rgb : sensitivities.rgb)
             values.push_back(rgb[channel]);
-        json[channels[channel]] = std::move(values);
+        json.set(channels[channel], values);
     }
     return json;
 }

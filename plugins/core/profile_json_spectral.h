@@ -10,6 +10,6 @@ namespace cg2raw {
 
 /// Channels R, G and B; of a monochrome sensor the one that is called mono.
 SpectralSensitivities sensitivities_from_json(Fields fields, const CfaPattern& cfa);
-Fields::Json json_of(const SpectralSensitivities& sensitivities, const CfaPattern& cfa);
+JsonTree json_of(const SpectralSensitivities& sensitivities, const CfaPattern& cfa);
 
 } // namespace cg2raw

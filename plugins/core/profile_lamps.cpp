@@ -102,16 +102,18 @@ std::vector<Lamp> lamps_from_json(std::vector<Fields> rows)
     return result;
 }
 
-Fields::Json json_of(const Lamp& lamp)
+JsonTree json_of(const Lamp& lamp)
 {
-    Fields::Json json { { "name", lamp.name },
-                        { "calibration_illuminant",
-                          light_source_name(lamp.calibration.light_source) },
-                        { "neutral", lamp.neutral },
-                        { "color_matrix", lamp.calibration.camera_from_xyz.m } };
+    JsonTree json
+        = JsonTree::object({ { "name", lamp.name },
+                             { "calibration_illuminant",
+                               light_source_name(lamp.calibration.light_source) },
+                             { "neutral", lamp.neutral },
+                             { "color_matrix", lamp.calibration.camera_from_xyz.m } });
     if (lamp.power)
-        json["power"] = { { "wavelengths", lamp.power->wavelengths },
-                          { "values", lamp.power->values } };
+        json.set("power",
+                 JsonTree::object({ { "wavelengths", lamp.power->wavelengths },
+                                    { "values", lamp.power->values } }));
     return json;
 }
 

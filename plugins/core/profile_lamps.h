@@ -9,7 +9,7 @@
 namespace cg2raw {
 
 std::vector<Lamp> lamps_from_json(std::vector<Fields> rows);
-Fields::Json json_of(const Lamp& lamp);
+JsonTree json_of(const Lamp& lamp);
 
 /// Throws Error, led by @p file, for a name that is no word, or that two lamps have,
 /// or a power that is no light.

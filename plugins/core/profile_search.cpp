@@ -101,12 +101,10 @@ std::vector<std::string> profile_folders()
 std::vector<std::string> installed_profiles()
 {
     std::vector<std::string> ids;
-    for (const std::string& folder : profile_folders()) {
-        std::error_code ignored;
-        for (const auto& entry : fs::directory_iterator(path_of(folder), ignored))
-            if (entry.path().extension() == ".json")
-                ids.push_back(utf8_of(entry.path().stem()));
-    }
+    for (const std::string& folder : profile_folders())
+        for (const std::string& name : names_in(path_of(folder)))
+            if (const fs::path path = path_of(name); path.extension() == ".json")
+                ids.push_back(utf8_of(path.stem()));
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     return ids;

@@ -3,7 +3,7 @@
 
 /// @file The other face of cg2raw in OpenImageIO: DNG -> mosaic, or a linear picture.
 #include "cg2raw/dng_mosaic.h"
-#include "messages.h"
+#include "failure.h"
 #include "proxy_stream.h"
 #include "read_attributes.h"
 #include "thread_pool.h"
@@ -11,7 +11,10 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <mutex>
+#include <new>
 
 using namespace OIIO;
 
@@ -23,6 +26,9 @@ namespace cg2raw {
 class DngInput final : public ImageInput {
 public:
     ~DngInput() override { forget(); }
+
+    static void* operator new(std::size_t size);
+    static void operator delete(void* memory) noexcept;
 
     const char* format_name() const override { return "dng"; }
     int supports(string_view feature) const override
@@ -49,6 +55,8 @@ public:
                                void* data) override;
 
 private:
+    void start_or_keep_why_not(const ImageSpec& config);
+    void tell_error() noexcept;
     void start(const std::string& name, const ImageSpec& config);
     void start_mosaic();
     void start_picture();
@@ -63,22 +71,52 @@ private:
     std::mutex m_guard; ///< hosts may read one file from several threads
 };
 
-bool DngInput::valid_file(const std::string& name) const
+namespace {
+
+/// The one reader for which there is always memory: OpenImageIO 2.4 takes one of each
+/// plugin to see what it can do, and does not see when it gets none.
+alignas(DngInput) std::array<char, sizeof(DngInput)> reserve;
+std::atomic<bool> reserve_is_used { false };
+
+} // namespace
+
+void* DngInput::operator new(std::size_t size)
 {
+    if (void* const memory = ::operator new(size, std::nothrow))
+        return memory;
+    if (reserve_is_used.exchange(true))
+        throw std::bad_alloc();
+    return reserve.data();
+}
+
+void DngInput::operator delete(void* memory) noexcept
+{
+    if (memory == reserve.data())
+        reserve_is_used = false;
+    else
+        ::operator delete(memory);
+}
+
+bool DngInput::valid_file(const std::string& name) const
+try {
     Filesystem::IOFile file(name, Filesystem::IOProxy::Read);
     if (!file.opened())
         return false;
     ProxyStream stream(file);
     return is_dng(stream);
+} catch (...) { // no memory to find out
+    return false;
 }
 
 #if OIIO_VERSION >= 20500
 bool DngInput::valid_file(Filesystem::IOProxy* bytes) const
-{
+try {
     if (!bytes || bytes->mode() != Filesystem::IOProxy::Read)
         return false;
     ProxyStream stream(*bytes);
     return is_dng(stream);
+} catch (...) {
+    return false;
 }
 #endif
 
@@ -87,25 +125,44 @@ bool DngInput::open(const std::string& name, ImageSpec& spec, const ImageSpec& c
     const std::lock_guard<std::mutex> lock(m_guard);
     if (m_stream) // else the proxy is the one that the host has just set
         forget();
-    m_name = name;
-    ioproxy_retrieve_from_config(config);
-    if (!ioproxy_use_or_open(name))
-        return false;
-    m_stream = std::make_unique<ProxyStream>(*ioproxy());
     try {
-        start(name, config);
-    } catch (const std::exception& error) {
-        m_unreadable = led_by_name(name, error.what());
-        if (!is_dng(*m_stream)) { // another reader may know what it is
-            errorfmt("{}", m_unreadable);
-            forget();
+        m_name = name;
+        ioproxy_retrieve_from_config(config);
+        if (!ioproxy_use_or_open(name))
             return false;
-        }
+        m_stream = std::make_unique<ProxyStream>(*ioproxy());
+        start_or_keep_why_not(config);
+        spec = m_spec;
+        return true;
+    } catch (...) {
+        tell_error();
+        forget();
+        return false;
+    }
+}
+
+/// Throws what is wrong with a file that is no DNG: another reader may know what it is.
+void DngInput::start_or_keep_why_not(const ImageSpec& config)
+{
+    try {
+        start(m_name, config);
+    } catch (...) {
+        if (!is_dng(*m_stream))
+            throw;
+        tell_failure(m_name, ImageSpec(),
+                     [this](const std::string& why) { m_unreadable = why; });
+        if (m_unreadable.empty())
+            throw;
         m_spec = ImageSpec(1, 1, 1, TypeDesc::UINT16);
         m_spec.attribute("raw:Unreadable", m_unreadable);
     }
-    spec = m_spec;
-    return true;
+}
+
+/// Of the exception that is being handled.
+void DngInput::tell_error() noexcept
+{
+    tell_failure(m_name, m_spec,
+                 [this](const std::string& message) { errorfmt("{}", message); });
 }
 
 void DngInput::start(const std::string& name, const ImageSpec& config)
@@ -168,11 +225,8 @@ bool DngInput::read_native_scanlines(int subimage, int miplevel, int ybegin, int
             throw Error(m_name + ": is not open");
         read(ybegin, std::min(yend, m_spec.height) - ybegin, data);
         return true;
-    } catch (const std::bad_alloc&) {
-        errorfmt("{}: not enough memory for {} x {} pixels", m_name, m_spec.width,
-                 m_spec.height);
-    } catch (const std::exception& error) {
-        errorfmt("{}", error.what());
+    } catch (...) {
+        tell_error();
     }
     return false;
 }
@@ -221,7 +275,12 @@ void DngInput::forget()
 OIIO_PLUGIN_NAMESPACE_BEGIN
 extern "C" {
 
-OIIO_EXPORT ImageInput* dng_input_imageio_create() { return new cg2raw::DngInput; }
+OIIO_EXPORT ImageInput* dng_input_imageio_create()
+try {
+    return new cg2raw::DngInput;
+} catch (...) { // what was thrown would end the host
+    return nullptr;
+}
 
 /// Another reader of .dng, LibRaw's, keeps that ending: OpenImageIO asks it first. Ours
 /// is then to be had by the name cg2raw: ImageInput::create("cg2raw").

@@ -2,9 +2,9 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file The face of cg2raw in OpenImageIO: ImageSpec attributes -> simulation -> DNG.
+#include "failure.h"
 #include "frame_sink.h"
 #include "host_pixels.h"
-#include "messages.h"
 #include "request.h"
 
 #include <OpenImageIO/imageio.h>
@@ -69,13 +69,9 @@ template <class Work> bool DngOutput::reported(const Work& work)
     try {
         work();
         return true;
-    } catch (const std::bad_alloc&) {
-        errorfmt("{}: not enough memory for {} x {} pixels", m_name, m_spec.width,
-                 m_spec.height);
-    } catch (const std::exception& error) {
-        errorfmt("{}", led_by_name(m_name, error.what()));
     } catch (...) {
-        errorfmt("{}: unknown failure", m_name);
+        tell_failure(m_name, m_spec,
+                     [this](const std::string& message) { errorfmt("{}", message); });
     }
     abandon();
     return false;
@@ -93,9 +89,9 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
 {
     const std::lock_guard<std::mutex> lock(m_guard);
     abandon();
-    m_name = name;
-    m_spec = spec;
     return reported([&] {
+        m_name = name;
+        m_spec = spec;
         if (mode != Create)
             throw Error(
                 "a DNG of ours holds one image: write each subimage to its own file "
@@ -228,7 +224,12 @@ OIIO_EXPORT const char* dng_imageio_library_version()
     return "cg2raw " CG2RAW_VERSION;
 }
 
-OIIO_EXPORT ImageOutput* dng_output_imageio_create() { return new cg2raw::DngOutput; }
+OIIO_EXPORT ImageOutput* dng_output_imageio_create()
+try {
+    return new cg2raw::DngOutput;
+} catch (...) { // what was thrown would end the host
+    return nullptr;
+}
 
 OIIO_EXPORT const char* dng_output_extensions[] = { "dng", nullptr };
 }

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace cg2raw {
 
@@ -28,6 +29,10 @@ extern const char path_list_separator;
 
 /// Whether @p text names a place, and is not the bare name of something.
 bool has_folder(const std::string& text);
+
+/// The names of what is in a folder, in the order of the system; of one that cannot be
+/// read, none. As std::filesystem's iterator, which ends the process without memory.
+std::vector<std::string> names_in(const std::filesystem::path& folder);
 
 /// The folder of the library or program that this code is part of; empty if the system
 /// does not say.

@@ -5,7 +5,9 @@
 #include "platform/paths.h"
 
 #include <cstdlib>
+#include <memory>
 
+#include <dirent.h>
 #include <dlfcn.h>
 
 namespace cg2raw {
@@ -19,6 +21,23 @@ std::string environment(const char* name)
 const char path_list_separator = ':';
 
 bool has_folder(const std::string& text) { return text.find('/') != std::string::npos; }
+
+std::vector<std::string> names_in(const std::filesystem::path& folder)
+{
+    const auto close = [](DIR* opened) { ::closedir(opened); };
+    const std::unique_ptr<DIR, decltype(close)> opened(::opendir(folder.c_str()),
+                                                       close);
+    std::vector<std::string> names;
+    while (opened) {
+        const dirent* const entry = ::readdir(opened.get());
+        if (!entry)
+            break;
+        const std::string name = entry->d_name;
+        if (name != "." && name != "..")
+            names.push_back(name);
+    }
+    return names;
+}
 
 std::filesystem::path own_folder()
 {

@@ -23,6 +23,15 @@ bool has_folder(const std::string& text)
     return text.find_first_of("/\\") != std::string::npos;
 }
 
+std::vector<std::string> names_in(const std::filesystem::path& folder)
+{
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+        names.push_back(utf8_of(entry.path().filename()));
+    return names;
+}
+
 std::filesystem::path own_folder()
 {
     constexpr DWORD flags = GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS

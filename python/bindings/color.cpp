@@ -2,6 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 #include "bindings.h"
+#include "constructor.h"
 
 #include "cg2raw/random.h"
 
@@ -53,13 +54,17 @@ void bind_color(py::module_& m)
     m.def("require_rec709_primaries", &require_rec709_primaries, "chromaticities"_a,
           "space"_a, "openimageio_version"_a, "rec709"_a,
           "Raise Error for an image of other primaries whose space nobody stated.");
-    py::class_<Rng>(m, "Rng",
-                    "Random numbers that are pure functions of (seed, purpose, frame) "
-                    "and n.")
-        .def(py::init<std::uint64_t, std::string_view, std::uint64_t>(), "seed"_a,
-             "purpose"_a, "frame"_a = 0)
-        .def("uniform", &Rng::uniform, "n"_a,
-             "The n-th uniform in (0, 1), float64; n from 0 to 2**32 - 1.")
+    py::class_<Rng> rng(m, "Rng",
+                        "Random numbers that are pure functions of (seed, purpose, "
+                        "frame) and n.");
+    def_constructor(
+        rng,
+        +[](std::uint64_t seed, std::string_view purpose, std::uint64_t frame) {
+            return Rng(seed, purpose, frame);
+        },
+        "seed"_a, "purpose"_a, "frame"_a = 0);
+    rng.def("uniform", &Rng::uniform, "n"_a,
+            "The n-th uniform in (0, 1), float64; n from 0 to 2**32 - 1.")
         .def("normal", &Rng::normal, "n"_a,
              "The n-th standard normal, float64; uses uniforms 2n and 2n + 1.");
     m.def(

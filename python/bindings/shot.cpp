@@ -2,6 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 #include "bindings.h"
+#include "constructor.h"
 
 #include "cg2raw/dng_description.h"
 
@@ -31,31 +32,32 @@ std::optional<TimeCode> code_of(const TimeCodeWord& word, const OptionalRate& ra
 
 void bind_shot(py::module_& m)
 {
-    py::class_<Shot>(m, "Shot", "What Exif says of the exposure, without its ISO.")
-        .def(py::init(
-                 [](std::optional<double> exposure_time, std::optional<double> f_number,
-                    std::optional<double> focal_length,
-                    const std::string& date_time_original, const std::string& artist,
-                    const std::string& copyright, const std::string& description,
-                    const std::string& lens_model, int orientation,
-                    const std::string& frame_rate, const TimeCodeWord& time_code,
-                    const std::string& reel_name, const std::string& camera_label) {
-                     const OptionalRate rate = rate_of(frame_rate);
-                     return plausible({ exposure_time, f_number, focal_length,
-                                        std::nullopt, date_time_original, artist,
-                                        copyright, description, lens_model, orientation,
-                                        rate, code_of(time_code, rate), reel_name,
-                                        camera_label });
-                 }),
-             py::kw_only(), "exposure_time"_a = py::none(), "f_number"_a = py::none(),
-             "focal_length"_a = py::none(), "date_time_original"_a = "",
-             "artist"_a = "", "copyright"_a = "", "description"_a = "",
-             "lens_model"_a = "", "orientation"_a = 1, "frame_rate"_a = "",
-             "time_code"_a = "", "reel_name"_a = "", "camera_label"_a = "",
-             "Times in s, lengths in mm, dates as \"YYYY:MM:DD HH:MM:SS\", orientation "
-             "1 to 8,\nframe rates as \"24\" or \"24000/1001\", time codes as "
-             "\"hh:mm:ss:ff\" or packed;\nwhat makes no sense in Exif is left out.")
-        .def_readonly("exposure_time", &Shot::exposure_time, "s; None: not known.")
+    py::class_<Shot> shot(m, "Shot",
+                          "What Exif says of the exposure, without its ISO.");
+    def_constructor(
+        shot,
+        +[](std::optional<double> exposure_time, std::optional<double> f_number,
+            std::optional<double> focal_length, const std::string& date_time_original,
+            const std::string& artist, const std::string& copyright,
+            const std::string& description, const std::string& lens_model,
+            int orientation, const std::string& frame_rate,
+            const TimeCodeWord& time_code, const std::string& reel_name,
+            const std::string& camera_label) {
+            const OptionalRate rate = rate_of(frame_rate);
+            return plausible({ exposure_time, f_number, focal_length, std::nullopt,
+                               date_time_original, artist, copyright, description,
+                               lens_model, orientation, rate, code_of(time_code, rate),
+                               reel_name, camera_label });
+        },
+        py::kw_only(), "exposure_time"_a = py::none(), "f_number"_a = py::none(),
+        "focal_length"_a = py::none(), "date_time_original"_a = "", "artist"_a = "",
+        "copyright"_a = "", "description"_a = "", "lens_model"_a = "",
+        "orientation"_a = 1, "frame_rate"_a = "", "time_code"_a = "",
+        "reel_name"_a = "", "camera_label"_a = "",
+        "Times in s, lengths in mm, dates as \"YYYY:MM:DD HH:MM:SS\", orientation "
+        "1 to 8,\nframe rates as \"24\" or \"24000/1001\", time codes as "
+        "\"hh:mm:ss:ff\" or packed;\nwhat makes no sense in Exif is left out.");
+    shot.def_readonly("exposure_time", &Shot::exposure_time, "s; None: not known.")
         .def_property_readonly(
             "frame_rate",
             [](const Shot& shot) { return text_or_none(shot.frame_rate); },

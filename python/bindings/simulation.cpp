@@ -2,6 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 #include "bindings.h"
+#include "constructor.h"
 
 namespace cg2raw::python {
 namespace {
@@ -127,18 +128,22 @@ FloatArray scene_of(const CameraTransform& transform, const py::array& camera,
 
 void bind_simulation(py::module_& m)
 {
-    py::class_<Run>(m, "Run", "What one exposure is asked to be.")
-        .def(py::init(&run_of), "illuminant"_a, "iso"_a, "noise"_a, "seed"_a, "frame"_a,
-             "digital_gain"_a, "convention"_a, "highlights"_a, "effects"_a,
-             "camera_input"_a, "as_shot"_a, "sample_digital_gain"_a = false,
-             "exposure_time"_a = std::nullopt, "color_effects"_a = true);
-    py::class_<Simulation>(
-        m, "Simulation", "A sensor, a light and an exposure, decided before any pixel.")
-        .def(py::init([](const SensorProfile& profile, std::array<int, 2> shape,
-                         const Run& run) {
-                 return Simulation(profile, run, { shape[1], shape[0] });
-             }),
-             "profile"_a, "shape"_a, "run"_a)
+    py::class_<Run> run(m, "Run", "What one exposure is asked to be.");
+    def_constructor(run, &run_of, "illuminant"_a, "iso"_a, "noise"_a, "seed"_a,
+                    "frame"_a, "digital_gain"_a, "convention"_a, "highlights"_a,
+                    "effects"_a, "camera_input"_a, "as_shot"_a,
+                    "sample_digital_gain"_a = false, "exposure_time"_a = std::nullopt,
+                    "color_effects"_a = true);
+    py::class_<Simulation> simulation(
+        m, "Simulation",
+        "A sensor, a light and an exposure, decided before any pixel.");
+    def_constructor(
+        simulation,
+        +[](const SensorProfile& profile, std::array<int, 2> shape, const Run& asked) {
+            return Simulation(profile, asked, { shape[1], shape[0] });
+        },
+        "profile"_a, "shape"_a, "run"_a);
+    simulation
         .def_property_readonly("illuminant", &Simulation::illuminant,
                                "The light, as the sensor sees it.")
         .def_property_readonly(

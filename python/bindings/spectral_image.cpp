@@ -5,6 +5,7 @@
 
 #include "bindings.h"
 #include "cg2raw/parallel.h"
+#include "constructor.h"
 
 #include <numeric>
 
@@ -99,11 +100,13 @@ void bind_spectral_image(py::module_& m)
         "stated : {channel: wavelength in m}, as files of Ocean say it in "
         "attributes.\nresponses : {channel: \"550nm:0.3;...\"}, its spectral "
         "response.\nRaises ValueError.");
-    py::class_<SpectralResponse>(m, "SpectralResponse",
-                                 "Camera RGB (white 1) of spectral radiance.")
-        .def(py::init(&response_of), "profile"_a, "light"_a, "bins"_a, "white"_a,
-             "light : Illuminant, or [(nm, power)]. bins : centres of boxes, (n,) nm, "
-             "or\nSpectralChannels. white : cd/m2.")
+    py::class_<SpectralResponse> response(m, "SpectralResponse",
+                                          "Camera RGB (white 1) of spectral radiance.");
+    def_constructor(
+        response, &response_of, "profile"_a, "light"_a, "bins"_a, "white"_a,
+        "light : Illuminant, or [(nm, power)]. bins : centres of boxes, (n,) nm, "
+        "or\nSpectralChannels. white : cd/m2.");
+    response
         .def_property_readonly(
             "per_bin", [](const SpectralResponse& r) { return array_of(r.per_bin()); },
             "(n, 3): camera RGB of 1 W/(m2 sr nm) in each bin.")

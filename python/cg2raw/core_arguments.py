@@ -20,6 +20,7 @@ import cg2raw.near_words  # which may be what imports this
 from cg2raw import _core
 
 LONGEST = 80  # letters of a value in a message
+NO_MEMORY = "not enough memory"  # where C++ says std::bad_alloc
 REFUSED = re.compile(r"incompatible (function|constructor) arguments")
 # How pybind11 writes types, and what stands for them here.
 WORDS = (
@@ -78,6 +79,8 @@ def _wrapped(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         except TypeError as error:
             if not REFUSED.search(str(error)):
                 raise
+        except MemoryError:
+            raise MemoryError(NO_MEMORY) from None
         raise TypeError(_refusal(function, name, args, named))
 
     return _call

@@ -3,8 +3,9 @@
 
 """Write a mosaic of DN as a DNG; read what a DNG says."""
 
+import contextlib
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from cg2raw.argument_types import (
 )
 from cg2raw.arrays import raw_plane
 from cg2raw.cfa import is_mono
-from cg2raw.core_arguments import shown
+from cg2raw.core_arguments import NO_MEMORY, shown
 from cg2raw.sensor import Sensor
 
 
@@ -80,6 +81,7 @@ def write_dng(
     gain (docs/provenance.md).
 
     Raises ValueError naming path and reason; DN above the sensor's white level are one.
+    Raises MemoryError naming path.
     Source: DNG specification 1.7.1."""
     simulation = _simulation_of(raw, sensor, illuminant, iso, effects)
     check_types(
@@ -94,11 +96,12 @@ def write_dng(
     check_types(f"{TEXT} or None", {"shading": shading})
     check_types(f"{TRUTH} or None", {"preview": preview})
     check_types(TRUTH, {"sync": sync})
-    _core.write_dng(
-        path_text(path), raw_plane(raw), simulation, compression, preview, matrices,
-        tone_curve, thread_count(threads), _shot(shot or {}), sync, sensor is None,
-        crop, shading,
-    )  # fmt: skip
+    with _naming(path):
+        _core.write_dng(
+            path_text(path), raw_plane(raw), simulation, compression, preview, matrices,
+            tone_curve, thread_count(threads), _shot(shot or {}), sync, sensor is None,
+            crop, shading,
+        )  # fmt: skip
 
 
 def read_dng_metadata(path: str | os.PathLike[str], cfa: str = "") -> _core.DngMetadata:
@@ -109,7 +112,17 @@ def read_dng_metadata(path: str | os.PathLike[str], cfa: str = "") -> _core.DngM
     Raises ValueError naming file, tag, value and bound. Source: DNG specification
     1.7.1."""
     check_types(TEXT, {"cfa": cfa})
-    return _core.read_dng_metadata(path_text(path), cfa)
+    with _naming(path):
+        return _core.read_dng_metadata(path_text(path), cfa)
+
+
+@contextlib.contextmanager
+def _naming(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Name @path where there is not enough memory; the core names it in all else."""
+    try:
+        yield
+    except MemoryError:
+        raise MemoryError(f"{path}: {NO_MEMORY}") from None
 
 
 NUMBERS = ("exposure_time", "f_number", "focal_length")

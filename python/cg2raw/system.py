@@ -21,10 +21,12 @@ else:
 
 if sys.platform == "win32":
     OPEN_FILE, OPEN_FOLDER = os.O_BINARY, 0
+    READ_FILE = os.O_RDONLY | os.O_BINARY
 else:
     # A pipe that nobody has at its other end is opened at once, to be refused.
     OPEN_FILE = os.O_NOFOLLOW | os.O_NONBLOCK
     OPEN_FOLDER = os.O_RDONLY | os.O_DIRECTORY
+    READ_FILE = os.O_RDONLY | os.O_NONBLOCK
 PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
 
 
@@ -51,6 +53,32 @@ def open_without_links(path: str | os.PathLike[str], flags: int) -> int:
     if os.path.islink(path):
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), os.fspath(path))
     return os.open(path, flags | os.O_BINARY, 0o666)
+
+
+def check_readable(path: str | os.PathLike[str]) -> None:
+    """Raise OSError, with the system's reason, unless @path is a file to be read.
+
+    A pipe is none: whoever opens it would wait for its other end."""
+    handle = os.open(path, READ_FILE)
+    try:
+        mode = os.fstat(handle).st_mode
+    finally:
+        os.close(handle)
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(mode):
+        raise OSError(f"{path}: is no regular file")
+
+
+@contextlib.contextmanager
+def naming(path: str) -> Iterator[None]:
+    """Give @path to what the system says of a call that knows a part of it, or none."""
+    try:
+        yield
+    except OSError as error:
+        if error.strerror:
+            error.filename, error.filename2 = path, None
+        raise
 
 
 class Folder:
@@ -100,7 +128,8 @@ class Folder:
         if not flags & os.O_EXCL:  # which tells of a link as of a file
             self._refuse_link(name)
         at, where = self._at(name)
-        handle = os.open(where, flags | OPEN_FILE, mode, dir_fd=at)
+        with naming(self.path_of(name)):
+            handle = os.open(where, flags | OPEN_FILE, mode, dir_fd=at)
         if stat.S_ISREG(os.fstat(handle).st_mode):
             return handle
         os.close(handle)
@@ -109,21 +138,25 @@ class Folder:
     def status(self, name: str) -> os.stat_result:
         """Return what the system knows of a name. Raises OSError."""
         at, where = self._at(name)
-        return os.stat(where, dir_fd=at, follow_symlinks=False)
+        with naming(self.path_of(name)):
+            return os.stat(where, dir_fd=at, follow_symlinks=False)
 
     def names(self) -> list[str]:
         """Return the names in the folder, sorted."""
-        return sorted(os.listdir(self.path if self.handle < 0 else self.handle))
+        with naming(self.path):
+            return sorted(os.listdir(self.path if self.handle < 0 else self.handle))
 
     def replace(self, name: str, other: "Folder", new: str) -> None:
         """Move a file to a name in another folder, where it replaces any, or a link."""
         (at, where), (to, there) = self._at(name), other._at(new)
-        os.replace(where, there, src_dir_fd=at, dst_dir_fd=to)
+        with naming(other.path_of(new)):
+            os.replace(where, there, src_dir_fd=at, dst_dir_fd=to)
 
     def remove(self, name: str) -> None:
         """Remove a file, or a link. Raises OSError."""
         at, where = self._at(name)
-        os.unlink(where, dir_fd=at)
+        with naming(self.path_of(name)):
+            os.unlink(where, dir_fd=at)
 
     def _at(self, name: str) -> tuple[int | None, str]:
         """Return (dir_fd, path) of a name, as the functions of os take them."""
@@ -134,11 +167,12 @@ class Folder:
             raise OSError(f"{self.path_of(name)}: is not below {self.path}")
         at, where = self._at(name)
         if make:
-            with contextlib.suppress(FileExistsError):
+            with contextlib.suppress(FileExistsError), naming(self.path_of(name)):
                 os.mkdir(where, dir_fd=at)
         self._refuse_link(name)
         if sys.platform != "win32":
-            inner = os.open(where, OPEN_FOLDER | os.O_NOFOLLOW, dir_fd=at)
+            with naming(self.path_of(name)):
+                inner = os.open(where, OPEN_FOLDER | os.O_NOFOLLOW, dir_fd=at)
             os.close(self.handle)
             self.handle = inner
         self.path = self.path_of(name)

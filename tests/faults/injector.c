@@ -1,17 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright Contributors to the cg2raw Project.
  *
- * LD_PRELOAD: makes a system call on files of one folder fail. Environment:
- *   FAULT_UNDER   the folder; files elsewhere, pipes and sockets are left alone
- *   FAULT_CALL    open, write, pwrite, fsync, close, link, rename or fchmod
- *   FAULT_ERRNO   what it fails with
- *   FAULT_NTH     which of these calls in a process fails, from 1 on
- *   FAULT_STICKY  1: and all after it
- *   FAULT_NO_TMPFILE  1: the file system knows no files without a name
- *   FAULT_LOG     a file that gets a byte when a call was made to fail
- *   FAULT_CASE    any text; calls are counted anew when it changes
+ * The calls on files that injector.h makes fail.
  */
 #define _GNU_SOURCE
+#include "injector.h"
+
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -20,18 +14,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/types.h>
+#include <sys/uio.h>
 #include <unistd.h>
-
-static int calls;
-static char counted_case[64];
-
-static int is_set(const char* name)
-{
-    const char* const value = getenv(name);
-    return value && *value == '1';
-}
 
 static int is_under(const char* path)
 {
@@ -42,51 +29,31 @@ static int is_under(const char* path)
 static int is_file_under(int file)
 {
     char link[64], path[PATH_MAX + 1];
+    const int before = errno;
     snprintf(link, sizeof link, "/proc/self/fd/%d", file);
     const ssize_t size = readlink(link, path, PATH_MAX);
+    errno = before;
     if (size < 0)
         return 0;
     path[size] = '\0';
     return is_under(path);
 }
 
-static void log_it(void)
+/* Whether a call on an open file, or on a path, is to fail. */
+static int fails(const char* call, int file)
 {
-    static int (*real_open)(const char*, int, ...);
-    static ssize_t (*real_write)(int, const void*, size_t);
-    static int (*real_close)(int);
-    if (!real_open) {
-        real_open = dlsym(RTLD_NEXT, "open");
-        real_write = dlsym(RTLD_NEXT, "write");
-        real_close = dlsym(RTLD_NEXT, "close");
-    }
-    const char* const path = getenv("FAULT_LOG");
-    const int file = path ? real_open(path, O_WRONLY | O_CREAT | O_APPEND, 0600) : -1;
-    if (file >= 0) {
-        if (real_write(file, "x", 1) != 1)
-            abort();
-        real_close(file);
-    }
+    return fault_is_asked(call) && is_file_under(file) && fault_strikes();
 }
 
-/* Whether this call is to fail; sets errno then. */
-static int fails(const char* call)
+static int fails_of(const char* call, const char* path)
 {
-    const char* const asked = getenv("FAULT_CALL");
-    if (!asked || strcmp(asked, call) != 0)
-        return 0;
-    const char* const now = getenv("FAULT_CASE");
-    if (now && strncmp(now, counted_case, sizeof counted_case - 1) != 0) {
-        strncpy(counted_case, now, sizeof counted_case - 1);
-        calls = 0;
-    }
-    const int nth = getenv("FAULT_NTH") ? atoi(getenv("FAULT_NTH")) : 1;
-    const int count = __sync_add_and_fetch(&calls, 1);
-    if (count < nth || (count > nth && !is_set("FAULT_STICKY")))
-        return 0;
-    log_it();
-    errno = atoi(getenv("FAULT_ERRNO"));
-    return 1;
+    return fault_is_asked(call) && is_under(path) && fault_strikes();
+}
+
+static int fails_at(const char* call, int folder, const char* path)
+{
+    return folder == AT_FDCWD || *path == '/' ? fails_of(call, path)
+                                              : fails(call, folder);
 }
 
 #define REAL(name) \
@@ -94,15 +61,17 @@ static int fails(const char* call)
     if (!real) \
         real = (__typeof__(&name))dlsym(RTLD_NEXT, #name)
 
-static int refused(const char* path, int flags)
+static int refused_at(int folder, const char* path, int flags)
 {
 #ifdef O_TMPFILE
-    if ((flags & O_TMPFILE) == O_TMPFILE && is_set("FAULT_NO_TMPFILE") && is_under(path)) {
+    if ((flags & O_TMPFILE) == O_TMPFILE && fault_is_asked("tmpfile")
+        && is_under(path)) {
         errno = EOPNOTSUPP;
         return 1;
     }
 #endif
-    return (flags & O_ACCMODE) != O_RDONLY && is_under(path) && fails("open");
+    const int reads = (flags & O_ACCMODE) == O_RDONLY;
+    return fails_at(reads ? "open_to_read" : "open", folder, path);
 }
 
 static mode_t mode_of(int flags, va_list rest)
@@ -111,112 +80,210 @@ static mode_t mode_of(int flags, va_list rest)
     return makes ? va_arg(rest, mode_t) : 0;
 }
 
-int open(const char* path, int flags, ...)
+#define OPEN(name) \
+    int name(const char* path, int flags, ...) \
+    { \
+        REAL(name); \
+        va_list rest; \
+        va_start(rest, flags); \
+        const mode_t mode = mode_of(flags, rest); \
+        va_end(rest); \
+        return refused_at(AT_FDCWD, path, flags) ? -1 : real(path, flags, mode); \
+    }
+OPEN(open)
+OPEN(open64)
+
+#define OPENAT(name) \
+    int name(int folder, const char* path, int flags, ...) \
+    { \
+        REAL(name); \
+        va_list rest; \
+        va_start(rest, flags); \
+        const mode_t mode = mode_of(flags, rest); \
+        va_end(rest); \
+        return refused_at(folder, path, flags) ? -1 : real(folder, path, flags, mode); \
+    }
+OPENAT(openat)
+OPENAT(openat64)
+
+#define FOPEN(name) \
+    FILE* name(const char* path, const char* mode) \
+    { \
+        REAL(name); \
+        const int reads = *mode == 'r' && !strchr(mode, '+'); \
+        return fails_of(reads ? "open_to_read" : "open", path) ? NULL \
+                                                               : real(path, mode); \
+    }
+FOPEN(fopen)
+FOPEN(fopen64)
+
+/* A short one does half of what it is asked to do, and says so. */
+static size_t part_of(const char* call, int file, size_t size)
 {
-    REAL(open);
-    va_list rest;
-    va_start(rest, flags);
-    const mode_t mode = mode_of(flags, rest);
-    va_end(rest);
-    return refused(path, flags) ? -1 : real(path, flags, mode);
+    return size > 1 && fails(call, file) ? size / 2 : size;
 }
 
-int open64(const char* path, int flags, ...)
+ssize_t read(int file, void* data, size_t size)
 {
-    REAL(open64);
-    va_list rest;
-    va_start(rest, flags);
-    const mode_t mode = mode_of(flags, rest);
-    va_end(rest);
-    return refused(path, flags) ? -1 : real(path, flags, mode);
+    REAL(read);
+    size = part_of("short_read", file, size);
+    return fails("read", file) ? -1 : real(file, data, size);
 }
 
-/* Below a folder that was opened before. */
-static int refused_at(int folder, const char* path, int flags)
+#define PREAD(name, offset_type) \
+    ssize_t name(int file, void* data, size_t size, offset_type offset) \
+    { \
+        REAL(name); \
+        size = part_of("short_read", file, size); \
+        return fails("read", file) ? -1 : real(file, data, size, offset); \
+    }
+PREAD(pread, off_t)
+PREAD(pread64, off64_t)
+
+/* What ferror() tells, of glibc. */
+static const int error_was_seen = 0x20;
+
+size_t fread(void* data, size_t size, size_t count, FILE* file)
 {
-    if (folder == AT_FDCWD || *path == '/')
-        return refused(path, flags);
-    return (flags & O_ACCMODE) != O_RDONLY && is_file_under(folder) && fails("open");
+    REAL(fread);
+    if (!fails("read", fileno(file)))
+        return real(data, size, count, file);
+    file->_flags |= error_was_seen;
+    return 0;
 }
 
-int openat(int folder, const char* path, int flags, ...)
+size_t fwrite(const void* data, size_t size, size_t count, FILE* file)
 {
-    REAL(openat);
-    va_list rest;
-    va_start(rest, flags);
-    const mode_t mode = mode_of(flags, rest);
-    va_end(rest);
-    return refused_at(folder, path, flags) ? -1 : real(folder, path, flags, mode);
-}
-
-int openat64(int folder, const char* path, int flags, ...)
-{
-    REAL(openat64);
-    va_list rest;
-    va_start(rest, flags);
-    const mode_t mode = mode_of(flags, rest);
-    va_end(rest);
-    return refused_at(folder, path, flags) ? -1 : real(folder, path, flags, mode);
+    REAL(fwrite);
+    if (!fails("write", fileno(file)))
+        return real(data, size, count, file);
+    file->_flags |= error_was_seen;
+    return 0;
 }
 
 ssize_t write(int file, const void* data, size_t size)
 {
     REAL(write);
-    return is_file_under(file) && fails("write") ? -1 : real(file, data, size);
+    size = part_of("short_write", file, size);
+    return fails("write", file) ? -1 : real(file, data, size);
 }
 
-ssize_t pwrite(int file, const void* data, size_t size, off_t offset)
+ssize_t writev(int file, const struct iovec* parts, int count)
 {
-    REAL(pwrite);
-    return is_file_under(file) && fails("pwrite") ? -1 : real(file, data, size, offset);
+    REAL(writev);
+    return fails("write", file) ? -1 : real(file, parts, count);
 }
 
-ssize_t pwrite64(int file, const void* data, size_t size, off64_t offset)
-{
-    REAL(pwrite64);
-    return is_file_under(file) && fails("pwrite") ? -1 : real(file, data, size, offset);
-}
+#define PWRITE(name, offset_type) \
+    ssize_t name(int file, const void* data, size_t size, offset_type offset) \
+    { \
+        REAL(name); \
+        size = part_of("short_write", file, size); \
+        return fails("pwrite", file) ? -1 : real(file, data, size, offset); \
+    }
+PWRITE(pwrite, off_t)
+PWRITE(pwrite64, off64_t)
+
+#define LSEEK(name, offset_type) \
+    offset_type name(int file, offset_type offset, int whence) \
+    { \
+        REAL(name); \
+        return fails("lseek", file) ? -1 : real(file, offset, whence); \
+    }
+LSEEK(lseek, off_t)
+LSEEK(lseek64, off64_t)
+
+#define FTRUNCATE(name, offset_type) \
+    int name(int file, offset_type size) \
+    { \
+        REAL(name); \
+        return fails("ftruncate", file) ? -1 : real(file, size); \
+    }
+FTRUNCATE(ftruncate, off_t)
+FTRUNCATE(ftruncate64, off64_t)
+
+#define MMAP(name, offset_type) \
+    void* name(void* at, size_t size, int protection, int flags, int file, \
+               offset_type offset) \
+    { \
+        REAL(name); \
+        return file >= 0 && fails("mmap", file) \
+            ? MAP_FAILED \
+            : real(at, size, protection, flags, file, offset); \
+    }
+MMAP(mmap, off_t)
+MMAP(mmap64, off64_t)
 
 int fsync(int file)
 {
     REAL(fsync);
-    return is_file_under(file) && fails("fsync") ? -1 : real(file);
+    return fails("fsync", file) ? -1 : real(file);
 }
 
 /* The descriptor is gone even where close() fails; that of a folder does not fail. */
 int close(int file)
 {
     REAL(close);
+    if (!fault_is_asked("close"))
+        return real(file);
     struct stat status;
     const int is_file = fstat(file, &status) == 0 && S_ISREG(status.st_mode);
     const int is_ours = is_file && is_file_under(file);
     const int result = real(file);
-    return is_ours && fails("close") ? -1 : result;
+    return is_ours && fault_strikes() ? -1 : result;
+}
+
+int fclose(FILE* file)
+{
+    REAL(fclose);
+    if (!fault_is_asked("close"))
+        return real(file);
+    const int is_ours = is_file_under(fileno(file));
+    const int result = real(file);
+    return is_ours && fault_strikes() ? EOF : result;
+}
+
+int link(const char* from, const char* to)
+{
+    REAL(link);
+    return fails_of("link", to) ? -1 : real(from, to);
 }
 
 int linkat(int from_folder, const char* from, int to_folder, const char* to, int flags)
 {
     REAL(linkat);
-    return is_under(to) && fails("link") ? -1
-                                         : real(from_folder, from, to_folder, to, flags);
+    return fails_at("link", to_folder, to)
+        ? -1
+        : real(from_folder, from, to_folder, to, flags);
 }
 
 int rename(const char* from, const char* to)
 {
     REAL(rename);
-    return is_under(to) && fails("rename") ? -1 : real(from, to);
+    return fails_of("rename", to) ? -1 : real(from, to);
 }
 
 int renameat(int from_folder, const char* from, int to_folder, const char* to)
 {
     REAL(renameat);
-    const int is_ours = *to != '/' && to_folder != AT_FDCWD ? is_file_under(to_folder)
-                                                            : is_under(to);
-    return is_ours && fails("rename") ? -1 : real(from_folder, from, to_folder, to);
+    return fails_at("rename", to_folder, to) ? -1
+                                             : real(from_folder, from, to_folder, to);
+}
+
+int mkdir(const char* path, mode_t mode)
+{
+    REAL(mkdir);
+    return fails_of("mkdir", path) ? -1 : real(path, mode);
+}
+
+int mkdirat(int folder, const char* path, mode_t mode)
+{
+    REAL(mkdirat);
+    return fails_at("mkdir", folder, path) ? -1 : real(folder, path, mode);
 }
 
 int fchmod(int file, mode_t mode)
 {
     REAL(fchmod);
-    return is_file_under(file) && fails("fchmod") ? -1 : real(file, mode);
+    return fails("fchmod", file) ? -1 : real(file, mode);
 }

@@ -10,7 +10,6 @@ folder.
 import errno
 import itertools
 import json
-import os
 import shutil
 import sys
 from pathlib import Path
@@ -20,12 +19,15 @@ import numpy as np
 import cg2raw
 from cg2raw.dataset import journal
 from cg2raw.io.atomic_file import write_atomically, write_folder
+from faults.injector import begin as begin_fault
+from faults.injector import words_of
 
 CALLS = ("open", "write", "pwrite", "fsync", "close", "link", "rename", "fchmod")
 NUMBERS = ("ENOSPC", "EIO", "EDQUOT", "EEXIST")
 NAMING = ("open", "link")  # calls that may find that a name is taken
 OLD = b"what was there before"
 ROW = {"path": "x"}
+NONE = words_of("none")
 
 
 def dng(path):
@@ -86,7 +88,6 @@ def main(place, log, route):
     write = ROUTES[route]
     states = (True,) if route == "journal" else (True, False)
     for exists in states:
-        os.environ["FAULT_CALL"] = ""
         begin(path, route, exists)
         before = contents(path)
         write(str(path))
@@ -100,20 +101,17 @@ def main(place, log, route):
                 begin(path, route, exists)
                 log.unlink(missing_ok=True)
                 case = f"{exists} {call} {number} {sticky} {tmpfile} {nth}"
-                os.environ.update(
-                    FAULT_CASE=case,
-                    FAULT_ERRNO=str(getattr(errno, number)),
-                    FAULT_NTH=str(nth),
-                    FAULT_STICKY=sticky,
-                    FAULT_NO_TMPFILE=tmpfile,
-                    FAULT_CALL=call,
+                begin_fault(
+                    words_of(
+                        call, getattr(errno, number), nth, int(sticky), tmpfile == "0"
+                    )
                 )
                 error = None
                 try:
                     write(str(path))
                 except (ValueError, OSError) as caught:
                     error = str(caught)
-                os.environ["FAULT_CALL"] = ""
+                begin_fault(NONE)
                 if not log.exists():
                     break
                 state = state_of(path, before, after, error)

@@ -39,6 +39,7 @@ def cases_of(injector, route, repository):
         "FAULT_UNDER": injector.folder,
         "FAULT_LOG": str(injector.log),
         "CG2RAW_PROFILE_PATH": str(repository / "plugins/profiles"),
+        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
     }
     command = [sys.executable, CASES, injector.folder, injector.log, route]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)

@@ -3,7 +3,6 @@
 
 """A DNG is complete under its name, or absent, whatever happens."""
 
-import contextlib
 import os
 import resource
 import signal
@@ -14,6 +13,7 @@ import time
 import numpy as np
 import pytest
 
+from conftest import mounted
 from images import attributes, read_dn, write_image
 
 S20 = attributes(sensor="samsung-s20fe", illuminant="D65")
@@ -23,21 +23,6 @@ S20 = attributes(sensor="samsung-s20fe", illuminant="D65")
 def compression(request):
     """Return arguments of each compression."""
     return attributes(compression=request.param)
-
-
-@contextlib.contextmanager
-def mounted(folder, *options):
-    """Mount a small tmpfs on a folder, or skip."""
-    folder.mkdir()
-    done = subprocess.run(
-        ["mount", "-t", "tmpfs", *options, "tmpfs", folder], capture_output=True
-    )
-    if done.returncode:
-        pytest.skip(f"mounting a tmpfs needs root: {done.stderr.decode().strip()}")
-    try:
-        yield folder
-    finally:
-        subprocess.run(["umount", folder], check=True)
 
 
 def test_full_disk(oiiotool, exr, tmp_path, compression):

@@ -110,3 +110,15 @@ def test_temporary_names_are_not_foreseen(tmp_path):
             handle, _name = atomic_file.new_file(folder, "file")
             os.close(handle)
     assert len({name[6:11] for name in os.listdir(tmp_path)}) == 50
+
+
+def test_nothing_is_left_where_no_folder_can_be_opened(tmp_path, monkeypatch):
+    """As shutil.rmtree needs to be, and a process with too many files cannot."""
+    place = tmp_path / "place"
+    write_folder(place, {"a.txt": b"old"}, lambda name: True)
+    (place / "inner").mkdir()
+    (place / "inner/b.txt").write_bytes(b"old")
+    monkeypatch.setattr(atomic_file.shutil, "rmtree", lambda *_, **__: None)
+    write_folder(place, {"a.txt": b"new"}, lambda name: True)
+    assert (place / "a.txt").read_bytes() == b"new"
+    assert [path.name for path in tmp_path.rglob("*")] == ["place", "a.txt"]

@@ -31,12 +31,12 @@ bool AtomicFile::write(const void* data, std::size_t size,
                        std::uint64_t offset) noexcept
 {
     if (offset + size > tiff_limit) {
-        m_reason = "a TIFF file ends at 4 GiB: write a smaller image";
+        m_is_too_large = true;
         return false;
     }
     if (const std::error_code error = m_file.write(data, size, offset)) {
-        if (m_reason.empty())
-            m_reason = words_of(error);
+        if (!m_reason)
+            m_reason = error;
         return false;
     }
     m_size = offset + size > m_size ? offset + size : m_size;
@@ -53,8 +53,11 @@ void AtomicFile::publish() { m_file.publish(); }
 
 void AtomicFile::fail(const std::string& what, const std::string& otherwise) const
 {
-    throw Error(m_path + ": cannot " + what + ": "
-                + (m_reason.empty() ? otherwise : m_reason));
+    const std::string reason = m_is_too_large
+        ? "a TIFF file ends at 4 GiB: write a smaller image"
+        : m_reason ? words_of(m_reason)
+                   : otherwise;
+    throw Error(m_path + ": cannot " + what + ": " + reason);
 }
 
 } // namespace cg2raw

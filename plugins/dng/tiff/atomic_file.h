@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <system_error>
 
 namespace cg2raw {
 
@@ -35,6 +36,9 @@ public:
     std::size_t read(void* data, std::size_t size, std::uint64_t offset) noexcept;
     std::uint64_t size() const { return m_size; }
 
+    /// Whether a write() was refused.
+    bool has_failed() const { return m_reason || m_is_too_large; }
+
     /// Give it its name, replacing an older file in one step, once the system has taken
     /// all of it. Throws Error; an older file is then as it was, but for a failure to
     /// write the folder, when either may be there after a loss of power.
@@ -46,7 +50,8 @@ public:
 
 private:
     std::string m_path; ///< as given, for messages
-    std::string m_reason; ///< of the first failed write
+    std::error_code m_reason; ///< of the first failed write
+    bool m_is_too_large = false; ///< it would have passed 4 GiB
     std::uint64_t m_size = 0;
     NewFile m_file;
 };

@@ -49,11 +49,9 @@ int close_proc(thandle_t) { return 0; } // the AtomicFile's own affair
 int keep_complaint(TIFF*, void* user, const char*, const char* format,
                    std::va_list values)
 {
-    std::string& complaint = static_cast<TiffClient*>(user)->complaint;
-    char text[512];
-    std::vsnprintf(text, sizeof text, format, values);
-    if (complaint.empty())
-        complaint = text;
+    std::array<char, 512>& complaint = static_cast<TiffClient*>(user)->complaint;
+    if (complaint.front() == '\0')
+        std::vsnprintf(complaint.data(), complaint.size(), format, values);
     return 1; // dealt with: nothing goes to libtiff's global handlers
 }
 
@@ -173,6 +171,15 @@ tiff* open_tiff(TiffClient& client)
                             close_proc, size_proc, nullptr, nullptr, options);
     TIFFOpenOptionsFree(options);
     return tif;
+}
+
+void close_tiff(tiff* tif)
+{
+    // Else libtiff would try again to write what it has, and does not bear every fault
+    // there.
+    constexpr int read_only = 0; // O_RDONLY of every system
+    TIFFSetMode(tif, read_only);
+    TIFFClose(tif);
 }
 
 bool set_tag(tiff* tif, const Tag& tag)

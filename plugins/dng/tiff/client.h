@@ -8,6 +8,8 @@
 #include "tiff/atomic_file.h"
 #include "tiff/tag_values.h"
 
+#include <array>
+
 struct tiff;
 
 namespace cg2raw {
@@ -21,11 +23,15 @@ struct TiffClient {
 
     AtomicFile& file;
     std::uint64_t position = 0;
-    std::string complaint;
+    std::array<char, 512> complaint {}; ///< text; of what needs no memory
 };
 
 /// A classic TIFF in the machine's byte order, over @p client; null: see its complaint.
 tiff* open_tiff(TiffClient& client);
+
+/// Frees what libtiff holds. Nothing more is written: what the file lacks then was not
+/// to be in it, or writing it has failed.
+void close_tiff(tiff* tif);
 
 /// Sets a tag as its value's type asks; declares it first for this file if libtiff does
 /// not know it. False: see the client's complaint.

@@ -16,7 +16,7 @@ constexpr std::uint64_t first_ifd_offset = 4;
 
 } // namespace
 
-void TiffFile::Close::operator()(tiff* handle) const { TIFFClose(handle); }
+void TiffFile::Close::operator()(tiff* handle) const { close_tiff(handle); }
 
 TiffFile::TiffFile(const std::string& path, bool sync)
     : m_file(path, sync)
@@ -28,10 +28,17 @@ TiffFile::TiffFile(const std::string& path, bool sync)
 
 TiffFile::~TiffFile() = default;
 
-void TiffFile::need(bool success) const
+/// libtiff also complains where it goes on, as with a field that it has lost.
+void TiffFile::need(bool success)
 {
-    if (!success)
-        m_file.fail("write", m_client->complaint);
+    const bool complains = m_client->complaint.front() != '\0';
+    if (success && !complains)
+        return;
+    // Unless the system refused to write, libtiff had no memory. It may then keep
+    // pointers that were never set, and would free them: it stays as it is.
+    if (!m_file.has_failed())
+        static_cast<void>(m_tiff.release());
+    m_file.fail("write", complains ? m_client->complaint.data() : "not enough memory");
 }
 
 std::uint64_t TiffFile::write_exif(const Tags& tags)
@@ -61,6 +68,10 @@ void TiffFile::begin(const Storage& storage, const Tags& tags,
         m_pointers.push_back(TIFFTAG_SUBIFD);
         std::uint64_t unknown_yet = 0;
         need(TIFFSetField(m_tiff.get(), TIFFTAG_SUBIFD, 1, &unknown_yet) == 1);
+        std::uint16_t count = 0;
+        std::uint64_t* offsets = nullptr; // none if there was no memory for it
+        need(TIFFGetField(m_tiff.get(), TIFFTAG_SUBIFD, &count, &offsets) == 1
+             && offsets);
     }
 }
 
@@ -128,8 +139,8 @@ void TiffFile::patch(std::uint64_t offset, const void* data, std::size_t size)
 
 void TiffFile::publish()
 {
+    need(true);
     m_tiff.reset();
-    need(m_client->complaint.empty());
     m_file.publish();
 }
 
@@ -137,8 +148,9 @@ std::uint32_t TiffFile::word_at(std::uint64_t offset, std::size_t size)
 {
     std::uint16_t half = 0;
     std::uint32_t word = 0;
-    need(m_file.read(size == 2 ? static_cast<void*>(&half) : &word, size, offset)
-         == size);
+    void* const to = size == 2 ? static_cast<void*>(&half) : &word;
+    if (m_file.read(to, size, offset) != size)
+        m_file.fail("write", "what was written cannot be read back");
     return size == 2 ? half : word;
 }
 

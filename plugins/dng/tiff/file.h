@@ -61,7 +61,7 @@ private:
     std::uint64_t entry_value(std::uint32_t directory, std::uint32_t number);
     void make_long(std::uint64_t value);
     std::uint32_t word_at(std::uint64_t offset, std::size_t size);
-    void need(bool success) const;
+    void need(bool success);
 
     struct Close {
         void operator()(tiff* handle) const;

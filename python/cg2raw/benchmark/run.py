@@ -25,6 +25,7 @@ from cg2raw.benchmark.suites import SUITES, AnyCase, cases
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.interrupts import raised
+from cg2raw.short_messages import Parser
 from cg2raw.system import children_without_ctrl_c
 
 # Threads of BLAS and OpenMP would only be in the way of the worker processes.
@@ -177,7 +178,7 @@ def bench(
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="python -m cg2raw.benchmark", description=__doc__.splitlines()[0]
     )
     parser.add_argument("suite", choices=SUITES)

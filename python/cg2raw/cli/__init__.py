@@ -4,8 +4,8 @@
 
 Such a module has a docstring, whose first line is its help, add_arguments(parser), and
 run(arguments), which returns the exit code: 0, or 1 for "no" where there is a question.
-A ValueError or OSError that leaves run is printed as one line, with exit code 1;
-argparse exits with 2 on a wrong command line.
+A ValueError, OSError or MemoryError that leaves run is printed as one line, with exit
+code 1; argparse exits with 2 on a wrong command line.
 """
 
 import argparse
@@ -18,7 +18,8 @@ from types import ModuleType
 
 from cg2raw import __version__
 from cg2raw.cli._completion import SHELLS, PrintCompletion
-from cg2raw.cli._messages import check_words, words_of
+from cg2raw.cli._messages import about, check_words
+from cg2raw.short_messages import Parser
 
 
 def subcommands() -> dict[str, ModuleType]:
@@ -36,7 +37,7 @@ def subcommands() -> dict[str, ModuleType]:
 
 def make_parser() -> argparse.ArgumentParser:
     """Return the parser of the whole command line."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="cg2raw", description="CG images as the RAW of a chosen sensor."
     )
     parser.add_argument("--version", action="version", version=f"cg2raw {__version__}")
@@ -72,8 +73,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Whoever read our output has seen enough; keep the interpreter from saying so.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except (ValueError, OSError) as error:
-        print(f"cg2raw {arguments.name}: {words_of(error)}", file=sys.stderr)
+    except (ValueError, OSError, MemoryError) as error:
+        print(f"cg2raw {arguments.name}: {about(arguments, error)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print(f"cg2raw {arguments.name}: interrupted", file=sys.stderr)

@@ -131,7 +131,7 @@ def each_file(
             try:
                 reports.append(next(results)())
             except (ValueError, OSError, MemoryError) as error:
-                text = words_of(error) or "not enough memory"
+                text = words_of(error)
                 text = text if str(path) in text else f"{path}: {text}"
                 errors.append({"input": str(path), "error": text})
                 print(f"cg2raw {name}: {text}", file=sys.stderr)

@@ -59,3 +59,8 @@ class Images:
         if self.folder is not None:
             return os.path.exists(os.path.join(self.folder, name))
         return name in self.files
+
+
+def is_utf8(name: str) -> bool:
+    """Return whether a file's name is UTF-8; the core and Parquet take no other."""
+    return name == name.encode(errors="replace").decode()

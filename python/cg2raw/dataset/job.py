@@ -17,8 +17,10 @@ from cg2raw.dataset.journal import Row
 from cg2raw.dataset.methods import METHODS, Camera
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.dataset.source import Source, read_source
-from cg2raw.dataset.target import BadImage, Target, Write, expected
+from cg2raw.dataset.target import BadImage, Target, Write, expected, reason_of
 from cg2raw.dataset.truth import noise_of, truth
+
+TOO_LARGE = "needs more memory than there is"
 
 
 @dataclass
@@ -40,19 +42,25 @@ def make(job: Job, say: Callable[[Row], None] = lambda row: None) -> Row:
     Returns {"image", "made", "kept", "reason"}: reason says in one line why the image
     cannot be used, None if it can. Raises OSError or ValueError if the data set cannot
     be written: no other image could be either."""
-    plan = plan_at(job.out, job.plan_sha256)
-    target = Target(job, plan)
     try:
-        header = target.header()
-        todo = target.open_variants()
-        if todo:
-            make_variants(target, header, todo, say)
-        elif target.journal_differs:
-            target.start_journal(header)
+        made, kept = make_open_variants(job, say)
     except BadImage as bad:
         return give_up(job, str(bad))
-    made, kept = len(todo), len(target.rows)
+    except MemoryError:
+        return give_up(job, TOO_LARGE)
     return {"image": job.image, "made": made, "kept": kept, "reason": None}
+
+
+def make_open_variants(job: Job, say: Callable[[Row], None]) -> tuple[int, int]:
+    """Make what is not there yet; return how many files that were, and were there."""
+    target = Target(job, plan_at(job.out, job.plan_sha256))
+    header = target.header()
+    todo = target.open_variants()
+    if todo:
+        make_variants(target, header, todo, say)
+    elif target.journal_differs:
+        target.start_journal(header)
+    return len(todo), len(target.rows)
 
 
 def give_up(job: Job, reason: str) -> Row:
@@ -103,9 +111,8 @@ def make_variants(
         ]
         shot = _core.Shot(**source.image.shot)
         seconds = plan.seconds(shot.exposure_time)
-    except (ValueError, OSError, MemoryError) as error:
-        reason = str(error) or "needs more memory than there is"
-        raise BadImage(reason.removeprefix(f"{path}: ")) from None
+    except (ValueError, OSError) as error:
+        raise BadImage(reason_of(error, path)) from None
     target.start_journal(header)
     of_image = source.row() | {"exposure_time": seconds}
     for count, (order, variant) in enumerate(todo, len(target.rows)):

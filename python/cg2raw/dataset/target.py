@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from cg2raw import __version__
 from cg2raw.dataset import journal, manifest
+from cg2raw.dataset.images import is_utf8
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.system import Folder
@@ -57,7 +58,7 @@ class Target:
             else:
                 header["sha256"] = file_sha256(self.job.path)
         except OSError as error:
-            raise BadImage(error.strerror) from None
+            raise BadImage(reason_of(error, self.job.path)) from None
         if old and old["sha256"] == header["sha256"]:
             self.rows = self.rows_that_hold(header, journal.by_path(texts))
         elif old:
@@ -137,9 +138,9 @@ class Target:
         journal.append(self.journal, manifest.entry(row))
 
 
-def is_utf8(name: str) -> bool:
-    """Return whether a file's name is UTF-8; the core and Parquet take no other."""
-    return name == name.encode(errors="replace").decode()
+def reason_of(error: Exception, path: str) -> str:
+    """Return what an error says of a file, without its path."""
+    return getattr(error, "strerror", None) or str(error).removeprefix(f"{path}: ")
 
 
 def is_of(header: Row, status: os.stat_result) -> bool:

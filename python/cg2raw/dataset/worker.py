@@ -26,8 +26,16 @@ def main() -> None:
         try:
             answer = make(job, say)
         except (OSError, ValueError) as error:
-            answer = {"failure": " ".join(f"{error}".split())}
+            answer = {"failure": words_of(error, job.out)}
         say(answer)
+
+
+def words_of(error: Exception, out: str) -> str:
+    """Return what an error says in one line, led by a path: @out if it names none."""
+    words = f"{error}"
+    if isinstance(error, OSError) and error.strerror:
+        words = f"{error.filename or out}: {error.strerror}"
+    return " ".join(words.split())
 
 
 def use_one_thread() -> None:

@@ -124,7 +124,7 @@ def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -
         with held():
             with failing(path):
                 part = tempfile.mkdtemp(prefix=".cg2raw.", dir=os.path.dirname(target))
-            undo.enter_context(tidied(partial(shutil.rmtree, part, True)))
+            undo.enter_context(tidied(partial(remove_tree, part)))
         fresh = os.path.join(part, "new")
         try:
             with failing(path):
@@ -134,7 +134,7 @@ def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -
             for name, data in files.items():
                 write_all(os.path.join(fresh, name), path, data)
         except BaseException:
-            shutil.rmtree(part, ignore_errors=True)
+            remove_tree(part)
             raise
         with held():
             undo.close()
@@ -154,7 +154,20 @@ def _exchange_or_stay(path: FilePath, target: str, part: str) -> None:
     finally:
         # What could not be moved back stays where it is.
         if os.path.exists(target) or not os.path.exists(old):
-            shutil.rmtree(part, ignore_errors=True)
+            remove_tree(part)
+
+
+def remove_tree(folder: str) -> None:
+    """Remove a folder of ours with all in it, as far as the system lets; also where it
+    opens no more files, as shutil.rmtree does."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for below, folders, names in os.walk(folder, topdown=False):
+        for name in (*names, *folders):
+            path = os.path.join(below, name)
+            with contextlib.suppress(OSError):
+                os.unlink(path) if name in names else os.rmdir(path)
+    with contextlib.suppress(OSError):
+        os.rmdir(folder)
 
 
 def exchange(path: FilePath, target: str, fresh: str, old: str) -> None:

@@ -16,6 +16,7 @@ from cg2raw.io import image_spaces
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.io.transfer_curve import Curve
 from cg2raw.oiio.openimageio import one_line, openimageio
+from cg2raw.system import check_readable
 
 SIDES = (2, 65535)  # of a RAW file, pixels
 ROWS = 256  # that are read at a time; the most that EXR compresses together (DWAB)
@@ -47,8 +48,7 @@ def opened(path: FilePath, straight_alpha: bool = False) -> Any:
 
     straight_alpha : colour is not to be multiplied by an alpha that lies beside it."""
     oiio = openimageio()
-    with open(path, "rb"):  # OpenImageIO's own messages do not tell why it cannot
-        pass
+    check_readable(path)  # OpenImageIO's own messages do not tell why it cannot
     config = oiio.ImageSpec()
     if straight_alpha:
         config.attribute("oiio:UnassociatedAlpha", 1)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cg2raw.io.atomic_file import FilePath
+from cg2raw.system import check_readable
 
 CANON_TEMPERATURE = "MakerNote CameraTemperature"
 CANON_UNKNOWN = -128.0  # degrees Celsius: a camera that records none writes 0 for it
@@ -103,8 +104,7 @@ def opened(path: FilePath) -> Iterator[Any]:
     Raises ValueError with LibRaw's reason, OSError."""
     import rawpy
 
-    with open(path, "rb"):  # LibRaw's own message names no reason
-        pass
+    check_readable(path)  # LibRaw's own message names no reason
     try:
         with _stderr, no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
             yield raw

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.system import check_readable
+
 LONGEST = 160  # letters of what NumPy says
 
 
@@ -24,8 +26,7 @@ def mapped(path: str) -> NDArray[Any]:
 
     Raises ValueError for a damaged file or one with less than two dimensions, OSError.
     """
-    with open(path, "rb"):  # NumPy's own message of a missing file has no path
-        pass
+    check_readable(path)  # NumPy's own message of a missing file has no path
     array: NDArray[Any]
     with whole(path, ".npy"), np.errstate(over="ignore"):
         array = np.lib.format.open_memmap(path, mode="r")

@@ -18,6 +18,7 @@ from numpy.random import Generator
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
+from cg2raw.short_messages import Parser
 from cg2raw.synthetic import conditions, disk
 from cg2raw.synthetic.camera import Camera, camera_of
 from cg2raw.synthetic.measured import Measured
@@ -200,7 +201,7 @@ def _effects_page() -> str:
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="python -m cg2raw.synthetic",
         description=__doc__.splitlines()[0],
         epilog=_effects_page(),

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Messages of the command are one line, and short, whatever the words."""
+
+import argparse
+
+import pytest
+
+from cg2raw.cli import make_parser
+from cg2raw.cli._messages import about, words_of
+from cg2raw.short_messages import shortened
+from python.commands import fails
+
+LONGEST = 2000  # letters of a message
+LONG = "x" * 10**5
+
+
+def options():
+    """Return [command, option] of all options that take a value."""
+    commands = make_parser()._subparsers._group_actions[0].choices
+    return [
+        (name, action.option_strings[-1])
+        for name, parser in commands.items()
+        for action in parser._actions
+        if action.option_strings and action.nargs is None
+    ]
+
+
+@pytest.mark.parametrize("word", [LONG, "two\nlines " * 1000], ids=["long", "lines"])
+def test_a_long_word_is_not_repeated(tmp_path, word):
+    places = {"dataset": (tmp_path / "in.exr", tmp_path / "out")}
+    for name, option in options():
+        words = (name, *places.get(name, ()), option, word)
+        if name == "convert":
+            words = (name, tmp_path / "in.exr", "-o", tmp_path / "a.dng", *words[1:])
+        try:
+            line = fails(*words, code=2)
+        except AssertionError:  # a word that may be one
+            line = fails(*words)
+        assert len(line) < LONGEST, (name, option)
+
+
+def test_beginning_and_end_are_kept():
+    message = shortened(f"/place/file: {LONG}: No space left")
+    assert message.startswith("/place/file: x") and message.endswith("No space left")
+    assert len(message) < LONGEST
+    assert words_of(ValueError("a\nb")) == "a b"
+
+
+def test_what_lacks_memory_is_named():
+    arguments = argparse.Namespace(output="/place/a.json")
+    assert about(arguments, MemoryError()) == "/place/a.json: not enough memory"
+    assert about(arguments, MemoryError("/b: not enough memory")).startswith("/b: ")
+    assert about(arguments, ValueError("no")) == "no"
+    assert about(argparse.Namespace(out="out"), MemoryError()).startswith("out: ")
+    assert about(argparse.Namespace(), MemoryError()) == "not enough memory"
