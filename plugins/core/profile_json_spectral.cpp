@@ -46,9 +46,10 @@ SpectralSensitivities sensitivities_from_json(Fields fields, const CfaPattern& c
 
 JsonTree json_of(const SpectralSensitivities& sensitivities, const CfaPattern& cfa)
 {
-    JsonTree json = JsonTree::object({ { "unit", name_of(sensitivities.unit) },
-                                       { "scale", sensitivities.scale },
-                                       { "wavelengths", sensitivities.wavelengths } });
+    JsonTree json = JsonTree::object()
+                        .with("unit", name_of(sensitivities.unit))
+                        .with("scale", sensitivities.scale)
+                        .with("wavelengths", sensitivities.wavelengths);
     const std::vector<std::string> channels = channels_of(cfa);
     for (std::size_t channel = 0; channel < channels.size(); ++channel) {
         std::vector<double> values;

@@ -136,12 +136,17 @@ JsonTree::JsonTree(const std::map<std::string, double>& values)
 {
 }
 
-JsonTree
-JsonTree::object(std::initializer_list<std::pair<const char*, JsonTree>> members)
+JsonTree JsonTree::object()
 {
     JsonTree json;
-    json.m_value = Object(members.begin(), members.end());
+    json.m_value = Object();
     return json;
+}
+
+JsonTree JsonTree::with(std::string_view name, JsonTree value) &&
+{
+    set(name, std::move(value));
+    return std::move(*this);
 }
 
 JsonTree JsonTree::parse(std::string_view text)

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -45,8 +44,11 @@ public:
     }
     JsonTree(const std::map<std::string, double>& values);
 
-    static JsonTree
-    object(std::initializer_list<std::pair<const char*, JsonTree>> members);
+    /// Without members. (A list of them as an argument is not for us: where the memory
+    /// of one ends, gcc 12 destroys some that were never made.)
+    static JsonTree object();
+    /// It with one more member, an object.
+    JsonTree with(std::string_view name, JsonTree value) &&;
     /// Throws Error that says what is wrong and where.
     static JsonTree parse(std::string_view text);
 

@@ -47,24 +47,26 @@ void put(JsonTree& json, const std::string& name, JsonTree value)
 JsonTree json_of(const NeutralDistribution& distribution)
 {
     if (!distribution.neutrals.empty())
-        return JsonTree::object({ { "neutrals", distribution.neutrals } });
-    JsonTree json
-        = JsonTree::object({ { "mean", distribution.mean },
-                             { "covariance", json_of(distribution.covariance) },
-                             { "hull", distribution.hull } });
+        return JsonTree::object().with("neutrals", distribution.neutrals);
+    JsonTree json = JsonTree::object()
+                        .with("mean", distribution.mean)
+                        .with("covariance", json_of(distribution.covariance))
+                        .with("hull", distribution.hull);
     put(json, "mixture", list_of(distribution.mixture, [](const NeutralGaussian& one) {
-            return JsonTree::object({ { "weight", one.weight },
-                                      { "mean", one.mean },
-                                      { "covariance", json_of(one.covariance) } });
+            return JsonTree::object()
+                .with("weight", one.weight)
+                .with("mean", one.mean)
+                .with("covariance", json_of(one.covariance));
         }));
     return json;
 }
 
 JsonTree json_of(const NoiseAtIso& row, const CfaPattern& cfa)
 {
-    JsonTree json = JsonTree::object({ { "iso", row.iso },
-                                       { "beta1", json_of(row.beta1, cfa) },
-                                       { "beta2", json_of(row.beta2, cfa) } });
+    JsonTree json = JsonTree::object()
+                        .with("iso", row.iso)
+                        .with("beta1", json_of(row.beta1, cfa))
+                        .with("beta2", json_of(row.beta2, cfa));
     if (row.shape) {
         json.set("tukey_lambda", row.shape->tukey_lambda);
         json.set("row_sigma", row.shape->row_sigma);
@@ -78,8 +80,9 @@ JsonTree json_of(const NoiseAtIso& row, const CfaPattern& cfa)
 
 JsonTree json_of(const EffectSetting& setting)
 {
-    JsonTree json = JsonTree::object(
-        { { "name", setting.name }, { "parameters", setting.parameters } });
+    JsonTree json = JsonTree::object()
+                        .with("name", setting.name)
+                        .with("parameters", setting.parameters);
     if (!setting.evidence.empty())
         json.update(JsonTree::parse(setting.evidence));
     return json;
@@ -100,7 +103,7 @@ void put_calibrations(const SensorProfile& profile, JsonTree& json)
 
 JsonTree sources_of(const SensorProfile& profile)
 {
-    JsonTree json = JsonTree::object({});
+    JsonTree json = JsonTree::object();
     for (const auto& [field, source] : profile.sources)
         json.set(field, source);
     return json;
@@ -119,8 +122,9 @@ void put_measured(const SensorProfile& profile, JsonTree& json)
         json.set("illuminants", json_of(lights));
     if (profile.digital_gain)
         json.set("digital_gain",
-                 JsonTree::object({ { "mean", profile.digital_gain->mean },
-                                    { "sigma", profile.digital_gain->sigma } }));
+                 JsonTree::object()
+                     .with("mean", profile.digital_gain->mean)
+                     .with("sigma", profile.digital_gain->sigma));
     put(json, "noise", list_of(profile.noise, [&](const NoiseAtIso& row) {
             return json_of(row, profile.cfa);
         }));
@@ -135,19 +139,19 @@ void put_measured(const SensorProfile& profile, JsonTree& json)
 
 JsonTree json_of(const SensorProfile& profile)
 {
-    JsonTree json = JsonTree::object(
-        { { "schema", profile_schema },
-          { "id", profile.id },
-          { "make", profile.make },
-          { "model", profile.model },
-          { "unique_camera_model", profile.unique_camera_model },
-          { "sources", sources_of(profile) },
-          { "cfa", name_of(profile.cfa) },
-          { "width", profile.width },
-          { "height", profile.height },
-          { "bits", profile.bits },
-          { "black_level", json_of(profile.black_level, profile.cfa) },
-          { "white_level", profile.white_level } });
+    JsonTree json = JsonTree::object()
+                        .with("schema", profile_schema)
+                        .with("id", profile.id)
+                        .with("make", profile.make)
+                        .with("model", profile.model)
+                        .with("unique_camera_model", profile.unique_camera_model)
+                        .with("sources", sources_of(profile))
+                        .with("cfa", name_of(profile.cfa))
+                        .with("width", profile.width)
+                        .with("height", profile.height)
+                        .with("bits", profile.bits)
+                        .with("black_level", json_of(profile.black_level, profile.cfa))
+                        .with("white_level", profile.white_level);
     put_calibrations(profile, json);
     put_measured(profile, json);
     return json;

@@ -104,16 +104,17 @@ std::vector<Lamp> lamps_from_json(std::vector<Fields> rows)
 
 JsonTree json_of(const Lamp& lamp)
 {
-    JsonTree json
-        = JsonTree::object({ { "name", lamp.name },
-                             { "calibration_illuminant",
-                               light_source_name(lamp.calibration.light_source) },
-                             { "neutral", lamp.neutral },
-                             { "color_matrix", lamp.calibration.camera_from_xyz.m } });
+    JsonTree json = JsonTree::object()
+                        .with("name", lamp.name)
+                        .with("calibration_illuminant",
+                              light_source_name(lamp.calibration.light_source))
+                        .with("neutral", lamp.neutral)
+                        .with("color_matrix", lamp.calibration.camera_from_xyz.m);
     if (lamp.power)
         json.set("power",
-                 JsonTree::object({ { "wavelengths", lamp.power->wavelengths },
-                                    { "values", lamp.power->values } }));
+                 JsonTree::object()
+                     .with("wavelengths", lamp.power->wavelengths)
+                     .with("values", lamp.power->values));
     return json;
 }
 

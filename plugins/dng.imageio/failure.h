@@ -24,14 +24,15 @@ try {
     } catch (const std::bad_alloc&) {
         const std::string size = std::to_string(spec.width) + " x "
             + std::to_string(spec.height) + " pixels";
-        tell(led_by_name(name, "not enough memory"
-                                   + (spec.width > 0 ? " for " + size : "")));
+        tell(led_by_name(name,
+                         "not enough memory" + (spec.width > 0 ? " for " + size : "")));
     } catch (const std::exception& error) {
         tell(led_by_name(name, error.what()));
     } catch (...) {
         tell(led_by_name(name, "unknown failure"));
     }
 } catch (...) {
+    return; // there is no memory for a message
 }
 
 } // namespace cg2raw

@@ -44,10 +44,10 @@ TEST(JsonTree, SaysWhatIsNoJson)
 
 TEST(JsonTree, MembersKeepTheirPlace)
 {
-    JsonTree tree = JsonTree::object({ { "b", 1 }, { "a", "x" } });
+    JsonTree tree = JsonTree::object().with("b", 1).with("a", "x");
     tree.set("b", 2.5);
     tree.set("c", std::vector<std::array<double, 2>> { { 1, 2 } });
-    tree.update(JsonTree::object({ { "a", true }, { "d", JsonTree() } }));
+    tree.update(JsonTree::object().with("a", true).with("d", JsonTree()));
     EXPECT_EQ(tree.dump(true), "{\"b\":2.5,\"a\":true,\"c\":[[1.0,2.0]],\"d\":null}");
     EXPECT_EQ(tree.find("b")->number(), 2.5);
     EXPECT_EQ(tree.find("e"), nullptr);
@@ -61,7 +61,7 @@ TEST(JsonTree, AnotherKindIsAnError)
     EXPECT_THROW(tree.members(), Error);
     EXPECT_THROW(tree.items()[0].text(), Error);
     EXPECT_THROW(tree.items()[1].number(), Error);
-    EXPECT_THROW(JsonTree::object({}).update(tree), Error);
+    EXPECT_THROW(JsonTree::object().update(tree), Error);
 }
 
 } // namespace

@@ -39,13 +39,14 @@ std::vector<std::uint16_t> decoded(const std::vector<std::uint8_t>& jpeg,
 }
 
 /// Our encoder makes a JPEG of any samples that our decoder gives back.
-void encode_again(const std::vector<std::uint16_t>& samples, Size size)
+void encode_again(const std::vector<std::uint16_t>& samples, Size size,
+                  Prediction prediction)
 {
-    const Size tile { size.width + size.width % 2, size.height };
+    const Size tile { size.width + size.width % 2, (size.height + 15) / 16 * 16 };
     JpegScratch scratch;
     std::vector<std::uint8_t> jpeg;
     encode_lossless_jpeg({ samples.data(), size.width, size.height, size.width }, tile,
-                         { 2, 2 }, 16, scratch, jpeg);
+                         { 2, 2 }, 16, prediction, scratch, jpeg);
     const auto again
         = decoded(jpeg, std::uint64_t(tile.width) * std::uint64_t(tile.height), 0);
     if (again.empty())
@@ -71,7 +72,8 @@ bool fuzz_jpeg(std::string_view bytes)
         throw Finding("what is decoded depends on what was there before");
     if (samples.empty())
         return false;
-    encode_again(samples, size);
+    for (const Prediction prediction : { Prediction::left, Prediction::best })
+        encode_again(samples, size, prediction);
     return true;
 }
 

@@ -36,8 +36,9 @@ void TiffFile::need(bool success)
         return;
     // Unless the system refused to write, libtiff had no memory. It may then keep
     // pointers that were never set, and would free them: it stays as it is.
-    if (!m_file.has_failed())
-        static_cast<void>(m_tiff.release());
+    if (!m_file.has_failed()) {
+        [[maybe_unused]] const TIFF* const left_alone = m_tiff.release();
+    }
     m_file.fail("write", complains ? m_client->complaint.data() : "not enough memory");
 }
 

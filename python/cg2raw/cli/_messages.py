@@ -19,7 +19,7 @@ def check_words(words: Sequence[str]) -> None:
 def words_of(error: BaseException) -> str:
     """Return an exception's message in one line, what it is about first."""
     if isinstance(error, MemoryError):
-        message = str(error) or NO_MEMORY
+        message = str(error).replace("std::bad_alloc", NO_MEMORY) or NO_MEMORY
     elif isinstance(error, OSError) and error.strerror:
         named = error.filename is not None
         message = f"{error.filename}: {error.strerror}" if named else error.strerror

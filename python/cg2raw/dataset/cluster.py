@@ -6,8 +6,9 @@ from collections.abc import Generator, Iterable, Iterator
 from types import ModuleType
 from typing import Any
 
-from cg2raw.dataset.job import Job, give_up, make
+from cg2raw.dataset.job import give_up, make
 from cg2raw.dataset.journal import Row
+from cg2raw.dataset.target import Job
 
 AHEAD = 2  # jobs per thread of the cluster that are submitted at a time
 SECONDS = 30  # until a scheduler that does not answer is given up

@@ -11,12 +11,13 @@ from dataclasses import dataclass, field, replace
 
 from cg2raw.dataset import journal
 from cg2raw.dataset.images import Images
-from cg2raw.dataset.job import Job, make
+from cg2raw.dataset.job import make
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.manifest import ENDINGS
 from cg2raw.dataset.plan import Plan
 from cg2raw.dataset.run import check_count, check_folder
+from cg2raw.dataset.target import Job
 from cg2raw.interrupts import scratch_folder
 from cg2raw.io.image_file import image_size
 from cg2raw.io.spectra_file import spectra_in

@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -17,22 +16,17 @@ from cg2raw.dataset.journal import Row
 from cg2raw.dataset.methods import METHODS, Camera
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.dataset.source import Source, read_source
-from cg2raw.dataset.target import BadImage, Target, Write, expected, reason_of
+from cg2raw.dataset.target import (
+    BadImage,
+    Job,
+    Target,
+    Write,
+    expected,
+    reason_of,
+)
 from cg2raw.dataset.truth import noise_of, truth
 
 TOO_LARGE = "needs more memory than there is"
-
-
-@dataclass
-class Job:
-    """One image of a data set whose plan is out/dataset.json."""
-
-    out: str
-    plan_sha256: str
-    image: str  # the name by which the data set knows it
-    path: str
-    index: int  # among the images
-    verify: str = "hash"  # what must be as written for a file to be kept; or "size"
 
 
 def make(job: Job, say: Callable[[Row], None] = lambda row: None) -> Row:

@@ -15,8 +15,9 @@ from dataclasses import asdict
 from itertools import islice
 from typing import BinaryIO, TypeAlias
 
-from cg2raw.dataset.job import Job, give_up
+from cg2raw.dataset.job import give_up
 from cg2raw.dataset.journal import Row
+from cg2raw.dataset.target import Job
 from cg2raw.interrupts import tidied
 from cg2raw.io.atomic_file import create
 from cg2raw.system import end_process, new_session

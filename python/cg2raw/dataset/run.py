@@ -13,11 +13,10 @@ from functools import partial
 
 from cg2raw.dataset import journal, manifest, options
 from cg2raw.dataset.images import Images
-from cg2raw.dataset.job import Job
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.plan import Plan
-from cg2raw.dataset.target import PARTS
+from cg2raw.dataset.target import PARTS, Job
 from cg2raw.interrupts import tidied
 from cg2raw.io.atomic_file import write_in
 from cg2raw.near_words import one_line

@@ -7,8 +7,8 @@ import hashlib
 import os
 import uuid
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from cg2raw import __version__
 from cg2raw.dataset import journal, manifest
@@ -17,13 +17,22 @@ from cg2raw.dataset.journal import Row
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.system import Folder
 
-if TYPE_CHECKING:
-    from cg2raw.dataset.job import Job
-
 Write = Callable[[str], None]  # of the file at a path
 
 PARTS = "parts"  # folder of files that are being written
 BLOCK = 1 << 20  # bytes that are hashed at a time
+
+
+@dataclass
+class Job:
+    """One image of a data set whose plan is out/dataset.json."""
+
+    out: str
+    plan_sha256: str
+    image: str  # the name by which the data set knows it
+    path: str
+    index: int  # among the images
+    verify: str = "hash"  # what must be as written for a file to be kept; or "size"
 
 
 class BadImage(Exception):
@@ -33,7 +42,7 @@ class BadImage(Exception):
 class Target:
     """One image's files and their journal."""
 
-    def __init__(self, job: "Job", plan: Plan) -> None:
+    def __init__(self, job: Job, plan: Plan) -> None:
         self.job, self.plan = job, plan
         self.journal = journal.path_of(job.out, job.image)
         self.rows: dict[str, Row] = {}  # finished files, {path: row}

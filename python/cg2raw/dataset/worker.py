@@ -14,7 +14,8 @@ def main() -> None:
     end_with_parent(int(sys.argv[1]))
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what a library prints must not mix with answers
-    from cg2raw.dataset.job import Job, make
+    from cg2raw.dataset.job import make
+    from cg2raw.dataset.target import Job
 
     def say(row: dict[str, object]) -> None:
         answers.write(json.dumps(row) + "\n")
