@@ -38,10 +38,6 @@ def tables_by_study(results: Results, within: float) -> dict[str, str]:
         ]
         if parts:
             found[study] = "\n\n".join(parts)
-    if by_unet := ready(results, "unet"):
-        tables = denoising_tables(by_unet, " by U-net")
-        before = [found["denoising"]] if "denoising" in found else []
-        found["denoising"] = "\n\n".join([*before, tables])
     for study, below in more_tables(results):
         found[study] = "\n\n".join([*([found[study]] if study in found else []), below])
     return found

@@ -22,7 +22,7 @@ LIGHT = ("--sensor", "nikon-d40", "--illuminant", "D65")
 NO_SPACE, QUOTA, TOO_LARGE = "No space left", "Disk quota exceeded", "File too large"
 LONGEST = 2000  # letters of what is said
 # Bytes of address space: enough to start, not for 48 MP with all that they take.
-LITTLE = 1500 << 20
+LITTLE = 900 << 20
 
 
 def command(*words, env=None, **keywords):
@@ -124,7 +124,7 @@ def little_memory():
 
 def test_too_little_memory_for_an_image(tmp_path):
     path = tmp_path / "large.npy.exr"
-    write_image(path, np.zeros((6000, 8000, 3), np.float16))
+    write_image(path, np.zeros((9000, 12000, 3), np.float16))
     old = tmp_path / "shot.dng"
     old.write_bytes(b"old")
     words = ("convert", path, "-o", old, *LIGHT, "--quiet")
