@@ -9,9 +9,10 @@
 #include "text.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <new>
 
 namespace cg2raw {
 namespace {
@@ -32,12 +33,21 @@ std::string read_file(const fs::path& path)
                     + ": give the path of a profile (.json), or the id of an installed "
                       "sensor");
     check_profile_size(size, utf8_of(path));
+    std::string text(std::size_t(size), '\0');
+    errno = 0;
     std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    if (!file)
+    if (!file.is_open() && errno == ENOMEM)
+        throw std::bad_alloc();
+    try {
+        file.exceptions(std::ios::badbit); // else it keeps what memory lacked to itself
+        file.read(text.data(), std::streamsize(size));
+    } catch (const std::ios::failure&) {
+        file.close();
+    }
+    if (!file.is_open())
         throw Error(utf8_of(path) + ": cannot be read: check its permissions");
-    return text.str();
+    text.resize(std::size_t(file.gcount()));
+    return text;
 }
 
 bool is_path(const std::string& id_or_path)
