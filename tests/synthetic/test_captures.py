@@ -22,6 +22,7 @@ from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
 
 SHAPE = (96, 128)
 SOURCE = Path(command.__file__).parent
+UNRELATED = ("interrupts", "io.atomic_file", "short_messages")
 ALLOWED = ("cg2raw.synthetic", "cg2raw.diagnose.captures.capture")
 # What the core predicts or draws effects with.
 FORBIDDEN = {
@@ -65,12 +66,7 @@ def imports_of(tree):
 def test_nothing_is_shared_with_what_is_tested(path):
     tree = ast.parse(path.read_text())
     ours = [name for name in imports_of(tree) if name.startswith("cg2raw")]
-    extra = {
-        "cg2raw",
-        "cg2raw.interrupts",
-        "cg2raw.io.atomic_file",
-        "cg2raw.short_messages",
-    }
+    extra = {"cg2raw", *(f"cg2raw.{name}" for name in UNRELATED)}
     assert [n for n in ours if n not in extra and not n.startswith(ALLOWED)] == []
     used = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     names = {a.name for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)
