@@ -74,12 +74,12 @@ def rows_of(group, results, megapixels, peer=None):
     return rows
 
 
-def in_rounds(actions, rounds):
-    """Return {name: [(seconds, CPU seconds)]}, after one round that warms caches."""
+def in_rounds(actions, rounds, measure=timed):
+    """Return {name: [measure(action)]}, after one round that warms caches."""
     results = {name: [] for name in actions}
     for number in range(rounds + 1):
         for name, action in actions.items():
-            found = timed(action)
+            found = measure(action)
             if number:
                 results[name].append(found)
     return results
@@ -119,12 +119,12 @@ def conversions(rounds):
         "convert, ljpeg": base,
         f"convert, ljpeg, ISO {ISO}": [*base, "--iso", str(ISO)],
     }
-    results = {name: [] for name in commands}
-    for number in range(rounds + 1):
-        for name, command in commands.items():
-            seconds, peak, cpu = bench_processes.measured(command)
-            if number:
-                results[name].append((seconds, cpu, peak, 0.0))
+
+    def measure(command):
+        seconds, peak, cpu = bench_processes.measured(command)
+        return seconds, cpu, peak, 0.0
+
+    results = in_rounds(commands, rounds, measure)
     group = "cg2raw convert"
     return rows_of(group, results, WIDTH * HEIGHT / 1e6, "read, float (peer)")
 

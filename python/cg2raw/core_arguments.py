@@ -120,12 +120,13 @@ def _refusal(
     doubt = "" if wrong else "a number out of range, or a wrong type: "
     of = wrong or [each for each in given if each != "self"]
     said = (f"{each} {shown(given[each])} must be {_words(types[each])}" for each in of)
-    lone = any(map(_has_surrogates, given.values()))
+    lone = any(map(has_surrogates, given.values()))
     end = " (no Unicode: it has lone surrogates)" if lone else ""
     return f"{name}(): {doubt}{'; '.join(said)}"[: 20 * LONGEST] + end
 
 
-def _has_surrogates(value: object) -> bool:
+def has_surrogates(value: object) -> bool:
+    """Return whether a value is a text with half of a pair, which no UTF-8 has."""
     return isinstance(value, str) and SURROGATES.search(value) is not None
 
 
@@ -137,7 +138,7 @@ def _fits(node: ast.expr | None, value: object) -> bool:
         return _fits_in(ast.unparse(node.value), node.slice, value)
     kind = "" if node is None else ast.unparse(node)
     if kind == "str":
-        return isinstance(value, str) and not _has_surrogates(value)
+        return isinstance(value, str) and not has_surrogates(value)
     if kind == "int":
         return is_whole(value)
     if kind == "float":

@@ -130,15 +130,17 @@ ssize_t read(int file, void* data, size_t size)
     return fails("read", file) ? -1 : real(file, data, size);
 }
 
-#define PREAD(name, offset_type) \
-    ssize_t name(int file, void* data, size_t size, offset_type offset) \
+#define AT_OFFSET(name, data_type, short_call, call, offset_type) \
+    ssize_t name(int file, data_type data, size_t size, offset_type offset) \
     { \
         REAL(name); \
-        size = part_of("short_read", file, size); \
-        return fails("read", file) ? -1 : real(file, data, size, offset); \
+        size = part_of(short_call, file, size); \
+        return fails(call, file) ? -1 : real(file, data, size, offset); \
     }
-PREAD(pread, off_t)
-PREAD(pread64, off64_t)
+AT_OFFSET(pread, void*, "short_read", "read", off_t)
+AT_OFFSET(pread64, void*, "short_read", "read", off64_t)
+AT_OFFSET(pwrite, const void*, "short_write", "pwrite", off_t)
+AT_OFFSET(pwrite64, const void*, "short_write", "pwrite", off64_t)
 
 /* What ferror() tells, of glibc. */
 static const int error_was_seen = 0x20;
@@ -173,16 +175,6 @@ ssize_t writev(int file, const struct iovec* parts, int count)
     REAL(writev);
     return fails("write", file) ? -1 : real(file, parts, count);
 }
-
-#define PWRITE(name, offset_type) \
-    ssize_t name(int file, const void* data, size_t size, offset_type offset) \
-    { \
-        REAL(name); \
-        size = part_of("short_write", file, size); \
-        return fails("pwrite", file) ? -1 : real(file, data, size, offset); \
-    }
-PWRITE(pwrite, off_t)
-PWRITE(pwrite64, off64_t)
 
 #define LSEEK(name, offset_type) \
     offset_type name(int file, offset_type offset, int whence) \

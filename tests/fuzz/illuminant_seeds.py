@@ -6,7 +6,8 @@ FOLDER/illuminant is made: words of the illuminant grammar, lists of them, and n
 RAW colour spaces of the sensors that fuzz_illuminant.cpp knows."""
 
 import sys
-from pathlib import Path
+
+from fuzz.seed_folders import write_seeds
 
 WORDS = {
     "a": "A",
@@ -59,10 +60,7 @@ WORDS = {
 
 def main(folder):
     """Write all seeds to a folder of folder."""
-    place = Path(folder) / "illuminant"
-    place.mkdir(parents=True, exist_ok=True)
-    for name, words in WORDS.items():
-        (place / name).write_bytes(words.encode())
+    write_seeds(folder, {"illuminant": WORDS})
 
 
 if __name__ == "__main__":

@@ -7,9 +7,9 @@ All of them are made up here; FOLDER/jpeg is made. Source: ITU-T T.81 (1992)."""
 import random
 import struct
 import sys
-from pathlib import Path
 
 from fuzz.mosaic_seeds import bytes_of
+from fuzz.seed_folders import write_seeds
 
 PREDICTORS = {
     1: lambda left, above, corner: left,
@@ -142,10 +142,7 @@ def jpegs():
 
 def main(folder):
     """Write all seeds to a folder of folder."""
-    place = Path(folder) / "jpeg"
-    place.mkdir(parents=True, exist_ok=True)
-    for name, seed in jpegs().items():
-        (place / name).write_bytes(seed)
+    write_seeds(folder, {"jpeg": jpegs()})
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Write the seeds that fuzzing starts from: python tests/fuzz/make_seeds.py FOLDER.
+"""Write the seeds that fuzzing starts from: python -m fuzz.make_seeds FOLDER, in tests.
 
 All of them are made up here; none holds a byte of a camera's file. FOLDER/dng,
 FOLDER/profile and FOLDER/spectra are made. Tag numbers: DNG specification 1.7.1;
@@ -9,7 +9,8 @@ types: TIFF 6.0."""
 import json
 import struct
 import sys
-from pathlib import Path
+
+from fuzz.seed_folders import write_seeds
 
 BYTE, ASCII, SHORT, LONG, RATIONAL, UNDEFINED, SRATIONAL, DOUBLE = (
     1,
@@ -337,13 +338,7 @@ def lines(words):
 
 def main(folder):
     """Write all seeds to a folder of folder for each reader."""
-    kinds = {"dng": dngs(), "profile": profiles(), "spectra": spectra()}
-    for kind, seeds in kinds.items():
-        place = Path(folder) / kind
-        place.mkdir(parents=True, exist_ok=True)
-        for name, seed in seeds.items():
-            data = seed if isinstance(seed, bytes) else seed.encode()
-            (place / name).write_bytes(data)
+    write_seeds(folder, {"dng": dngs(), "profile": profiles(), "spectra": spectra()})
 
 
 if __name__ == "__main__":

@@ -7,9 +7,9 @@ All of them are made up here, of 12 x 12 pixels. FOLDER/mosaic is made."""
 import random
 import struct
 import sys
-from pathlib import Path
 
 from fuzz.make_seeds import LONG, SHORT, X_TRANS, camera, dng, raw, without
+from fuzz.seed_folders import write_seeds
 
 SIDE = 12
 NONE, JPEG = 1, 7
@@ -122,10 +122,7 @@ def mosaics():
 
 def main(folder):
     """Write all seeds to a folder of folder."""
-    place = Path(folder) / "mosaic"
-    place.mkdir(parents=True, exist_ok=True)
-    for name, seed in mosaics().items():
-        (place / name).write_bytes(seed)
+    write_seeds(folder, {"mosaic": mosaics()})
 
 
 if __name__ == "__main__":

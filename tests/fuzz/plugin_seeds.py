@@ -6,7 +6,8 @@ FOLDER/plugin is made; fuzz_plugin.cpp says what each line means. Paths are thos
 source tree, where fuzzing runs."""
 
 import sys
-from pathlib import Path
+
+from fuzz.seed_folders import write_seeds
 
 SENSOR = "attribute string dng:sensor nikon-d40"
 LIGHT = "attribute string dng:illuminant D65"
@@ -179,10 +180,7 @@ def programs():
 
 def main(folder):
     """Write all seeds to a folder of folder."""
-    place = Path(folder) / "plugin"
-    place.mkdir(parents=True, exist_ok=True)
-    for name, text in programs().items():
-        (place / name).write_bytes(text.encode())
+    write_seeds(folder, {"plugin": programs()})
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@ FOLDER/captures and FOLDER/journal are made; python_targets.py says what is in t
 
 import json
 import sys
-from pathlib import Path
+
+from fuzz.seed_folders import write_seeds
 
 HEAD = "sensor: nikon-d40\nframes:\n"
 LINES = {
@@ -110,11 +111,7 @@ def journals():
 
 def main(folder):
     """Write all seeds to a folder of folder for each target."""
-    for kind, seeds in {"captures": captures(), "journal": journals()}.items():
-        place = Path(folder) / kind
-        place.mkdir(parents=True, exist_ok=True)
-        for name, text in seeds.items():
-            (place / name).write_bytes(text.encode())
+    write_seeds(folder, {"captures": captures(), "journal": journals()})
 
 
 if __name__ == "__main__":

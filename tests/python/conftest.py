@@ -4,6 +4,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 
@@ -27,3 +28,12 @@ def wheel_plugin(repository):
     if not (folder / "dng.imageio.so").exists():
         pytest.skip(f"no plugin for OpenImageIO's wheel in {folder}: run scripts/setup")
     return folder
+
+
+@pytest.fixture(scope="module")
+def scene():
+    """Return a (66, 98, 3) float32 image with negative, bright, NaN and Inf pixels."""
+    pixels = np.random.default_rng(1).random((66, 98, 3), dtype=np.float32) * 1.2
+    pixels[3, 4] = (-0.5, 9.0, np.inf)
+    pixels[5, 6, 1] = np.nan
+    return pixels

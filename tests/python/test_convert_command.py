@@ -35,15 +35,6 @@ COMBINATIONS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def scene():
-    """Return a (66, 98, 3) float32 image with negative, bright, NaN and Inf pixels."""
-    pixels = np.random.default_rng(1).random((66, 98, 3), dtype=np.float32) * 1.2
-    pixels[3, 4] = (-0.5, 9.0, np.inf)
-    pixels[5, 6, 1] = np.nan
-    return pixels
-
-
 @pytest.fixture
 def exr(tmp_path, scene):
     return write_image(tmp_path / "scene.exr", scene)

@@ -11,15 +11,6 @@ from python import commands
 BASE = ["--sensor", "samsung-s20fe", "--illuminant", "D65"]
 
 
-@pytest.fixture(scope="module")
-def scene():
-    """Return a (66, 98, 3) float32 image with negative, bright, NaN and Inf pixels."""
-    pixels = np.random.default_rng(1).random((66, 98, 3), dtype=np.float32) * 1.2
-    pixels[3, 4] = (-0.5, 9.0, np.inf)
-    pixels[5, 6, 1] = np.nan
-    return pixels
-
-
 @pytest.mark.parametrize("exposure", [None, "0.7"])
 def test_half_floats_are_the_same_numbers(scene, tmp_path, exposure):
     """They are never made float32 as a whole, unless an exposure multiplies them."""

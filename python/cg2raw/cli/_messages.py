@@ -5,14 +5,14 @@
 import argparse
 from collections.abc import Sequence
 
-from cg2raw.core_arguments import NO_MEMORY
+from cg2raw.core_arguments import NO_MEMORY, has_surrogates
 from cg2raw.short_messages import shortened
 
 
 def check_words(words: Sequence[str]) -> None:
     """Raise ValueError for a word that is no UTF-8; the core takes no other names."""
     for word in words:
-        if not word.isascii() and word != word.encode(errors="replace").decode():
+        if has_surrogates(word):
             raise ValueError(shortened(f"{word!a} is no UTF-8; rename the file"))
 
 

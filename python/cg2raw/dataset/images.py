@@ -5,6 +5,8 @@
 import os
 from collections.abc import Iterator, Sequence
 
+from cg2raw.core_arguments import has_surrogates
+
 ENDINGS = (".exr", ".png", ".tif", ".tiff", ".hdr")
 
 
@@ -63,4 +65,4 @@ class Images:
 
 def is_utf8(name: str) -> bool:
     """Return whether a file's name is UTF-8; the core and Parquet take no other."""
-    return name == name.encode(errors="replace").decode()
+    return not has_surrogates(name)

@@ -49,6 +49,16 @@ def read_texts(path: str) -> tuple[Row | None, list[bytes]]:
     return header, [text for text in texts if text is not None]
 
 
+def header(path: str) -> Row | None:
+    """Return the header of a journal, None if there is none. Raises OSError for a
+    link."""
+    try:
+        with folder_of(path) as folder, opened(folder, path) as stream:
+            return header_in(stream)
+    except FileNotFoundError:
+        return None
+
+
 def by_path(texts: Iterable[bytes]) -> dict[str, Row]:
     """Return {path: row} of rows as JSON."""
     rows = map(object_of, texts)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any
 
+from cg2raw.core_arguments import has_surrogates
 from cg2raw.dataset import journal
 from cg2raw.dataset.journal import Row
 from cg2raw.io.atomic_file import create
@@ -81,9 +82,7 @@ ORDER = re.compile(rb'\{"order": (\d{1,18}), ')  # what an entry begins with
 
 def is_text(value: Any) -> bool:
     """Return whether Arrow takes a value for a text: not with half of a pair."""
-    return type(value) is str and (
-        value.isascii() or value.encode(errors="replace").decode() == value
-    )
+    return type(value) is str and (value.isascii() or not has_surrogates(value))
 
 
 def is_between(low: int, high: int) -> Callable[[Any], bool]:
@@ -207,7 +206,7 @@ def bad_images(
 ) -> Iterator[tuple[str, str]]:
     """Yield (image, reason) of those that could not be used."""
     for image, _ in images:
-        header, _ = journal.read(journal.path_of(out, image))
+        header = journal.header(journal.path_of(out, image))
         if header and journal.names(header, "reason"):
             yield image, one_line(header["reason"])
 

@@ -6,17 +6,16 @@
 import difflib
 import math
 import os
-import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn, TypeVar
 
+from cg2raw.core_arguments import has_surrogates
 from cg2raw.near_words import one_line
 
 Word = TypeVar("Word", bound=str)
 
 MISSING = "PyYAML is not installed: pip install 'cg2raw[diagnose]'"
-SURROGATES = re.compile("[\ud800-\udfff]")
 KINDS = {"mapping": "fields", "sequence": "a list", "scalar": "one value"}
 
 
@@ -88,7 +87,7 @@ class Value:
         if not self.node.value or self.node.tag.endswith(":null"):
             self.fail("is empty; give a value, or leave the field out")
         text = str(self.node.value)
-        if SURROGATES.search(text):
+        if has_surrogates(text):
             self.fail(f"is {text!r}; must be Unicode: half of a pair is none")
         return text
 
