@@ -125,13 +125,13 @@ def test_gaps_and_duplicates_are_listed_and_the_rest_is_done(shot):
     done, found = convert("shot.*.exr", "--framerate", "24", "--frames", "1001-1008")
     assert done.code == 1 and found == [NAMES[n] for n in (0, 1, 3)]
     assert len(done.err.splitlines()) == 3
-    assert "shot.@.exr: frames 1003, 1007-1008 are missing" in done.err
+    assert "shot.#.exr: frames 1003, 1007-1008 are missing" in done.err
     assert "shot.01005.exr: is frame 1005, as shot.1005.exr is" in done.err
     assert "shot.1006.exr: " in done.err
     done, _ = convert("shot.%04d.exr", "--json")
     assert done.code == 1
     (missing, _) = json.loads(done.out)["errors"]
-    assert missing["error"] == "shot.@.exr: frame 1003 is missing"
+    assert missing["error"] == "shot.#.exr: frame 1003 is missing"
 
 
 def test_the_rate_of_the_files(shot):

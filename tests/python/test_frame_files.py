@@ -81,10 +81,10 @@ def test_frames_are_listed_as_people_do():
 
 def test_numbers_of_names():
     for path, number, shot in (
-        ("a/shot.0007.exr", 7, "a/shot.@.exr"),
-        ("render0012.exr", 12, "render@.exr"),
-        ("v002/shot_v002.0007.beauty.exr", 7, "v002/shot_v002.@.beauty.exr"),
-        ("2024.1001.exr", 1001, "2024.@.exr"),
+        ("a/shot.0007.exr", 7, "a/shot.#.exr"),
+        ("render0012.exr", 12, "render#.exr"),
+        ("v002/shot_v002.0007.beauty.exr", 7, "v002/shot_v002.#.beauty.exr"),
+        ("2024.1001.exr", 1001, "2024.#.exr"),
     ):
         name = frame_files.name_of(path)
         assert (name.number, name.shot) == (number, shot)

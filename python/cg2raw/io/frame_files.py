@@ -28,8 +28,8 @@ class Name:
 
     @property
     def shot(self) -> str:
-        """The path of the shot, for messages: @ is the frame number."""
-        return f"{self.before}@{self.after}"
+        """The path of the shot, for messages, as a pattern that is taken: any digits."""
+        return f"{self.before}#{self.after}"
 
 
 def is_pattern(path: str) -> bool:
