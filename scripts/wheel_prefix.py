@@ -98,11 +98,15 @@ def build(name, prefix):
         cmake += ["-DBUILD_SHARED_LIBS=OFF", "-DCMAKE_POSITION_INDEPENDENT_CODE=ON"]
         cmake += ["-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_INSTALL_PREFIX={prefix}"]
         cmake += ["-DCMAKE_INSTALL_LIBDIR=lib", "-DCMAKE_POLICY_VERSION_MINIMUM=3.5"]
+        cmake += ["-G", "Ninja"] if shutil.which("ninja") else []  # else make, if there
         jobs = str(os.cpu_count() or 1)
         quiet = {"check": True, "stdout": sys.stderr}
         subprocess.run(cmake, **quiet)
         subprocess.run(["cmake", "--build", cmake[4], "-j", jobs], **quiet)
         subprocess.run(["cmake", "--install", cmake[4]], **quiet)
+        # libtiff's own package names a target of its build (CMath) that it does not
+        # install; CMake's FindTIFF, which asks it first from 3.26 on, needs none.
+        shutil.rmtree(prefix / "lib/cmake/tiff", ignore_errors=True)
         licences = prefix / "share/cg2raw" / name
         licences.mkdir(parents=True)
         for licence in source.glob("LICENSE*"):

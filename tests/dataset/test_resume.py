@@ -85,6 +85,7 @@ CHANGES = {
     "no path": {"path": None},
     "no neutral": {"neutral": None},
     "no bytes": {"bytes": None},
+    "another field": {"comment": "mine"},
 }
 
 

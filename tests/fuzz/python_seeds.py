@@ -78,6 +78,7 @@ def journals():
         "types": {"neutral": "x", "cct": "y"},
         "order": {"order": "0"},
         "order_of_none": {"order": None},
+        "other_field": {"ord_r": "0"},
         "true": {"order": True, "white_level": False},
         "large": {"cct": 10**400, "seed": -1},
         "lists": {"crop": [1, 2.5], "xy": [None], "noise_effects": [1]},

@@ -75,6 +75,7 @@ COLUMNS = (
 )
 
 NAMES = [name for name, _ in COLUMNS]
+ENTRY = ["order", *NAMES]  # of a journal
 # Of the columns that the rows of a journal have, in their order.
 COLUMNS_DIGEST = hashlib.blake2b(" ".join(NAMES).encode(), digest_size=8).hexdigest()
 ORDER = re.compile(rb'\{"order": (\d{1,18}), ')  # what an entry begins with
@@ -118,8 +119,9 @@ TESTS = [(name, FITS[kind]) for name, kind in COLUMNS]
 
 
 def is_whole(row: Row) -> bool:
-    """Return whether a row has all columns, each of its type or None, and its place."""
-    if not row.keys() >= {"order", *NAMES} or not FITS["int64"](row["order"]):
+    """Return whether a row is an entry of a journal: its place, then all columns and no
+    other, in their order, each of its type or None."""
+    if list(row) != ENTRY or not FITS["int64"](row["order"]):
         return False
     return all(row[name] is None or fits(row[name]) for name, fits in TESTS)
 
@@ -127,7 +129,7 @@ def is_whole(row: Row) -> bool:
 def entry(row: Row) -> Row:
     """Return a row as journals have it: where it stands among those of its image, then
     the columns of the manifest, in their order. Raises KeyError."""
-    return {name: row[name] for name in ("order", *NAMES)}
+    return {name: row[name] for name in ENTRY}
 
 
 def remove(out: str) -> None:
