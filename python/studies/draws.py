@@ -25,7 +25,7 @@ from studies.results import (
 from studies.sources.frames import Frames, TestSets
 from studies.sources.renders import Renders
 from studies.sources.sets import Draw, Material, Sources, ablations, material, sources
-from studies.tasks import denoising, illuminant, isp
+from studies.tasks import content, denoising, illuminant, isp
 from studies.world.shots import World
 
 TESTS = "world"  # test frames of the world
@@ -61,6 +61,7 @@ LEARNED = {
         "denoising", "night", denoising.test_frames, denoising.unet_draw, True
     ),
     "isp": Learned("isp", "night", isp.test_frames, isp.isp_draw),
+    "content": Learned("isp", "night", isp.test_frames, content.content_draw),
 }
 
 

@@ -218,6 +218,14 @@ class IspRules:
 
 
 @dataclass(frozen=True)
+class ContentRules:
+    """What the frames of sources show; how many there are is as in study 3."""
+
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+
+
+@dataclass(frozen=True)
 class TranslationRules:
     """How renders are made like balanced RAW, unpaired."""
 
@@ -257,6 +265,7 @@ class Protocol:
     denoising: DenoisingRules
     unet: UnetRules
     isp: IspRules
+    content: ContentRules
     translation: TranslationRules
 
 

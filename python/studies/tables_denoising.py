@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from studies.tables import table
-from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, gain_rows
+from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, extent, gain_rows
 
 # condition: source: measure: (draws, frames)
 Entry = Mapping[str, Mapping[str, Mapping[str, Sequence[Sequence[float]]]]]
@@ -19,10 +19,9 @@ PAIRS = ((OWN, REAL), (FLOOR, REAL), *((OWN, baseline) for baseline in BASELINES
 
 def denoising_tables(found: Mapping[str, Entry], learner: str = "") -> str:
     """Return the tables of {camera: entry}. learner : its name in the heading."""
-    first = next(iter(found.values()))
-    draws, frames = np.shape(next(iter(first.values()))[REAL]["psnr"])
+    ofs = [next(iter(entry.values()))[REAL]["psnr"] for entry in found.values()]
     parts = [
-        f"### Denoising{learner}, {draws} draws, {frames} test frames a camera\n\n"
+        f"### Denoising{learner}, {extent(ofs)}\n\n"
         "Means, and paired differences (SE over draws and frames). In *own exposure* "
         "the frames of ours and UPI are as bright as their methods leave them."
     ]

@@ -9,7 +9,15 @@ from itertools import combinations
 import numpy as np
 
 from studies.tables import numbers, table
-from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, error_rows, of_errors
+from studies.tables_paired import (
+    BASELINES,
+    FLOOR,
+    OWN,
+    REAL,
+    error_rows,
+    extent,
+    of_errors,
+)
 from studies.tasks.angles import Summary, summary
 from studies.tasks.paired import BEATS, difference, share_left
 
@@ -25,13 +33,13 @@ def illuminant_tables(
 ) -> str:
     """Return the tables of {camera: errors}. compared : sources, each with others."""
     first = next(iter(found.values()))
-    seeds, frames = np.shape(first[REAL])
+    size = extent((errors[REAL] for errors in found.values()), "seeds")
     rows = [
         [source, *(cell(np.array(found[camera][source])) for camera in found)]
         for source in first
     ]
     return (
-        f"### {title}, {seeds} seeds, {frames} test frames a camera\n\n"
+        f"### {title}, {size}\n\n"
         "Degrees: mean +- sd over seeds; median; mean of the best and of the worst "
         f"quarter.\n\n{table(['trained on', *found], rows)}\n\n"
         "Paired differences, degrees (SE over seeds and frames); beats: by more than "

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from studies.tables import table
-from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, error_rows
+from studies.tables_paired import BASELINES, FLOOR, OWN, REAL, error_rows, extent
 
 Entry = Mapping[str, Mapping[str, Sequence[Sequence[float]]]]  # source: measure: (d, n)
 
@@ -15,7 +15,7 @@ Entry = Mapping[str, Mapping[str, Sequence[Sequence[float]]]]  # source: measure
 def isp_tables(found: Mapping[str, Entry]) -> str:
     """Return the tables of {camera: errors}."""
     first = next(iter(found.values()))
-    draws, frames = np.shape(first[REAL]["difference"])
+    size = extent(entry[REAL]["difference"] for entry in found.values())
     rows = [
         [source, *(cell(found[camera][source]) for camera in found)] for source in first
     ]
@@ -32,7 +32,7 @@ def isp_tables(found: Mapping[str, Entry]) -> str:
     ]
     apart = error_rows(pairs, differences)
     return (
-        f"### Neural ISP, {draws} draws, {frames} test frames a camera\n\n"
+        f"### Neural ISP, {size}\n\n"
         "CIEDE2000 +- sd over draws; PSNR in dB.\n\n"
         f"{table(['trained on', *found], rows)}\n\n"
         "Paired differences of CIEDE2000 (SE over draws and frames).\n\n"

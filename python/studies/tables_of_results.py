@@ -7,18 +7,21 @@ from typing import Any
 
 from studies.results import Results, draws_of, of_study
 from studies.tables import classical_tables, colour_tables
+from studies.tables_content import content_tables
 from studies.tables_denoising import denoising_tables
 from studies.tables_illuminant import illuminant_tables, longer_tables
 from studies.tables_isp import isp_tables
 from studies.tables_paired import REAL
+from studies.tasks.content import TESTS
 from studies.world.shots import KINDS
 
 DRAWN = ("ours, measured lights", "ours, mixture of lights")
-FAMILIES = ("real", "ours", "upi", "translation")
+FAMILIES = (TESTS, "real", "ours", "upi", "translation")
 TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
     "denoising": denoising_tables,
     "isp": isp_tables,
+    "content": content_tables,
 }
 
 

@@ -13,6 +13,20 @@ OWN, REAL, FLOOR = "ours, dng", "real", "real, other scenes"
 BASELINES = ("upi, graphics2raw", "upi, camera")
 
 
+def extent(cameras: Iterable[Sequence[Sequence[float]]], word: str = "draws") -> str:
+    """Return of how much a table is: of the (draws, frames) of each camera.
+
+    word : for draws. Of cameras that have unlike numbers, the least and the most."""
+    draws, frames = zip(*map(np.shape, cameras), strict=True)
+    return f"{between(draws)} {word}, {between(frames)} test frames a camera"
+
+
+def between(counts: Sequence[int]) -> str:
+    """Return the range of counts in words."""
+    least, most = min(counts), max(counts)
+    return f"{least}" if least == most else f"{least} to {most}"
+
+
 def of_errors(found: Difference) -> str:
     """Return a Difference of errors in one cell."""
     return f"{found.mean:+.2f} ({found.error:.2f})" + beats(found)
