@@ -28,7 +28,7 @@ class Name:
 
     @property
     def shot(self) -> str:
-        """The path of the shot, for messages, as a pattern that is taken: any digits."""
+        """The path of the shot as a pattern that inputs may be, for messages."""
         return f"{self.before}#{self.after}"
 
 
