@@ -135,6 +135,7 @@ def simulations(rounds):
 
     sensor, scene = cg2raw.Sensor(SENSOR), scene_of(12)
     arguments, wide = paper_arguments(), scene.astype(np.float32)
+    signal = np.ascontiguousarray(wide[..., 1])  # of a mosaic
 
     def simulated(**run):
         return lambda: sensor.simulate(scene, illuminant=LIGHT, threads=1, **run)
@@ -144,6 +145,9 @@ def simulations(rounds):
         "simulate": simulated(),
         f"simulate, ISO {ISO}": simulated(iso=ISO),
         "simulate, paper": simulated(convention="paper"),
+        f"noise alone, ISO {ISO}": lambda: sensor.add_noise(
+            signal, iso=ISO, seed=1, threads=1
+        ),
     }
     found = in_rounds(actions, rounds)
     count = scene.shape[0] * scene.shape[1] / 1e6

@@ -8,14 +8,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cg2raw {
 namespace {
+
+/// Whether all values are finite; without a way out of the loop, which is vectorised so.
+bool all_finite(const float* values, int count)
+{
+    int others = 0;
+    for (int i = 0; i < count; ++i)
+        others |= !(std::fabs(values[i]) <= std::numeric_limits<float>::max());
+    return others == 0;
+}
 
 void check_finite(const Plane<float>& plane)
 {
     for (int row = 0; row < plane.height; ++row) {
         const float* const first = plane.row(row);
+        if (all_finite(first, plane.width))
+            continue;
         const float* const last = first + plane.width;
         const float* const bad
             = std::find_if(first, last, [](float x) { return !std::isfinite(x); });

@@ -4,7 +4,10 @@
 #include "bindings.h"
 
 #include "cg2raw/demosaic.h"
+#include "cg2raw/parallel.h"
 #include "cg2raw/signal.h"
+
+#include <algorithm>
 
 namespace cg2raw::python {
 namespace {
@@ -79,11 +82,17 @@ FloatArray copy_of(const FloatArray& array)
 FloatArray with_noise(const SensorProfile& profile, const FloatArray& signal,
                       const Run& run, int threads)
 {
-    const_plane_of(signal, "signal");
-    FloatArray noisy = copy_of(signal);
+    const Plane<const float> clean = const_plane_of(signal, "signal");
+    FloatArray noisy({ clean.height, clean.width });
     const Plane<float> plane = plane_of(noisy);
     const py::gil_scoped_release release;
-    add_noise(profile, run, plane, parallel_threads(threads));
+    const ParallelFor parallel = parallel_threads(threads);
+    // A copy costs as much as the noise: its pages are touched for the first time.
+    each_strip(clean.height, parallel, [&](int first, int count) {
+        for (int row = first; row < first + count; ++row)
+            std::copy_n(clean.row(row), clean.width, plane.row(row));
+    });
+    add_noise(profile, run, plane, parallel);
     return noisy;
 }
 
