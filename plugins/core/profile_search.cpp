@@ -21,15 +21,24 @@ namespace fs = std::filesystem;
 
 std::string in_quotes(std::string_view text) { return '"' + quotable(text) + '"'; }
 
+/// Whether a path leads to a file: what is there may be a pipe, or a link to nothing.
+bool has_file(const fs::path& path)
+{
+    std::error_code ignored;
+    return fs::is_regular_file(path, ignored);
+}
+
 std::string read_file(const fs::path& path)
 {
     std::error_code error;
     if (fs::is_directory(path, error))
         throw Error(utf8_of(path)
                     + ": is a folder: give the path of a profile (.json) in it");
-    const auto size = fs::file_size(path, error);
-    if (error)
-        throw Error(utf8_of(path) + ": " + error.message()
+    const bool is_other = fs::is_other(path, error); // a pipe, a device or a socket
+    const auto size = is_other ? 0 : fs::file_size(path, error);
+    if (is_other || error)
+        throw Error(utf8_of(path) + ": "
+                    + (is_other ? "is no regular file" : error.message())
                     + ": give the path of a profile (.json), or the id of an installed "
                       "sensor");
     check_profile_size(size, utf8_of(path));
@@ -113,7 +122,8 @@ std::vector<std::string> installed_profiles()
     std::vector<std::string> ids;
     for (const std::string& folder : profile_folders())
         for (const std::string& name : names_in(path_of(folder)))
-            if (const fs::path path = path_of(name); path.extension() == ".json")
+            if (const fs::path path = path_of(name);
+                path.extension() == ".json" && has_file(path_of(folder) / path))
                 ids.push_back(utf8_of(path.stem()));
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -127,8 +137,7 @@ SensorProfile load_profile(const std::string& id_or_path)
         return parse_profile(read_file(path_of(id_or_path)), id_or_path);
     for (const std::string& folder : profile_folders()) {
         const fs::path path = path_of(folder) / path_of(id_or_path + ".json");
-        std::error_code ignored;
-        if (!id_or_path.empty() && fs::exists(path, ignored))
+        if (!id_or_path.empty() && has_file(path))
             return parse_profile(read_file(path), utf8_of(path));
     }
     const auto installed = installed_profiles();

@@ -64,6 +64,11 @@ def check_readable(path: str | os.PathLike[str]) -> None:
         mode = os.fstat(handle).st_mode
     finally:
         os.close(handle)
+    check_regular(path, mode)
+
+
+def check_regular(path: str | os.PathLike[str], mode: int) -> None:
+    """Raise OSError unless the mode that the system says of @path is of a file."""
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(mode):

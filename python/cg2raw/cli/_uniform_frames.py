@@ -16,6 +16,7 @@ from cg2raw.calibration import UniformFrame
 from cg2raw.diagnose.captures.raw_files import check_sensor, read_header, read_raw
 from cg2raw.io.npy_file import whole
 from cg2raw.sensor import Sensor
+from cg2raw.system import check_readable
 
 Kind = Literal["dark", "flat"]
 NO_FRAMES = (".csv", ".json", ".md", ".txt", ".yaml", ".yml", ".xmp", ".jpg", ".png")
@@ -96,7 +97,7 @@ def files_in(paths: Sequence[str]) -> list[str]:
             for name in sorted(os.listdir(path))
             if not name.startswith(".") and not name.lower().endswith(NO_FRAMES)
         ]
-        files = [name for name in inside if os.path.isfile(name)]
+        files = [name for name in inside if not os.path.isdir(name)]
         if not files:
             raise ValueError(f"{path}: holds no frames")
         found += files
@@ -156,8 +157,7 @@ def stored_in_npz(path: str) -> Iterator[tuple[UniformFrame, Said]]:
 
         return read
 
-    with open(path, "rb"):  # NumPy's own message of a missing file has no path
-        pass
+    check_readable(path)  # NumPy's own message of a missing file has no path
     with whole(path, ".npz"), np.load(path, allow_pickle=False) as stored:
         names = sorted(stored.files)
     for name in names:

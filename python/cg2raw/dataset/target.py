@@ -15,7 +15,7 @@ from cg2raw.dataset import journal, manifest
 from cg2raw.dataset.images import is_utf8
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.plan import Plan, Variant
-from cg2raw.system import Folder
+from cg2raw.system import Folder, check_regular
 
 Write = Callable[[str], None]  # of the file at a path
 
@@ -56,6 +56,7 @@ class Target:
             raise BadImage("its name is no UTF-8; rename the file")
         try:
             status = os.stat(self.job.path)
+            check_regular(self.job.path, status.st_mode)  # a pipe would be waited for
             header = {
                 "image": self.job.image,
                 "columns": manifest.COLUMNS_DIGEST,

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
+from cg2raw.system import check_readable
 
 MISSING = "astropy, which reads FITS files, is missing: pip install 'cg2raw[fits]'"
 ENDINGS = (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fits.fz")
@@ -110,8 +111,7 @@ def _images(path: str) -> Iterator[list[Any]]:
         fits: Any = import_module("astropy.io.fits")
     except ImportError:
         raise ValueError(f"{path}: {MISSING}") from None
-    with open(path, "rb"):  # of a missing file, the error that all readers raise
-        pass
+    check_readable(path)  # of a missing file, the error that all readers raise
     with _warnings, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # each that matters is an error here
         try:
