@@ -4,7 +4,7 @@
 
 import os
 import signal
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 LONGEST = 2000  # letters of a message
 # What no user is to see.
@@ -34,7 +34,7 @@ class Known:
     before: dict[str, bytes]
     after: dict[str, bytes]
     folder: str
-    may_stay: tuple[str, ...] = field(default=())  # folders of the target's own
+    grows: bool = False  # a folder of it may be made in part
 
 
 def contents(folder, without=()):
@@ -59,9 +59,9 @@ def faults_of(ended, found, known, is_silent=False):
     if os.WIFSIGNALED(ended.status):
         wrong.append(f"killed by {signal.Signals(os.WTERMSIG(ended.status)).name}")
     wrong += [f"says {word}" for word in RAW if word in ended.text]
-    if len(ended.text) > LONGEST:
-        wrong.append(f"says {len(ended.text)} letters")
     failed = ended.code != 0
+    if failed and len(ended.text) > LONGEST:
+        wrong.append(f"says {len(ended.text)} letters")
     if failed and not is_silent:
         if not ended.text.strip():
             wrong.append(f"exit code {ended.code} without a word")
@@ -83,7 +83,17 @@ def states_of(found, known, failed, text):
         if found.get(name, "none") not in allowed and not set_aside(text, found):
             state = "is missing" if name not in found else "is neither old nor new"
             wrong.append(f"{name} {state}")
-    return wrong
+    return wrong + ([] if known.grows else parts_of(found, known))
+
+
+def parts_of(found, known):
+    """Return which new folders are there without all that is to be in them."""
+    new = [name for name, data in known.after.items() if data is None]
+    return [
+        f"leaves a part of {folder}"
+        for folder in sorted(set(new) & found.keys() - known.before.keys())
+        if any(n.startswith(f"{folder}/") and n not in found for n in known.after)
+    ]
 
 
 def set_aside(text, found):

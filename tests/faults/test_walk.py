@@ -72,3 +72,6 @@ def test_a_fault_is_met_and_judged():
     assert faults_of(traced, {"a": b"old"}, known) == ["says Traceback"]
     long = Ended(256, "/place" * 400)
     assert faults_of(long, {"a": b"old"}, known) == ["says 2400 letters"]
+    folder = Known({}, {"b": None, "b/c": b"new"}, "/place")
+    assert faults_of(right, {"b": None}, folder) == ["leaves a part of b"]
+    assert faults_of(right, {"b": None, "b/c": b"new"}, folder) == []

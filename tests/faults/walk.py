@@ -10,17 +10,16 @@ import errno
 import os
 import re
 import select
-import shutil
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from conftest import ROOT
 from faults.injector import CALLS, Injector, compiled, words_of
 from faults.judge import Ended, Known, contents, faults_of
-from faults.targets import TARGETS
+from faults.targets import TARGETS, empty
 
 LONGEST = 240  # s, that a run may take on a busy machine
 NONE = words_of("none")
@@ -125,6 +124,7 @@ class Walk:
             (scratch / name).mkdir(parents=True)
         target.prepare(self.folder)
         self.injector = Injector(library, self.folder, scratch)
+        self.first = 1  # of the calls that are tried
         self.count = Count()
         self.known = {}
 
@@ -136,7 +136,8 @@ class Walk:
             ended = server.run(NONE)
             assert ended.code == 0, ended
             after = contents(self.folder / "out", self.own)
-            self.known[exists] = Known(before, after, str(self.folder))
+            grows = self.target.name == "dataset"
+            self.known[exists] = Known(before, after, str(self.folder), grows)
         return server
 
     @property
@@ -146,8 +147,7 @@ class Walk:
 
     def begin(self, exists):
         """Empty the folders that are written; return what is there before."""
-        shutil.rmtree(self.folder / "out")
-        (self.folder / "out").mkdir()
+        empty(self.folder / "out")
         self.target.begin(self.folder, exists)
         return contents(self.folder / "out")
 
@@ -163,7 +163,7 @@ class Walk:
         known = self.known[exists]
         if self.target.name == "dataset" and ended.code:
             # Images that could not be read are missing in the manifest, or it is.
-            known = Known(known.before, dict(known.after), known.folder)
+            known = replace(known, after=dict(known.after))
             for name in ("manifest.jsonl", "manifest.parquet"):
                 found.pop(name, None)
                 known.after.pop(name)
@@ -172,8 +172,7 @@ class Walk:
         wrong = faults_of(ended, found, known, silent)
         if list((self.scratch / "tmp").iterdir()):
             wrong.append("leaves a temporary folder")
-            shutil.rmtree(self.scratch / "tmp")
-            (self.scratch / "tmp").mkdir()
+            empty(self.scratch / "tmp")
         if self.target.name == "dataset":
             wrong += self.gone_on_with(server, self.known[exists])
         if wrong:
@@ -197,7 +196,8 @@ class Walk:
         for call, (stride, most) in steps.items():
             before = self.count.fired
             for number, sticky, exists in self.ways(call):
-                for nth in range(1, most * stride + 1, stride):
+                last = self.first + most * stride
+                for nth in range(self.first, last, stride):
                     if not self.one(server, call, number, nth, sticky, exists):
                         break
             tell(f"{self.target.name} {call}: {self.count.fired - before} met")
@@ -214,12 +214,14 @@ class Walk:
                     yield number, sticky, True
 
 
-def walked(target, library, steps, tell=lambda line: None):
+def walked(target, library, steps, tell=lambda line: None, first=1):
     """Return the Count of a target's walk.
 
-    steps : {call: (stride, most)}; every how many-th is tried, and how many at most."""
+    steps : {call: (stride, most)}; every how many-th is tried, from the @first on, and
+    how many at most."""
     with tempfile.TemporaryDirectory(prefix="cg2raw-faults.") as scratch:
         walk = Walk(target, library, Path(os.path.realpath(scratch)))
+        walk.first = first
         with walk.start() as server:
             walk.all(server, steps, tell)
         return walk.count
@@ -247,6 +249,7 @@ def main(words=None):
     add("targets", nargs="*", metavar="COMMAND", help=f"of {', '.join(TARGETS)}")
     add("--fault", action="append", choices=list(CALLS), help="default: all of them")
     add("--stride", type=int, default=1, help="every how many-th call; default: 1")
+    add("--first", type=int, default=1, help="of the calls that fail; default: 1")
     add("--most", type=int, default=10**6, help="calls of a kind; default: all")
     arguments = parser.parse_args(words)
     unknown = set(arguments.targets) - set(TARGETS)
@@ -258,7 +261,7 @@ def main(words=None):
         for name in arguments.targets or TARGETS:
             step = (arguments.stride, arguments.most)
             steps = dict.fromkeys(arguments.fault or CALLS, step)
-            count = walked(TARGETS[name], library, steps, tell)
+            count = walked(TARGETS[name], library, steps, tell, arguments.first)
             for line in alike(count.findings):
                 print(line)
             words = f"{count.tries} runs, {count.fired} faults met"

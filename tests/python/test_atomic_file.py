@@ -11,7 +11,7 @@ import secrets
 import pytest
 
 from cg2raw.io import atomic_file
-from cg2raw.io.atomic_file import write_atomically, write_folder
+from cg2raw.io.atomic_file import write_atomically, write_folder, write_with_folder
 
 
 @pytest.fixture
@@ -122,3 +122,15 @@ def test_nothing_is_left_where_no_folder_can_be_opened(tmp_path, monkeypatch):
     write_folder(place, {"a.txt": b"new"}, lambda name: True)
     assert (place / "a.txt").read_bytes() == b"new"
     assert [path.name for path in tmp_path.rglob("*")] == ["place", "a.txt"]
+
+
+def test_a_folder_that_was_made_for_a_file_goes_with_it(tmp_path):
+    folder = tmp_path / "folder"
+    write_with_folder(folder / "file", b"new")
+    assert (folder / "file").read_bytes() == b"new"
+    with pytest.raises(OSError, match="cannot be written: File name too long"):
+        write_with_folder(folder / ("n" * 300), b"new")
+    assert [path.name for path in folder.iterdir()] == ["file"]
+    with pytest.raises(OSError, match="cannot be written: File name too long"):
+        write_with_folder(tmp_path / "other" / ("n" * 300), b"new")
+    assert [path.name for path in tmp_path.iterdir()] == ["folder"]

@@ -53,6 +53,24 @@ def write_atomically(path: FilePath, data: bytes) -> None:
 
 
 @held()
+def write_with_folder(path: FilePath, data: bytes) -> None:
+    """Write bytes to @path as write_atomically, in a folder that is made if it is not
+    there, and gone again if they cannot be written. Raises OSError naming @path."""
+    folder = os.path.dirname(os.path.abspath(path))
+    is_new = not os.path.isdir(folder)
+    if is_new:
+        with failing(path):
+            os.makedirs(folder)
+    try:
+        write_atomically(path, data)
+    except BaseException:
+        if is_new:
+            with contextlib.suppress(OSError):  # what others have put there stays
+                os.rmdir(folder)
+        raise
+
+
+@held()
 def write_in(folder: Folder, name: str, data: bytes, path: FilePath) -> None:
     """Write bytes to a name in a Folder, as write_atomically; a link of that name is
     replaced. Raises OSError naming @path."""

@@ -7,7 +7,7 @@ import os
 
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.report.page import page
-from cg2raw.io.atomic_file import write_atomically
+from cg2raw.io.atomic_file import write_with_folder
 
 PAGE = "calibration.html"
 
@@ -16,9 +16,9 @@ __all__ = ["write_report"]
 
 def write_report(found: Measurements, folder: str) -> str:
     """Write calibration.html into a folder, which is made if it is not there; return
-    the page's path. Raises ValueError if Jinja2 or Pillow is missing, OSError."""
+    the page's path. Raises ValueError if Jinja2 or Pillow is missing, OSError; a folder
+    that was not there is not there then."""
     html = page(found)
-    os.makedirs(folder, exist_ok=True)
     path = os.path.join(folder, PAGE)
-    write_atomically(path, html.encode())
+    write_with_folder(path, html.encode())
     return path
