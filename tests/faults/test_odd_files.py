@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Names of 255 bytes or with a newline, and pipes, devices, sockets and links to nothing
+"""Names of 255 bytes or with a newline; pipes, devices, sockets and links to nothing
 among the files that are read."""
 
 import os

@@ -125,6 +125,7 @@ class Walk:
         target.prepare(self.folder)
         self.injector = Injector(library, self.folder, scratch)
         self.first = 1  # of the calls that are tried
+        self.errors = None  # how many errors of each kind of call; None: all
         self.count = Count()
         self.known = {}
 
@@ -204,7 +205,7 @@ class Walk:
 
     def ways(self, call):
         """Yield (errno, sticky, whether there are old files) in which a call fails."""
-        for name in CALLS[call]:
+        for name in CALLS[call][: self.errors]:
             number = getattr(errno, name, 0)
             for sticky in (False, True):
                 if call == "malloc" or self.target.name == "dataset":
@@ -214,14 +215,14 @@ class Walk:
                     yield number, sticky, True
 
 
-def walked(target, library, steps, tell=lambda line: None, first=1):
+def walked(target, library, steps, tell=lambda line: None, first=1, errors=None):
     """Return the Count of a target's walk.
 
     steps : {call: (stride, most)}; every how many-th is tried, from the @first on, and
-    how many at most."""
+    how many at most. errors : how many of those that a call fails with; None: all."""
     with tempfile.TemporaryDirectory(prefix="cg2raw-faults.") as scratch:
         walk = Walk(target, library, Path(os.path.realpath(scratch)))
-        walk.first = first
+        walk.first, walk.errors = first, errors
         with walk.start() as server:
             walk.all(server, steps, tell)
         return walk.count
