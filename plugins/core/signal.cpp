@@ -13,7 +13,8 @@
 namespace cg2raw {
 namespace {
 
-/// Whether all values are finite; without a way out of the loop, which is vectorised so.
+/// Whether all values are finite; without a way out of the loop, which is vectorised
+/// so.
 bool all_finite(const float* values, int count)
 {
     int others = 0;

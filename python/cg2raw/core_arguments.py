@@ -18,9 +18,9 @@ import numpy as np
 
 import cg2raw.near_words  # which may be what imports this
 from cg2raw import _core
+from cg2raw.short_messages import NO_MEMORY
 
 LONGEST = 80  # letters of a value in a message
-NO_MEMORY = "not enough memory"  # where C++ says std::bad_alloc
 REFUSED = re.compile(r"incompatible (function|constructor) arguments")
 # How pybind11 writes types, and what stands for them here.
 WORDS = (

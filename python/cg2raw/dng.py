@@ -21,8 +21,9 @@ from cg2raw.argument_types import (
 )
 from cg2raw.arrays import raw_plane
 from cg2raw.cfa import is_mono
-from cg2raw.core_arguments import NO_MEMORY, shown
+from cg2raw.core_arguments import shown
 from cg2raw.sensor import Sensor
+from cg2raw.short_messages import NO_MEMORY
 
 
 def write_dng(

@@ -7,8 +7,8 @@ import argparse
 import pytest
 
 from cg2raw.cli import make_parser
-from cg2raw.cli._messages import about, words_of
-from cg2raw.short_messages import shortened
+from cg2raw.cli._messages import about_output
+from cg2raw.short_messages import shortened, words_of
 from python.commands import fails
 
 LONGEST = 2000  # letters of a message
@@ -49,8 +49,12 @@ def test_beginning_and_end_are_kept():
 
 def test_what_lacks_memory_is_named():
     arguments = argparse.Namespace(output="/place/a.json")
-    assert about(arguments, MemoryError()) == "/place/a.json: not enough memory"
-    assert about(arguments, MemoryError("/b: not enough memory")).startswith("/b: ")
-    assert about(arguments, ValueError("no")) == "no"
-    assert about(argparse.Namespace(out="out"), MemoryError()).startswith("out: ")
-    assert about(argparse.Namespace(), MemoryError()) == "not enough memory"
+    assert about_output(arguments, MemoryError()) == "/place/a.json: not enough memory"
+    assert about_output(arguments, MemoryError("/b: not enough memory")).startswith(
+        "/b: "
+    )
+    assert about_output(arguments, ValueError("no")) == "no"
+    assert about_output(argparse.Namespace(out="out"), MemoryError()).startswith(
+        "out: "
+    )
+    assert about_output(argparse.Namespace(), MemoryError()) == "not enough memory"

@@ -18,7 +18,7 @@ from types import ModuleType
 
 from cg2raw import __version__
 from cg2raw.cli._completion import SHELLS, PrintCompletion
-from cg2raw.cli._messages import about, check_words
+from cg2raw.cli._messages import about_output, check_words
 from cg2raw.short_messages import Parser
 
 
@@ -74,7 +74,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except (ValueError, OSError, MemoryError) as error:
-        print(f"cg2raw {arguments.name}: {about(arguments, error)}", file=sys.stderr)
+        print(
+            f"cg2raw {arguments.name}: {about_output(arguments, error)}",
+            file=sys.stderr,
+        )
         return 1
     except KeyboardInterrupt:
         print(f"cg2raw {arguments.name}: interrupted", file=sys.stderr)

@@ -114,8 +114,8 @@ def each_file(
     import json
     import sys
 
-    from cg2raw.cli._messages import words_of
     from cg2raw.cli._progress import tracked
+    from cg2raw.short_messages import words_of
 
     reports, errors = [], []
     for path, text in faults:

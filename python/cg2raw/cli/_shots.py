@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cg2raw import _core
-from cg2raw.cli._messages import words_of
 from cg2raw.cli._outputs import check_apart, make_folder, outputs_of
 from cg2raw.io import frame_files
 from cg2raw.io.frame_files import Shot
+from cg2raw.short_messages import words_of
 
 CODE = re.compile(r"\d\d:\d\d:\d\d[:;]\d\d")  # a time code, in messages
 

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 
+from cg2raw.short_messages import about
 from cg2raw.system import end_with_parent
 
 
@@ -27,16 +28,8 @@ def main() -> None:
         try:
             answer = make(job, say)
         except (OSError, ValueError) as error:
-            answer = {"failure": words_of(error, job.out)}
+            answer = {"failure": about(job.out, error)}
         say(answer)
-
-
-def words_of(error: Exception, out: str) -> str:
-    """Return what an error says in one line, led by a path: @out if it names none."""
-    words = f"{error}"
-    if isinstance(error, OSError) and error.strerror:
-        words = f"{error.filename or out}: {error.strerror}"
-    return " ".join(words.split())
 
 
 def use_one_thread() -> None:
