@@ -29,6 +29,7 @@ class Command:
     holds = 0
     waiting = 0  # a signal that came while something was held
     raises = False
+    errors = 2  # descriptor of standard error
 
     def __init__(self) -> None:
         self.undo: list[Callable[[], None]] = []
@@ -87,6 +88,16 @@ def tidied(undo: Callable[[], None], sentence: str = "") -> Iterator[None]:
 
 
 @contextlib.contextmanager
+def said_to(handle: int) -> Iterator[None]:
+    """Let the last line go to a descriptor while standard error leads elsewhere."""
+    _command.errors = handle
+    try:
+        yield
+    finally:
+        _command.errors = 2
+
+
+@contextlib.contextmanager
 def scratch_folder(prefix: str) -> Iterator[str]:
     """Yield a new temporary folder, which is gone afterwards, whatever ends it."""
     import tempfile
@@ -141,6 +152,7 @@ def _end(number: int) -> None:
     name = "cg2raw" if word.startswith("-") else f"cg2raw {word}"
     said = f"{name}: {_command.sentence or WORDS[signal.Signals(number)]}\n"
     with contextlib.suppress(OSError):
-        bar = AFTER_A_BAR if "rich" in sys.modules and os.isatty(2) else ""
-        os.write(2, (bar + said).encode(errors="backslashreplace"))
+        errors = _command.errors
+        bar = AFTER_A_BAR if "rich" in sys.modules and os.isatty(errors) else ""
+        os.write(errors, (bar + said).encode(errors="backslashreplace"))
     os._exit(code)

@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import cg2raw
+from cg2raw import _core
 from conftest import mounted
 from dataset.data_sets import contents, scene, write_image
 from faults.injector import Injector, compiled
@@ -146,3 +148,25 @@ def test_dev_full_takes_no_report(source, tmp_path):
         )
     assert done.returncode == 1 and NO_SPACE in done.stderr
     assert "Traceback" not in done.stderr and done.stderr.count("\n") == 1
+
+
+def values_of_the_core(folder):
+    """Return objects of each kind that has properties."""
+    sensor = cg2raw.Sensor("nikon-d40")
+    raw = sensor.simulate(np.full((16, 24, 3), 0.2, np.float32), illuminant="D65")
+    simulation = raw.simulation
+    light = sensor.profile.illuminant("D65")
+    metadata = cg2raw.read_dng_metadata(str(write_dng(folder / "shot.dng")))
+    layer = _core.beauty_layer([("", ["R", "G", "B"])], "")
+    return [sensor.profile, simulation, light, metadata, layer]
+
+
+def test_no_value_of_the_core_keeps_another_alive(tmp_path):
+    """pybind11 notes that in memory of its own; where there is none, it ends the
+    process: as the light of a simulation did."""
+    for value in values_of_the_core(tmp_path):
+        kind = type(value)
+        names = [n for n in dir(kind) if isinstance(getattr(kind, n), property)]
+        before = sys.getrefcount(value)
+        kept = [getattr(value, name) for name in names]
+        assert kept and sys.getrefcount(value) == before, kind

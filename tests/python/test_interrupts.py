@@ -224,6 +224,14 @@ def test_ctrl_c_is_raised_where_its_result_is_used():
     assert done.stderr == "cg2raw: interrupted\n"
 
 
+def test_the_line_is_said_while_libraw_is_not_to_say_any():
+    done = in_a_command(
+        "from cg2raw.io.libraw import no_words_of_libraries\n"
+        "with no_words_of_libraries(): os.write(2, b'noise'); ask()"
+    )
+    assert (done.returncode, done.stderr) == (130, "cg2raw: interrupted\n")
+
+
 def test_it_is_not_raised_through_an_import(tmp_path):
     (tmp_path / "slow_module.py").write_text("ask()\n")
     done = in_a_command(

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from cg2raw.interrupts import said_to
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.system import check_readable
 
@@ -120,9 +121,10 @@ def no_words_of_libraries() -> Iterator[None]:
     """Keep what LibRaw prints to stderr by itself; its errors arrive as exceptions."""
     with tempfile.TemporaryFile() as words:
         kept = os.dup(2)
-        os.dup2(words.fileno(), 2)
         try:
-            yield
+            with said_to(kept):
+                os.dup2(words.fileno(), 2)
+                yield
         finally:
             os.dup2(kept, 2)
             os.close(kept)
