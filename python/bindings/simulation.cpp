@@ -144,8 +144,8 @@ void bind_simulation(py::module_& m)
         },
         "profile"_a, "shape"_a, "run"_a);
     simulation
-        // Not a reference: pybind11 ends the process if it lacks the memory to note that
-        // one keeps the simulation alive.
+        // Not a reference: pybind11 ends the process if it lacks the memory to note
+        // that one keeps the simulation alive.
         .def_property_readonly("illuminant", &Simulation::illuminant,
                                py::return_value_policy::copy,
                                "The light, as the sensor sees it.")
