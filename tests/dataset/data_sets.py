@@ -88,6 +88,28 @@ def start(*arguments, **keywords):
     return subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True, **keywords)
 
 
+# What a process does that opens a file whose path ends so, and all that it runs.
+HOOK = """
+import os, sys, time
+
+def look(event, words):
+    if event == "open" and str(words[0]).endswith({ending!r}):
+        {deed}
+
+sys.addaudithook(look)
+"""
+
+
+def environment_where(folder, ending, deed):
+    """Return variables by which Python does a deed when it opens certain files.
+
+    folder : for a module. ending : of the files' paths. deed : a line of Python."""
+    text = HOOK.format(ending=ending, deed=deed)
+    (folder / "sitecustomize.py").write_text(text)
+    paths = [str(folder), os.environ.get("PYTHONPATH", "")]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
+
+
 def workers_of(process):
     """Return the process ids of a command's workers."""
     with open(f"/proc/{process.pid}/task/{process.pid}/children") as stream:

@@ -15,6 +15,7 @@ from dataset.data_sets import (
     OPTIONS,
     check_agreement,
     contents,
+    environment_where,
     files_in,
     folder_of_images,
     scene,
@@ -142,21 +143,16 @@ def test_a_worker_that_dies_costs_nothing(images, tmp_path):
     assert contents(out) == contents(tmp_path / "whole")
 
 
-def test_an_image_that_kills_its_workers_is_given_up(images, tmp_path):
-    # A pipe in the place of an image: who opens it waits until it is killed.
+def test_an_image_that_kills_its_workers_is_given_up(tmp_path):
     write_image(tmp_path / "in/good.exr", scene())
-    os.mkfifo(tmp_path / "in/pipe.exr")
+    write_image(tmp_path / "in/deadly.exr", scene())
+    env = environment_where(tmp_path, "in/deadly.exr", "os.kill(os.getpid(), 9)")
     out = tmp_path / "out"
-    process = start(tmp_path / "in", out, *OPTIONS, "--workers", "1")
-    wait_for(lambda: len(files_in(out)) == 8)
-    for _ in range(2):
-        (worker,) = wait_for(lambda: workers_of(process))
-        time.sleep(0.5)
-        os.kill(worker, signal.SIGKILL)
-        wait_for(lambda worker=worker: worker not in workers_of(process))
+    process = start(tmp_path / "in", out, *OPTIONS, "--workers", "1", env=env)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 1
-    assert "pipe.exr: the process that worked on it ended twice (SIGKILL)" in errors
+    assert "deadly.exr: the process that worked on it ended twice (SIGKILL)" in errors
+    assert len(files_in(out)) == 8
     check_agreement(out)
 
 

@@ -2,7 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """Killed at any moment, the same command goes on to the same data set."""
 
-import os
 import random
 import shutil
 import signal
@@ -13,6 +12,7 @@ import pytest
 from dataset.data_sets import (
     check_agreement,
     contents,
+    environment_where,
     files_in,
     rows,
     scene,
@@ -98,11 +98,10 @@ def test_killed_twenty_times(several, tmp_path):
 
 
 def test_workers_die_with_the_command(tmp_path):
-    # Pipes in the place of images: who opens one waits until it is killed.
-    (tmp_path / "in").mkdir()
     for number in range(2):
-        os.mkfifo(tmp_path / f"in/{number}.exr")
-    process = start(tmp_path / "in", tmp_path / "out", *OPTIONS)
+        write_image(tmp_path / f"in/{number}.exr", scene())
+    env = environment_where(tmp_path, ".exr", "time.sleep(600)")
+    process = start(tmp_path / "in", tmp_path / "out", *OPTIONS, env=env)
     workers = []
     while len(workers) < 2:
         workers = workers_of(process)
