@@ -32,11 +32,13 @@ class Worker:
 
     def ask(self, request):
         """Return the answer to one request; a worker that ends is an answer too."""
-        try:
+        closed = (OSError, ValueError)  # its pipe, or ours
+        with contextlib.suppress(*closed):  # one that has ended may have said why
             self.process.stdin.write(json.dumps(request) + "\n")
             self.process.stdin.flush()
+        try:
             line = self.process.stdout.readline()
-        except (OSError, ValueError):  # its pipe, or ours, is closed
+        except closed:
             line = ""
         if not line:
             code = self.process.wait()

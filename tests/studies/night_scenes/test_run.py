@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from night_scenes.folder import Folder, Refused, Settings
 from night_scenes.main import main
-from night_scenes.run import render
+from night_scenes.run import Worker, render
 
 FAKE = (sys.executable, str(Path(__file__).with_name("fake_worker.py")))
 SMALL = Settings(32, 4)
@@ -103,6 +103,16 @@ def test_a_worker_that_cannot_start_says_why(run, tmp_path):
     with pytest.raises(Refused, match="night: No module named 'bpy'"):
         run(range(2), "starts not")
     assert names(tmp_path / "night") == []
+
+
+def test_a_worker_that_ended_before_it_was_asked_is_heard():
+    said = {"index": None, "error": "No module named 'bpy'"}
+    worker = Worker(
+        [sys.executable, "-c", f"print({json.dumps(json.dumps(said))})"], None
+    )
+    worker.process.wait()
+    assert worker.ask({"index": 0}) == said
+    worker.stop()
 
 
 def test_a_folder_has_one_run(tmp_path):
