@@ -29,13 +29,11 @@ void check_finite(const Plane<float>& plane)
         const float* const first = plane.row(row);
         if (all_finite(first, plane.width))
             continue;
-        const float* const last = first + plane.width;
-        const float* const bad
-            = std::find_if(first, last, [](float x) { return !std::isfinite(x); });
-        if (bad != last)
-            throw Error("signal at row " + std::to_string(row) + ", col "
-                        + std::to_string(bad - first)
-                        + " is not finite: replace NaN and infinities first");
+        const float* const bad = std::find_if(
+            first, first + plane.width, [](float x) { return !std::isfinite(x); });
+        throw Error("signal at row " + std::to_string(row) + ", col "
+                    + std::to_string(bad - first)
+                    + " is not finite: replace NaN and infinities first");
     }
 }
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from studies.tables import table
+from studies.tables_paired import between
 from studies.tasks.content import MEASURES
 
 Entry = Mapping[str, Mapping[str, Sequence[float]]]  # source: measure: of each draw
@@ -14,13 +15,13 @@ Entry = Mapping[str, Mapping[str, Sequence[float]]]  # source: measure: of each 
 
 def content_tables(found: Mapping[str, Entry]) -> str:
     """Return the table of {camera: entry}."""
-    draws = sorted({len(of[MEASURES[0]]) for e in found.values() for of in e.values()})
+    draws = [len(next(iter(entry.values()))[MEASURES[0]]) for entry in found.values()]
     rows = [
         [source, *(cell(entry[source]) for entry in found.values())]
         for source in next(iter(found.values()))
     ]
     return (
-        f"### What frames show, {' to '.join(map(str, draws))} draws\n\n"
+        f"### What frames show, {between(draws)} draws\n\n"
         "Medians over frames, balanced and exposed alike: the median green of white 1; "
         "the median saturation; in stops, the step that nine of ten neighbours in "
         f"green do not reach.\n\n{table(['frames of', *found], rows)}"
