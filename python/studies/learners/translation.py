@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from studies.learners.checkpoint import Checkpoint
 from studies.learners.colour_distance import colour_distance
+from studies.learners.device import device
 from studies.learners.translation_networks import (
     content_change,
     discriminator,
@@ -93,7 +94,7 @@ class Training:
 
         self.rules = rules
         self.rates = (rules.rate, rules.generator_rate)
-        self.device = "cuda" if torch.cuda.is_available() else "cpu"
+        self.device = device()
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             layers = generator(rules.generator_width)
@@ -235,10 +236,8 @@ def train(
     """Return the generator after so many steps.
 
     The seed draws weights and crops. At each record the checkpoint is written; training
-    goes on from what it holds, to the same weights as without a stop."""
-    import torch
-
-    torch.set_num_threads(1)
+    goes on from what it holds, to the same weights as without a stop. A GPU is used
+    where there is one."""
     training = Training(sets, rules, seed)
     earlier = checkpoint.read() if checkpoint else None
     if earlier:

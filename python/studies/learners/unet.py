@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.learners.checkpoint import Checkpoint
+from studies.learners.device import device
 from studies.learners.unet_network import applied, layers
 from studies.protocol import UnetRules
 
@@ -87,13 +88,10 @@ def train(
     """Return the network after so many steps of L1 loss and one cycle of Adam.
 
     The weights are those that were best on the validation images, which are looked at
-    every so many steps and at the end. On one CPU a seed decides every bit; a GPU is
-    used where there is one.
+    every so many steps and at the end. A GPU is used where there is one; on one machine
+    a seed decides every bit.
     path : of a checkpoint, from which a training of the same examples and settings goes
         on, and which holds the best weights once it is done."""
-    import torch
-
-    torch.set_num_threads(1)
     training = Training(examples, rules, steps, seed)
     key = f"{asdict(rules)} {steps} {seed} {examples.digest()}"
     file = None if path is None else Checkpoint(path, hashed(key))
@@ -121,7 +119,7 @@ class Training:
         import torch
 
         self.examples, self.rules, self.steps, self.seed = examples, rules, steps, seed
-        self.device = "cuda" if torch.cuda.is_available() else "cpu"
+        self.device = device()
         self.network = layers(
             examples.inputs.shape[1],
             examples.goals.shape[1],

@@ -18,7 +18,6 @@ from studies.protocol import PROTOCOL  # noqa: E402
 RULES = replace(
     PROTOCOL.unet, width=16, levels=2, size=16, batch=4, rate=3e-3, every=40
 )
-CPU = pytest.mark.skipif(torch.cuda.is_available(), reason="a GPU decides few bits")
 
 
 def planted(count=8, seed=1):
@@ -62,7 +61,6 @@ def test_the_protocols_network_starts_at_nothing():
     assert [p[0].out_channels for p in parts["down"]] == [32, 64, 128]
 
 
-@CPU
 def test_a_stopped_training_goes_on_bit_by_bit(trained, tmp_path, monkeypatch):
     path = tmp_path / "unet.pt"
     steps = []
