@@ -192,6 +192,16 @@ def scaling(rounds):
         }
         found = in_rounds(actions, rounds)
         rows += rows_of("threads: scene to DNG", found, megapixels, next(iter(actions)))
+    signal = np.ascontiguousarray(scene[..., 1], np.float32)
+    for name, array in (("noise alone", None), ("noise, out=", signal.copy())):
+        actions = {
+            f"{name}, {n} threads": lambda n=n, array=array: sensor.add_noise(
+                signal, iso=ISO, threads=n, out=array
+            )
+            for n in counts
+        }
+        found = in_rounds(actions, rounds)
+        rows += rows_of("threads: noise", found, megapixels, next(iter(actions)))
     images = {f"{size} MP": scene_of(size) for size in SIZES}
     actions = {
         name: lambda image=image: work(image, 0, ISO) for name, image in images.items()

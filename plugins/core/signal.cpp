@@ -7,6 +7,7 @@
 #include "run_stages.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -23,17 +24,24 @@ bool all_finite(const float* values, int count)
     return others == 0;
 }
 
-void check_finite(const Plane<float>& plane)
+/// Throws Error for the first value that is not finite, if there is one.
+void check_finite(const Plane<float>& plane, const ParallelFor& parallel)
 {
-    for (int row = 0; row < plane.height; ++row) {
+    std::atomic<bool> finite { true };
+    each_strip(plane.height, parallel, [&](int first, int count) {
+        for (int row = first; row < first + count; ++row)
+            if (!all_finite(plane.row(row), plane.width))
+                finite = false;
+    });
+    for (int row = 0; !finite && row < plane.height; ++row) {
         const float* const first = plane.row(row);
-        if (all_finite(first, plane.width))
-            continue;
-        const float* const bad = std::find_if(
-            first, first + plane.width, [](float x) { return !std::isfinite(x); });
-        throw Error("signal at row " + std::to_string(row) + ", col "
-                    + std::to_string(bad - first)
-                    + " is not finite: replace NaN and infinities first");
+        const float* const end = first + plane.width;
+        const float* const bad
+            = std::find_if(first, end, [](float x) { return !std::isfinite(x); });
+        if (bad != end)
+            throw Error("signal at row " + std::to_string(row) + ", col "
+                        + std::to_string(bad - first)
+                        + " is not finite: replace NaN and infinities first");
     }
 }
 
@@ -98,7 +106,7 @@ void work_on(const SensorProfile& profile, const EffectSetting& setting, const R
             + " and works on "
             + (wanted == 3 ? "camera RGB, three planes" : "the mosaic, one plane"));
     for (const Plane<float>& plane : planes)
-        check_finite(plane);
+        check_finite(plane, parallel);
     const Illuminant light = illuminant(profile, run.illuminant, run.as_shot);
     const Exposure exposure { { planes[0].width, planes[0].height },
                               stages.cfa,
@@ -125,7 +133,7 @@ void add_noise(const SensorProfile& profile, const Run& run, const Plane<float>&
     const Stages stages { noisy, with_effects,
                           active_effects(noisy, with_effects,
                                          noise_of(noisy, with_effects)) };
-    check_finite(signal);
+    check_finite(signal, parallel);
     const Exposure exposure {
         { signal.width, signal.height }, stages.cfa, { 1, 1, 1 }, {}, nullptr
     };

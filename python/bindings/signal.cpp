@@ -8,6 +8,7 @@
 #include "cg2raw/signal.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace cg2raw::python {
 namespace {
@@ -80,18 +81,23 @@ FloatArray copy_of(const FloatArray& array)
 }
 
 FloatArray with_noise(const SensorProfile& profile, const FloatArray& signal,
-                      const Run& run, int threads)
+                      const Run& run, const std::optional<FloatArray>& out, int threads)
 {
     const Plane<const float> clean = const_plane_of(signal, "signal");
-    FloatArray noisy({ clean.height, clean.width });
+    FloatArray noisy = out ? *out : FloatArray({ clean.height, clean.width });
+    if (noisy.ndim() != 2 || noisy.shape(0) != clean.height
+        || noisy.shape(1) != clean.width)
+        throw Error("out must be an array of the shape of signal");
     const Plane<float> plane = plane_of(noisy);
     const py::gil_scoped_release release;
     const ParallelFor parallel = parallel_threads(threads);
-    // A copy costs as much as the noise: its pages are touched for the first time.
-    each_strip(clean.height, parallel, [&](int first, int count) {
-        for (int row = first; row < first + count; ++row)
-            std::copy_n(clean.row(row), clean.width, plane.row(row));
-    });
+    // A copy to new memory costs as much as the noise: its pages are touched for the
+    // first time.
+    if (plane.data != clean.data)
+        each_strip(clean.height, parallel, [&](int first, int count) {
+            for (int row = first; row < first + count; ++row)
+                std::copy_n(clean.row(row), clean.width, plane.row(row));
+        });
     add_noise(profile, run, plane, parallel);
     return noisy;
 }
@@ -158,8 +164,10 @@ void bind_signal(py::module_& m)
     m.def(
         "demosaic", &demosaic_of, "raw"_a, "cfa"_a, "threads"_a = 0,
         "(height, width, 3) float32: the colours that each site lacks, interpolated.");
-    m.def("add_noise", &with_noise, "profile"_a, "signal"_a, "run"_a, "threads"_a = 0,
-          "A clean (height, width) float32 signal with the noise of the run's ISO.");
+    m.def("add_noise", &with_noise, "profile"_a, "signal"_a, "run"_a,
+          py::arg("out").noconvert() = py::none(), "threads"_a = 0,
+          "A clean (height, width) float32 signal with the noise of the run's ISO; in "
+          "out, if that is\ngiven, which may be the signal.");
     m.def(
         "apply_effect", &with_effect, "profile"_a, "signal"_a, "name"_a, "parameters"_a,
         "run"_a, "threads"_a = 0,

@@ -268,7 +268,11 @@ def demosaic(
     raw: NDArray[np.float32], cfa: str, threads: int = 0
 ) -> NDArray[np.float32]: ...
 def add_noise(
-    profile: SensorProfile, signal: NDArray[np.float32], run: Run, threads: int = 0
+    profile: SensorProfile,
+    signal: NDArray[np.float32],
+    run: Run,
+    out: NDArray[np.float32] | None = None,
+    threads: int = 0,
 ) -> NDArray[np.float32]: ...
 def apply_effect(
     profile: SensorProfile,

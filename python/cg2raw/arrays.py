@@ -34,6 +34,25 @@ def signal_plane(signal: ArrayLike, name: str = "signal") -> FloatImage:
     return plane.astype(np.float32, copy=False)
 
 
+def output_plane(out: FloatImage | None, signal: FloatImage) -> FloatImage | None:
+    """Return where a plane like @signal is written to; None for a new array.
+
+    Raises ValueError for what it cannot be written to as it is, and for memory that a
+    part of the signal has."""
+    if out is None:
+        return None
+    if not isinstance(out, np.ndarray) or out.dtype != np.float32:
+        kind = getattr(out, "dtype", type(out).__name__)
+        raise ValueError(f"out must be an array of float32, not {kind}")
+    if out.shape != signal.shape:
+        raise ValueError(f"out must have the shape {signal.shape}, not {out.shape}")
+    if not (out.flags.c_contiguous and out.flags.writeable):
+        raise ValueError("out must be C-contiguous and writeable")
+    if out.ctypes.data != signal.ctypes.data and np.shares_memory(out, signal):
+        raise ValueError("out shares memory with a part of signal: give signal itself")
+    return out
+
+
 def raw_plane(raw: ArrayLike) -> RawImage:
     """Return an (H, W) array of uint16 DN. Raises ValueError for all else."""
     plane = np.asarray(raw)

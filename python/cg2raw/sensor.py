@@ -14,6 +14,7 @@ from cg2raw.argument_types import effect_parameters, thread_count
 from cg2raw.arrays import (
     FloatImage,
     RawImage,
+    output_plane,
     pixels_of,
     planes_of,
     raw_plane,
@@ -266,6 +267,7 @@ class Sensor:
         noise: str | None = None,
         seed: int = 0,
         frame: int = 0,
+        out: FloatImage | None = None,
         threads: int = 0,
     ) -> FloatImage:
         """Return a clean (H, W) mosaic with the sensor's noise, float32, not clamped.
@@ -274,15 +276,14 @@ class Sensor:
             clipped and stays as it is.
         iso, noise, seed, frame : as of cg2raw.Run; it is the noise that the same run
             of `signal` has. None of the profile's effects are applied.
+        out : (H, W) float32 to write to and return, such as `signal` itself.
 
         Raises ValueError, also if the profile has no noise at that ISO."""
         run = Run(illuminant="D65", iso=iso, noise=noise, seed=seed, frame=frame)
-        return _core.add_noise(
-            self._profile,
-            signal_plane(signal),
-            core_run(self.id, run),
-            threads=thread_count(threads),
-        )
+        clean = signal_plane(signal)
+        out, threads = output_plane(out, clean), thread_count(threads)
+        own = core_run(self.id, run)
+        return _core.add_noise(self._profile, clean, own, out, threads)
 
     def apply_effect(
         self,

@@ -38,6 +38,44 @@ def test_noise_is_that_of_the_simulation(sensor, camera, noise):
     np.testing.assert_array_equal(one, many)
 
 
+def test_noise_goes_where_it_is_asked_to(sensor, camera):
+    clean = sensor.mosaic(camera)
+    expected = sensor.add_noise(clean, iso=1600)
+    out = np.empty_like(clean)
+    assert sensor.add_noise(clean, iso=1600, out=out) is out
+    np.testing.assert_array_equal(out, expected)
+    assert sensor.add_noise(clean, iso=1600, out=clean) is clean
+    np.testing.assert_array_equal(clean, expected)
+
+
+def test_a_signal_stays_as_it_is_where_it_gets_no_noise(sensor, camera):
+    clean = sensor.mosaic(camera)
+    clean[100, 7] = np.nan
+    before = clean.copy()
+    with pytest.raises(ValueError, match="row 100, col 7 is not finite"):
+        sensor.add_noise(clean, iso=1600, out=clean)
+    np.testing.assert_array_equal(clean, before)
+
+
+ROOM = np.zeros((12, 10), np.float32)
+
+
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [
+        (np.zeros((10, 10)), "an array of float32, not float64"),
+        ([[0.0] * 10] * 10, "an array of float32, not list"),
+        (np.zeros((10, 12), np.float32), r"the shape \(10, 10\), not \(10, 12\)"),
+        (np.zeros((10, 20), np.float32)[:, ::2], "C-contiguous and writeable"),
+        (np.broadcast_to(np.float32(0), (10, 10)), "C-contiguous and writeable"),
+        (ROOM[1:11], "shares memory with a part of signal"),
+    ],
+)
+def test_noise_goes_nowhere_else(sensor, out, words):
+    with pytest.raises(ValueError, match=words):
+        sensor.add_noise(ROOM[:10], iso=1600, out=out)
+
+
 def test_noise_has_the_variance_of_the_profile(sensor):
     level, at = 0.3, sensor.noise_at(800)
     clean = np.full((1000, 1000), level, np.float32)
