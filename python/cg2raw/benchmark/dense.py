@@ -26,14 +26,13 @@ from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.effects.registry import registered
-from cg2raw.diagnose.frames.reader import read_frames
+from cg2raw.diagnose.frames.reader import PIXELS, read_frames
 from cg2raw.diagnose.inference.baseline import baseline_of
 from cg2raw.diagnose.inference.calibrated_start import calibrated_start
 from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import Workers
-from cg2raw.diagnose.pipeline import PIXELS
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor

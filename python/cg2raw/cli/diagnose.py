@@ -104,7 +104,7 @@ def add_search(group: argparse._ArgumentGroup) -> None:
         type=pixels,
         metavar="N",
         help="of each frame that are fitted: tiles from its middle to its corners "
-        "(default 65536)",
+        "(default 65536, fewer of more than 64 frames)",
     )
     add(
         "--time-limit",

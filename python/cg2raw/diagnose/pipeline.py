@@ -23,8 +23,6 @@ from cg2raw.diagnose.likelihood.workers import Workers
 
 Progress = Callable[[str, float], None]
 
-PIXELS = 65536  # of one frame that are worked on; a small frame is taken whole
-
 
 def diagnose(
     capture_set: CaptureSet,
@@ -35,7 +33,7 @@ def diagnose(
     only: Collection[str] = (),
     progress: Progress | None = None,
     threads: int = 2,
-    pixels: int = PIXELS,
+    pixels: int | None = None,
     details: bool = True,
     time_limit: float | None = None,
 ) -> Diagnosis:
@@ -47,7 +45,8 @@ def diagnose(
     without, only : names to leave out of, or to restrict the effects to.
     progress : called with what is being done and the share that is done.
     threads : number of frames worked on at a time; the result does not depend on it.
-    pixels : of every frame that are worked on; tiles of a larger one are chosen.
+    pixels : of every frame that are worked on; tiles of a larger one are chosen. None
+        for 65536, or fewer of more than 64 frames.
     details : False for neither pictures nor curves.
     time_limit : seconds from the start, after which nothing more is looked for; the
         report then says so. None for as long as it takes.

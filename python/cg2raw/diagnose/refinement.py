@@ -27,7 +27,6 @@ from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.workers import Workers
-from cg2raw.diagnose.pipeline import PIXELS
 from cg2raw.sensor import Sensor
 
 
@@ -50,7 +49,7 @@ def refine(
     if not patterns or found.iso is None:
         return found
     captures = CaptureSet(sensor, [capture_of(one, found.shape) for one in frames])
-    shown = read_frames(captures, noise_models(captures), PIXELS, say)
+    shown = read_frames(captures, noise_models(captures), None, say)
     splits = Splits(shown, Workers(threads, None))
     say("fixed patterns, all together", 0.5)
     model = freely_mapped(baseline_of(captures, splits, say), patterns)

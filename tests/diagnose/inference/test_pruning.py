@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from cg2raw.diagnose.inference import pruning
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.pruning import missed_beside, missed_by_few, pruned
 from cg2raw.diagnose.inference.splits import Splits
@@ -68,6 +69,32 @@ def test_small_frames_have_no_fewer_tiles():
 
 
 def test_what_is_needed_is_kept_and_no_more(splits, model):
+    left = pruned(model, splits, THRESHOLD)
+    assert set(left.losses) == set(left.model.names) == {"lens_shading", "read_noise"}
+    assert set(left.dropped) == {"row_noise", "black_level"}
+
+
+def test_what_a_fit_leaves_at_none_goes_without_another(splits, model):
+    said = []
+    null = model.with_term(model_of(SENSOR, dsnu=[0.0]).terms[0])
+    left = pruned(null, splits, THRESHOLD, said.append)
+    assert left.dropped["dsnu"] == 0.0 and "is dsnu needed" not in said
+    assert set(left.model.names) == {"lens_shading", "read_noise"}
+
+
+@pytest.mark.parametrize("name", ["row_noise", "black_level"])
+def test_what_is_missed_beside_others_alone_is_asked_for_again(
+    splits, model, monkeypatch, name
+):
+    """As where effects stand in for each other, so that no fit without one of them gets
+    to where the others would: once these are gone, it misses nothing."""
+
+    def missed(model, splits, names, threshold, report=None):
+        few = {"lens_shading", "read_noise"}
+        few |= {name} if len(model.names) > 3 else set()
+        return dict.fromkeys(few & set(names), 1e4)
+
+    monkeypatch.setattr(pruning, "missed_by_few", missed)
     left = pruned(model, splits, THRESHOLD)
     assert set(left.losses) == set(left.model.names) == {"lens_shading", "read_noise"}
     assert set(left.dropped) == {"row_noise", "black_level"}

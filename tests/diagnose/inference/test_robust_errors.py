@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.reader import read_captures
-from cg2raw.diagnose.frames.reader import read_frames
+from cg2raw.diagnose.frames.reader import PIXELS, read_frames
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.intervals import estimates, widenings
 from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.robust_errors import covariances
-from cg2raw.diagnose.pipeline import PIXELS
 from diagnose.patch_tables import write_tables
 from diagnose.planted import captures_of, drawn, frames_of, model_of, on, sensor_of
 

@@ -15,17 +15,23 @@ from cg2raw.diagnose.frames.patch_frame import patch_frame_of
 from cg2raw.diagnose.frames.tiling import Mask, tiling
 
 READING_SHARE = 0.25  # of a diagnosis, that reading takes
+PIXELS = 65536  # of one frame that are worked on; a small frame is taken whole
+# Of all frames together. A weak pattern shows better in more frames of fewer pixels: in
+# what is told of its variance, frames count by their square.
+PIXELS_OF_ALL = 64 * PIXELS
 
 
 def read_frames(
     capture_set: CaptureSet,
     noise: Mapping[float | None, NoiseModel],
-    pixels: int,
+    pixels: int | None,
     report: Callable[[str, float], None],
 ) -> list[Frame]:
     """Return the frames of all captures, in their order.
 
-    noise : by ISO. pixels : of every frame that are taken; a small frame is whole."""
+    noise : by ISO. pixels : of every frame that are taken; a small frame is whole. None
+    for PIXELS, and for fewer of more frames than 64."""
+    pixels = pixels or min(PIXELS, PIXELS_OF_ALL // len(capture_set.captures))
     repeat = repeat_of(capture_set.sensor.cfa)
     tiles = {
         shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))

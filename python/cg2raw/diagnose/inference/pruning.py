@@ -9,7 +9,7 @@ a few tiles of large frames miss by far is needed: all of them would miss it mor
 """
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
 from cg2raw.diagnose.inference.fitting import first_guess, fit, fit_alone
@@ -20,6 +20,7 @@ from cg2raw.diagnose.likelihood.model import Model
 BEYOND_DOUBT = 100.0  # thresholds, from where on the model without it need not move
 BY_FAR = 3.0  # thresholds that a few tiles lose, of what all are sure to miss
 MOST_DOUBTED = 1000.0  # nats, of what is missed whatever moves beside one effect
+NOTHING = 1e-3  # nats, that two models differ by which predict the same
 TURNS_WITHOUT = 1  # of a fit without one effect, which starts at that with it
 
 
@@ -39,29 +40,84 @@ def pruned(
     threshold: float,
     report: Callable[[str], None] = lambda text: None,
 ) -> Pruned:
-    """Return a model without the effects that gain less than a threshold, nats."""
-    losses = missed_by_few(model, splits, model.found_names, threshold, report)
+    """Return a model without the effects that gain less than a threshold, nats.
+
+    Once others are dropped, what is not needed beyond doubt is asked for again, and so
+    is what a few tiles miss: beside others that stand in for each other, a fit without
+    an effect stops short, and misses it."""
+    losses: dict[str, float] = {}
     dropped: dict[str, float] = {}
     while True:
-        names = _least_first(model, splits.select, losses)
-        model = fit(model, splits.fit, TURNS_WITHOUT) if names else model
-        height = splits.select.total(model)
-        for name in names:
-            report(f"is {name} needed")
-            rest = fit(model.without(name), splits.fit, TURNS_WITHOUT)
-            loss = _lost(height, rest, splits, threshold)
-            if loss < threshold:
-                again = restarted(model, name, rest, splits, threshold)
-                above = splits.select.total(again) if again is not model else height
-                loss = _lost(above, rest, splits, threshold)
-                model, height = again, above
-            if loss < threshold:
-                dropped[name] = loss
-                model = rest
-                break
-            losses[name] = loss
-        else:
+        unknown = [name for name in model.found_names if name not in losses]
+        sure = missed_by_few(model, splits, unknown, threshold, report)
+        found = _pruned(model, splits, threshold, losses | sure, report)
+        if not found.dropped:
+            return replace(found, dropped=dropped)
+        model, dropped = found.model, dropped | found.dropped
+        losses = {
+            name: loss
+            for name, loss in found.losses.items()
+            if name not in sure and loss > BEYOND_DOUBT * threshold
+        }
+
+
+def _pruned(
+    model: Model,
+    splits: Splits,
+    threshold: float,
+    losses: dict[str, float],
+    report: Callable[[str], None],
+) -> Pruned:
+    """Return a model without the effects that gain less than a threshold on all tiles.
+    losses : of the effects that are known to be needed."""
+    losses, dropped = dict(losses), dict[str, float]()
+    while True:
+        unknown = [name for name in model.found_names if name not in losses]
+        model = fit(model, splits.fit, TURNS_WITHOUT) if unknown else model
+        for name in _idle(model, unknown, splits.select):
+            model, dropped[name] = model.without(name), 0.0
+        model, asked = _without_one(model, losses, splits, threshold, report)
+        needed = {name: loss for name, loss in asked.items() if loss >= threshold}
+        losses |= needed
+        if asked == needed:
             return Pruned(model, losses, dropped)
+        dropped |= {name: loss for name, loss in asked.items() if name not in needed}
+
+
+def _without_one(
+    model: Model,
+    known: Collection[str],
+    splits: Splits,
+    threshold: float,
+    report: Callable[[str], None],
+) -> tuple[Model, dict[str, float]]:
+    """Return (the model without the first effect that is not needed, what the select
+    frames lose, nats, without each that was asked for, that one last). known : effects
+    that are not asked for."""
+    height, later = splits.select.total(model), None
+    losses: dict[str, float] = {}
+    for name in _least_first(model, splits.select, known):
+        report(f"is {name} needed")
+        rest = fit(model.without(name), splits.fit, TURNS_WITHOUT)
+        loss = _lost(height, rest, splits, threshold)
+        if threshold <= loss < BEYOND_DOUBT * threshold:
+            later = later or _turned(model, splits)
+            loss = _lost(later, rest, splits, threshold)
+        if loss < threshold:
+            again = restarted(model, name, rest, splits, threshold)
+            above = splits.select.total(again) if again is not model else height
+            loss = _lost(above, rest, splits, threshold)
+            model, height, later = again, above, None
+        losses[name] = loss
+        if loss < threshold:
+            return rest, losses
+    return model, losses
+
+
+def _turned(model: Model, splits: Splits) -> float:
+    """Return the height of a model, nats, after the turn that it gets without one of
+    its effects: of a model that is not settled that alone is a loss or a gain."""
+    return splits.select.total(fit(model, splits.fit, TURNS_WITHOUT))
 
 
 def _lost(height: float, rest: Model, splits: Splits, threshold: float) -> float:
@@ -104,9 +160,12 @@ def missed_by_few(
         return {}
     share = few.select.pixels / splits.select.pixels
     of_few = fit(model.of_few_tiles(splits.frames), few.fit, TURNS_WITHOUT)
-    height = few.select.total(of_few)
+    height = _turned(of_few, few)
+    idle = _idle(of_few, names, few.select)
     losses = {}
     for name in names:
+        if name in idle:
+            continue
         report(f"is {name} needed")
         rest = fit(of_few.without(name), few.fit, TURNS_WITHOUT)
         loss = height - few.select.total(rest)
@@ -115,10 +174,15 @@ def missed_by_few(
     return losses
 
 
-def _least_first(
-    model: Model, select: Likelihood, known: dict[str, float]
-) -> list[str]:
-    """Return the effects that were not yet tried, the most dispensable first; without
+def _idle(model: Model, names: Collection[str], select: Likelihood) -> list[str]:
+    """Return which of the effects predict nothing: their fit has left them at none."""
+    height = select.total(model)
+    rests = {name: select.total(model.without(name)) for name in names}
+    return [name for name, rest in rests.items() if abs(rest - height) < NOTHING]
+
+
+def _least_first(model: Model, select: Likelihood, known: Collection[str]) -> list[str]:
+    """Return the effects that are not known, the most dispensable first; without
     others, those that were needed are needed all the more."""
     names = [name for name in model.found_names if name not in known]
     height = {name: select.total(model.without(name)) for name in names}

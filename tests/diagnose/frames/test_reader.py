@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Reading: of how many pixels each frame is, when there are many."""
+
+import pytest
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.frames.reader import PIXELS, PIXELS_OF_ALL, read_frames
+from cg2raw.diagnose.inference.noise_level import noise_models
+from diagnose.planted import captures_of, sensor_of
+
+SENSOR = sensor_of()
+SHAPE = (600, 800)
+
+
+def pixels_of(count, pixels=None):
+    """Return how many pixels each of so many frames has."""
+    captures = CaptureSet(SENSOR, captures_of(("dark",) * count, shape=SHAPE))
+    noise = noise_models(captures)
+    frames = read_frames(captures, noise, pixels, lambda text, share: None)
+    (found,) = {frame.signal.size for frame in frames}
+    return found
+
+
+def test_up_to_64_frames_are_of_as_many_pixels_each():
+    assert pixels_of(3) == pixels_of(64) == pytest.approx(PIXELS, rel=0.25)
+
+
+@pytest.mark.parametrize("count", [80, 128, 200])
+def test_many_frames_have_no_more_pixels_together(count):
+    assert count * pixels_of(count) == pytest.approx(PIXELS_OF_ALL, rel=0.25)
+
+
+def test_who_asks_for_pixels_gets_them():
+    assert pixels_of(128, 40000) == pixels_of(3, 40000) == pytest.approx(4e4, rel=0.25)
