@@ -270,6 +270,12 @@ def test_several_inputs_need_a_folder_and_bad_ones_are_named(exr, tmp_path):
     assert "would become" in commands.fails("convert", *twice, "-o", out, *BASE)
 
 
+def test_a_new_folder_that_gets_no_file_is_not_left(tmp_path):
+    inputs = [tmp_path / "missing.exr", tmp_path / "none.exr"]
+    done = commands.run("convert", *inputs, "-o", tmp_path / "out", *BASE)
+    assert done.code == 1 and not list(tmp_path.iterdir())
+
+
 BAD = [
     (["--sensor", "nikon-d4", "--illuminant", "A"], 1, "nikon-d40"),
     (["--sensor", "nikon-d40"], 1, "--illuminant"),

@@ -41,9 +41,10 @@ def check_output(option: str, path: str | None, ending: str) -> bool:
 def outputs_of(inputs: Sequence[str], output: str | None, ending: str) -> list[str]:
     """Return the path for each of @inputs: @output itself, or their stems in a folder.
 
-    @output is a folder if it is one, ends in a slash, or inputs are several; then it is
-    made. None is the current folder. Raises ValueError for an ending but @ending, for
-    two inputs with one output, and for an output that is an input."""
+    @output is a folder if it is one, ends in a slash, or inputs are several; it need
+    not be there, what it lies in must. None is the current folder. Raises ValueError
+    for an ending but @ending, for two inputs with one output, and for an output that is
+    an input."""
     if output is None:
         output = os.curdir
     is_folder = os.path.isdir(output) or output.endswith(os.sep)
@@ -59,7 +60,7 @@ def outputs_of(inputs: Sequence[str], output: str | None, ending: str) -> list[s
         outputs = [os.path.normpath(os.path.join(output, name)) for name in names]
     check_apart(inputs, outputs)
     if outputs != [output]:
-        make_folder(output)
+        check_folder(output)
     return outputs
 
 
@@ -84,8 +85,8 @@ def check_apart(inputs: Sequence[str], outputs: Sequence[str]) -> None:
         first[real] = path
 
 
-def make_folder(folder: str) -> None:
-    """Make @folder, if it is not there; what it lies in must be."""
+def check_folder(folder: str) -> None:
+    """Raise ValueError for a folder that is not there and cannot be made."""
     if os.path.isdir(folder):
         return
     if os.path.exists(folder):
@@ -93,7 +94,24 @@ def make_folder(folder: str) -> None:
     parent = os.path.dirname(os.path.normpath(folder)) or os.curdir
     if not os.path.isdir(parent):
         raise ValueError(f"-o {folder}: there is no folder {parent}")
-    os.mkdir(folder)
+
+
+@contextlib.contextmanager
+def folders_for(outputs: Sequence[str]) -> Generator[None]:
+    """Make the folders of @outputs that are not there; of these, those that nothing was
+    written to are gone afterwards."""
+    made = []
+    try:
+        for folder in sorted({os.path.dirname(output) for output in outputs}):
+            if folder and not os.path.isdir(folder):
+                with contextlib.suppress(FileExistsError):  # another was faster
+                    os.mkdir(folder)
+                    made.append(folder)
+        yield
+    finally:
+        for folder in made:
+            with contextlib.suppress(OSError):  # it holds files
+                os.rmdir(folder)
 
 
 def each_file(
@@ -122,6 +140,7 @@ def each_file(
         errors.append({"input": path, "error": text})
         print(f"cg2raw {name}: {text}", file=sys.stderr)
     with (
+        folders_for([output for _, output in pairs]),
         held() if workers > 1 else contextlib.nullcontext(),
         contextlib.closing(results_of(pairs, work, workers)) as results,
     ):

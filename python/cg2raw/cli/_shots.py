@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cg2raw import _core
-from cg2raw.cli._outputs import check_apart, make_folder, outputs_of
+from cg2raw.cli._outputs import check_apart, check_folder, outputs_of
 from cg2raw.io import frame_files
 from cg2raw.io.frame_files import Shot
 from cg2raw.short_messages import words_of
@@ -188,7 +188,7 @@ def outputs_of_shot(files: Sequence[str], output: str) -> list[str]:
         return outputs_of(files, output, ".dng")
     if not output.lower().endswith(".dng"):
         raise ValueError(f"-o {output}: must end in .dng, or be a folder")
-    make_folder(os.path.dirname(output) or os.curdir)
+    check_folder(os.path.dirname(output) or os.curdir)
     names = [frame_files.name_of(path) for path in files]
     for path, name in zip(files, names, strict=True):
         if name is None:

@@ -20,7 +20,7 @@ from cg2raw.diagnose.likelihood.model import Model
 BEYOND_DOUBT = 100.0  # thresholds, from where on the model without it need not move
 BY_FAR = 3.0  # thresholds that a few tiles lose, of what all are sure to miss
 MOST_DOUBTED = 1000.0  # nats, of what is missed whatever moves beside one effect
-NOTHING = 1e-3  # nats, that two models differ by which predict the same
+LEAST_CHANGE = 1e-3  # nats, of a model without an effect that predicts anything
 TURNS_WITHOUT = 1  # of a fit without one effect, which starts at that with it
 
 
@@ -178,7 +178,7 @@ def _idle(model: Model, names: Collection[str], select: Likelihood) -> list[str]
     """Return which of the effects predict nothing: their fit has left them at none."""
     height = select.total(model)
     rests = {name: select.total(model.without(name)) for name in names}
-    return [name for name, rest in rests.items() if abs(rest - height) < NOTHING]
+    return [name for name, rest in rests.items() if abs(rest - height) < LEAST_CHANGE]
 
 
 def _least_first(model: Model, select: Likelihood, known: Collection[str]) -> list[str]:
