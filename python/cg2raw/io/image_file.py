@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.arrays import FloatImage
-from cg2raw.io import image_spaces
+from cg2raw.io import dwa, image_spaces
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.io.transfer_curve import Curve
 from cg2raw.oiio.openimageio import one_line, openimageio
@@ -204,6 +204,7 @@ def read_pixels(
 ) -> NDArray[np.floating[Any]]:
     """Return (H, W, C) float32, or float16, of the display window, a few rows at a
     time."""
+    dwa.choose_decoder(source, spec)
     shape = spec.full_height, spec.full_width, len(channels)
     if keep_half and curve is None and are_half(spec, channels):
         halves = np.zeros(shape, np.float16)
