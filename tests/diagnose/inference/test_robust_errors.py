@@ -79,8 +79,10 @@ def test_they_hold_what_a_wrong_model_makes_of_a_value(frames):
 
 def test_what_nothing_tells_is_not_wider(frames):
     darks = on([frame for frame in frames if not frame.capture.shows.light])
-    wider, _ = widened(null_of("exposure", "read_noise"), darks)
+    model = null_of("exposure", "read_noise")
+    wider, _ = widened(model, darks)
     assert wider["exposure", 0] == pytest.approx(1)
+    assert widenings(model, darks)["exposure"] == 1
     assert widened(model_of(SENSOR), darks)[0] == {}
 
 

@@ -52,13 +52,16 @@ class Covariances:
 
     def widening_of_all(self, chosen: Sequence[int]) -> float:
         """Return how much larger than by noise squares of distances are of some values
-        together. Source: J. N. K. Rao, A. J. Scott, J. Am. Stat. Assoc. 76(374),
-        1981."""
-        among = np.ix_(chosen, chosen)
+        together; 1 of values that frames tell nothing of. Source: J. N. K. Rao, A. J.
+        Scott, J. Am. Stat. Assoc. 76(374), 1981."""
+        told = [number for number in chosen if self.by_noise[number, number] > 0]
+        if not told:
+            return 1.0
+        among = np.ix_(told, told)
 
         def ratio(above: Array, below: Array) -> Array:
             shares = inverse_of(below[among]) * above[among]
-            return np.asarray(shares.sum() / len(chosen))
+            return np.asarray(shares.sum() / len(told))
 
         by_maps = ratio(self.expected, self.by_noise)
         return float(by_maps * self._widening(ratio(self.robust, self.expected)))
