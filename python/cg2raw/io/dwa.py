@@ -17,9 +17,7 @@ def choose_decoder(source: Any, spec: Any) -> None:
     """Decode a row, or a tile, of an open ImageInput alone, if it is compressed so and
     nothing was decoded before in this process. @source stays where it is, and what is
     wrong with the file is left to who reads all of it."""
-    if _chosen.is_set() or not spec.get_string_attribute("compression").startswith(
-        "dwa"
-    ):
+    if not spec.get_string_attribute("compression").startswith("dwa"):
         return
     with _choosing:
         if _chosen.is_set():

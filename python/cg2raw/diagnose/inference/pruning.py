@@ -8,7 +8,7 @@ frames say what that costs: the evidence for the effect, with all others in plac
 a few tiles of large frames miss by far is needed: all of them would miss it more.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
@@ -74,9 +74,12 @@ def _pruned(
     while True:
         unknown = [name for name in model.found_names if name not in losses]
         model = fit(model, splits.fit, TURNS_WITHOUT) if unknown else model
-        for name in _idle(model, unknown, splits.select):
+        rests = _without_each(model, unknown, splits.select)
+        for name in _idle(rests, splits.select.total(model)):
             model, dropped[name] = model.without(name), 0.0
-        model, asked = _without_one(model, losses, splits, threshold, report)
+            del rests[name]
+        least_first = sorted(rests, key=lambda name: -rests[name])
+        model, asked = _without_one(model, least_first, splits, threshold, report)
         needed = {name: loss for name, loss in asked.items() if loss >= threshold}
         losses |= needed
         if asked == needed:
@@ -86,17 +89,16 @@ def _pruned(
 
 def _without_one(
     model: Model,
-    known: Collection[str],
+    names: Sequence[str],
     splits: Splits,
     threshold: float,
     report: Callable[[str], None],
 ) -> tuple[Model, dict[str, float]]:
-    """Return (the model without the first effect that is not needed, what the select
-    frames lose, nats, without each that was asked for, that one last). known : effects
-    that are not asked for."""
+    """Return (the model without the first of some effects that is not needed, what the
+    select frames lose, nats, without each that was asked for, that one last)."""
     height, later = splits.select.total(model), None
     losses: dict[str, float] = {}
-    for name in _least_first(model, splits.select, known):
+    for name in names:
         report(f"is {name} needed")
         rest = fit(model.without(name), splits.fit, TURNS_WITHOUT)
         loss = _lost(height, rest, splits, threshold)
@@ -161,7 +163,8 @@ def missed_by_few(
     share = few.select.pixels / splits.select.pixels
     of_few = fit(model.of_few_tiles(splits.frames), few.fit, TURNS_WITHOUT)
     height = _turned(of_few, few)
-    idle = _idle(of_few, names, few.select)
+    rests = _without_each(of_few, names, few.select)
+    idle = _idle(rests, few.select.total(of_few))
     losses = {}
     for name in names:
         if name in idle:
@@ -174,19 +177,18 @@ def missed_by_few(
     return losses
 
 
-def _idle(model: Model, names: Collection[str], select: Likelihood) -> list[str]:
-    """Return which of the effects predict nothing: their fit has left them at none."""
-    height = select.total(model)
-    rests = {name: select.total(model.without(name)) for name in names}
+def _without_each(
+    model: Model, names: Collection[str], select: Likelihood
+) -> dict[str, float]:
+    """Return the height of a model, nats, without each of some effects, by name."""
+    return {name: select.total(model.without(name)) for name in names}
+
+
+def _idle(rests: Mapping[str, float], height: float) -> list[str]:
+    """Return which effects predict nothing: a fit has left them at none.
+
+    rests : heights, nats, without each of them. height : with all."""
     return [name for name, rest in rests.items() if abs(rest - height) < LEAST_CHANGE]
-
-
-def _least_first(model: Model, select: Likelihood, known: Collection[str]) -> list[str]:
-    """Return the effects that are not known, the most dispensable first; without
-    others, those that were needed are needed all the more."""
-    names = [name for name in model.found_names if name not in known]
-    height = {name: select.total(model.without(name)) for name in names}
-    return sorted(names, key=lambda name: -height[name])
 
 
 def _gain_there(model: Model, select: Likelihood) -> float:
