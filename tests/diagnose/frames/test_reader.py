@@ -4,6 +4,7 @@
 
 import pytest
 
+from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.reader import PIXELS, PIXELS_OF_ALL, read_frames
 from cg2raw.diagnose.inference.noise_level import noise_models
@@ -33,3 +34,8 @@ def test_many_frames_have_no_more_pixels_together(count):
 
 def test_who_asks_for_pixels_gets_them():
     assert pixels_of(128, 40000) == pixels_of(3, 40000) == pytest.approx(4e4, rel=0.25)
+
+
+def test_no_frames_are_one_clear_error():
+    with pytest.raises(ValueError, match="no frame is in the group fit"):
+        diagnose(CaptureSet(SENSOR, []))

@@ -18,7 +18,8 @@ READING_SHARE = 0.25  # of a diagnosis, that reading takes
 PIXELS = 65536  # of one frame that are worked on; a small frame is taken whole
 # Of all frames together. A weak pattern shows better in more frames of fewer pixels: in
 # what is told of its variance, frames count by their square.
-PIXELS_OF_ALL = 64 * PIXELS
+FEW_FRAMES = 64  # up to which each has all its pixels
+PIXELS_OF_ALL = FEW_FRAMES * PIXELS
 
 
 def read_frames(
@@ -31,7 +32,7 @@ def read_frames(
 
     noise : by ISO. pixels : of every frame that are taken; a small frame is whole. None
     for PIXELS, and for fewer of more frames than 64."""
-    pixels = pixels or min(PIXELS, PIXELS_OF_ALL // len(capture_set.captures))
+    pixels = pixels or PIXELS_OF_ALL // max(FEW_FRAMES, len(capture_set.captures))
     repeat = repeat_of(capture_set.sensor.cfa)
     tiles = {
         shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))
