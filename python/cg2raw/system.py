@@ -130,11 +130,17 @@ class Folder:
 
     def open(self, name: str, flags: int, mode: int = 0o666) -> int:
         """Return a descriptor of a regular file, as os.open. Raises OSError."""
-        if not flags & os.O_EXCL:  # which tells of a link as of a file
-            self._refuse_link(name)
         at, where = self._at(name)
-        with naming(self.path_of(name)):
+        may_be_link = not flags & os.O_EXCL  # which tells of a link as of a file
+        if may_be_link and self.handle < 0:
+            self._refuse_link(name)
+        try:
             handle = os.open(where, flags | OPEN_FILE, mode, dir_fd=at)
+        except OSError:
+            with naming(self.path_of(name)):
+                if may_be_link:
+                    self._refuse_link(name)
+                raise
         if stat.S_ISREG(os.fstat(handle).st_mode):
             return handle
         os.close(handle)

@@ -6,6 +6,7 @@ import hashlib
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from typing import Any
 
@@ -115,15 +116,16 @@ FITS = {
     "integers": is_list_of(is_between(-(2**31), 2**31)),
     "strings": is_list_of(is_text),
 }
-TESTS = [(name, FITS[kind]) for name, kind in COLUMNS]
+TESTS = [FITS["int64"], *(FITS[kind] for _, kind in COLUMNS)]  # of an entry
 
 
 def is_whole(row: Row) -> bool:
     """Return whether a row is an entry of a journal: its place, then all columns and no
     other, in their order, each of its type or None."""
-    if list(row) != ENTRY or not FITS["int64"](row["order"]):
+    if list(row) != ENTRY or row["order"] is None:
         return False
-    return all(row[name] is None or fits(row[name]) for name, fits in TESTS)
+    values = zip(row.values(), TESTS, strict=True)
+    return all(value is None or fits(value) for value, fits in values)
 
 
 def entry(row: Row) -> Row:
@@ -155,11 +157,21 @@ def write(out: str, images: Iterable[tuple[str, str]], expected: int) -> None:
         create(text) as stream,
         create(table) as file,
         pyarrow.parquet.ParquetWriter(file, schema) as writer,
+        ThreadPoolExecutor(1) as other,  # of rows that are read meanwhile
     ):
+
+        def add(batch: list[bytes]) -> None:
+            writer.write_table(table_of(batch, schema), ROWS)
+
+        added = None
         while batch := list(islice(found, ROWS)):
             stream.writelines(batch)
-            writer.write_table(table_of(batch, schema), ROWS)
+            if added is not None:
+                added.result()
+            added = other.submit(add, batch)
             count += len(batch)
+        if added is not None:
+            added.result()
     if count != expected:
         raise ValueError(
             f"{out}: {expected} files are finished, {count} are on record: something "
