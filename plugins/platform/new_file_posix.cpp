@@ -20,14 +20,17 @@ namespace cg2raw {
 
 struct NewFile::State {
     std::string path; ///< as given, for messages
-    std::string target; ///< links resolved
     bool sync;
+    int folder = -1; ///< that the file lies in: opened once, whatever its name leads to
+    std::string name {}; ///< in it
     std::string temporary {}; ///< empty: the file has no name
     int file = -1;
     std::optional<mode_t> mode {}; ///< of an older file
 
     ~State() { discard(); } // also where the constructor of NewFile throws
 
+    void open_folder(const std::string& target);
+    void find_older();
     void open_unnamed();
     void open_named();
     void keep_mode() const;
@@ -82,14 +85,21 @@ std::optional<std::string> link_target(std::string path)
     return std::nullopt;
 }
 
-/// A hidden name beside @p target that no other writer has.
-std::string temporary_name(const std::string& target)
+/// A hidden name beside @p name that no other writer has.
+std::string temporary_name(const std::string& name)
 {
-    const std::size_t slash = target.rfind('/');
-    const std::size_t base = slash == std::string::npos ? 0 : slash + 1;
-    // A name has 255 bytes at most: the tail of a long one is dropped.
-    return target.substr(0, base) + "." + target.substr(base, 200) + temporary_ending();
+    // It has 255 bytes at most: the tail of a long one is dropped.
+    return "." + name.substr(0, 200) + temporary_ending();
 }
+
+/// Flags to open a folder that may be written but not read, where the system has them.
+#if defined(O_PATH) // Linux
+constexpr int by_place = O_PATH | O_DIRECTORY | O_CLOEXEC;
+#elif defined(O_SEARCH) // macOS
+constexpr int by_place = O_SEARCH | O_DIRECTORY | O_CLOEXEC;
+#else
+constexpr int by_place = O_RDONLY | O_DIRECTORY | O_CLOEXEC;
+#endif
 
 std::string descriptor_path(int file)
 {
@@ -119,20 +129,13 @@ int sync_file(int file)
 } // namespace
 
 NewFile::NewFile(const std::string& path, bool sync, bool unnamed)
-    : m_state(new State { path, path, sync })
+    : m_state(new State { path, sync })
 {
     const std::optional<std::string> target = link_target(path);
     if (!target)
         m_state->fail("create", ELOOP);
-    m_state->target = *target;
-    struct stat status;
-    if (::stat(m_state->target.c_str(), &status) == 0) {
-        if (!S_ISREG(status.st_mode))
-            throw Error(path + ": is not a regular file: choose another name");
-        if (::access(m_state->target.c_str(), W_OK) != 0)
-            m_state->fail("replace");
-        m_state->mode = status.st_mode & 0777;
-    }
+    m_state->open_folder(*target);
+    m_state->find_older();
     if (unnamed)
         m_state->open_unnamed();
     if (m_state->file < 0)
@@ -181,7 +184,9 @@ void NewFile::publish()
     if (state.temporary.empty())
         state.link_unnamed();
     if (!state.temporary.empty()
-        && ::rename(state.temporary.c_str(), state.target.c_str()) != 0)
+        && ::renameat(state.folder, state.temporary.c_str(), state.folder,
+                      state.name.c_str())
+            != 0)
         state.fail("replace");
     // The name is the file's now, and nothing below may take it away.
     state.temporary.clear();
@@ -190,11 +195,32 @@ void NewFile::publish()
         state.sync_folder();
 }
 
+/// @p target : where the file is to be, links resolved.
+void NewFile::State::open_folder(const std::string& target)
+{
+    name = target.substr(target.rfind('/') + 1);
+    folder = ::open(folder_of(target).c_str(), by_place);
+    if (folder < 0)
+        fail("create");
+}
+
+void NewFile::State::find_older()
+{
+    struct stat status;
+    const char* older = name.empty() ? "." : name.c_str();
+    if (::fstatat(folder, older, &status, AT_SYMLINK_NOFOLLOW) != 0)
+        return;
+    if (!S_ISREG(status.st_mode))
+        throw Error(path + ": is not a regular file: choose another name");
+    if (::faccessat(folder, older, W_OK, 0) != 0)
+        fail("replace");
+    mode = status.st_mode & 0777;
+}
+
 void NewFile::State::open_unnamed()
 {
 #ifdef O_TMPFILE
-    file = ::open(folder_of(target).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC,
-                  first_mode());
+    file = ::openat(folder, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, first_mode());
     if (file < 0) // kernels and file systems without it say one of these
         if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)
             fail("create");
@@ -208,17 +234,17 @@ void NewFile::State::open_unnamed()
 
 void NewFile::State::open_named()
 {
-    std::string name;
+    std::string tried;
     for (int tries = 0; tries < most_temporary_names; ++tries) {
-        name = temporary_name(target);
-        file
-            = ::open(name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, first_mode());
+        tried = temporary_name(name);
+        file = ::openat(folder, tried.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC,
+                        first_mode());
         if (file >= 0 || errno != EEXIST)
             break;
     }
     if (file < 0)
         fail("create");
-    temporary.swap(name);
+    temporary.swap(tried);
 }
 
 /// An older file's permissions, whatever the umask; a new one has what that leaves.
@@ -254,17 +280,17 @@ void NewFile::State::flush()
 void NewFile::State::link_unnamed()
 {
     const std::string unnamed = descriptor_path(file);
-    const auto link = [&](const std::string& name) {
-        return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(),
+    const auto link = [&](const std::string& first) {
+        return ::linkat(AT_FDCWD, unnamed.c_str(), folder, first.c_str(),
                         AT_SYMLINK_FOLLOW)
             == 0;
     };
-    if (link(target))
+    if (link(name))
         return;
     for (int tries = 0; errno == EEXIST && tries < most_temporary_names; ++tries) {
-        std::string name = temporary_name(target);
-        if (link(name)) {
-            temporary.swap(name);
+        std::string tried = temporary_name(name);
+        if (link(tried)) {
+            temporary.swap(tried);
             return;
         }
     }
@@ -281,12 +307,11 @@ void NewFile::State::close_link() noexcept
 /// Makes the new name outlast a loss of power.
 void NewFile::State::sync_folder() const
 {
-    const int folder
-        = ::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder < 0)
+    const int readable = ::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (readable < 0)
         return; // a folder that may be written but not read
-    const int error = sync_file(folder) == 0 ? 0 : errno;
-    ::close(folder);
+    const int error = sync_file(readable) == 0 ? 0 : errno;
+    ::close(readable);
     if (error != 0)
         fail("write its folder", error);
 }
@@ -295,7 +320,9 @@ void NewFile::State::discard() noexcept
 {
     close_link();
     if (!temporary.empty())
-        ::unlink(temporary.c_str());
+        ::unlinkat(folder, temporary.c_str(), 0);
+    if (folder >= 0)
+        ::close(folder);
 }
 
 void NewFile::State::fail(const std::string& what, int error) const

@@ -27,6 +27,7 @@ else:
     OPEN_FILE = os.O_NOFOLLOW | os.O_NONBLOCK
     OPEN_FOLDER = os.O_RDONLY | os.O_DIRECTORY
     READ_FILE = os.O_RDONLY | os.O_NONBLOCK
+OPEN_FILES = "/proc/self/fd"
 PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
 
 
@@ -127,6 +128,26 @@ class Folder:
     def path_of(self, name: str) -> str:
         """Return the path of a name in the folder."""
         return os.path.join(self.path, name)
+
+    @contextlib.contextmanager
+    def path_for(self, name: str) -> Iterator[str]:
+        """Give a path of a name to what writes files by path: where the system has one
+        (Linux, /proc), it leads into this folder whatever the folder's name leads to
+        meanwhile. What is said of it is said of the name's own path."""
+        path = own = self.path_of(name)
+        if self.handle >= 0 and os.path.exists(f"{OPEN_FILES}/{self.handle}"):
+            path = f"{OPEN_FILES}/{self.handle}/{name}"
+        try:
+            yield path
+        except Exception as error:
+            if isinstance(error, OSError) and error.strerror:
+                error.filename, error.filename2 = own, None
+            else:
+                error.args = tuple(
+                    one.replace(path, own) if isinstance(one, str) else one
+                    for one in error.args
+                )
+            raise
 
     def open(self, name: str, flags: int, mode: int = 0o666) -> int:
         """Return a descriptor of a regular file, as os.open. Raises OSError."""

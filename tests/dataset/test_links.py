@@ -7,7 +7,16 @@ import os
 
 import pytest
 
-from dataset.data_sets import OPTIONS, check_agreement, contents, scene, write_image
+from cg2raw.dataset import job
+from cg2raw.dataset.target import Job
+from dataset.data_sets import (
+    FILES,
+    OPTIONS,
+    check_agreement,
+    contents,
+    scene,
+    write_image,
+)
 from python.commands import fails, run
 
 GROUP = hashlib.blake2b(b"a.exr", digest_size=16).hexdigest()[:2]  # journal.path_of
@@ -71,6 +80,39 @@ def test_a_link_in_the_place_of_a_file_is_replaced(image, out):
     assert run("dataset", image, out, *OPTIONS).code == 0
     check_agreement(out)
     assert contents(out) == before and not path.is_symlink()
+
+
+@pytest.mark.parametrize("kind", ["dng", "npy", "exr"])
+def test_parts_that_become_a_link_gain_nothing(image, tmp_path, monkeypatch, kind):
+    """A stranger swaps the folder while a file is being made."""
+    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    assert run("dataset", image, out, *OPTIONS, "--format", kind).code == 0
+    before = contents(out)
+    for path in (out / "a.exr").iterdir():
+        path.unlink()
+    (out / ".cg2raw/parts").mkdir()
+    simulated = job.simulated
+
+    def with_swap(*arguments):
+        write, row = simulated(*arguments)
+
+        def swapped(path):
+            (out / ".cg2raw/parts").rename(out / ".cg2raw/moved")
+            (out / ".cg2raw/parts").symlink_to(elsewhere)
+            write(path)
+            (out / ".cg2raw/parts").unlink()
+            (out / ".cg2raw/moved").rename(out / ".cg2raw/parts")
+
+        return swapped, row
+
+    monkeypatch.setattr(job, "simulated", with_swap)
+    plan = hashlib.sha256((out / "dataset.json").read_bytes()).hexdigest()
+    made = job.make(Job(str(out), plan, "a.exr", str(image), 0))
+    assert made == {"image": "a.exr", "made": FILES, "kept": 0, "reason": None}
+    assert list(elsewhere.iterdir()) == []
+    os.rmdir(out / ".cg2raw/parts")  # nothing is left in it
+    assert contents(out) == before
 
 
 @pytest.mark.parametrize("kind", ["link", "pipe"])

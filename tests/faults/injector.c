@@ -20,11 +20,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-static int is_under(const char* path)
-{
-    const char* const folder = getenv("FAULT_UNDER");
-    return folder && strncmp(path, folder, strlen(folder)) == 0;
-}
+static int is_under(const char* path);
 
 static int is_file_under(int file)
 {
@@ -39,6 +35,15 @@ static int is_file_under(int file)
     return is_under(path);
 }
 
+static int is_under(const char* path)
+{
+    const char* const folder = getenv("FAULT_UNDER");
+    int file;
+    if (sscanf(path, "/proc/self/fd/%d/", &file) == 1)
+        return is_file_under(file);
+    return folder && strncmp(path, folder, strlen(folder)) == 0;
+}
+
 /* Whether a call on an open file, or on a path, is to fail. */
 static int fails(const char* call, int file)
 {
@@ -50,10 +55,15 @@ static int fails_of(const char* call, const char* path)
     return fault_is_asked(call) && is_under(path) && fault_strikes();
 }
 
+/* Whether the path says where its file is, and not an open folder. */
+static int by_path(int folder, const char* path)
+{
+    return folder == AT_FDCWD || *path == '/';
+}
+
 static int fails_at(const char* call, int folder, const char* path)
 {
-    return folder == AT_FDCWD || *path == '/' ? fails_of(call, path)
-                                              : fails(call, folder);
+    return by_path(folder, path) ? fails_of(call, path) : fails(call, folder);
 }
 
 #define REAL(name) \
@@ -65,7 +75,7 @@ static int refused_at(int folder, const char* path, int flags)
 {
 #ifdef O_TMPFILE
     if ((flags & O_TMPFILE) == O_TMPFILE && fault_is_asked("tmpfile")
-        && is_under(path)) {
+        && (by_path(folder, path) ? is_under(path) : is_file_under(folder))) {
         errno = EOPNOTSUPP;
         return 1;
     }

@@ -125,6 +125,30 @@ def test_a_folder_stays_the_one_that_was_opened(tree):
     assert not (tree / "elsewhere/new").exists() and (tree / "a/moved/new").exists()
 
 
+def test_a_path_leads_into_the_folder_that_was_opened(tree):
+    with system.Folder(str(tree), "a/b") as folder:
+        (tree / "a/b").rename(tree / "a/moved")
+        (tree / "a/b").symlink_to(tree / "elsewhere")
+        with folder.path_for("new") as path, open(path, "wb") as stream:
+            stream.write(b"ours")
+    assert [path.name for path in (tree / "elsewhere").iterdir()] == ["file"]
+    assert (tree / "a/moved/new").read_bytes() == b"ours"
+
+
+@pytest.mark.parametrize("kind", [OSError, ValueError, MemoryError])
+def test_what_is_said_of_such_a_path_is_said_of_its_own(tree, kind):
+    own = str(tree / "a/b/new")
+    with system.Folder(str(tree), "a/b") as folder:
+        with (
+            pytest.raises(kind, match=f"{own}: too long"),
+            folder.path_for("new") as path,
+        ):
+            raise kind(f"{path}: too long")
+        with pytest.raises(FileExistsError) as raised, folder.path_for("file") as path:
+            os.mkdir(path)
+    assert raised.value.filename == str(tree / "a/b/file")
+
+
 def test_a_folder_that_fails_to_open_leaves_no_descriptor(tree):
     before = len(os.listdir("/proc/self/fd"))
     for below in ("a/link", "a/c", "..", "a/b/file"):

@@ -138,7 +138,8 @@ class Target:
             Folder(out, below, make=True) as place,
         ):
             try:
-                write(parts.path_of(part))
+                with parts.path_for(part) as path:
+                    write(path)
                 row["bytes"], row["sha256"] = size_and_sha256(parts, part)
                 parts.replace(part, place, name)
             except BaseException:

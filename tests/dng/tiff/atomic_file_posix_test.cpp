@@ -88,6 +88,42 @@ TEST_P(EitherPosixAtomicFile, MakeTheFileThatALinkLeadsTo)
     EXPECT_EQ(bytes_of(path("elsewhere/later.dng")), "new");
 }
 
+TEST_P(EitherPosixAtomicFile, StayInTheFolderThatWasOpened)
+{
+    fs::create_directory(folder / "shots");
+    fs::create_directory(folder / "elsewhere");
+    std::ofstream(path("shots/shot.dng")) << "old";
+    const auto swap = [&] {
+        fs::rename(folder / "shots", folder / "moved");
+        fs::create_directory_symlink("elsewhere", folder / "shots");
+    };
+    {
+        AtomicFile file(path("shots/shot.dng"), true, GetParam());
+        swap();
+        ASSERT_TRUE(file.write("new", 3, 0));
+        file.publish();
+    }
+    EXPECT_EQ(bytes_of(path("moved/shot.dng")), "new");
+    {
+        AtomicFile given_up(path("moved/shot.dng"), true, GetParam());
+        fs::rename(folder / "moved", folder / "again");
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "again"), {}), 1);
+    EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
+}
+
+TEST_P(EitherPosixAtomicFile, LieInAFolderThatCannotBeRead)
+{
+    fs::permissions(folder, fs::perms(0300));
+    for (int i = 0; i < 2; ++i) {
+        AtomicFile file(path(), true, GetParam());
+        ASSERT_TRUE(file.write("new", 3, 0));
+        file.publish();
+    }
+    fs::permissions(folder, fs::perms(0755));
+    EXPECT_EQ(bytes_of(path()), "new");
+}
+
 TEST_P(EitherPosixAtomicFile, RefuseLinksInACircle)
 {
     fs::create_symlink("there.dng", path());
