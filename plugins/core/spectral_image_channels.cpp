@@ -53,7 +53,7 @@ std::vector<Spectrum> responses_of(const std::vector<int>& channels,
                                    const StatedResponse& stated)
 {
     std::vector<Spectrum> responses;
-    std::string without;
+    const std::string* without = nullptr;
     for (int channel : channels) {
         const std::string& name = names[std::size_t(channel)];
         if (const auto text = stated(name)) {
@@ -63,12 +63,12 @@ std::vector<Spectrum> responses_of(const std::vector<int>& channels,
                 throw Error("attribute " + name
                             + ", the response of that channel: " + error.what());
             }
-        } else if (without.empty()) {
-            without = name;
+        } else if (!without) {
+            without = &name;
         }
     }
-    if (!responses.empty() && !without.empty())
-        throw Error("channel " + without
+    if (!responses.empty() && without)
+        throw Error("channel " + *without
                     + " states no response, which others do (attributes of the "
                       "channels' names): state all of them, or none");
     return responses;
