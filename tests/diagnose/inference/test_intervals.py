@@ -7,9 +7,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.inference.intervals import _errors_by_likelihood
-from cg2raw.diagnose.likelihood.model import Term
-from diagnose.planted import BY_NAME
+from cg2raw.diagnose.inference import intervals
+from cg2raw.diagnose.inference.fitting import fit
+from cg2raw.diagnose.inference.intervals import (
+    _errors_by_likelihood,
+    square_of_distance,
+)
+from cg2raw.diagnose.inference.robust_errors import Covariances
+from cg2raw.diagnose.likelihood.model import Model, Term
+from diagnose.planted import (
+    BY_NAME,
+    captures_of,
+    drawn,
+    frames_of,
+    model_of,
+    on,
+    sensor_of,
+)
 
 TAILS = BY_NAME["heavy_tailed_noise"]  # a share and a ratio of variances
 # Of the logarithms of both: a wide share of a narrow ratio is like the reverse.
@@ -44,3 +58,29 @@ def test_beside_the_top_errors_are_those_of_logarithms(beside):
 def test_values_without_a_top_may_be_nothing():
     found = errors_at([0.0066, 25.0], lambda values: 1e3 * values[0] ** 2)
     assert found == pytest.approx([0.0066, 25.0])
+
+
+def test_squares_of_distances_of_nothing_are_of_chi_square():
+    """Four offsets that are fitted to frames without any: 4, and 8 is the variance."""
+    sensor = sensor_of()
+    frames = frames_of(sensor, captures_of(["dark", "flat"], shape=(32, 48)))
+    found = []
+    for seed in range(60):
+        likelihood = on(drawn(frames, Model(sensor), seed))
+        model = fit(model_of(sensor, black_level=[0.0]), likelihood)
+        used = BY_NAME["black_level"].used
+        found.append(square_of_distance(model, "black_level", used, likelihood))
+    assert np.mean(found) == pytest.approx(4, abs=3 * np.sqrt(8 / 60))
+    assert np.mean(np.greater(found, 9.49)) < 0.15  # the upper 5 %
+
+
+@pytest.mark.parametrize(("second", "square"), [(1.0, 2 / 1.99), (-1.0, 200.0)])
+def test_two_values_may_be_none_each_and_both_cannot(monkeypatch, second, square):
+    """Of which frames tell the difference, and hardly the sum."""
+    name = "gr_gb_imbalance"
+    alike = np.array([[1.0, 0.99], [0.99, 1.0]])
+    told = Covariances(alike, alike, alike, 100.0), [(name, 0), (name, 1)]
+    monkeypatch.setattr(intervals, "_covariances", lambda *_: told)
+    model = model_of(sensor_of(), **{name: [1.0, second]})
+    found = square_of_distance(model, name, BY_NAME[name].used, None)
+    assert found == pytest.approx(square)

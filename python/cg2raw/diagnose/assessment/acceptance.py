@@ -18,7 +18,11 @@ from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import heading, title
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.intervals import estimates, widenings
+from cg2raw.diagnose.inference.intervals import (
+    estimates,
+    square_of_distance,
+    widenings,
+)
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
@@ -50,8 +54,8 @@ def founded(
         }
         if not reasons:
             return model, values, refused
-        name, rest, lost = _least_founded(model, likelihood, reasons)
-        if _is_clear_together(model, name, lost):
+        name, rest = _least_founded(model, likelihood, reasons)
+        if _is_clear_together(model, name, likelihood):
             clear.add(name)
             continue
         refused[name] = reasons[name]
@@ -60,9 +64,9 @@ def founded(
 
 def _least_founded(
     model: Model, likelihood: Likelihood, reasons: Mapping[str, str]
-) -> tuple[str, Model, float]:
-    """Return (one of the names that are not founded, the model fitted without it, nats
-    that are lost by that, were noise all that moves values).
+) -> tuple[str, Model]:
+    """Return (one of the names that are not founded, the model fitted without it): that
+    by which least is lost, were noise all that moves values.
 
     One at a time: without it the others may lie elsewhere. A value that went to a bound
     took others along; then what matters least comes first."""
@@ -73,19 +77,24 @@ def _least_founded(
         rest = fit(model.without_finding(name), likelihood)
         lost = height - likelihood.total(rest)
         found.append((name, rest, lost / wider.get(name, 1.0)))
-    return min(found, key=lambda one: one[2])
+    name, rest, _ = min(found, key=lambda one: one[2])
+    return name, rest
 
 
-def _is_clear_together(model: Model, name: str, gained: float) -> bool:
+def _is_clear_together(model: Model, name: str, likelihood: Likelihood) -> bool:
     """Return whether smooth values are not all null, though each may be: two of which
-    frames tell the difference. gained : by them, nats, were noise all that moves them.
-    Source: S. S. Wilks, Ann. Math. Stat. 9(1), 1938."""
+    frames tell the difference.
+
+    By how far they are from it, and not by what a fit without them loses: beside a map
+    that alone is more or less, by the turns of the fit."""
     term = model.term(name)
     assert term is not None
-    count = len(term.effect.used)
+    used = term.effect.switches or term.effect.used
+    count = len(used)
     if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term, ()):
         return False
-    return gained > float(chi2.ppf(0.95, count)) / 2
+    distance = square_of_distance(model, name, used, likelihood)
+    return distance > float(chi2.ppf(0.95, count))
 
 
 def _unfounded(model: Model, term: Term, values: EstimatesByEffect) -> str:

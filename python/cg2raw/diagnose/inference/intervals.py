@@ -3,7 +3,7 @@
 
 """Confidence intervals of fitted values."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,11 @@ from cg2raw.diagnose.inference.fisher_scoring import (
     Linearisation,
     Parameter,
 )
-from cg2raw.diagnose.inference.robust_errors import covariances, inverse_of
+from cg2raw.diagnose.inference.robust_errors import (
+    Covariances,
+    covariances,
+    inverse_of,
+)
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
@@ -150,13 +154,39 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
 def widenings(model: Model, likelihood: Likelihood) -> dict[str, float]:
     """Return how much larger than by noise squares of distances of each term's smooth
     values are, all of them together, by its name."""
-    base = Linearisation(model, likelihood)
-    parameters, score, information = base.system(model)
-    found = covariances(base, score, information)
+    found, parameters = _covariances(model, likelihood)
     numbers: dict[str, list[int]] = {}
     for number, (name, _) in enumerate(parameters):
         numbers.setdefault(name, []).append(number)
     return {name: found.widening_of_all(own) for name, own in numbers.items()}
+
+
+def square_of_distance(
+    model: Model, name: str, used: Collection[str], likelihood: Likelihood
+) -> float:
+    """Return how far the smooth values of a term that are used are from 0, all of them
+    together, in standard errors, squared: of n whose truth is 0, it is of the
+    chi-square of n. Source: A. Wald, Trans. Am. Math. Soc. 54(3), 1943."""
+    term = model.term(name)
+    assert term is not None
+    found, parameters = _covariances(model, likelihood)
+    own = [
+        number
+        for number, (of, index) in enumerate(parameters)
+        if of == name and term.effect.parameters[index] in used
+    ]
+    values = np.array([float(term.values[parameters[number][1]]) for number in own])
+    told = inverse_of(found.by_noise[np.ix_(own, own)])
+    return float(values @ told @ values) / found.widening_of_all(own)
+
+
+def _covariances(
+    model: Model, likelihood: Likelihood
+) -> tuple[Covariances, Sequence[Parameter]]:
+    """Return those of a model's smooth values, and which these are."""
+    base = Linearisation(model, likelihood)
+    parameters, score, information = base.system(model)
+    return covariances(base, score, information), parameters
 
 
 def _interval(
