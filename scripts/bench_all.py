@@ -15,6 +15,7 @@ import sys
 import time
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
+from functools import partial
 
 import numpy as np
 
@@ -178,36 +179,40 @@ def scaling(rounds):
     sensor, scene = cg2raw.Sensor(SENSOR), scene_of(12)
     out = FOLDER / "scaling.dng"
 
-    def work(image, threads, iso):
+    def work(image, iso, threads):
         raw = sensor.simulate(image, illuminant=LIGHT, iso=iso, threads=threads)
         cg2raw.write_dng(out, raw, threads=threads, sync=False)
 
-    rows, cores = [], os.cpu_count() or 1
-    counts = sorted({1, 2, *(2**n for n in range(8) if 2**n < cores), cores})
-    megapixels = scene.shape[0] * scene.shape[1] / 1e6
-    for name, iso in (("clean", None), (f"ISO {ISO}", ISO)):
-        actions = {
-            f"{name}, {n} threads": lambda n=n, iso=iso: work(scene, n, iso)
-            for n in counts
-        }
-        found = in_rounds(actions, rounds)
-        rows += rows_of("threads: scene to DNG", found, megapixels, next(iter(actions)))
+    def noise(array, threads):
+        sensor.add_noise(signal, iso=ISO, threads=threads, out=array)
+
     signal = np.ascontiguousarray(scene[..., 1], np.float32)
-    for name, array in (("noise alone", None), ("noise, out=", signal.copy())):
-        actions = {
-            f"{name}, {n} threads": lambda n=n, array=array: sensor.add_noise(
-                signal, iso=ISO, threads=n, out=array
-            )
-            for n in counts
-        }
-        found = in_rounds(actions, rounds)
-        rows += rows_of("threads: noise", found, megapixels, next(iter(actions)))
+    megapixels = signal.size / 1e6
+    scenes = {"clean": partial(work, scene, None)}
+    scenes[f"ISO {ISO}"] = partial(work, scene, ISO)
+    arrays = {"noise alone": None, "noise, out=": signal.copy()}
+    noises = {name: partial(noise, array) for name, array in arrays.items()}
     images = {f"{size} MP": scene_of(size) for size in SIZES}
-    actions = {
-        name: lambda image=image: work(image, 0, ISO) for name, image in images.items()
-    }
+    actions = {name: partial(work, image, ISO, 0) for name, image in images.items()}
     sizes = {name: i.shape[0] * i.shape[1] / 1e6 for name, i in images.items()}
-    return rows + rows_of("sizes: scene to DNG", in_rounds(actions, rounds), sizes)
+    return [
+        *over_threads("threads: scene to DNG", scenes, megapixels, rounds),
+        *over_threads("threads: noise", noises, megapixels, rounds),
+        *rows_of("sizes: scene to DNG", in_rounds(actions, rounds), sizes),
+    ]
+
+
+def over_threads(table, works, megapixels, rounds):
+    """Return Rows of works, {name: work(threads)}, by 1, 2, 4, ... threads; one thread
+    is the peer of each."""
+    cores = os.cpu_count() or 1
+    counts = sorted({1, 2, *(2**n for n in range(8) if 2**n < cores), cores})
+    rows = []
+    for name, work in works.items():
+        actions = {f"{name}, {n} threads": partial(work, n) for n in counts}
+        found = in_rounds(actions, rounds)
+        rows += rows_of(table, found, megapixels, next(iter(actions)))
+    return rows
 
 
 def about():

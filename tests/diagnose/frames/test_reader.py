@@ -2,24 +2,28 @@
 # Copyright Contributors to the cg2raw Project.
 """Reading: of how many pixels each frame is, when there are many."""
 
+from dataclasses import replace
+
 import pytest
 
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.reader import PIXELS, PIXELS_OF_ALL, read_frames
 from cg2raw.diagnose.inference.noise_level import noise_models
+from diagnose.frames.test_patch_frame import means_of
 from diagnose.planted import captures_of, sensor_of
 
 SENSOR = sensor_of()
 SHAPE = (600, 800)
 
 
-def pixels_of(count, pixels=None):
-    """Return how many pixels each of so many frames has."""
-    captures = CaptureSet(SENSOR, captures_of(("dark",) * count, shape=SHAPE))
+def pixels_of(count, pixels=None, beside=()):
+    """Return how many pixels each of so many frames has. beside : more captures."""
+    darks = captures_of(("dark",) * count, shape=SHAPE)
+    captures = CaptureSet(SENSOR, [*darks, *beside])
     noise = noise_models(captures)
     frames = read_frames(captures, noise, pixels, lambda text, share: None)
-    (found,) = {frame.signal.size for frame in frames}
+    (found,) = {frame.signal.size for frame in frames if frame.samples is None}
     return found
 
 
@@ -30,6 +34,13 @@ def test_up_to_64_frames_are_of_as_many_pixels_each():
 @pytest.mark.parametrize("count", [80, 128, 200])
 def test_many_frames_have_no_more_pixels_together(count):
     assert count * pixels_of(count) == pytest.approx(PIXELS_OF_ALL, rel=0.25)
+
+
+def test_tables_of_patches_have_no_pixels_and_are_not_counted():
+    means = means_of(500)
+    tables = captures_of(("flat",) * 100, shape=means.mean.shape)
+    tables = [replace(one, kind="chart", means=means) for one in tables]
+    assert pixels_of(3, beside=tables) == pixels_of(3)
 
 
 def test_who_asks_for_pixels_gets_them():

@@ -32,11 +32,12 @@ def read_frames(
 
     noise : by ISO. pixels : of every frame that are taken; a small frame is whole. None
     for PIXELS, and for fewer of more frames than 64."""
-    pixels = pixels or PIXELS_OF_ALL // max(FEW_FRAMES, len(capture_set.captures))
+    shapes = [c.shape for c in capture_set.captures if c.means is None]
+    pixels = pixels or PIXELS_OF_ALL // max(FEW_FRAMES, len(shapes))
     repeat = repeat_of(capture_set.sensor.cfa)
     tiles = {
         shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))
-        for shape in {c.shape for c in capture_set.captures if c.means is None}
+        for shape in set(shapes)
     }
     frames = []
     temperature = capture_set.temperature
