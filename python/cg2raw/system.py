@@ -137,17 +137,15 @@ class Folder:
         path = own = self.path_of(name)
         if self.handle >= 0 and os.path.exists(f"{OPEN_FILES}/{self.handle}"):
             path = f"{OPEN_FILES}/{self.handle}/{name}"
-        try:
-            yield path
-        except Exception as error:
-            if isinstance(error, OSError) and error.strerror:
-                error.filename, error.filename2 = own, None
-            else:
+        with naming(own):
+            try:
+                yield path
+            except Exception as error:
                 error.args = tuple(
                     one.replace(path, own) if isinstance(one, str) else one
                     for one in error.args
                 )
-            raise
+                raise
 
     def open(self, name: str, flags: int, mode: int = 0o666) -> int:
         """Return a descriptor of a regular file, as os.open. Raises OSError."""

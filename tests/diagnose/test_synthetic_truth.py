@@ -52,19 +52,29 @@ def names_of(found):
     return {finding.name for finding in found.effects}
 
 
+def with_shading(sensor, parameters):
+    """Return a sensor whose only effect is lens shading."""
+    shading = [{"name": "lens_shading", "parameters": parameters}]
+    profile = json.loads(sensor.to_json()) | {"effects": shading}
+    return cg2raw.Sensor.from_json(json.dumps(profile), "shaded")
+
+
+def field_of(sensor, bare, shape):
+    """Return the (H, W) factor between two sensors' pictures of a grey wall."""
+    grey = np.full((*shape, 3), 0.2, np.float32)
+    lit, plain = (s.predict(grey, illuminant="D65")[0] for s in (sensor, bare))
+    return lit / plain
+
+
 def found_field(found, sensor, shape):
     """Return the (H, W) factor that the found profile puts on a grey wall."""
-    grey = np.full((*shape, 3), 0.2, np.float32)
     new = cg2raw.Sensor.from_json(found.profile_json, "found")
-    lit, bare = (s.predict(grey, illuminant="D65")[0] for s in (new, sensor))
-    return lit / bare
+    return field_of(new, sensor, shape)
 
 
 def rms_of(sensor, bare, hidden):
     """Return the relative rms error of the fall-off of a sensor, over a whole frame."""
-    grey = np.full((*hidden.shape, 3), 0.2, np.float32)
-    lit, plain = (s.predict(grey, illuminant="D65")[0] for s in (sensor, bare))
-    level = lit / plain / hidden
+    level = field_of(sensor, bare, hidden.shape) / hidden
     return float(np.sqrt(np.mean((level / level.mean() - 1) ** 2)))
 
 
@@ -78,16 +88,12 @@ def rms_errors(found, sensor, hidden):
 def polynomial_error(bare, hidden):
     """Return the relative rms error, all over a frame, of the polynomial that is
     nearest to a fall-off where the diagnosis looks, by least squares."""
-    grey = np.full((*hidden.shape, 3), 0.2, np.float32)
     names = BY_NAME["lens_shading"].parameters
     fields = []
     for name in names:
         values = dict.fromkeys(names, 0.0) | {name: -0.1}
-        shading = [{"name": "lens_shading", "parameters": values}]
-        profile = json.loads(bare.to_json()) | {"effects": shading}
-        sensor = cg2raw.Sensor.from_json(json.dumps(profile), name)
-        lit, plain = (s.predict(grey, illuminant="D65")[0] for s in (sensor, bare))
-        fields.append((lit / plain - 1) / -0.1)  # a sum of terms, each linear
+        field = field_of(with_shading(bare, values), bare, hidden.shape)
+        fields.append((field - 1) / -0.1)  # a sum of terms, each linear
     share = np.stack(fields, -1) / hidden[..., None]
     seen = np.zeros(hidden.shape, bool)
     seen[EDGE:-EDGE, EDGE:-EDGE] = True
@@ -139,9 +145,7 @@ def test_the_gain_map_of_a_hero6_against_its_own_profile(
     hidden = gain_map_transmission(maps, 4, shape)
     own, bare = cg2raw.Sensor("gopro-hero6-black"), changed("gopro-hero6-black")
     if round_lens:
-        shading = [{"name": "lens_shading", "parameters": ROUND_HERO6}]
-        profile = json.loads(own.to_json()) | {"effects": shading}
-        own = cg2raw.Sensor.from_json(json.dumps(profile), "round")
+        own = with_shading(own, ROUND_HERO6)
     captures = simulate_captures(
         bare, {}, seed=3, shape=shape, measured=Measured(transmission=hidden)
     )

@@ -55,15 +55,15 @@ static int fails_of(const char* call, const char* path)
     return fault_is_asked(call) && is_under(path) && fault_strikes();
 }
 
-/* Whether the path says where its file is, and not an open folder. */
-static int by_path(int folder, const char* path)
+/* The same of a path that may begin at an open folder. */
+static int is_under_at(int folder, const char* path)
 {
-    return folder == AT_FDCWD || *path == '/';
+    return folder == AT_FDCWD || *path == '/' ? is_under(path) : is_file_under(folder);
 }
 
 static int fails_at(const char* call, int folder, const char* path)
 {
-    return by_path(folder, path) ? fails_of(call, path) : fails(call, folder);
+    return fault_is_asked(call) && is_under_at(folder, path) && fault_strikes();
 }
 
 #define REAL(name) \
@@ -75,7 +75,7 @@ static int refused_at(int folder, const char* path, int flags)
 {
 #ifdef O_TMPFILE
     if ((flags & O_TMPFILE) == O_TMPFILE && fault_is_asked("tmpfile")
-        && (by_path(folder, path) ? is_under(path) : is_file_under(folder))) {
+        && is_under_at(folder, path)) {
         errno = EOPNOTSUPP;
         return 1;
     }

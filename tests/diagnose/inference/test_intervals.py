@@ -7,12 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.inference import intervals
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.intervals import (
-    _errors_by_likelihood,
-    square_of_distance,
-)
+from cg2raw.diagnose.inference.intervals import SmoothValues, _errors_by_likelihood
 from cg2raw.diagnose.inference.robust_errors import Covariances
 from cg2raw.diagnose.likelihood.model import Model, Term
 from diagnose.planted import (
@@ -69,18 +65,19 @@ def test_squares_of_distances_of_nothing_are_of_chi_square():
         likelihood = on(drawn(frames, Model(sensor), seed))
         model = fit(model_of(sensor, black_level=[0.0]), likelihood)
         used = BY_NAME["black_level"].used
-        found.append(square_of_distance(model, "black_level", used, likelihood))
+        smooth = SmoothValues.of(model, likelihood)
+        found.append(smooth.square_of_distance("black_level", used))
     assert np.mean(found) == pytest.approx(4, abs=3 * np.sqrt(8 / 60))
     assert np.mean(np.greater(found, 9.49)) < 0.15  # the upper 5 %
 
 
 @pytest.mark.parametrize(("second", "square"), [(1.0, 2 / 1.99), (-1.0, 200.0)])
-def test_two_values_may_be_none_each_and_both_cannot(monkeypatch, second, square):
+def test_two_values_may_be_none_each_and_both_cannot(second, square):
     """Of which frames tell the difference, and hardly the sum."""
     name = "gr_gb_imbalance"
     alike = np.array([[1.0, 0.99], [0.99, 1.0]])
-    told = Covariances(alike, alike, alike, 100.0), [(name, 0), (name, 1)]
-    monkeypatch.setattr(intervals, "_covariances", lambda *_: told)
+    told = Covariances(alike, alike, alike, 100.0)
     model = model_of(sensor_of(), **{name: [1.0, second]})
-    found = square_of_distance(model, name, BY_NAME[name].used, None)
+    smooth = SmoothValues(model, [(name, 0), (name, 1)], told)
+    found = smooth.square_of_distance(name, BY_NAME[name].used)
     assert found == pytest.approx(square)

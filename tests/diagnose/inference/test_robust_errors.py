@@ -9,7 +9,7 @@ from cg2raw.diagnose.captures.reader import read_captures
 from cg2raw.diagnose.frames.reader import PIXELS, read_frames
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.intervals import estimates, widenings
+from cg2raw.diagnose.inference.intervals import SmoothValues, estimates
 from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.robust_errors import covariances
 from diagnose.patch_tables import write_tables
@@ -71,7 +71,7 @@ def test_they_hold_what_a_wrong_model_makes_of_a_value(frames):
         half = (interval.ci95[1] - interval.ci95[0]) / 2
         by_noise.append(abs(interval.value) * np.sqrt(information[0, 0]) > 1.96)
         robust.append(abs(interval.value) > half)
-        of_one = widenings(model, shown)["exposure"]
+        of_one = SmoothValues.of(model, shown).widening("exposure")
         assert of_one == pytest.approx(wider["exposure", 0] ** 2)
     assert np.mean(by_noise) > 0.9
     assert np.mean(robust) < 0.2
@@ -82,7 +82,7 @@ def test_what_nothing_tells_is_not_wider(frames):
     model = null_of("exposure", "read_noise")
     wider, _ = widened(model, darks)
     assert wider["exposure", 0] == pytest.approx(1)
-    assert widenings(model, darks)["exposure"] == 1
+    assert SmoothValues.of(model, darks).widening("exposure") == 1
     assert widened(model_of(SENSOR), darks)[0] == {}
 
 

@@ -18,11 +18,7 @@ from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import heading, title
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.intervals import (
-    estimates,
-    square_of_distance,
-    widenings,
-)
+from cg2raw.diagnose.inference.intervals import SmoothValues, estimates
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
 
@@ -54,8 +50,9 @@ def founded(
         }
         if not reasons:
             return model, values, refused
-        name, rest = _least_founded(model, likelihood, reasons)
-        if _is_clear_together(model, name, likelihood):
+        smooth = SmoothValues.of(model, likelihood)
+        name, rest = _least_founded(model, likelihood, reasons, smooth)
+        if _is_clear_together(model, name, smooth):
             clear.add(name)
             continue
         refused[name] = reasons[name]
@@ -63,7 +60,10 @@ def founded(
 
 
 def _least_founded(
-    model: Model, likelihood: Likelihood, reasons: Mapping[str, str]
+    model: Model,
+    likelihood: Likelihood,
+    reasons: Mapping[str, str],
+    smooth: SmoothValues,
 ) -> tuple[str, Model]:
     """Return (one of the names that are not founded, the model fitted without it): that
     by which least is lost, were noise all that moves values.
@@ -71,17 +71,17 @@ def _least_founded(
     One at a time: without it the others may lie elsewhere. A value that went to a bound
     took others along; then what matters least comes first."""
     on_bound = [name for name, reason in reasons.items() if reason.endswith(AT_ITS_END)]
-    height, wider = likelihood.total(model), widenings(model, likelihood)
+    height = likelihood.total(model)
     found = []
     for name in on_bound[:1] or reasons:
         rest = fit(model.without_finding(name), likelihood)
         lost = height - likelihood.total(rest)
-        found.append((name, rest, lost / wider.get(name, 1.0)))
+        found.append((name, rest, lost / smooth.widening(name)))
     name, rest, _ = min(found, key=lambda one: one[2])
     return name, rest
 
 
-def _is_clear_together(model: Model, name: str, likelihood: Likelihood) -> bool:
+def _is_clear_together(model: Model, name: str, smooth: SmoothValues) -> bool:
     """Return whether smooth values are not all null, though each may be: two of which
     frames tell the difference.
 
@@ -93,8 +93,7 @@ def _is_clear_together(model: Model, name: str, likelihood: Likelihood) -> bool:
     count = len(used)
     if count < 2 or term.effect.estimator != "smooth" or _bound_of(model, term, ()):
         return False
-    distance = square_of_distance(model, name, used, likelihood)
-    return distance > float(chi2.ppf(0.95, count))
+    return smooth.square_of_distance(name, used) > float(chi2.ppf(0.95, count))
 
 
 def _unfounded(model: Model, term: Term, values: EstimatesByEffect) -> str:

@@ -4,6 +4,7 @@
 """Confidence intervals of fitted values."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,42 +152,42 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
     return result
 
 
-def widenings(model: Model, likelihood: Likelihood) -> dict[str, float]:
-    """Return how much larger than by noise squares of distances of each term's smooth
-    values are, all of them together, by its name."""
-    found, parameters = _covariances(model, likelihood)
-    numbers: dict[str, list[int]] = {}
-    for number, (name, _) in enumerate(parameters):
-        numbers.setdefault(name, []).append(number)
-    return {name: found.widening_of_all(own) for name, own in numbers.items()}
+@dataclass(frozen=True)
+class SmoothValues:
+    """The smooth values of a model, (name of a term, index), and their covariances."""
 
+    model: Model
+    parameters: Sequence[Parameter]
+    covariances: Covariances
 
-def square_of_distance(
-    model: Model, name: str, used: Collection[str], likelihood: Likelihood
-) -> float:
-    """Return how far the smooth values of a term that are used are from 0, all of them
-    together, in standard errors, squared: of n whose truth is 0, it is of the
-    chi-square of n. Source: A. Wald, Trans. Am. Math. Soc. 54(3), 1943."""
-    term = model.term(name)
-    assert term is not None
-    found, parameters = _covariances(model, likelihood)
-    own = [
-        number
-        for number, (of, index) in enumerate(parameters)
-        if of == name and term.effect.parameters[index] in used
-    ]
-    values = np.array([float(term.values[parameters[number][1]]) for number in own])
-    told = inverse_of(found.by_noise[np.ix_(own, own)])
-    return float(values @ told @ values) / found.widening_of_all(own)
+    @classmethod
+    def of(cls, model: Model, likelihood: Likelihood) -> "SmoothValues":
+        base = Linearisation(model, likelihood)
+        parameters, score, information = base.system(model)
+        return cls(model, parameters, covariances(base, score, information))
 
+    def widening(self, name: str) -> float:
+        """Return how much larger than by noise squares of distances of a term's values
+        are, all of them together; 1 of a term without any."""
+        return self.covariances.widening_of_all(
+            [number for number, (of, _) in enumerate(self.parameters) if of == name]
+        )
 
-def _covariances(
-    model: Model, likelihood: Likelihood
-) -> tuple[Covariances, Sequence[Parameter]]:
-    """Return those of a model's smooth values, and which these are."""
-    base = Linearisation(model, likelihood)
-    parameters, score, information = base.system(model)
-    return covariances(base, score, information), parameters
+    def square_of_distance(self, name: str, used: Collection[str]) -> float:
+        """Return how far the values of a term that are used are from 0, all of them
+        together, in standard errors, squared: of n whose truth is 0, it is of the
+        chi-square of n. Source: A. Wald, Trans. Am. Math. Soc. 54(3), 1943."""
+        term = self.model.term(name)
+        assert term is not None
+        own = [
+            number
+            for number, (of, index) in enumerate(self.parameters)
+            if of == name and term.effect.parameters[index] in used
+        ]
+        values = term.values[[self.parameters[number][1] for number in own]]
+        told = inverse_of(self.covariances.by_noise[np.ix_(own, own)])
+        widening = self.covariances.widening_of_all(own)
+        return float(values @ told @ values) / widening
 
 
 def _interval(
