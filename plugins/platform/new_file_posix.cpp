@@ -116,6 +116,12 @@ int sync_once(int file)
     return ::fsync(file);
 }
 
+/// Whether a file system says of a call that it has nothing of the kind.
+bool is_lacking(int error)
+{
+    return error == EOPNOTSUPP || error == ENOTSUP || error == ENOSYS;
+}
+
 /// fsync(); files that cannot be synchronised are as good as they will be.
 int sync_file(int file)
 {
@@ -123,7 +129,7 @@ int sync_file(int file)
     do
         result = sync_once(file);
     while (result != 0 && errno == EINTR);
-    return result != 0 && errno == EINVAL ? 0 : result;
+    return result != 0 && (errno == EINVAL || is_lacking(errno)) ? 0 : result;
 }
 
 } // namespace
@@ -254,7 +260,7 @@ void NewFile::State::keep_mode() const
     if (!mode || ::fstat(file, &status) != 0 || (status.st_mode & 0777) == *mode)
         return;
     // File systems without permissions refuse, and have none to keep.
-    if (::fchmod(file, *mode) != 0 && errno != EPERM && errno != EOPNOTSUPP)
+    if (::fchmod(file, *mode) != 0 && errno != EPERM && !is_lacking(errno))
         fail("keep its permissions");
 }
 

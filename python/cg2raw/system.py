@@ -28,6 +28,10 @@ else:
     OPEN_FOLDER = os.O_RDONLY | os.O_DIRECTORY
     READ_FILE = os.O_RDONLY | os.O_NONBLOCK
 OPEN_FILES = "/proc/self/fd"
+# What is said of a lock that another process has: flock(2), msvcrt.locking.
+LOCKED = (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)
+# What file systems without them say of permissions or of putting a file on the disk.
+LACKING = (errno.ENOTSUP, errno.ENOSYS)
 PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
 
 
@@ -215,12 +219,21 @@ class Folder:
                 raise OSError(f"{path}: is a link, which is not ours; remove it")
 
 
-def lock(handle: int) -> None:
-    """Lock a file until it is closed. Raises OSError if another process has done so."""
-    if sys.platform == "win32":
-        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-    else:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+def lock(handle: int) -> bool:
+    """Lock a file until it is closed; return False if its file system has no locks.
+
+    Raises BlockingIOError if another process has locked it."""
+    try:
+        if sys.platform == "win32":
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        else:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in LOCKED:
+            raise BlockingIOError(*error.args) from None
+        # Lustre says ENOSYS, NFS without its daemon ENOLCK, others what they like.
+        return False
+    return True
 
 
 def set_mode(handle: int, mode: int) -> None:
@@ -230,7 +243,7 @@ def set_mode(handle: int, mode: int) -> None:
     try:
         os.fchmod(handle, mode)
     except OSError as error:
-        if error.errno not in (errno.EPERM, errno.ENOTSUP):
+        if error.errno not in (errno.EPERM, *LACKING):
             raise
 
 
@@ -244,7 +257,7 @@ def sync(handle: int) -> None:
         os.fsync(handle)
     except OSError as error:
         no_disk = errno.EBADF if sys.platform == "win32" else errno.EINVAL
-        if error.errno != no_disk:
+        if error.errno not in (no_disk, *LACKING):
             raise
 
 

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/types.h>
@@ -288,4 +289,10 @@ int fchmod(int file, mode_t mode)
 {
     REAL(fchmod);
     return fails("fchmod", file) ? -1 : real(file, mode);
+}
+
+int flock(int file, int operation)
+{
+    REAL(flock);
+    return fails("flock", file) ? -1 : real(file, operation);
 }

@@ -29,7 +29,7 @@ import argparse
 import importlib.util
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from cg2raw.cli._methods import add_convention, add_method
@@ -177,6 +177,7 @@ def run(arguments: argparse.Namespace) -> int:
             scheduler=arguments.scheduler,
             watch=None if arguments.quiet else progress,
             verify=arguments.verify,
+            tell=teller(arguments),
         )
     except KeyboardInterrupt:
         print(f"cg2raw dataset: {STOPPED}", file=sys.stderr)
@@ -184,6 +185,16 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         report(arguments.out, summary)
     return list_bad(arguments, summary)
+
+
+def teller(arguments: argparse.Namespace) -> Callable[[str], None]:
+    """Return what prints a sentence that is no result and no error, if not quiet."""
+
+    def tell(sentence: str) -> None:
+        if not arguments.quiet:
+            print(f"cg2raw dataset: {sentence}", file=sys.stderr)
+
+    return tell
 
 
 def dry_run(arguments: argparse.Namespace, plan: "Plan") -> int:
@@ -219,9 +230,7 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
     from cg2raw.dataset import options
     from cg2raw.dataset.kept_profiles import load_or_kept
 
-    def tell(sentence: str) -> None:
-        if not arguments.quiet:
-            print(f"cg2raw dataset: {sentence}", file=sys.stderr)
+    tell = teller(arguments)
 
     def leave_out(sentence: str) -> None:
         if arguments.sensors != "all":

@@ -23,6 +23,7 @@ from cg2raw.near_words import one_line
 from cg2raw.system import Folder, lock, sync_file_system
 
 STOPPED = "stopped; run the same command again to resume"
+NO_LOCKS = "its file system has no locks: see that no other cg2raw writes there"
 # What write_in leaves where it was killed.
 LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.[a-z0-9_]{{8}}")
 
@@ -45,6 +46,7 @@ def make_dataset(
     scheduler: str | None = None,
     watch: Callable[[Iterator[Row], int, int], Iterable[Row]] | None = None,
     verify: str = "hash",
+    tell: Callable[[str], None] | None = None,
 ) -> Summary:
     """Make, or go on with, the data set of a Plan; return its Summary.
 
@@ -54,13 +56,13 @@ def make_dataset(
     on, then what `job.make` returns of it. What is finished stays finished, however the
     process ends.
     verify : what of a finished file must be as it was written for it to be kept: its
-    "hash", or its "size" alone.
+    "hash", or its "size" alone. tell : is given what the user is to see to.
     Raises ValueError or OSError, each of one line."""
     out = os.path.realpath(out)
     images = Images(paths, out)
     os.makedirs(out, exist_ok=True)
     check_folder(out, plan)
-    with locked(out):
+    with locked(out, tell):
         begin(out, plan, images)
         total = sum(1 for _ in images)
         check_count(total, paths)
@@ -110,15 +112,18 @@ def is_ours(name: str) -> bool:
 
 
 @contextlib.contextmanager
-def locked(out: str) -> Iterator[None]:
-    """Keep others from writing the same data set. Raises ValueError if one does."""
+def locked(out: str, tell: Callable[[str], None] | None = None) -> Iterator[None]:
+    """Keep others from writing the same data set. Raises ValueError if one does.
+
+    Where the file system has no locks, nobody is kept: @tell is told."""
     with (
         Folder(out, journal.FOLDER, make=True) as folder,
         open(folder.open("lock", os.O_RDWR | os.O_CREAT)) as stream,
     ):
         try:
-            lock(stream.fileno())
-        except OSError:
+            if not lock(stream.fileno()) and tell:
+                tell(f"{out}: {NO_LOCKS}")
+        except BlockingIOError:
             raise ValueError(f"{out}: is being written by another cg2raw") from None
         yield
 
