@@ -32,11 +32,14 @@ bool is_large(const ImageSpec& spec)
         && std::int64_t(width) * height > most_pixels;
 }
 
-/// What no host would have made.
+/// Whether a host could have made it. Of a tile OpenImageIO's write_image() makes one
+/// whole, whatever part of it the image fills.
 bool is_possible(const ImageSpec& spec)
 {
+    const std::int64_t tile = std::int64_t(spec.tile_width) * spec.tile_height;
     return spec.width > 0 && spec.height > 0 && spec.nchannels > 0
-        && std::int64_t(spec.width) * spec.nchannels <= most_bytes;
+        && std::int64_t(spec.width) * spec.nchannels <= most_bytes
+        && tile * spec.nchannels <= most_bytes;
 }
 
 } // namespace
@@ -80,8 +83,7 @@ void HostFile::write_rows(int first, int end, TypeDesc format)
 void HostFile::write_tile(int x, int y, TypeDesc format)
 {
     const std::int64_t width = m_spec.tile_width, height = m_spec.tile_height;
-    if (!m_is_open || !is_possible(m_spec) || width <= 0 || height <= 0
-        || width * height > most_bytes)
+    if (!m_is_open || !is_possible(m_spec) || width <= 0 || height <= 0)
         return;
     if (const char* const pixels = data(std::size_t(width * height), format))
         expect(m_output->write_tile(x, y, 0, format, pixels, pixel_size(format),
