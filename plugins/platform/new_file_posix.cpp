@@ -5,11 +5,10 @@
 #include "platform/new_file.h"
 
 #include "cg2raw/types.h"
+#include "platform/link_target_posix.h"
 #include "platform/temporary_name.h"
 
 #include <cerrno>
-#include <climits>
-#include <cstdlib>
 #include <optional>
 
 #include <fcntl.h>
@@ -32,7 +31,9 @@ struct NewFile::State {
     void open_folder(const std::string& target);
     void find_older();
     void open_unnamed();
+    template <typename Make> bool make_temporary(const Make& make);
     void open_named();
+    void leave_streams();
     void keep_mode() const;
     mode_t first_mode() const { return mode.value_or(0666); }
     void flush();
@@ -46,44 +47,6 @@ struct NewFile::State {
 namespace {
 
 std::error_code system_error(int error) { return { error, std::system_category() }; }
-
-std::string folder_of(const std::string& path)
-{
-    const std::size_t slash = path.rfind('/');
-    if (slash == std::string::npos)
-        return ".";
-    return slash == 0 ? "/" : path.substr(0, slash);
-}
-
-/// What the symbolic link at @p path says; empty if it is none.
-std::string text_of_link(const std::string& path)
-{
-    std::string text(PATH_MAX, '\0');
-    const ssize_t size = ::readlink(path.c_str(), text.data(), text.size());
-    text.resize(size > 0 ? std::size_t(size) : 0);
-    return text;
-}
-
-/// Where a file that is opened as @p path lies or would lie, unless its links lead in a
-/// circle.
-std::optional<std::string> link_target(std::string path)
-{
-    constexpr int most_links = 40; // as Linux has it
-    for (int links = 0; links < most_links; ++links) {
-        const std::unique_ptr<char, decltype(&std::free)> real(
-            ::realpath(path.c_str(), nullptr), &std::free);
-        if (real)
-            return real.get();
-        if (errno == ELOOP)
-            break;
-        // One that leads to no file yet; what else is wrong, open() will say.
-        const std::string text = errno == ENOENT ? text_of_link(path) : "";
-        if (text.empty())
-            return path;
-        path = text.front() == '/' ? text : folder_of(path) + "/" + text;
-    }
-    return std::nullopt;
-}
 
 /// A hidden name beside @p name that no other writer has.
 std::string temporary_name(const std::string& name)
@@ -101,6 +64,8 @@ constexpr int by_place = O_SEARCH | O_DIRECTORY | O_CLOEXEC;
 constexpr int by_place = O_RDONLY | O_DIRECTORY | O_CLOEXEC;
 #endif
 
+constexpr int beside_streams = STDERR_FILENO + 1; ///< and all numbers above it
+
 std::string descriptor_path(int file)
 {
     return "/proc/self/fd/" + std::to_string(file);
@@ -108,8 +73,7 @@ std::string descriptor_path(int file)
 
 int sync_once(int file)
 {
-#ifdef F_FULLFSYNC // macOS: its fsync() leaves bytes in the drive; a share may lack
-                   // this
+#ifdef F_FULLFSYNC // macOS, whose fsync() leaves bytes in the drive; not of all shares
     if (::fcntl(file, F_FULLFSYNC) == 0)
         return 0;
 #endif
@@ -146,6 +110,7 @@ NewFile::NewFile(const std::string& path, bool sync, bool unnamed)
         m_state->open_unnamed();
     if (m_state->file < 0)
         m_state->open_named();
+    m_state->leave_streams();
     m_state->keep_mode();
 }
 
@@ -238,19 +203,45 @@ void NewFile::State::open_unnamed()
 #endif
 }
 
-void NewFile::State::open_named()
+/// Has a call make a name that no other writer has; otherwise errno is that of the
+/// call.
+template <typename Make> bool NewFile::State::make_temporary(const Make& make)
 {
-    std::string tried;
     for (int tries = 0; tries < most_temporary_names; ++tries) {
-        tried = temporary_name(name);
-        file = ::openat(folder, tried.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC,
-                        first_mode());
-        if (file >= 0 || errno != EEXIST)
+        std::string tried = temporary_name(name);
+        if (make(tried)) {
+            temporary.swap(tried);
+            return true;
+        }
+        if (errno != EEXIST)
             break;
     }
-    if (file < 0)
+    return false;
+}
+
+void NewFile::State::open_named()
+{
+    const auto open = [&](const std::string& tried) {
+        file = ::openat(folder, tried.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC,
+                        first_mode());
+        return file >= 0;
+    };
+    if (!make_temporary(open))
         fail("create");
-    temporary.swap(tried);
+}
+
+/// Where a host has closed a standard stream, its number is not the file's: what the
+/// host prints would go into it.
+void NewFile::State::leave_streams()
+{
+    if (file > STDERR_FILENO)
+        return;
+    const int stream = file;
+    file = ::fcntl(stream, F_DUPFD_CLOEXEC, beside_streams);
+    const int error = errno;
+    ::close(stream);
+    if (file < 0)
+        fail("create", error);
 }
 
 /// An older file's permissions, whatever the umask; a new one has what that leaves.
@@ -271,7 +262,8 @@ void NewFile::State::flush()
     if (sync && sync_file(file) != 0)
         fail("write");
     // A file without a name needs a descriptor to be given one.
-    const int link = temporary.empty() ? ::fcntl(file, F_DUPFD_CLOEXEC, 0) : -1;
+    const int link
+        = temporary.empty() ? ::fcntl(file, F_DUPFD_CLOEXEC, beside_streams) : -1;
     if (temporary.empty() && link < 0)
         fail("write");
     const int written = file;
@@ -291,16 +283,8 @@ void NewFile::State::link_unnamed()
                         AT_SYMLINK_FOLLOW)
             == 0;
     };
-    if (link(name))
-        return;
-    for (int tries = 0; errno == EEXIST && tries < most_temporary_names; ++tries) {
-        std::string tried = temporary_name(name);
-        if (link(tried)) {
-            temporary.swap(tried);
-            return;
-        }
-    }
-    fail("create");
+    if (!link(name) && (errno != EEXIST || !make_temporary(link)))
+        fail("create");
 }
 
 void NewFile::State::close_link() noexcept

@@ -11,7 +11,7 @@ import pytest
 import tifffile
 from PIL import ImageCms
 
-from cg2raw.io.image_file import image_size, read_image, read_plane
+from cg2raw.io.image_file import image_size, read_image, read_plane, read_rows
 from cg2raw.io.transfer_curve import table
 from dataset.data_sets import scene, write_deep, write_image
 
@@ -288,3 +288,20 @@ def test_deep_images_are_an_error(tmp_path):
     path = write_deep(tmp_path / "deep.exr")
     with pytest.raises(ValueError, match="deep.exr: deep .*oiiotool --flatten"):
         read_image(path)
+
+
+class NoThreads:
+    """An image's reader where the system starts no thread."""
+
+    def read_scanlines(self, *arguments):
+        raise RuntimeError("Resource temporarily unavailable")
+
+    read_tiles = read_scanlines
+
+
+@pytest.mark.parametrize("tile", [0, 16])
+def test_what_openimageio_throws_is_said_of_the_file(tile):
+    spec = oiio.ImageSpec(16, 16, 3, "float")
+    spec.tile_height = tile
+    with pytest.raises(OSError, match="a.exr: cannot be read: Resource temporarily"):
+        read_rows("a.exr", NoThreads(), spec, 0, 16, [0, 1, 2], "float")

@@ -263,11 +263,14 @@ def read_rows(
     Rows that are compressed together are read together, so that no whole copy is
     made: at most 256 in OpenEXR, or a row of tiles."""
     top, least, most = spec.y + row, min(channels), max(channels) + 1
-    if spec.tile_height:
-        box = (spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1)
-        pixels = source.read_tiles(*box, least, most, kind)
-    else:
-        pixels = source.read_scanlines(top, top + count, spec.z, least, most, kind)
+    try:
+        if spec.tile_height:
+            box = (spec.x, spec.x + spec.width, top, top + count, spec.z, spec.z + 1)
+            pixels = source.read_tiles(*box, least, most, kind)
+        else:
+            pixels = source.read_scanlines(top, top + count, spec.z, least, most, kind)
+    except RuntimeError as error:  # it may start no thread
+        raise OSError(f"{path}: cannot be read: {one_line(str(error))}") from None
     if pixels is None:
         raise ValueError(f"{path}: {one_line(source.geterror())}")
     pixels = np.reshape(pixels, (count, spec.width, most - least))

@@ -41,6 +41,40 @@ TEST_P(EitherPosixAtomicFile, KeepTheModeOfAFile)
     EXPECT_EQ(fs::status(path()).permissions(), fs::perms(0640));
 }
 
+/// Standard input and error, closed for as long as it lives: the folder takes one of
+/// their numbers, its file would take the other.
+class NoStreams {
+public:
+    NoStreams()
+    {
+        ::close(STDIN_FILENO);
+        ::close(STDERR_FILENO);
+    }
+    ~NoStreams()
+    {
+        ::dup2(m_input, STDIN_FILENO);
+        ::dup2(m_error, STDERR_FILENO);
+        ::close(m_input);
+        ::close(m_error);
+    }
+
+private:
+    int m_input = ::dup(STDIN_FILENO), m_error = ::dup(STDERR_FILENO);
+};
+
+TEST_P(EitherPosixAtomicFile, HoldNothingThatAHostPrints)
+{
+    {
+        const NoStreams closed;
+        AtomicFile file(path(), true, GetParam());
+        ASSERT_TRUE(file.write("new", 3, 0));
+        EXPECT_EQ(::write(STDERR_FILENO, "warning", 7), -1);
+        file.publish();
+    }
+    EXPECT_EQ(bytes_of(path()), "new");
+    EXPECT_EQ(files(), 1);
+}
+
 /// For as long as it lives.
 class Umask {
 public:
