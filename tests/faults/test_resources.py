@@ -137,17 +137,33 @@ def test_too_little_memory_for_an_image(tmp_path):
     assert {item.name for item in tmp_path.iterdir()} == {path.name, "shot.dng"}
 
 
-def test_dev_full_takes_no_report(source, tmp_path):
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_dev_full_takes_no_report(source, tmp_path, unbuffered):
     with Path("/dev/full").open("w") as full:
         words = words_of("profile", source, tmp_path)[:1]
         done = subprocess.run(
             [sys.executable, "-m", "cg2raw", "profile", *words],
+            env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
         )
     assert done.returncode == 1 and NO_SPACE in done.stderr
     assert "Traceback" not in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("words", [["--help"], ["sensors", "--help"], ["--version"]])
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_dev_full_takes_no_help(words, unbuffered):
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "cg2raw", *words],
+            env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    assert (done.returncode, done.stderr) == (1, f"cg2raw: {NO_SPACE} on device\n")
 
 
 def values_of_the_core(folder):

@@ -61,24 +61,37 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
+def tell(arguments: argparse.Namespace, sentence: str) -> None:
+    """Print why a command ends; of --help there is no command."""
+    name = f"cg2raw {getattr(arguments, 'name', '')}".rstrip()
+    print(f"{name}: {sentence}", file=sys.stderr)
+
+
+def drop_what_is_not_printed() -> None:
+    """Drop output that nobody takes, or no disk: else the interpreter tries once more
+    at its end, says so, and exits with 120."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line (default: sys.argv); return its exit code."""
-    arguments = make_parser().parse_args(argv)
+    arguments = argparse.Namespace()
     try:
+        arguments = make_parser().parse_args(argv)
         check_words(sys.argv[1:] if argv is None else argv)
         code: int = arguments.run(arguments)
         sys.stdout.flush()
         return code
     except BrokenPipeError:
-        # Whoever read our output has seen enough; keep the interpreter from saying so.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_what_is_not_printed()  # whoever read our output has seen enough
         return 1
     except (ValueError, OSError, MemoryError) as error:
-        print(
-            f"cg2raw {arguments.name}: {about_output(arguments, error)}",
-            file=sys.stderr,
-        )
+        tell(arguments, about_output(arguments, error))
+        drop_what_is_not_printed()
         return 1
     except KeyboardInterrupt:
-        print(f"cg2raw {arguments.name}: interrupted", file=sys.stderr)
+        tell(arguments, "interrupted")
         return 130
