@@ -18,8 +18,8 @@ from images import write_image
 LACKING = [
     ("fchmod", errno.EPERM), ("fchmod", errno.ENOTSUP), ("fchmod", errno.ENOSYS),
     ("fsync", errno.EINVAL), ("fsync", errno.ENOTSUP), ("fsync", errno.ENOSYS),
-    ("flock", errno.ENOSYS), ("flock", errno.ENOLCK), ("flock", errno.ENOTSUP),
 ]  # fmt: skip
+NO_LOCKS = [errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP]
 CONVERT = ["convert", "a.exr", "-o", "out/a.dng", "--illuminant", "D65"]
 DATASET = ["dataset", "a.exr", "out/set", "--illuminants", "1", "--format", "npy"]
 
@@ -48,38 +48,46 @@ def run(command, folder, **faults):
     )
 
 
+def older_file(folder):
+    """Return the path of a DNG, of which more is kept than the umask leaves: fchmod."""
+    path = folder / "out/a.dng"
+    path.write_bytes(b"old")
+    path.chmod(0o666)
+    return path
+
+
 @pytest.mark.parametrize("call, number", LACKING)
 def test_what_a_file_system_lacks_is_done_without(injector, tmp_path, call, number):
     faults = injector.environment(call, number, sticky=True, tmpfile=False)
-    if call == "flock":
-        commands = [DATASET, DATASET]
-    else:
-        commands = [CONVERT, CONVERT]
-        (tmp_path / "out/a.dng").write_bytes(b"old")
-        (tmp_path / "out/a.dng").chmod(0o666)  # more than the umask leaves: fchmod
-    for command in commands:
-        done = run(command, tmp_path, **faults)
+    path = older_file(tmp_path)
+    for _ in range(2):
+        done = run(CONVERT, tmp_path, **faults)
+        assert (done.returncode, done.stderr) == (0, "")
+    assert injector.fired
+    assert path.read_bytes()[:4] == b"II*\0"
+
+
+@pytest.mark.parametrize("number", NO_LOCKS)
+def test_a_data_set_is_made_without_locks(injector, tmp_path, number):
+    faults = injector.environment("flock", number, sticky=True)
+    for _ in range(2):
+        done = run(DATASET, tmp_path, **faults)
         assert done.returncode == 0, done.stderr
     assert injector.fired
-    if call == "flock":
-        assert "wrote" in done.stdout and "1 of them kept" in done.stdout
-        assert done.stderr.splitlines() == [
-            f"cg2raw dataset: {tmp_path}/out/set: its file system has no locks: see "
-            "that no other cg2raw writes there"
-        ]
-    else:
-        assert done.stderr == ""
-        assert (tmp_path / "out/a.dng").read_bytes()[:4] == b"II*\0"
+    assert "wrote" in done.stdout and "1 of them kept" in done.stdout
+    assert done.stderr.splitlines() == [
+        f"cg2raw dataset: {tmp_path}/out/set: its file system has no locks: see "
+        "that no other cg2raw writes there"
+    ]
 
 
 @pytest.mark.parametrize("call", ["fchmod", "fsync"])
 def test_other_errors_are_errors(injector, tmp_path, call):
-    (tmp_path / "out/a.dng").write_bytes(b"old")
-    (tmp_path / "out/a.dng").chmod(0o666)
+    path = older_file(tmp_path)
     faults = injector.environment(call, errno.EIO, sticky=True, tmpfile=False)
     done = run(CONVERT, tmp_path, **faults)
     assert done.returncode == 1 and "Input/output error" in done.stderr
-    assert (tmp_path / "out/a.dng").read_bytes() == b"old"
+    assert path.read_bytes() == b"old"
 
 
 def test_a_lock_that_another_has_is_an_error(injector, tmp_path):
