@@ -76,6 +76,14 @@ PARTS_OF_DNG = {
 }
 # Of dng's public headers, those that another may include.
 BEFORE_IN_DNG = {"dng_mosaic": {"dng_reader"}}
+# Folders and files of the top level that are in the repository.
+TOP = {
+    ".ci", ".clang-format", ".clang-tidy", ".github", ".gitignore",
+    ".pre-commit-config.yaml", "CHANGES.md", "CITATION.cff", "CMakeLists.txt",
+    "CMakePresets.json", "CONTRIBUTING.md", "LICENSE", "README.md", "SECURITY.md",
+    "THIRD-PARTY.md", "docs", "ocio", "packaging", "plugins", "pyproject.toml",
+    "python", "scripts", "tests",
+}  # fmt: skip
 MOST_LINES, MEDIAN_LINES = 350, 150
 
 PLUGINS = Path(__file__).resolve().parent.parent / "plugins"
@@ -189,12 +197,12 @@ def test_json_is_private_to_the_profile():
     assert users == []
 
 
-def source_files(repository):
-    """Return all sources under version control, or about to be."""
+def versioned_files(repository, *more):
+    """Return all files under version control, and @more that git ls-files lists."""
     if shutil.which("git") is None:
         pytest.skip("git is not installed")
     listed = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        ["git", "ls-files", "--cached", *more],
         cwd=repository,
         capture_output=True,
         text=True,
@@ -203,12 +211,17 @@ def source_files(repository):
     if listed.returncode:
         pytest.skip("not a git checkout")
     files = [repository / line for line in listed.stdout.splitlines()]
+    return [path for path in files if path.is_file()]
+
+
+def source_files(repository):
+    """Return all sources under version control, or about to be."""
+    files = versioned_files(repository, "--others", "--exclude-standard")
     suffixes = (".cpp", ".h", ".py", ".cmake")
     return [
         path
         for path in files
-        if path.is_file()
-        and (
+        if (
             path.suffix in suffixes
             or path.name == "CMakeLists.txt"
             or path.parent.name in ("scripts", "studies", ".ci")
@@ -252,3 +265,8 @@ def test_the_citation_is_of_this_version(repository):
     )
     citation = (repository / "CITATION.cff").read_text()
     assert version and f"\nversion: {version[1]}\n" in citation
+
+
+def test_nothing_was_left_at_the_top(repository):
+    files = versioned_files(repository)
+    assert {path.relative_to(repository).parts[0] for path in files} == TOP
