@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
+import numpy as np
+
 from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import Todo, read_darks
 from cg2raw.calibration.flats import above_darks, read_flats
@@ -23,6 +25,7 @@ from cg2raw.calibration.frames import (
     scan,
 )
 from cg2raw.calibration.notes import notes_on
+from cg2raw.calibration.screening import screened
 from cg2raw.calibration.sites import sites_of
 from cg2raw.sensor import Sensor
 
@@ -50,7 +53,7 @@ def calibrate(
     tell = progress or (lambda words, share: None)
     iso = one_iso(frames)
     scanned = scan_all(sensor, frames, threads, tell)
-    groups = groups_of(scanned)
+    groups, excluded = screened(groups_of(scanned), np.array(sensor.black_level))
     check_groups(groups)
     sites = sites_of(sensor)
     dark_groups = [g for g in groups if g.frames[0].frame.kind == "dark"]
@@ -68,19 +71,10 @@ def calibrate(
         shape=scanned[0].shape,
         iso=iso,
         frames=(number_of(dark_groups), number_of(flat_groups)),
-        black_level=darks.black_level,
-        drift=darks.drift,
-        structure=darks.structure,
-        noise=darks.noise,
-        dark=darks.dark,
-        spread=darks.spread,
-        glow=darks.glow,
-        maps=darks.maps,
-        transfer=light.transfer,
-        light=light.light,
-        linearity=light.linearity,
-        lamp=light.lamp,
         transients=(*darks.transients, *flats.transients),
+        excluded=excluded,
+        **{k: v for k, v in vars(darks).items() if k != "transients"},
+        **vars(light),
     )
     return replace(found, notes=notes_on(found, scanned))
 

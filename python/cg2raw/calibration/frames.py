@@ -47,13 +47,16 @@ class UniformFrame:
 class Scanned:
     """A frame with what a first look at it says.
 
-    level : (sites,) mean of each site, DN, without what lies 4 sigma off.
+    level : (sites,) mean of each site, DN, without what lies 4 sigma off; noise : DN,
+    standard deviation of these pixels, fixed patterns included; far : share of others.
     saturated, zeros : share of the pixels at the white level or above, and at 0.
     highest, at_highest : the largest DN, and the share of the pixels that have it."""
 
     frame: UniformFrame
     shape: tuple[int, int]
     level: Array
+    noise: float
+    far: float
     saturated: float
     zeros: float
     highest: int
@@ -102,12 +105,14 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
         counts[: len(part)] += part
     _check_codes(frame, counts, sensor)
     codes = np.arange(len(counts))
-    level = [clipped_moments_of_counts(codes[: len(part)], part)[0] for part in by_site]
+    moments = [clipped_moments_of_counts(codes[: len(part)], part) for part in by_site]
     highest = int(np.flatnonzero(counts)[-1])
     return Scanned(
         frame,
         (raw.shape[0], raw.shape[1]),
-        np.array(level),
+        np.array([mean for mean, _, _ in moments]),
+        float(np.mean([sigma for _, sigma, _ in moments])),
+        1 - sum(count for _, _, count in moments) / raw.size,
         float(counts[sensor.white_level :].sum() / raw.size),
         float(counts[0] / raw.size),
         highest,

@@ -40,6 +40,7 @@ class Measurements:
     shape : (H, W) px. frames : (darks, flats). black_level : (sites) DN.
     drift : DN, standard deviation of the level from frame to frame.
     lamp : relative, standard deviation of the flats' light. maps : of each pixel.
+    excluded : {name of a frame that is none of its repeats: how it is off}.
     likeliest : of fixed patterns, the parameters by the likelihood of all together, in
     the registry's units; what a profile says of those that stand out."""
 
@@ -62,6 +63,7 @@ class Measurements:
     maps: DarkMaps | None = field(default=None, repr=False)
     transients: tuple[Transients, ...] = ()
     notes: tuple[str, ...] = ()
+    excluded: Mapping[str, str] = field(default_factory=dict)
     likeliest: Mapping[str, Mapping[str, Measured]] = field(default_factory=dict)
 
     @property

@@ -21,7 +21,7 @@ def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]
 
 def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
     """Return what is wrong with single frames."""
-    notes = []
+    notes = [f"{name}: {why}: excluded" for name, why in found.excluded.items()]
     cut = [s for s in scanned if s.frame.kind == "dark" and s.zeros > ZEROS]
     if cut:
         notes.append(

@@ -48,7 +48,8 @@ def refine(
     patterns = _stated_patterns(sensor)
     if not patterns or found.iso is None:
         return found
-    captures = CaptureSet(sensor, [capture_of(one, found.shape) for one in frames])
+    used = [one for one in frames if one.name not in found.excluded]
+    captures = CaptureSet(sensor, [capture_of(one, found.shape) for one in used])
     shown = read_frames(captures, noise_models(captures), None, say)
     splits = Splits(shown, Workers(threads, None))
     say("fixed patterns, all together", 0.5)

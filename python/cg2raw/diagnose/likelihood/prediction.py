@@ -192,8 +192,8 @@ def _with_maps(
             if effect.is_log_normal and fitted:
                 # Alike in all pixels: weights that a skewed map has a part in would
                 # pull the mean to the side of its smaller values.
-                weights = frame.keep * sensor_map.share
-                doubt = doubt + np.average(unsure - gain * more, weights=weights)
+                if (weights := frame.keep * sensor_map.share).any():
+                    doubt = doubt + np.average(unsure - gain * more, weights=weights)
                 continue
             variance = variance + gain * more
         if effect.layout != "sparse":

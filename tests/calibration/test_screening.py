@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A frame that is none of its repeats is excluded by name; of two that differ, both are
+named and neither is believed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibration.planted import BLACK, frames_of, sensor_of
+from cg2raw.calibration import calibrate
+from cg2raw.calibration.frames import groups_of, scan
+from cg2raw.calibration.screening import screened
+from cg2raw.calibration.sites import sites_of
+from cg2raw.diagnose import refine
+
+SENSOR = sensor_of({"prnu": {"sigma": 0.01}}, shape=(64, 96))
+FRAMES = frames_of(SENSOR, biases=5, darks=5, flats=5)
+
+
+def spoiled(number, change):
+    """Return FRAMES of which one is changed."""
+    one = FRAMES[number]
+    raw = change(one.pixels().astype(float))
+    pixels = np.clip(np.rint(raw), 0, 16383).astype(np.uint16)
+    return [*FRAMES[:number], replace(one, raw=lambda: pixels), *FRAMES[number + 1 :]]
+
+
+def truncated(raw):
+    """Return a frame whose last rows were never written."""
+    raw[-8:] = 0
+    return raw
+
+
+@pytest.mark.parametrize(
+    ("number", "change", "words"),
+    [
+        (7, lambda raw: raw + 1500, "DN above that of the 4 other darks of 30 s"),
+        (2, lambda raw: 0 * raw + 256, "its noise is 0.50 DN"),
+        (3, truncated, "12.5% of its pixels are far off"),
+        (12, truncated, "12.5% of its pixels are far off"),
+    ],
+)
+def test_a_frame_off_its_repeats_is_excluded(number, change, words):
+    scanned = [scan(f, sites_of(SENSOR), SENSOR) for f in spoiled(number, change)]
+    groups, excluded = screened(groups_of(scanned), np.array([BLACK]))
+    assert list(excluded) == [FRAMES[number].name]
+    assert words in excluded[FRAMES[number].name]
+    assert sum(len(group.frames) for group in groups) == len(FRAMES) - 1
+
+
+def test_an_excluded_frame_moves_no_number():
+    found = calibrate(SENSOR, spoiled(7, lambda raw: raw + 1500))
+    clean = calibrate(SENSOR, [*FRAMES[:7], *FRAMES[8:]])
+    assert any(note.startswith("dark-7: its level is 14") for note in found.notes)
+    assert found.updated_profile() == clean.updated_profile()
+
+    def unread():
+        raise AssertionError("an excluded frame was read")
+
+    rest = [replace(f, raw=unread) if f.name == "dark-7" else f for f in FRAMES]
+    assert "prnu" in refine(found, rest).likeliest
+
+
+def test_two_repeats_that_differ_are_refused_by_name():
+    frames = spoiled(7, lambda raw: raw + 1500)
+    with pytest.raises(ValueError, match="dark-7: is 1499.* DN above dark-5"):
+        calibrate(SENSOR, [*frames[:6], frames[7], *frames[10:]])
+
+
+def test_a_flat_of_other_light_is_named():
+    found = calibrate(SENSOR, spoiled(12, lambda raw: 256 + (raw - 256) / 2))
+    assert any(note.startswith("flat-12: its level is") for note in found.notes)
