@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cg2raw.core_arguments import PLAIN, is_number, is_whole, shown
+from cg2raw.core_arguments import PLAIN, check_utf8, is_number, is_whole, shown
 
 TEXT, TRUTH, NUMBER, WHOLE = (PLAIN[kind] for kind in ("str", "bool", "float", "int"))
 
@@ -33,6 +33,7 @@ def path_text(path: str | os.PathLike[str]) -> str:
         raise ValueError(f"path {shown(path)} must be the path of a file, a text")
     if "\0" in text:
         raise ValueError(f"path {shown(text)} holds a NUL character")
+    check_utf8(text)
     return text
 
 

@@ -126,8 +126,15 @@ def _refusal(
 
 
 def has_surrogates(value: object) -> bool:
-    """Return whether a value is a text with half of a pair, which no UTF-8 has."""
+    """Return whether a value is a text with half of a pair, which no UTF-8 has: Python
+    has one in the place of each byte of a file's name that is not UTF-8 (PEP 383)."""
     return isinstance(value, str) and SURROGATES.search(value) is not None
+
+
+def check_utf8(word: str) -> None:
+    """Raise ValueError for a word that is not UTF-8; the core takes no other."""
+    if has_surrogates(word):
+        raise ValueError(f"{word}: is not UTF-8; rename the file or folder")
 
 
 def _fits(node: ast.expr | None, value: object) -> bool:

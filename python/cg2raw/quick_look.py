@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.interrupts import scratch_folder
-from cg2raw.io.atomic_file import FilePath, write_atomically
+from cg2raw.io.atomic_file import FilePath, utf8_path, write_atomically
 from cg2raw.io.libraw import opened
 from cg2raw.oiio.openimageio import one_line, openimageio
 
@@ -74,11 +74,13 @@ def write_png(path: FilePath, picture: NDArray[Any]) -> None:
     spec.attribute("oiio:ColorSpace", "sRGB")
     with scratch_folder("cg2raw-render-") as folder:
         part = os.path.join(folder, "picture.png")
-        out = oiio.ImageOutput.create(part)
-        done = out and out.open(part, spec) and out.write_image(picture) and out.close()
-        if not done:
-            message = out.geterror() if out else oiio.geterror()
-            raise ValueError(f"{path}: cannot be written: {one_line(message)}")
+        with utf8_path(part) as way:
+            out = oiio.ImageOutput.create(way)
+            if not (
+                out and out.open(way, spec) and out.write_image(picture) and out.close()
+            ):
+                message = out.geterror() if out else oiio.geterror()
+                raise ValueError(f"{path}: cannot be written: {one_line(message)}")
         with open(part, "rb") as file:
             data = file.read()
     write_atomically(path, data)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from cg2raw import _core
-from cg2raw.argument_types import effect_parameters, thread_count
+from cg2raw.argument_types import effect_parameters, path_text, thread_count
 from cg2raw.arrays import (
     FloatImage,
     RawImage,
@@ -74,7 +74,7 @@ class Sensor:
     digital_gain: dict[str, float] | None
 
     def __init__(self, id_or_path: str | os.PathLike[str]) -> None:
-        self._profile = _core.load_profile(os.fspath(id_or_path))
+        self._profile = _core.load_profile(path_text(id_or_path))
 
     @classmethod
     def from_json(cls, text: str, name: str = "profile") -> "Sensor":
@@ -88,7 +88,7 @@ class Sensor:
         """Return the sensor that one real DNG describes, by its metadata alone.
 
         Raises ValueError naming file, tag, value and bound."""
-        metadata = _core.read_dng_metadata(os.fspath(path))
+        metadata = _core.read_dng_metadata(path_text(path))
         return cls.from_profile(_core.profile_from_dng(metadata))
 
     @classmethod

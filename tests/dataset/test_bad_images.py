@@ -97,12 +97,15 @@ def test_bad_images_are_listed_again_until_mended_or_gone(mixed, tmp_path):
     assert (done.code, done.err) == (0, "")
 
 
-def test_names_that_are_no_utf8_are_a_reason(tmp_path):
+def test_names_that_are_not_utf8_are_a_reason(tmp_path):
     write_image(tmp_path / "in/good.exr", scene())
     odd = os.fsencode(tmp_path / "in") + b"/od\xffd.exr"
     shutil.copy(tmp_path / "in/good.exr", odd)
     done = run("dataset", tmp_path / "in", tmp_path / "out", *OPTIONS)
-    assert done.code == 1 and "no UTF-8; rename" in done.err
+    said = "od\udcffd.exr: is not UTF-8; rename the file or folder"
+    assert done.code == 1 and said in done.err
+    dry = run("dataset", tmp_path / "in", tmp_path / "dry", *OPTIONS, "--dry-run")
+    assert dry.code == 0 and said in dry.err
     check_agreement(tmp_path / "out")
 
 
@@ -152,8 +155,21 @@ def test_an_image_that_kills_its_workers_is_given_up(tmp_path):
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 1
     assert "deadly.exr: the process that worked on it ended twice (SIGKILL)" in errors
+    (log,) = [word for word in errors.split() if word.endswith("workers.log")]
+    assert os.path.isfile(log)
     assert len(files_in(out)) == 8
     check_agreement(out)
+
+
+def test_a_folder_above_may_have_any_name(tmp_path, monkeypatch):
+    above = tmp_path / os.fsdecode(b"h\xf6fe")
+    write_image(tmp_path / "in/a.exr", scene())
+    (tmp_path / "in").rename(above)
+    monkeypatch.chdir(above)
+    done = run("dataset", ".", "out", *OPTIONS, "--workers", "1")
+    assert (done.code, done.err) == (0, "")
+    assert len(files_in(above / "out")) == 8
+    assert run("dataset", ".", "out", *OPTIONS).out.endswith("8 of them kept\n")
 
 
 def test_input_that_is_not_there_leaves_nothing(tmp_path):

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """What image files are taken for."""
 
+import os
+import shutil
 import struct
 import zlib
 
@@ -148,6 +150,21 @@ def test_what_cannot_be_used_says_why(tmp_path, name):
     path = write_image(tmp_path / name, pixels, kind, **attributes)
     with pytest.raises(ValueError, match=rf"\A[^\n]*{reason}[^\n]*\Z"):
         read(path)
+
+
+def test_a_name_that_is_not_utf8_is_an_error_and_a_folder_of_one_is_none(tmp_path):
+    path = write_image(tmp_path / "a.exr", scene())
+    odd = tmp_path / os.fsdecode(b"caf\xe9.exr")
+    shutil.copy(path, odd)
+    with pytest.raises(ValueError, match="is not UTF-8; rename the file or folder"):
+        read(odd)
+    folder = tmp_path / os.fsdecode(b"h\xf6fe")
+    folder.mkdir()
+    moved = path.rename(folder / "a.exr")
+    assert image_size(moved) == scene().shape[:2] and read(moved).path == str(moved)
+    moved.write_text("no image")
+    with pytest.raises(ValueError, match="h.fe/a.exr: .*magic"):
+        read(moved)
 
 
 def test_integers_of_32_bits_are_an_error(tmp_path):

@@ -266,8 +266,8 @@ def test_names_of_files_need_not_be_ascii(dngs, tmp_path):
     done = run("profile", photo, "-o", tmp_path / "caf\u00e9.json")
     assert done.code == 0
     assert "caf\u00e9 [1].dng" in str(read(tmp_path / "caf\u00e9.json")["sources"])
-    assert "is no UTF-8" in fails("profile", os.fsdecode(b"\xff.dng"))
-    assert "is no UTF-8" in fails("profile", photo, "-o", os.fsdecode(b"\xff.json"))
+    assert "is not UTF-8" in fails("profile", os.fsdecode(b"\xff.dng"))
+    assert "is not UTF-8" in fails("profile", photo, "-o", os.fsdecode(b"\xff.json"))
     assert "a b.nef: No such file" in fails("profile", "a\nb.nef")
 
 

@@ -10,6 +10,7 @@ code 1; argparse exits with 2 on a wrong command line.
 
 import argparse
 import importlib
+import io
 import os
 import pkgutil
 import sys
@@ -79,6 +80,8 @@ def drop_what_is_not_printed() -> None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line (default: sys.argv); return its exit code."""
     arguments = argparse.Namespace()
+    if isinstance(sys.stdout, io.TextIOWrapper):  # names of files may be no Unicode
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         arguments = make_parser().parse_args(argv)
         check_words(sys.argv[1:] if argv is None else argv)

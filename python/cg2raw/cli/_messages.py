@@ -5,15 +5,14 @@
 import argparse
 from collections.abc import Sequence
 
-from cg2raw.core_arguments import has_surrogates
-from cg2raw.short_messages import about, shortened
+from cg2raw.core_arguments import check_utf8
+from cg2raw.short_messages import about
 
 
 def check_words(words: Sequence[str]) -> None:
-    """Raise ValueError for a word that is no UTF-8; the core takes no other names."""
+    """Raise ValueError for a word that is not UTF-8."""
     for word in words:
-        if has_surrogates(word):
-            raise ValueError(shortened(f"{word!a} is no UTF-8; rename the file"))
+        check_utf8(word)
 
 
 def about_output(arguments: argparse.Namespace, error: BaseException) -> str:

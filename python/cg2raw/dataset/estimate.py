@@ -9,6 +9,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from cg2raw.core_arguments import check_utf8
 from cg2raw.dataset import journal
 from cg2raw.dataset.images import Images
 from cg2raw.dataset.job import make
@@ -54,12 +55,14 @@ def estimate(paths: Sequence[str], out: str, plan: Plan) -> Estimate:
     found, pixels, sample = Estimate(), 0, None
     for name, path in images:
         try:
+            check_utf8(name)
             width, height = size_of(path, plan)
             if sample is None and len(found.bad) < TRIES:
                 sample = sample_of(name, path, (width, height), plan)
                 found.measured = name
         except (ValueError, OSError) as error:
-            found.bad[name] = str(error).removeprefix(f"{path}: ")
+            text = str(error).removeprefix(f"{path}: ")
+            found.bad[name] = text.removeprefix(f"{name}: ")
         else:
             found.images += 1
             pixels += width * height

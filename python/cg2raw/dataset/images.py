@@ -5,8 +5,6 @@
 import os
 from collections.abc import Iterator, Sequence
 
-from cg2raw.core_arguments import has_surrogates
-
 ENDINGS = (".exr", ".png", ".tif", ".tiff", ".hdr")
 
 
@@ -61,8 +59,3 @@ class Images:
         if self.folder is not None:
             return os.path.exists(os.path.join(self.folder, name))
         return name in self.files
-
-
-def is_utf8(name: str) -> bool:
-    """Return whether a file's name is UTF-8; the core and Parquet take no other."""
-    return not has_surrogates(name)

@@ -95,7 +95,7 @@ def results(jobs: Iterable[Job], count: int, log: str) -> Generator[Row]:
     replaced and its image tried again, then given up. Raises OSError with the message
     of a worker that cannot write."""
     with create(log) as stream:
-        pool = Pool(iter(jobs), stream)
+        pool = Pool(iter(jobs), stream, log)
         try:
             with tidied(pool.kill):
                 for job in islice(pool.jobs, count):
@@ -110,8 +110,8 @@ def results(jobs: Iterable[Job], count: int, log: str) -> Generator[Row]:
 class Pool:
     """The workers that are busy, and the jobs that are left."""
 
-    def __init__(self, jobs: Iterator[Job], log: BinaryIO) -> None:
-        self.jobs, self.log = jobs, log
+    def __init__(self, jobs: Iterator[Job], log: BinaryIO, path: str) -> None:
+        self.jobs, self.log, self.path = jobs, log, path
         self.heard: Heard = queue.SimpleQueue()
         self.workers: set[Worker] = set()
 
@@ -172,4 +172,4 @@ class Pool:
     def ended(self, code: int) -> str:
         """Return the reason for which an image is given up."""
         how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        return f"the process that worked on it ended twice ({how}); see {self.log.name}"
+        return f"the process that worked on it ended twice ({how}); see {self.path}"

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from cg2raw import __version__
+from cg2raw.core_arguments import has_surrogates
 from cg2raw.dataset import journal, manifest
-from cg2raw.dataset.images import is_utf8
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.system import Folder, check_regular
@@ -52,8 +52,8 @@ class Target:
         """Return what is known of the image file, and find the rows that still hold."""
         old, texts = journal.read_texts(self.journal)
         old = old if journal.names(old, "sha256") else None  # else it was given up
-        if not is_utf8(self.job.image):
-            raise BadImage("its name is no UTF-8; rename the file")
+        if has_surrogates(self.job.image):
+            raise BadImage("is not UTF-8; rename the file or folder")
         try:
             status = os.stat(self.job.path)
             check_regular(self.job.path, status.st_mode)  # a pipe would be waited for

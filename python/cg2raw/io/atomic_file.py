@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import BinaryIO, Protocol
 
+from cg2raw.core_arguments import check_utf8, has_surrogates
 from cg2raw.interrupts import held, tidied
 from cg2raw.system import Folder, open_without_links, set_mode, sync, sync_folder
 
@@ -20,6 +21,22 @@ FilePath = str | os.PathLike[str]
 
 TRIES = 100  # names for a temporary file
 LETTERS = string.ascii_lowercase + string.digits  # of such a name
+
+
+@contextlib.contextmanager
+def utf8_path(path: FilePath) -> Iterator[str]:
+    """Give a path in UTF-8 to what takes no other: where a folder is not, as one above
+    the work may be, the path leads through an open descriptor (Linux, /proc).
+
+    Raises ValueError for another name of a file, OSError."""
+    folder, name = os.path.split(os.fspath(path))
+    if not has_surrogates(folder) or has_surrogates(name):
+        check_utf8(os.fspath(path))
+        yield os.fspath(path)
+        return
+    with Folder(folder) as opened, opened.path_for(name) as way:
+        check_utf8(way)
+        yield way
 
 
 class Files(Protocol):

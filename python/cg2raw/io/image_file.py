@@ -3,7 +3,7 @@
 """Renders and pictures of any format that OpenImageIO reads: one reader for all."""
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cg2raw import _core
 from cg2raw.arrays import FloatImage
 from cg2raw.io import dwa, image_spaces
-from cg2raw.io.atomic_file import FilePath
+from cg2raw.io.atomic_file import FilePath, utf8_path
 from cg2raw.io.transfer_curve import Curve
 from cg2raw.oiio.openimageio import one_line, openimageio
 from cg2raw.system import check_readable
@@ -43,8 +43,9 @@ class Image:
     compression: str = ""  # as OpenImageIO calls it: "zip", "none"
 
 
-def opened(path: FilePath, straight_alpha: bool = False) -> Any:
-    """Return the ImageInput of @path, to be closed. Raises ValueError, OSError.
+@contextlib.contextmanager
+def opened(path: FilePath, straight_alpha: bool = False) -> Generator[Any]:
+    """Yield the ImageInput of @path. Raises ValueError, OSError.
 
     straight_alpha : colour is not to be multiplied by an alpha that lies beside it."""
     oiio = openimageio()
@@ -52,10 +53,12 @@ def opened(path: FilePath, straight_alpha: bool = False) -> Any:
     config = oiio.ImageSpec()
     if straight_alpha:
         config.attribute("oiio:UnassociatedAlpha", 1)
-    source = oiio.ImageInput.open(str(path), config)
-    if source is None:
-        raise ValueError(f"{path}: {one_line(oiio.geterror())}")
-    return source
+    with utf8_path(path) as way:
+        source = oiio.ImageInput.open(way, config)
+        if source is None:
+            raise ValueError(f"{way}: {one_line(oiio.geterror())}")
+        with contextlib.closing(source):
+            yield source
 
 
 def read_image(
@@ -77,7 +80,7 @@ def read_image(
     a compressed EXR takes half the time then.
     Raises ValueError saying what is wrong with the file, OSError."""
     path = str(path)
-    with contextlib.closing(opened(path, straight_alpha=undo is not None)) as source:
+    with opened(path, straight_alpha=undo is not None) as source:
         chosen, spec = chosen_layer(path, source, layer)
         if space is not None:
             spec.attribute("oiio:ColorSpace", space)
@@ -103,7 +106,7 @@ def read_image(
 
 def read_plane(path: FilePath) -> FloatImage:
     """Return (H, W) float32 of the first channel at @path, its whole display window."""
-    with contextlib.closing(opened(path)) as source:
+    with opened(path) as source:
         check_size(path, source.spec())
         plane: FloatImage = read_pixels(path, source, source.spec(), [0], None)[..., 0]
         return plane
@@ -113,14 +116,14 @@ def image_size(path: FilePath, layer: str | None = None) -> tuple[int, int]:
     """Return (H, W) of the picture at @path, by the headers; layer : as of read_image.
 
     Raises ValueError, OSError."""
-    with contextlib.closing(opened(path)) as source:
+    with opened(path) as source:
         _, spec = chosen_layer(path, source, layer)
         return spec.full_height, spec.full_width
 
 
 def has_integers(path: FilePath) -> bool:
     """Return whether a file has integers, which a curve encodes."""
-    with contextlib.closing(opened(path)) as source:
+    with opened(path) as source:
         return image_spaces.is_integer(source.spec())
 
 
@@ -324,6 +327,6 @@ def stated_shot(path: FilePath, layer: str | None = None) -> dict[str, Any]:
 
     layer : as of read_image; that it is there is checked only if it is not None.
     Raises ValueError, OSError."""
-    with contextlib.closing(opened(path)) as source:
+    with opened(path) as source:
         spec = source.spec() if layer is None else chosen_layer(path, source, layer)[1]
         return shot_of(spec)

@@ -2,7 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """Images whose channels are a spectrum, as cg2raw.spectra takes them."""
 
-import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -58,7 +57,7 @@ class SpectraFile:
 
         Raises ValueError, OSError."""
         channels = self.bins.channels
-        with contextlib.closing(opened(self.path)) as source:
+        with opened(self.path) as source:
             kind = openimageio().FLOAT
             found = visible_rows(self.path, source, self.spec, channels, kind)
             for rows, cols, part in found:
@@ -85,7 +84,7 @@ def spectra_in(path: FilePath) -> SpectraFile | None:
     """Return the SpectraFile of the first image at @path, None if it has no spectra.
 
     Raises ValueError, OSError."""
-    with contextlib.closing(opened(path)) as source:
+    with opened(path) as source:
         spec = source.spec()
     names = spec.channelnames
     said = {name: spec.getattribute(f"{name}.wavelength") for name in names}
