@@ -106,3 +106,17 @@ def test_what_is_wrong_is_said_in_one_line(files, tmp_path):
     faint = np.full((96, 128), 256 + 0.02 * RANGE, np.uint16)
     np.save(tmp_path / "faint.npy", faint)
     assert "Say it: --darks" in fails("calibrate", tmp_path / "faint.npy", "-s", mine)
+
+
+def test_what_the_reader_says_of_a_file_reaches_the_user(files, tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    for kind in ("dark", "flat"):
+        for path in (files / f"{kind}s").iterdir():
+            image = fits.PrimaryHDU(np.load(path) + np.uint16(7))
+            image.header["PEDESTAL"] = -7
+            image.header["EGAIN"] = 2 * GAIN
+            image.writeto(tmp_path / f"{path.stem}.fits")
+    done = command(files, tmp_path, json="")
+    assert done.code == 0, done.err
+    assert "dark-0.fits, dark-1.fits, dark-2.fits and 6 more: a PEDESTAL of" in done.out
+    assert f"headers say {2 * GAIN:g} electrons per DN (dark-0.fits the" in done.out

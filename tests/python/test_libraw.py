@@ -13,6 +13,8 @@ import pytest
 import cg2raw
 from cg2raw.io import libraw
 from cg2raw.io.json_text import checked
+from cg2raw.io.raw_header import Area, RawFile, RawHeader
+from cg2raw.profile import from_raw_files
 from cg2raw.profile.from_raw_files import profile_from_raw_files
 from python.commands import fails, run, write_dng
 
@@ -25,12 +27,12 @@ def test_a_known_camera_is_found_again(tmp_path, cfa):
     fields = {"cfa": cfa, "black_level": [60, 64, 68, 72], "white_level": 3880}
     fields["shape"] = (40, 64)
     path = write_dng(tmp_path / "a.dng", "A", **fields)
-    file, sensor = libraw.read_raw_file(path), cg2raw.Sensor("nikon-d40")
+    file, sensor = from_raw_files.read(path), cg2raw.Sensor("nikon-d40")
     assert (file.make, file.model) == (sensor.make, sensor.model)
-    assert (file.cfa, file.width, file.height) == (cfa, 64, 40)
+    assert (file.cfa, file.shape) == (cfa, (40, 64))
     assert file.black_level == (60, 64, 68, 72) and file.white_level == 3880
     red, _, blue = sensor.illuminant("A").neutral
-    assert file.neutral == pytest.approx((red, blue), abs=1e-4)
+    assert file.as_shot == pytest.approx((red, 1, blue), abs=1e-4)
     daylight = sensor.calibrations[1]["camera_from_xyz"].ravel()
     np.testing.assert_allclose(file.camera_from_xyz, daylight, atol=1e-4)
 
@@ -49,18 +51,17 @@ def test_the_phase_is_that_of_the_visible_corner(top, left):
 
 
 def example(**changes):
-    """Return a RawFile of a camera that does not exist."""
-    file = libraw.RawFile(
-        path="a.nef",
+    """Return the header of a camera that does not exist."""
+    file = RawHeader(
+        "a.nef",
+        Area("active", 0, 0, 40, 60),
         make="ACME WORKS",
         model="X 1",
         cfa="RGGB",
-        width=60,
-        height=40,
         black_level=(10.0, 12.0, 12.0, 10.0),
         white_level=4000,
         camera_from_xyz=tuple(np.array(D1_MATRIX) / 1e4),
-        neutral=(0.5, 0.7),
+        as_shot=(0.5, 1.0, 0.7),
     )
     return dataclasses.replace(file, **changes)
 
@@ -68,8 +69,8 @@ def example(**changes):
 def test_files_of_one_camera_become_its_profile():
     files = [
         example(),
-        example(neutral=(0.6, 0.6), black_level=(12.0, 14.0, 14.0, 12.0)),
-        example(path="c.nef", neutral=None),
+        example(as_shot=(0.6, 1.0, 0.6), black_level=(12.0, 14.0, 14.0, 12.0)),
+        example(path="c.nef", as_shot=None),
     ]
     fields, notes = profile_from_raw_files(files)
     profile, _ = checked(fields, "made")
@@ -83,16 +84,22 @@ def test_files_of_one_camera_become_its_profile():
 
 
 @pytest.mark.parametrize(
-    "change", [{"model": "X 2"}, {"white_level": 1023}, {"cfa": "BGGR"}, {"width": 61}]
+    "change",
+    [
+        {"model": "X 2"},
+        {"white_level": 1023},
+        {"cfa": "BGGR"},
+        {"active": Area("active", 0, 0, 40, 61)},
+    ],
 )
 def test_files_of_two_cameras_or_modes_are_refused(change):
-    with pytest.raises(ValueError, match=f"b.nef: {next(iter(change))} "):
+    with pytest.raises(ValueError, match="b.nef: (model|white_level|cfa|shape) "):
         profile_from_raw_files([example(), example(path="b.nef", **change)])
 
 
 GAINS = {
-    (2.0, 1.0, 1.6, 1.0): (0.5, 0.625),
-    (512.0, 256.0, 320.0, 0.0): (0.5, 0.8),
+    (2.0, 1.0, 1.6, 1.0): (0.5, 1.0, 0.625),
+    (512.0, 256.0, 320.0, 0.0): (0.5, 1.0, 0.8),
     (1.0, 1.0, 1.0, 1.0): None,
     (0.0, 0.0, 0.0, 0.0): None,
     (2.0, 1.0, -1.0, 1.0): None,
@@ -104,14 +111,22 @@ def test_the_neutral_is_one_over_the_gains(gains):
     assert libraw.neutral_of(gains) == GAINS[gains]
 
 
-def test_a_camera_without_matrix_or_mosaic_says_so():
-    flat = SimpleNamespace(name="Flat")
-    raw = SimpleNamespace(
-        raw_type=flat, raw_pattern=1, num_colors=3, rgb_xyz_matrix=np.zeros((4, 3))
-    )
-    with pytest.raises(ValueError, match="no colour matrix.*Adobe DNG Converter"):
-        libraw.fields_of(raw, "a.nef")
-    raw.raw_type = SimpleNamespace(name="Stack")
+@pytest.mark.parametrize(
+    ("lacks", "words"),
+    [
+        ({"camera_from_xyz": None}, "no colour matrix.*Adobe DNG Converter"),
+        ({"model": ""}, "names no camera: give --make and --model"),
+    ],
+)
+def test_a_camera_that_is_not_known_says_so(monkeypatch, lacks, words):
+    file = RawFile(example(**lacks), lambda levels: None)
+    monkeypatch.setattr(libraw, "camera_raw", lambda path: [file])
+    with pytest.raises(ValueError, match=f"a.nef: .*{words}"):
+        from_raw_files.read("a.nef")
+
+
+def test_a_camera_without_mosaic_says_so():
+    raw = SimpleNamespace(raw_type=SimpleNamespace(name="Stack"))
     with pytest.raises(ValueError, match="a.nef: holds no mosaic"):
         libraw.fields_of(raw, "a.nef")
 

@@ -5,18 +5,15 @@
 import csv
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from cg2raw.arrays import RawImage
 from cg2raw.calibration import UniformFrame
-from cg2raw.diagnose.captures.raw_files import check_sensor, read_header, read_raw
-from cg2raw.io.npy_file import whole
+from cg2raw.io.raw_header import RawFile
 from cg2raw.sensor import Sensor
-from cg2raw.system import check_readable
 
 Kind = Literal["dark", "flat"]
 NO_FRAMES = (".csv", ".json", ".md", ".txt", ".yaml", ".yml", ".xmp", ".jpg", ".png")
@@ -105,25 +102,27 @@ def files_in(paths: Sequence[str]) -> list[str]:
     return list(reversed(repeats.values()))
 
 
-def frames_of(
-    path: str, sensor: Sensor, table: dict[str, Said], given: Said
-) -> Iterator[UniformFrame]:
-    """Yield the frames of one file; a .npz holds several.
+def uniform_frame(
+    file: RawFile, sensor: Sensor, table: dict[str, Said], given: Said
+) -> UniformFrame:
+    """Return a RAW frame as a dark or a flat.
 
     table : says of frames by name what their files do not. given : of all, where
     neither does; its kind goes before. Raises ValueError, OSError."""
-    for frame, said in stored_in(path, sensor):
-        row = table.get(frame.name) or table.get(os.path.splitext(frame.name)[0])
-        for more in (row, given):
-            said = merged(said, more)
-        frame = replace(
-            frame,
-            exposure_time=said.exposure_time,
-            iso=said.iso,
-            temperature=said.temperature,
-        )
-        kind = given.kind or said.kind or kind_of(frame, sensor)
-        yield replace(frame, kind=kind)
+    header = file.header
+    said = Said(header.exposure_time, header.iso, header.temperature)
+    row = table.get(header.name) or table.get(os.path.splitext(header.name)[0])
+    for more in (row, given):
+        said = merged(said, more)
+    frame = UniformFrame(
+        header.name,
+        "dark",
+        lambda: file.mosaic(sensor=sensor),
+        said.exposure_time,
+        said.iso,
+        said.temperature,
+    )
+    return replace(frame, kind=given.kind or said.kind or kind_of(frame, sensor))
 
 
 def merged(said: Said, more: Said | None) -> Said:
@@ -131,37 +130,6 @@ def merged(said: Said, more: Said | None) -> Said:
     fields = vars(said)
     others = vars(more or Said())
     return Said(**{k: others[k] if v is None else v for k, v in fields.items()})
-
-
-def stored_in(path: str, sensor: Sensor) -> Iterator[tuple[UniformFrame, Said]]:
-    """Yield the frames of a file, and what it says of them."""
-    if path.lower().endswith(".npz"):
-        yield from stored_in_npz(path)
-        return
-    header = read_header(path)
-    check_sensor(header, sensor)
-    frame = UniformFrame(
-        os.path.basename(path), "dark", lambda: read_raw(path, header.active)
-    )
-    yield frame, Said(header.exposure_time, header.iso, header.temperature)
-
-
-def stored_in_npz(path: str) -> Iterator[tuple[UniformFrame, Said]]:
-    """Yield the arrays of a .npz; each is read where it is used."""
-
-    def reader(name: str) -> Callable[[], RawImage]:
-        def read() -> RawImage:
-            with whole(path, ".npz"), np.load(path, allow_pickle=False) as stored:
-                array: RawImage = stored[name]
-                return array
-
-        return read
-
-    check_readable(path)  # NumPy's own message of a missing file has no path
-    with whole(path, ".npz"), np.load(path, allow_pickle=False) as stored:
-        names = sorted(stored.files)
-    for name in names:
-        yield UniformFrame(name, "dark", reader(name)), Said()
 
 
 def kind_of(frame: UniformFrame, sensor: Sensor) -> Kind:

@@ -3,11 +3,11 @@
 """Diagnoses and checks of captures as text for a terminal."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from cg2raw.diagnose.captures.consistency import some
 from cg2raw.diagnose.captures.quality import HOLES
+from cg2raw.io.raw_checks import together
 
 if TYPE_CHECKING:  # only a diagnosis loads its modules
     from cg2raw.diagnose.captures.check import Check
@@ -116,22 +116,13 @@ def integrity_text(sensor: "Sensor", found: "Check", notes: Sequence[str]) -> st
     lines += columns(rows)
     remarks = {item.name: item.remarks for item in found.integrities}
     complaints = {item.name: item.complaints for item in found.integrities}
-    lines += [line("note", text) for text in [*notes, *together(remarks)]]
+    lines += [line("note", text) for text in [*notes, *together(remarks.items())]]
     lines += [line("note", text) for text in found.remarks]
-    lines += [line("wrong", text) for text in together(complaints)]
+    lines += [line("wrong", text) for text in together(complaints.items())]
     lines += [line("wrong", text) for text in found.complaints]
     if found.is_right:
         lines.append("nothing is wrong")
     return "\n".join(lines)
-
-
-def together(sentences: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return sentences after the names of the frames that they are said of."""
-    names: dict[str, list[str]] = {}
-    for name, texts in sentences.items():
-        for text in texts:
-            names.setdefault(text, []).append(name)
-    return [f"{some(frames)}: {text}" for text, frames in names.items()]
 
 
 def code_words(item: "Integrity") -> str:

@@ -23,6 +23,7 @@ import json
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from cg2raw.cli._numbers import number
@@ -31,6 +32,7 @@ from cg2raw.cli._progress import stages, tracked
 
 if TYPE_CHECKING:  # only the work itself loads its modules
     from cg2raw.calibration import Calibration, UniformFrame
+    from cg2raw.io.raw_header import RawHeader
     from cg2raw.sensor import Sensor
 
 
@@ -84,10 +86,13 @@ def run_calibration(arguments: argparse.Namespace) -> int:
 
     check(arguments)
     sensor = sensor_of(arguments.sensor)
-    frames = frames_of(arguments, sensor)
+    frames, headers = frames_of(arguments, sensor)
+    notes = notes_on(arguments, headers, sensor)
     with stages(arguments.quiet) as progress:
         found = calibrate(sensor, frames, progress=progress)
         found = refine(found, frames, progress=progress)
+    notes += gain_notes(headers, found)
+    found = replace(found, notes=(*notes, *found.notes))
     write(arguments, found)
     if not arguments.quiet:
         print(words_of(arguments, found), file=stream(arguments))
@@ -111,13 +116,15 @@ def check(arguments: argparse.Namespace) -> None:
 
 def frames_of(
     arguments: argparse.Namespace, sensor: "Sensor"
-) -> "Sequence[UniformFrame]":
-    """Return all frames that the command line names."""
+) -> "tuple[list[UniformFrame], list[RawHeader]]":
+    """Return all frames that the command line names, and what their files say."""
     from cg2raw.cli import _uniform_frames as files
+    from cg2raw.io.raw_file import frames_in
 
     table = files.read_table(arguments.table) if arguments.table else {}
     said = files.Said(arguments.exposure, arguments.iso, arguments.temperature)
     found: list[UniformFrame] = []
+    headers: list[RawHeader] = []
     for kind, paths in (
         (None, arguments.frames),
         ("dark", arguments.darks),
@@ -126,7 +133,9 @@ def frames_of(
         given = files.Said(**{**vars(said), "kind": kind})
         named = files.files_in(paths)
         for path in tracked(named, "reading", arguments.quiet):
-            found += files.frames_of(path, sensor, table, given)
+            for file in frames_in(path):
+                headers.append(file.header)
+                found.append(files.uniform_frame(file, sensor, table, given))
     names = {frame.name for frame in found} | {
         os.path.splitext(frame.name)[0] for frame in found
     }
@@ -135,7 +144,42 @@ def frames_of(
             f"{arguments.table}: names none of the frames; its first is "
             f"{next(iter(table))}, the first file's {found[0].name}"
         )
-    return found
+    return found, headers
+
+
+def notes_on(
+    arguments: argparse.Namespace, headers: "Sequence[RawHeader]", sensor: "Sensor"
+) -> list[str]:
+    """Return sentences on what files say. Raises ValueError for frames that are not of
+    this sensor, one setting and the ISO that was given."""
+    from cg2raw.io.raw_checks import check_alike, check_sensor, together
+
+    said = [(header.name, check_sensor(header, sensor)) for header in headers]
+    check_alike(headers)
+    for header in headers:
+        if header.iso and arguments.iso and header.iso != arguments.iso:
+            raise ValueError(
+                f"{header.name}: its ISO is {header.iso:g}, --iso {arguments.iso:g}: "
+                "leave --iso out, or give frames of that ISO"
+            )
+    return together(said)
+
+
+def gain_notes(headers: "Sequence[RawHeader]", found: "Calibration") -> list[str]:
+    """Return a sentence on a gain in headers that is not what was measured."""
+    from cg2raw.io.raw_checks import SAME_GAIN
+
+    stated = next((h for h in headers if h.electrons_per_dn), None)
+    if stated is None or not stated.electrons_per_dn or found.transfer is None:
+        return []
+    gain = found.transfer.mean_gain
+    if abs(stated.electrons_per_dn / gain.value - 1) <= SAME_GAIN:
+        return []
+    return [
+        f"gain: headers say {stated.electrons_per_dn:.3g} electrons per DN "
+        f"({stated.name} the first), the frames {gain.value:.3g}: what was measured is "
+        "used"
+    ]
 
 
 def write(arguments: argparse.Namespace, found: "Calibration") -> None:

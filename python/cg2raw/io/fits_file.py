@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
+from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from cg2raw.system import check_readable
 
 MISSING = "astropy, which reads FITS files, is missing: pip install 'cg2raw[fits]'"
@@ -102,6 +103,24 @@ def read_pixels(path: str) -> RawImage:
         plane = np.asarray(stored).reshape(header.shape)
         dn = _whole_dn(path, plane, header.pedestal)
     return np.ascontiguousarray(dn[::-1] if header.bottom_up else dn)
+
+
+def frames(path: str, image: str | None = None) -> list[RawFile]:
+    """Return the frame of a FITS file. Raises ValueError, OSError."""
+    header = read_header(path)
+    notes = header.notes
+    if header.pedestal:
+        notes = (*notes, f"a PEDESTAL of {header.pedestal:g} DN is taken off")
+    found = RawHeader(
+        path,
+        Area("active", 0, 0, *header.shape),
+        cfa=header.cfa,
+        exposure_time=header.exposure_time,
+        temperature=header.temperature,
+        electrons_per_dn=header.electrons_per_dn,
+        notes=notes,
+    )
+    return [RawFile(found, lambda levels: read_pixels(path))]
 
 
 @contextmanager

@@ -9,12 +9,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cg2raw import _core
-from cg2raw.io import libraw
-from cg2raw.io.atomic_file import FilePath
-from cg2raw.profile.from_raw_files import profile_from_raw_files
+from cg2raw.io.libraw import is_dng
+from cg2raw.profile import from_raw_files
 
-# Read by our own reader; anything else goes through LibRaw.
-DNG_ENDINGS = (".dng", ".gpr", ".tif", ".tiff", "")
 GIVEN = "given by who made the profile"
 # How notes of the core begin that say what a profile lacks. The report says it of every
 # profile, and of the finished one: what options add is not missing.
@@ -50,11 +47,6 @@ class Made:
     skipped: list[str] = field(default_factory=list)  # reasons, one line each
 
 
-def is_dng(path: FilePath) -> bool:
-    """Return whether @path is to be read as a DNG, by its name."""
-    return os.path.splitext(path)[1].lower() in DNG_ENDINGS
-
-
 def profile_from_files(
     paths: Sequence[str],
     *,
@@ -86,12 +78,13 @@ def profile_from_files(
     def read(path: str) -> Any:
         if dng:
             return _core.read_dng_metadata(path, cfa)
-        return libraw.read_raw_file(path, make, model)
+        return from_raw_files.read(path, make, model)
 
     good, reasons = read_all(read, progress(paths))
     if reasons and (not skip_bad or not good):
         raise BadFiles(reasons, len(paths))
-    fields, found = from_dngs(good, id) if dng else profile_from_raw_files(good, id)
+    made = from_dngs if dng else from_raw_files.profile_from_raw_files
+    fields, found = made(good, id)
     fields = renamed(fields, make=make, model=model)
     kind = "DNG" if dng else "RAW"
     return Made(fields, kind, len(good), notes + found, reasons)

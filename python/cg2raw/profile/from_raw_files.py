@@ -4,17 +4,39 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cg2raw import _core
-from cg2raw.io.libraw import RawFile
+from cg2raw.io import libraw
+from cg2raw.io.raw_header import RawHeader
 
+REMEDY = "convert it with Adobe DNG Converter or dnglab, then give the DNG"
 NOTE = (
     "read through LibRaw: its one colour matrix is for D65 and it knows no noise; the "
     "DNG that Adobe DNG Converter makes of such a file has two matrices and noise"
 )
+
+
+def read(path: str, make: str = "", model: str = "") -> RawHeader:
+    """Return the header of a RAW file that is no DNG.
+
+    make, model : stand in for those of its Exif.
+    Raises ValueError that says what is missing and what to do, OSError."""
+    [file] = libraw.camera_raw(path)
+    header = file.header
+    make, model = make or header.make, model or header.model
+    if not (make and model):
+        raise ValueError(
+            f"{path}: its Exif names no camera: give --make and --model, or {REMEDY}"
+        )
+    if header.camera_from_xyz is None:
+        raise ValueError(
+            f"{path}: LibRaw has no colour matrix of this camera: {REMEDY}"
+        )
+    return replace(header, make=make, model=model)
 
 
 def camera_name(make: str, model: str) -> str:
@@ -25,14 +47,14 @@ def camera_name(make: str, model: str) -> str:
 
 
 def profile_from_raw_files(
-    files: Sequence[RawFile], id: str = ""
+    files: Sequence[RawHeader], id: str = ""
 ) -> tuple[dict[str, Any], list[str]]:
-    """Return (fields of the profile, notes) of RawFiles of one camera.
+    """Return (fields of the profile, notes) of the headers of one camera's files.
 
     id : stands in for the one made of the camera's name. Raises ValueError."""
     first = files[0]
     for file in files[1:]:
-        for name in ("make", "model", "cfa", "width", "height", "white_level"):
+        for name in ("make", "model", "cfa", "shape", "white_level"):
             ours, others = getattr(first, name), getattr(file, name)
             if ours != others:
                 raise ValueError(
@@ -42,6 +64,9 @@ def profile_from_raw_files(
     notes = [NOTE]
     black, neutrals = black_of(files, notes), neutrals_of(files, notes)
     name = camera_name(first.make, first.model)
+    height, width = first.shape
+    white, matrix = first.white_level, first.camera_from_xyz
+    assert white is not None and matrix is not None  # read() has them
     fields = {
         "schema": 1,
         "id": id or _core.sensor_id_from_name(name),
@@ -50,18 +75,18 @@ def profile_from_raw_files(
         "unique_camera_model": name,
         "sources": sources_of(files, neutrals),
         "cfa": first.cfa,
-        "width": first.width,
-        "height": first.height,
-        "bits": max(8, first.white_level.bit_length()),
+        "width": width,
+        "height": height,
+        "bits": max(8, white.bit_length()),
         "black_level": black,
-        "white_level": first.white_level,
+        "white_level": white,
         "calibration_illuminant_1": "D65",
-        "color_matrix_1": list(first.camera_from_xyz),
+        "color_matrix_1": list(matrix),
     }
     return fields | ({"illuminants": {"neutrals": neutrals}} if neutrals else {}), notes
 
 
-def black_of(files: Sequence[RawFile], notes: list[str]) -> list[float]:
+def black_of(files: Sequence[RawHeader], notes: list[str]) -> list[float]:
     """Return the mean black level per CFA site; a note says if they differ."""
     black = np.array([file.black_level for file in files])
     if np.ptp(black, axis=0).any():
@@ -73,18 +98,20 @@ def black_of(files: Sequence[RawFile], notes: list[str]) -> list[float]:
     return mean
 
 
-def neutrals_of(files: Sequence[RawFile], notes: list[str]) -> list[list[float]]:
+def neutrals_of(files: Sequence[RawHeader], notes: list[str]) -> list[list[float]]:
     """Return [[R/G, B/G], ...] of those files that have one; a note names the rest."""
-    without = [file.path for file in files if file.neutral is None]
+    without = [file.path for file in files if file.as_shot is None]
     if without:
         notes.append(
             f"{len(without)} of {len(files)} files record no white balance that LibRaw "
             f"can read, {os.path.basename(without[0])} first: no neutral of them"
         )
-    return [list(file.neutral) for file in files if file.neutral is not None]
+    return [[file.as_shot[0], file.as_shot[2]] for file in files if file.as_shot]
 
 
-def sources_of(files: Sequence[RawFile], neutrals: list[list[float]]) -> dict[str, str]:
+def sources_of(
+    files: Sequence[RawHeader], neutrals: list[list[float]]
+) -> dict[str, str]:
     """Return {field: where it is from}."""
     import rawpy
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.manifest import read_manifest
-from cg2raw.diagnose.captures.raw_files import read_header
+from cg2raw.io.raw_file import open_raw
 
 HEAD = "sensor: nikon-d40\nframes:\n"
 DARK = HEAD + "  - {file: dark.npy, kind: dark}\n"
@@ -227,4 +227,4 @@ frames:
 def test_paths_are_relative_to_the_manifest(folder, monkeypatch):
     monkeypatch.chdir(folder)
     [entry] = read_manifest(written(folder, DARK).name).frames
-    assert read_header(entry.file).shape == (8, 8)
+    assert open_raw(entry.file).header.shape == (8, 8)

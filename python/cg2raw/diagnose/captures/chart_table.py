@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.arrays import RawImage
 from cg2raw.diagnose.captures.chart import (
     COLORCHECKER,
     COLORCHECKER_NAMES,
@@ -17,7 +18,7 @@ from cg2raw.diagnose.captures.chart import (
     rec709_of,
     xyz_from_lab,
 )
-from cg2raw.diagnose.captures.consistency import some
+from cg2raw.diagnose.captures.frame import TableFile
 from cg2raw.diagnose.captures.manifest import FrameEntry
 from cg2raw.diagnose.captures.manifest_charts import MOST_LAB, MOST_RADIANCE, Patch
 from cg2raw.diagnose.captures.patch_means import (
@@ -29,7 +30,8 @@ from cg2raw.diagnose.captures.patch_means import (
     read_table,
     with_bounds,
 )
-from cg2raw.diagnose.captures.raw_files import Area, RawHeader
+from cg2raw.io.raw_checks import some
+from cg2raw.io.raw_header import Area, RawHeader
 from cg2raw.sensor import Sensor
 
 LONE_COUNT = 1.0  # pixels of a mean that nobody counted: it has the noise of one
@@ -38,15 +40,22 @@ SPACES = {"rgb": ("r", "g", "b"), "xyz": ("X", "Y", "Z"), "lab": ("L", "a", "b")
 Levels = NDArray[np.float64]  # (4,), DN at the sites R, G1, G2 and B
 
 
-def table_header(entry: FrameEntry, sensor: Sensor) -> RawHeader:
+def table_file(entry: FrameEntry, sensor: Sensor) -> TableFile:
     """Return a table of patch means. Raises ValueError at its line or the entry's."""
     try:
         means, notes = patch_means_of(entry, sensor)
     except OSError as error:
         entry.fail("file", f"cannot be used: {error}")
         raise
-    area = Area("patches", 0, 0, *means.mean.shape)
-    return RawHeader(entry.file, area, notes=tuple(notes), means=means)
+    header = RawHeader(
+        entry.file, Area("patches", 0, 0, *means.mean.shape), notes=tuple(notes)
+    )
+    return TableFile(header, no_pixels, means)
+
+
+def no_pixels(levels: object) -> RawImage:
+    """Raise what reading a table's pixels would be: our own mistake."""
+    raise AssertionError("a table of patch means has no pixels")
 
 
 def patch_means_of(entry: FrameEntry, sensor: Sensor) -> tuple[PatchMeans, list[str]]:

@@ -11,20 +11,25 @@ import numpy as np
 
 from cg2raw.cfa import is_mono
 from cg2raw.diagnose.captures.capture import Capture
-from cg2raw.diagnose.captures.frame import Frame
+from cg2raw.diagnose.captures.frame import Frame, TableFile
 from cg2raw.diagnose.captures.manifest import UNKNOWN, FrameEntry
-from cg2raw.diagnose.captures.raw_files import RawHeader
 from cg2raw.diagnose.captures.scene_files import has_curve, image_size, size_words
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.captures.yaml_lines import Value
+from cg2raw.io.raw_checks import (
+    SAME_GAIN,
+    check_sensor,
+    first_unlike,
+    some,
+    together,
+)
+from cg2raw.io.raw_header import RawFile, RawHeader
 from cg2raw.sensor import Sensor
 
 CHUNK = 1 << 20  # bytes
-MOST_NAMES = 3  # of files in a note
 # Dark current doubles every 5 to 7 degrees: 1.5 make it 16 to 23 % more. Source: R.
 # Widenhorn et al., Proc. SPIE 4669, 2002, for what it doubles by in CCDs.
 SAME_TEMPERATURE = 1.5  # degrees Celsius
-SAME_GAIN = 0.05  # relative difference of a header's gain and a profile's
 
 
 def check_distinct(entries: Sequence[FrameEntry]) -> None:
@@ -55,23 +60,44 @@ def digest(path: str) -> str:
 
 
 def check_sizes(
-    entries: Sequence[FrameEntry], headers: Sequence[RawHeader]
+    entries: Sequence[FrameEntry], files: Sequence[RawFile]
 ) -> tuple[int, int] | None:
     """Return (H, W) of all frames that have pixels; None if none has. Raises
     ValueError if one has another size than the first."""
-    with_pixels = [header for header in headers if header.means is None]
-    if not with_pixels:
-        return None
-    first = with_pixels[0]
-    for entry, header in zip(entries, headers, strict=True):
-        if header.means is None and header.shape != first.shape:
+    first: RawHeader | None = None
+    for entry, file in zip(entries, files, strict=True):
+        if isinstance(file, TableFile):
+            continue
+        header = file.header
+        first = first or header
+        if header.shape != first.shape:
             entry.fail(
                 "file",
-                f"{os.path.basename(header.path)} is {size_words(header.shape)}, "
-                f"{os.path.basename(first.path)} {size_words(first.shape)}; all frames "
-                "must have one size",
+                f"{header.name} is {size_words(header.shape)}, {first.name} "
+                f"{size_words(first.shape)}; all frames must have one size",
             )
-    return first.shape
+    return first.shape if first else None
+
+
+def sensor_notes(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> list[str]:
+    """Return check_sensor's notes. Raises ValueError at the frame's line."""
+    try:
+        return check_sensor(header, sensor)
+    except ValueError as error:
+        entry.fail("file", f"{error}")
+        raise
+
+
+def check_settings(frames: Sequence[Frame]) -> None:
+    """Raise ValueError for a frame whose header states another gain, offset, mode or
+    camera than that of another frame of its ISO."""
+    by_iso: dict[float | None, list[Frame]] = {}
+    for frame in frames:
+        if frame.capture.means is None:
+            by_iso.setdefault(frame.capture.iso, []).append(frame)
+    for ours in by_iso.values():
+        if found := first_unlike([frame.header for frame in ours]):
+            ours[found[0]].entry.fail("file", found[1])
 
 
 def names_of(entries: Sequence[FrameEntry]) -> list[str]:
@@ -169,7 +195,7 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
 
 def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
     """Return sentences on headers whose gain is not that of the profile's noise."""
-    said: dict[str, list[str]] = {}
+    said: list[tuple[str, list[str]]] = []
     for frame in frames:
         told, iso = frame.header.electrons_per_dn, frame.capture.iso
         if told is None or iso is None or not sensor.noise:
@@ -180,8 +206,8 @@ def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
                 f"headers say {told:.3g} electrons per DN, the noise of {sensor.id} at "
                 f"ISO {iso:g} {known:.3g}; the profile's is used, since it is tested"
             )
-            said.setdefault(words, []).append(frame.capture.name)
-    return [f"{some(names)}: {words}" for words, names in said.items()]
+            said.append((frame.capture.name, [words]))
+    return together(said)
 
 
 def dn_per_electron(sensor: Sensor, iso: float) -> float:
@@ -258,10 +284,3 @@ def _missing_of_images(images: Sequence[Capture]) -> list[str]:
         "patch means alone: noise, fixed patterns, shading, blur, crosstalk and glare "
         "cannot be told from them; add flats, and scenes or charts as frames"
     ]
-
-
-def some(names: Sequence[str]) -> str:
-    """Return a few names, and how many more there are."""
-    more = len(names) - MOST_NAMES
-    few = ", ".join(names[:MOST_NAMES])
-    return f"{few} and {more} more" if more > 0 else few

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.manifest import FrameEntry
-from cg2raw.diagnose.captures.raw_files import RawHeader
+from cg2raw.diagnose.captures.patch_means import PatchMeans
+from cg2raw.io.raw_header import RawFile, RawHeader
+
+
+@dataclass(frozen=True)
+class TableFile(RawFile):
+    """A table of patch means in the place of a RAW file; it has no pixels to read."""
+
+    means: PatchMeans
 
 
 @dataclass(frozen=True)

@@ -16,23 +16,19 @@ from cg2raw.cfa import is_mono
 from cg2raw.diagnose.captures import consistency
 from cg2raw.diagnose.captures.capture import KINDS, Capture, CaptureSet, Group
 from cg2raw.diagnose.captures.chart import ColorChecker, PatchChart
-from cg2raw.diagnose.captures.chart_table import table_header
-from cg2raw.diagnose.captures.frame import Frame
+from cg2raw.diagnose.captures.chart_table import table_file
+from cg2raw.diagnose.captures.frame import Frame, TableFile
 from cg2raw.diagnose.captures.manifest import (
     UNKNOWN,
     FrameEntry,
     Manifest,
     read_manifest,
 )
-from cg2raw.diagnose.captures.raw_files import (
-    Area,
-    RawHeader,
-    check_sensor,
-    read_header,
-    read_raw,
-)
 from cg2raw.diagnose.captures.scene_files import Mask, read_mask, read_scene, uniform
 from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
+from cg2raw.io.raw_checks import together
+from cg2raw.io.raw_file import open_raw
+from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from cg2raw.sensor import Sensor
 
 LIGHT_OF_DARKS = "D65"  # any: there is none, or no filter that tells it from others
@@ -75,23 +71,21 @@ def read_frames(
     sensor = sensor or sensor_of(manifest)
     check_nuisances(manifest, sensor)
     consistency.check_distinct(manifest.frames)
-    headers = [header_of(entry, sensor) for entry in manifest.frames]
-    shape = consistency.check_sizes(manifest.frames, headers)
+    files = [file_of(entry, sensor) for entry in manifest.frames]
+    shape = consistency.check_sizes(manifest.frames, files)
     if manifest.mask and shape:
         consistency.check_image(manifest.at["mask"], manifest.mask, shape)
     names = consistency.names_of(manifest.frames)
-    said: dict[str, list[str]] = {}
-    for entry, header, name in zip(manifest.frames, headers, names, strict=True):
-        try:
-            for note in check_sensor(header, sensor):
-                said.setdefault(note, []).append(name)
-        except ValueError as error:
-            entry.fail("file", f"{error}")
+    said = [
+        (name, consistency.sensor_notes(entry, file.header, sensor))
+        for entry, file, name in zip(manifest.frames, files, names, strict=True)
+    ]
     frames = [
         frame_of(manifest, sensor, *item)
-        for item in zip(manifest.frames, headers, names, strict=True)
+        for item in zip(manifest.frames, files, names, strict=True)
     ]
-    notes = [f"{consistency.some(files)}: {note}" for note, files in said.items()]
+    consistency.check_settings(frames)
+    notes = together(said)
     return manifest, sensor, frames, notes + consistency.notes_on(frames, sensor)
 
 
@@ -117,22 +111,23 @@ def sensor_of(manifest: Manifest) -> Sensor:
         manifest.at["sensor"].fail(f'is "{word}": {error}')
 
 
-def header_of(entry: FrameEntry, sensor: Sensor) -> RawHeader:
-    """Return a frame's header, or a table of patch means. Raises ValueError at its
+def file_of(entry: FrameEntry, sensor: Sensor) -> RawFile:
+    """Return a frame's file, or its table of patch means. Raises ValueError at its
     line."""
     if entry.means is not None:
-        return table_header(entry, sensor)
+        return table_file(entry, sensor)
     try:
-        return read_header(entry.file)
+        return open_raw(entry.file)
     except (ValueError, OSError) as error:
         entry.fail("file", f"cannot be used: {error}")
         raise
 
 
 def frame_of(
-    manifest: Manifest, sensor: Sensor, entry: FrameEntry, header: RawHeader, name: str
+    manifest: Manifest, sensor: Sensor, entry: FrameEntry, file: RawFile, name: str
 ) -> Frame:
     """Return one frame. Raises ValueError at its line."""
+    header = file.header
     capture = Capture(
         name=name,
         kind=entry.kind,
@@ -144,24 +139,24 @@ def frame_of(
         exposure_time=(
             header.exposure_time if entry.exposure_time is None else entry.exposure_time
         ),
-        raw=lambda: read_raw(header.path, header.active),
+        raw=lambda: file.mosaic(sensor=sensor),
         scene=None,
-        means=header.means,
+        means=file.means if isinstance(file, TableFile) else None,
         mask=None,
         as_shot=header.as_shot,
         temperature=(
             header.temperature if entry.temperature is None else entry.temperature
         ),
     )
-    if header.means is not None:
+    if capture.means is not None:
         return Frame(entry, header, capture, ())
     scene, middles = scene_of(entry, header.shape)
     mask = mask_of(manifest, entry, header.shape, middles)
     capture = replace(capture, scene=scene, mask=mask)
-    return Frame(entry, header, capture, borders_of(capture, header))
+    return Frame(entry, header, capture, borders_of(capture, file, sensor))
 
 
-def borders_of(capture: Capture, header: RawHeader) -> tuple[Capture, ...]:
+def borders_of(capture: Capture, file: RawFile, sensor: Sensor) -> tuple[Capture, ...]:
     """Return a dark of each masked border of a frame."""
 
     def border(area: Area) -> Capture:
@@ -172,12 +167,12 @@ def borders_of(capture: Capture, header: RawHeader) -> tuple[Capture, ...]:
             kind="dark",
             shape=(area.height, area.width),
             set=name,
-            raw=lambda: read_raw(header.path, area),
+            raw=lambda: file.mosaic(area, sensor),
             scene=dark,
             mask=None,
         )
 
-    return tuple(border(area) for area in header.borders)
+    return tuple(border(area) for area in file.header.borders)
 
 
 def dark() -> NDArray[np.float32]:
