@@ -89,10 +89,9 @@ def bias_structure(
     pixel_variance : DN^2, of the map's temporal noise in a pixel. row_variance,
     column_variance : likewise in whole rows and columns."""
     flat = np.array(offset, np.float32)
-    levels = []
     for plane, used in zip(sites.of(flat), sites.of(known), strict=True):
-        levels.append(float(np.median(plane[used])))
-        plane -= np.float32(levels[-1])
+        plane -= np.float32(np.median(plane[used]))
+    flat[~known] = 0
     columns, rows, counts = _lines(flat, known, sites)
     columns -= columns.mean()
     rows -= rows.mean()
@@ -135,12 +134,20 @@ def _lines(
     pairs = zip(sites.of(flat), sites.of(known), strict=True)
     sigmas = [clipped_moments(plane[used])[1] for plane, used in pairs]
     inside = known & (np.abs(flat) <= CUT * sites.spread(sigmas, flat.shape))
-    more, per_column = line_means(flat, inside, 0)
+    more, per_column, filled = line_means(flat, inside, 0)
     flat -= more[None].astype(np.float32)
-    columns = columns.astype(np.float64) + more
-    more, per_row = line_means(flat, inside, 1)
+    columns = over_gaps(columns.astype(np.float64) + more, filled)
+    more, per_row, filled = line_means(flat, inside, 1)
     flat -= more[:, None].astype(np.float32)
-    return columns, rows.astype(np.float64) + more, (per_column, per_row)
+    rows = over_gaps(rows.astype(np.float64) + more, filled)
+    return columns, rows, (per_column, per_row)
+
+
+def over_gaps(lines: Array, filled: Array) -> Array:
+    """Return means of lines, straight between their neighbours where none is known."""
+    place = np.arange(len(lines))
+    found: Array = np.interp(place, place[filled], lines[filled])
+    return found
 
 
 def _pattern(rest: Array, share: float) -> Measured:

@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from cg2raw.calibration.calibration import Calibration
-from cg2raw.calibration.darks import Todo, read_darks
+from cg2raw.calibration.darks import read_darks
+from cg2raw.calibration.defects import defects_of
 from cg2raw.calibration.flats import above_darks, read_flats
 from cg2raw.calibration.frames import (
     MOST_SATURATED,
@@ -25,6 +26,7 @@ from cg2raw.calibration.frames import (
     scan,
 )
 from cg2raw.calibration.notes import notes_on
+from cg2raw.calibration.repeats import Todo
 from cg2raw.calibration.screening import screened
 from cg2raw.calibration.sites import sites_of
 from cg2raw.sensor import Sensor
@@ -59,8 +61,10 @@ def calibrate(
     dark_groups = [g for g in groups if g.frames[0].frame.kind == "dark"]
     flat_groups = [g for g in groups if g.frames[0].frame.kind == "flat"]
     black = dark_groups[0].level if dark_groups else sensor.black_level
-    todo = Todo(sensor, sites, threads)
-    flats = read_flats(todo, flat_groups, black, lambda x: tell("flats", x))
+    levels = np.asarray(black, float)
+    defects = defects_of(dark_groups, flat_groups, levels, sites, threads)
+    todo = Todo(sensor, sites, threads, defects.counting)
+    flats = read_flats(todo, flat_groups, levels, lambda x: tell("flats", x))
     gain = flats.first_gain
     darks = read_darks(todo, dark_groups, gain, lambda x: tell("darks", x))
     tell("fitting", 0.0)
@@ -73,6 +77,7 @@ def calibrate(
         frames=(number_of(dark_groups), number_of(flat_groups)),
         transients=(*darks.transients, *flats.transients),
         excluded=excluded,
+        defects=defects,
         **{k: v for k, v in vars(darks).items() if k != "transients"},
         **vars(light),
     )

@@ -22,7 +22,8 @@ class DarkMaps:
 
     rate is None if all darks have one exposure: then the offset holds its charge.
     covariance : (2, 2) of an unmasked pixel's offset and rate, by temporal noise.
-    known : (H, W) bool, False where a pixel is saturated in all but one exposure.
+    known : (H, W) bool, False in defects, and where a pixel is saturated in all but
+    one exposure.
     exposure_time : s, mean of the darks in the offset; 0 if there is a rate."""
 
     offset: Map
@@ -52,7 +53,7 @@ class DarkSums:
         """Take up a group; return how far its middle lies above the first's, DN."""
         time = repeats.group.exposure_time or 0.0
         excess = repeats.mean - self.origin
-        used = ~repeats.saturated
+        used = repeats.known
         middle = 0.0 if repeats.mean is self.origin else middle_of(excess[used])
         weight = repeats.count / variance
         each = np.where(used, np.float32(weight), np.float32(0))
@@ -68,7 +69,7 @@ class DarkSums:
 
     def middle(self, repeats: Repeats) -> float:
         """Return how far a group's middle lies above the first's, DN."""
-        return middle_of((repeats.mean - self.origin)[~repeats.saturated])
+        return middle_of((repeats.mean - self.origin)[repeats.known])
 
     def maps(self) -> DarkMaps:
         """Return offset and rate of each pixel."""

@@ -23,10 +23,9 @@ from cg2raw.calibration.frames import Group, set_points
 from cg2raw.calibration.glow import Glow, glow
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Transients
-from cg2raw.calibration.repeats import Repeats, repeats_of
+from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.temporal_noise import TemporalNoise, temporal_noise
-from cg2raw.sensor import Sensor
 
 LEAST_VARIANCE = 1 / 12  # DN^2, of rounding alone
 
@@ -56,15 +55,6 @@ class _Read:
     origin_frames: int = 0
 
 
-@dataclass(frozen=True)
-class Todo:
-    """Whose frames are read, and on how many threads."""
-
-    sensor: Sensor
-    sites: Sites
-    threads: int
-
-
 def read_darks(
     todo: Todo,
     groups: Sequence[Group],
@@ -80,14 +70,7 @@ def read_darks(
     numbers = set_points([group.temperature for group in groups])
     main = main_set_point(groups, numbers)
     for index, (group, number) in enumerate(zip(groups, numbers, strict=True)):
-        repeats = repeats_of(
-            group,
-            todo.sites,
-            todo.sensor.white_level,
-            groups[0].level,
-            system_gain,
-            todo.threads,
-        )
+        repeats = repeats_of(group, todo, groups[0].level, system_gain)
         if repeats.transients is not None:
             transients.append(
                 Transients(words_of(group), repeats.transients, repeats.count)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cg2raw.calibration.darks import DarkResults, Todo, words_of
+from cg2raw.calibration.darks import DarkResults, words_of
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.light import Light, Linearity, lamp_drift, light_of, linearity
 from cg2raw.calibration.measured import Measured
@@ -20,12 +20,10 @@ from cg2raw.calibration.photon_transfer import (
     saturation,
     transfer_points,
 )
-from cg2raw.calibration.repeats import Repeats, repeats_of
+from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
 from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
-
-MOST_LEVEL = 0.9  # of saturation, of a flat whose pixels' response is looked at
 
 
 @dataclass(frozen=True)
@@ -36,12 +34,14 @@ class FlatResults:
     light: Light | None = None
     linearity: Linearity | None = None
     lamp: Measured | None = None
+    clipped: int = 0
 
 
 @dataclass
 class Flats:
-    """What is kept of the groups of flats; of the brightest that is not saturated, all.
+    """What is kept of the groups of flats; of the brightest that is not clipped, all.
 
+    groups : those that are not clipped. clipped : frames that are.
     first_gain : DN per electron, roughly, before darks are known."""
 
     groups: Sequence[Group]
@@ -50,51 +50,49 @@ class Flats:
     best: Repeats | None = None
     first_gain: float | None = None
     ceiling: tuple[Measured, str] | None = None
+    clipped: int = 0
 
 
 def read_flats(
     todo: Todo,
     groups: Sequence[Group],
-    black: Sequence[float] | Array,
+    levels: Array,
     tell: Callable[[float], None],
 ) -> Flats:
     """Return what is needed of flats, read group by group from dark to bright.
 
-    black : (sites,) DN, of the shortest darks or the profile."""
-    levels = np.asarray(black, float)
-    sites, white = todo.sites, todo.sensor.white_level
+    levels : (sites,) DN of black, of the shortest darks or the profile."""
     found = Flats([], [], [])
     order = sorted(groups, key=lambda group: float(group.level.mean()))
-    below: Repeats | None = None
     for index, group in enumerate(order):
         if float((group.level - levels).min()) <= 0:
             raise ValueError(
                 f"{group.frames[0].frame.name}: a flat of {group.level.mean():.1f} DN, "
                 f"black is {levels.mean():.1f} DN: is it a dark? Give it among --darks"
             )
-        repeats = repeats_of(group, sites, white, levels, None, todo.threads)
+        repeats = repeats_of(group, todo, levels, None)
         if repeats.noise is not None:
-            point = transfer_points(repeats, sites, levels)
-            found.points.append(point)
-            found.groups = [*found.groups, group]
-            found.transients.append(
-                Transients(words_of(group), repeats.transients or 0, repeats.count)
-            )
-            ceiling = saturation(found.points, white, levels, group)
-            if ceiling is not None and found.ceiling is None:
-                found.ceiling = ceiling
-            if found.ceiling is None:
-                below = repeats
+            take_up(found, repeats, todo, levels)
         tell((index + 1) / len(order))
-    found.best = below
-    if below is not None:
-        last = next(p for p in found.points if p.level == _level(below, levels))
-        found.first_gain = float(np.median(last.variance / np.maximum(last.mean, 1)))
     return found
 
 
-def _level(repeats: Repeats, black: Array) -> float:
-    return float((repeats.group.level - black).mean())
+def take_up(found: Flats, repeats: Repeats, todo: Todo, black: Array) -> None:
+    """Add a group of flats that is brighter than those before."""
+    group = repeats.group
+    point = transfer_points(repeats, todo.sites, black, found.points)
+    found.points.append(point)
+    found.transients.append(
+        Transients(words_of(group), repeats.transients or 0, repeats.count)
+    )
+    ceiling = saturation(found.points, todo.sensor.white_level, black, group)
+    found.ceiling = found.ceiling or ceiling
+    if found.ceiling or point.is_clipped:
+        found.clipped += repeats.count
+        return
+    found.groups = [*found.groups, group]
+    found.best = repeats
+    found.first_gain = float(np.median(point.variance / np.maximum(point.mean, 1)))
 
 
 def above_darks(
@@ -134,6 +132,7 @@ def above_darks(
         response(flats, darks, sensor, sites),
         linearity(points, top, lamp.value if lamp else 0.0, white),
         lamp,
+        flats.clipped,
     )
 
 
@@ -162,11 +161,11 @@ def dark_variance(
 def response(
     flats: Flats, darks: DarkResults, sensor: Sensor, sites: Sites
 ) -> Light | None:
-    """Return PRNU and shading of the brightest flats that are not saturated."""
+    """Return PRNU and shading of the brightest flats that are not clipped."""
     best = flats.best
     if best is None or best.noise is None:
         return None
-    mean, known = np.array(best.mean), ~best.saturated
+    mean, known = np.array(best.mean), np.array(best.known)
     temporal = float(best.noise.site_variance.mean()) / best.count
     if darks.maps is None:
         mean -= sites.spread(sensor.black_level, mean.shape)

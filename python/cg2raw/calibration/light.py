@@ -84,19 +84,19 @@ def light_of(
         plane /= np.float32(level)
         levels.append(level)
     level = float(np.mean(levels))
-    mean[~known] = 1
     noise = float(np.mean([(temporal + fixed_variance) / x**2 for x in levels]))
-    flat = mean.ravel()
+    flat = mean[known]
     mad = MAD * float(np.median(np.abs(flat - np.median(flat))))
-    shading, field, fall_off, residual = field_of(mean, sites)
+    shading, field, fall_off, residual = field_of(mean, known, sites)
     noise *= float(np.mean(1 / np.maximum(field, 0.05)))  # darker corners are noisier
     variance, pixels, total = [], 0, float(np.std(flat, dtype=np.float64))
     fine = np.ones_like(mean)
-    for plane, out in zip(sites.of(mean), sites.of(fine), strict=True):
-        out[:] = high_passed(plane)
+    planes = zip(sites.of(mean), sites.of(known), sites.of(fine), strict=True)
+    for plane, used, out in planes:
+        out[:] = high_passed(plane, used)
         border = min(WINDOW // 2, *(side // 4 for side in plane.shape))
-        inner = out[border:-border, border:-border]  # whose windows are whole
-        _, sigma, count = clipped_moments(inner)
+        inner = np.s_[border:-border, border:-border]  # whose windows are whole
+        _, sigma, count = clipped_moments(out[inner][used[inner]])
         variance.append(sigma**2)
         pixels += count
     measured = float(np.mean(variance)) / (1 - 1 / WINDOW**2)
@@ -107,30 +107,36 @@ def light_of(
     )
 
 
-def high_passed(plane: Array) -> Array:
-    """Return a plane over its mean in a window; single pixels far off do not spread."""
-    smooth = uniform_filter(plane, WINDOW, mode="reflect")
-    ratio = plane / smooth
-    mean, sigma, _ = clipped_moments(ratio)
-    far = np.abs(ratio - mean) > CUT * sigma
-    if far.any():
-        calm = np.where(far, smooth, plane)
-        smooth = uniform_filter(calm, WINDOW, mode="reflect")
-    found: Array = plane / smooth
-    return found
+def high_passed(plane: Array, known: Array) -> Array:
+    """Return a plane over its mean in a window, 1 where it is not known; pixels far off
+    do not spread."""
+    ratio = _over_mean(plane, known)
+    mean, sigma, _ = clipped_moments(ratio[known])
+    calm = known & (np.abs(ratio - mean) <= CUT * sigma)
+    return np.where(known, _over_mean(plane, calm), np.float32(1))
+
+
+def _over_mean(plane: Array, known: Array) -> Array:
+    """Return a plane over the mean of what is known in a window, 1 if nothing is."""
+    share = uniform_filter(known.astype(np.float32), WINDOW, mode="reflect")
+    total = uniform_filter(np.where(known, plane, 0), WINDOW, mode="reflect")
+    some = share > 0.5 / WINDOW**2
+    return np.where(some, plane * share / np.where(some, total, 1), np.float32(1))
 
 
 def field_of(
-    response: Array, sites: Sites
+    response: Array, known: Array, sites: Sites
 ) -> tuple[dict[str, Measured], Array, Measured, float]:
     """Return (shading's coefficients, map, rms of the shading, rms of the rest).
 
-    response : (H, W), relative, each site's median at 1. Means of blocks of all pixels
-    are fitted by least squares; dust is what they have besides."""
+    response : (H, W), relative, each site's median at 1, where it is known. Means of
+    blocks of all pixels are fitted by least squares; dust is what they have besides.
+    A block without a known pixel has the fit's value."""
     across = min(FIELD_BLOCKS, *(side // (4 * sites.side) for side in response.shape))
     maps = []
-    for plane in sites.of(response):
-        means = [clipped_moments(b)[0] for b in blocks_of(plane, across)]
+    for plane, used in zip(sites.of(response), sites.of(known), strict=True):
+        blocks = zip(blocks_of(plane, across), blocks_of(used, across), strict=True)
+        means = [clipped_moments(b[u])[0] if u.any() else np.nan for b, u in blocks]
         maps.append(np.reshape(means, (across, across)))
     field: Array = np.mean(maps, axis=0)
     height, width = response.shape
@@ -143,12 +149,16 @@ def field_of(
     square = u**2 + v**2
     terms = (square, square**2, square**3, u, v, square * u, square * v)
     design = np.stack([t.ravel() for t in (np.ones_like(u), *terms)], 1)
-    target, keep = field.ravel(), np.ones(field.size, bool)
+    target = field.ravel()
+    filled = np.isfinite(target)
+    keep = filled
     for _ in range(4):
         values = np.linalg.lstsq(design[keep], target[keep], rcond=None)[0]
+        target = np.where(filled, target, design @ values)
         rest = target - design @ values
-        sigma = clipped_moments(rest)[1]
-        keep = np.abs(rest) <= CUT * sigma
+        sigma = clipped_moments(rest[filled])[1]
+        keep = filled & (np.abs(rest) <= CUT * sigma)
+    field = target.reshape(field.shape)
     covariance = np.linalg.pinv(design[keep].T @ design[keep]) * sigma**2
     errors = np.sqrt(np.diag(covariance)) / values[0]
     shading = {
@@ -186,7 +196,9 @@ def linearity(
     used = [
         p
         for p in points
-        if p.exposure_time and LOWEST * ceiling <= p.level <= HIGHEST * ceiling
+        if p.exposure_time
+        and not p.is_clipped
+        and LOWEST * ceiling <= p.level <= HIGHEST * ceiling
     ]
     times = np.array([p.exposure_time for p in used], float)
     if len(set(times)) < FEWEST_LEVELS:

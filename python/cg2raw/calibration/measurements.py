@@ -13,6 +13,7 @@ from cg2raw.calibration.black import BiasStructure, Drift
 from cg2raw.calibration.dark_current import DarkCurrent
 from cg2raw.calibration.dark_maps import DarkMaps
 from cg2raw.calibration.dark_spread import DarkSpread
+from cg2raw.calibration.defects import Defects
 from cg2raw.calibration.glow import Glow
 from cg2raw.calibration.light import Light, Linearity
 from cg2raw.calibration.measured import Measured
@@ -40,6 +41,7 @@ class Measurements:
     shape : (H, W) px. frames : (darks, flats). black_level : (sites) DN.
     drift : DN, standard deviation of the level from frame to frame.
     lamp : relative, standard deviation of the flats' light. maps : of each pixel.
+    clipped : number of flats that show saturation alone.
     excluded : {name of a frame that is none of its repeats: how it is off}.
     likeliest : of fixed patterns, the parameters by the likelihood of all together, in
     the registry's units; what a profile says of those that stand out."""
@@ -63,7 +65,9 @@ class Measurements:
     maps: DarkMaps | None = field(default=None, repr=False)
     transients: tuple[Transients, ...] = ()
     notes: tuple[str, ...] = ()
+    clipped: int = 0
     excluded: Mapping[str, str] = field(default_factory=dict)
+    defects: Defects = field(default_factory=Defects, repr=False)
     likeliest: Mapping[str, Mapping[str, Measured]] = field(default_factory=dict)
 
     @property

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.photon_transfer import LINEAR
+from cg2raw.calibration.photon_transfer import LINEAR, MOST_CLIPPED
 from cg2raw.calibration.temporal_noise import LEAST_NOISE
 
 ZEROS = 0.001  # share of a dark's pixels at 0 DN that moves its mean
@@ -22,6 +22,7 @@ def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]
 def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
     """Return what is wrong with single frames."""
     notes = [f"{name}: {why}: excluded" for name, why in found.excluded.items()]
+    notes += [found.defects.words] if found.defects.count else []
     cut = [s for s in scanned if s.frame.kind == "dark" and s.zeros > ZEROS]
     if cut:
         notes.append(
@@ -29,11 +30,10 @@ def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
             "are 0 DN: the black level comes out too high, noise too low: capture "
             "with an offset, if the camera has one"
         )
-    saturated = sum(t > 0.01 for t in (s.saturated for s in scanned))
-    if saturated:
+    if found.clipped:
         notes.append(
-            f"{saturated} of {len(scanned)} frames have more than 1 % of saturated "
-            "pixels, which are left out"
+            f"{found.clipped} flats have more than {MOST_CLIPPED:.1%} of pixels at "
+            "white, at 0 DN or with a full well: they show saturation and nothing else"
         )
     if found.iso is None:
         notes.append("ISO: no frame says it, and no noise can be written: give --iso")

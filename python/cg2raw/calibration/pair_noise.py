@@ -66,11 +66,11 @@ def pair_noise(difference: Array, keep: Array | None, sites: Sites) -> PairNoise
         inside &= keep
     lines = []
     for axis in (1, 0):
-        means, per_mean = line_means(difference, inside, axis)
+        means, per_mean, filled = line_means(difference, inside, axis)
         difference -= np.asarray(
             means[:, None] if axis == 1 else means[None], np.float32
         )
-        lines.append((means, per_mean))
+        lines.append((means[filled], per_mean))
     variance, pixels = _block_variances(difference, keep, sites, first)
     # Each line's mean has taken its part of the pixels' variance with it.
     variance /= (1 - 1 / lines[0][1]) * (1 - 1 / lines[1][1])

@@ -21,7 +21,9 @@ from cg2raw.calibration.robust import Array, clipped_moments
 from cg2raw.calibration.sites import Sites, blocks_of
 
 LINEAR = 0.7  # of saturation, up to which the slope is taken
-CEILING = 0.5  # of the variance that light brings; below it the well is full
+CEILING = 0.5  # of the largest variance of darker flats; below it the well is full
+CERTAIN = 4.0  # standard errors that a block's variance is below it
+MOST_CLIPPED = 0.002  # of the pixels of a flat that still counts (EMVA 1288)
 MANY = 0.2  # of the pixels at one DN, which noise spreads over several
 
 
@@ -36,7 +38,13 @@ class TransferPoints:
     level: float  # DN above black, of the whole frame
     exposure_time: float | None
     frames: int
-    saturated: float  # share of pixels
+    clipped: float  # share of pixels at white, at 0 DN, or in blocks that are full
+
+    @property
+    def is_clipped(self) -> bool:
+        """Whether so many pixels are clipped that the others' mean is not that of all:
+        such a flat shows saturation alone."""
+        return self.clipped > MOST_CLIPPED
 
 
 @dataclass(frozen=True)
@@ -68,14 +76,20 @@ class PhotonTransfer:
         return Measured(1 / mean, error / mean**2, "e-/DN")
 
 
-def transfer_points(flats: Repeats, sites: Sites, black: Array) -> TransferPoints:
+def transfer_points(
+    flats: Repeats, sites: Sites, black: Array, darker: Sequence[TransferPoints]
+) -> TransferPoints:
     """Return mean and variance in blocks of the field: each block is nearly uniform,
-    however the light falls off. black : (sites,) DN, dark signal included."""
+    however the light falls off. black : (sites,) DN, dark signal included.
+
+    darker : points of darker flats, which tell where wells are full."""
     noise = flats.noise
     assert noise is not None
-    means = []
-    kept = sites.of(~flats.saturated)
+    means, levels = [], []
+    kept = sites.of(flats.known)
     for plane, used, level in zip(sites.of(flats.mean), kept, black, strict=True):
+        if used.any():
+            levels.append(float(plane[used].mean(dtype=np.float64)) - level)
         for block, mask in zip(blocks_of(plane), blocks_of(used), strict=True):
             inside = block[mask]
             means.append(clipped_moments(inside)[0] - level if inside.size > 8 else 0.0)
@@ -83,15 +97,18 @@ def transfer_points(flats: Repeats, sites: Sites, black: Array) -> TransferPoint
     error = np.array(
         [relative_error(max(n, 1), flats.pairs) for n in noise.pixels.ravel()]
     )
-    level = float((flats.group.level - black).mean())
+    error = error.reshape(mean.shape)
+    largest = np.max([p.variance for p in darker], axis=0) if darker else 0.0
+    full = noise.variance * (1 + CERTAIN * error) < CEILING * largest
+    share = float(noise.pixels[full].sum() / max(noise.pixels.sum(), 1))
     return TransferPoints(
         mean,
         noise.variance,
-        error.reshape(mean.shape),
-        level,
+        error,
+        float(np.mean(levels)),
         flats.group.exposure_time,
         flats.count,
-        float(flats.saturated.mean()),
+        max(flats.clipped, share),
     )
 
 
@@ -107,7 +124,7 @@ def photon_transfer(
     intercept, which needs two levels. white : DN above black.
     ceiling : saturation above black, DN, and what clips there."""
     most = LINEAR * (ceiling[0].value if ceiling else white)
-    used = [p for p in points if p.level <= most and p.saturated < 0.01]
+    used = [p for p in points if p.level <= most and not p.is_clipped]
     levels = np.array([p.level for p in used])
     if not used or (dark_variance is None and np.ptp(levels) < 0.2 * levels.max()):
         return None
@@ -167,17 +184,17 @@ def saturation(
     """Return (saturation above black in DN, "full well" or "white level") if the last
     of the points, those of @group, has reached it; else None.
 
-    points : from dark to bright. The well is full where more light brings no more
-    noise: where the variance falls below half of what darker flats let expect."""
+    points : from dark to bright. The well is full where more light brings less noise:
+    where the variance falls below half of that of darker flats."""
     point = points[-1]
     top = max(scanned.highest for scanned in group.frames)
     at_top = float(np.mean([scanned.at_highest for scanned in group.frames]))
-    if at_top > MANY or point.saturated > MANY:
+    if at_top > MANY or float(np.mean([s.saturated for s in group.frames])) > MANY:
         return Measured(min(top, white) - float(black.mean()), 0.5, "DN"), "white level"
-    slopes = [float(np.median(p.variance)) / p.level for p in points]
-    if len(points) > 1 and slopes[-1] < CEILING * max(slopes[:-1]):
+    variances = [float(np.median(p.variance)) for p in points]
+    if len(points) > 1 and variances[-1] < CEILING * max(variances[:-1]):
         levels = [scanned.mean_level for scanned in group.frames]
-        noise = math.sqrt(float(np.median(point.variance)))
+        noise = math.sqrt(variances[-1])
         error = max(float(np.std(levels)), 0.1 * noise)
         return Measured(point.level, error, "DN"), "full well"
     return None

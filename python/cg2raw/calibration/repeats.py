@@ -16,22 +16,38 @@ from cg2raw.calibration.frames import Group, UniformFrame
 from cg2raw.calibration.pair_noise import PairNoise, pair_noise, pooled
 from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import Sites
+from cg2raw.sensor import Sensor
 
 TRANSIENT = 8.0  # sigma above its repeats beyond which one frame's pixel is a transient
 FEWEST_KEPT = 64  # pixels of a site that are not saturated, of a pair of frames
 
 
 @dataclass(frozen=True)
+class Todo:
+    """Whose frames are read, and on how many threads.
+
+    counting : (H, W) bool, False in defects; None where all pixels count."""
+
+    sensor: Sensor
+    sites: Sites
+    threads: int
+    counting: NDArray[np.bool_] | None = None
+
+
+@dataclass(frozen=True)
 class Repeats:
     """What the frames of one group say together.
 
-    mean : (H, W) float32 DN, without transients. saturated : (H, W) bool, in any frame.
+    mean : (H, W) float32 DN, without transients. known : (H, W) bool, where a pixel
+    counts and is clipped in no frame. clipped : share of the pixels that count and are,
+    at white, or of flats at 0 DN.
     noise : None of a single frame. pairs : how many differences it is of.
     transients : pixels of one frame far above the others; None of a single frame."""
 
     group: Group
     mean: NDArray[np.float32]
-    saturated: NDArray[np.bool_]
+    known: NDArray[np.bool_]
+    clipped: float
     noise: PairNoise | None
     pairs: int
     transients: int | None
@@ -44,23 +60,22 @@ class Repeats:
 
 def repeats_of(
     group: Group,
-    sites: Sites,
-    white: int,
+    todo: Todo,
     black: Array,
     system_gain: float | None,
-    threads: int = 2,
 ) -> Repeats:
     """Return what a group's frames say; each is read once, two are held at a time.
 
-    white : DN from which a pixel is saturated. black : (sites,) DN; flats are scaled to
-    one light above it. system_gain : DN per electron, which tells how noisy a bright
-    pixel is; None: it is taken of the differences."""
+    black : (sites,) DN; flats are scaled to one light above it. system_gain : DN per
+    electron, which tells how noisy a bright pixel is; None: it is taken of the
+    differences."""
+    sites, white = todo.sites, todo.sensor.white_level
     frames = [scanned.frame for scanned in group.frames]
     above = np.array([scanned.level for scanned in group.frames]) - black
     lit = frames[0].kind == "flat"
     total = highest = lowest = previous = None
     pairs: list[PairNoise] = []
-    for index, raw in enumerate(read_ahead(frames, threads)):
+    for index, raw in enumerate(read_ahead(frames, todo.threads)):
         if total is None or highest is None or lowest is None or previous is None:
             total, highest, lowest = raw.astype(np.uint32), raw.copy(), raw.copy()
             previous = raw
@@ -69,34 +84,36 @@ def repeats_of(
         np.maximum(highest, raw, out=highest)
         np.minimum(lowest, raw, out=lowest)
         scale = above[index] / above[index - 1] if lit else np.ones(sites.count)
-        between = noise_between(previous, raw, sites, white, scale, black)
+        between = noise_between(previous, raw, todo, scale, black)
         if between is not None:
             pairs.append(between)
         previous = raw
     if total is None or highest is None or lowest is None:
         raise ValueError("a group of no frames: give at least one")
     noise = pooled(pairs) if pairs else None
-    saturated: NDArray[np.bool_] = highest >= white
+    clipped = (highest >= white) | (lit & (lowest == 0))
+    counting = np.ones_like(clipped) if todo.counting is None else todo.counting
+    share = float(clipped[counting].mean()) if counting.any() else 1.0
     mean, transients = _without_transients(
         total, highest, lowest, len(frames), _variance(noise, group, black, system_gain)
     )
-    return Repeats(
-        group, mean, saturated, noise, len(pairs), transients if pairs else None, pairs
-    )
+    seen = transients if pairs else None
+    known = counting & ~clipped
+    return Repeats(group, mean, known, share, noise, len(pairs), seen, pairs)
 
 
 def noise_between(
     first: RawImage,
     second: RawImage,
-    sites: Sites,
-    white: int,
+    todo: Todo,
     scale: Array,
     black: Array,
 ) -> PairNoise | None:
     """Return the noise of two frames, the second brighter by the factor @scale; None if
     nearly all pixels of a site are saturated.
 
-    scale, black : (sites,); both frames are brought to their geometric mean."""
+    scale, black : (sites,) DN; both frames are brought to their geometric mean."""
+    sites, white = todo.sites, todo.sensor.white_level
     difference = second.astype(np.float32)
     other = first.astype(np.float32)
     if not np.allclose(scale, 1, atol=1e-7):
@@ -108,6 +125,8 @@ def noise_between(
         other *= root
     difference -= other
     keep = (first < white) & (second < white)
+    if todo.counting is not None:
+        keep &= todo.counting
     if min(int(np.count_nonzero(site)) for site in sites.of(keep)) < FEWEST_KEPT:
         return None
     return pair_noise(difference, None if keep.all() else keep, sites)

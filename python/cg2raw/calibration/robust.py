@@ -79,9 +79,11 @@ def middle_of(values: Array) -> float:
     return middle - 0.5 + (flat.size / 2 - below) / max(inside, 1)
 
 
-def line_means(plane: Array, keep: Array, axis: int) -> tuple[Array, float]:
-    """Return (means along an axis, pixels per mean) of what is kept of a plane."""
+def line_means(plane: Array, keep: Array, axis: int) -> tuple[Array, float, Array]:
+    """Return (means along an axis, pixels per mean, where there are any) of what is
+    kept of a plane; a mean of no pixel is 0."""
     counts = np.count_nonzero(keep, axis=axis)
+    filled = counts > 0
     sums = np.where(keep, plane, 0).sum(axis, dtype=np.float64)
-    per_mean = float(np.mean(counts))
-    return sums / np.maximum(counts, 1), per_mean
+    per_mean = 1 / float(np.mean(1 / counts[filled])) if filled.any() else 1.0
+    return sums / np.maximum(counts, 1), per_mean, filled

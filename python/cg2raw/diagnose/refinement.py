@@ -49,7 +49,7 @@ def refine(
     if not patterns or found.iso is None:
         return found
     used = [one for one in frames if one.name not in found.excluded]
-    captures = CaptureSet(sensor, [capture_of(one, found.shape) for one in used])
+    captures = CaptureSet(sensor, [capture_of(one, found) for one in used])
     shown = read_frames(captures, noise_models(captures), None, say)
     splits = Splits(shown, Workers(threads, None))
     say("fixed patterns, all together", 0.5)
@@ -66,12 +66,13 @@ def _stated_patterns(sensor: Sensor) -> list[Effect]:
     return [*patterns, *(e for e in known if e.name == SHADING)] if patterns else []
 
 
-def capture_of(one: UniformFrame, shape: tuple[int, int]) -> Capture:
+def capture_of(one: UniformFrame, found: Calibration) -> Capture:
     """Return a frame as a capture of the fit; light is not known of any."""
+    counting = found.defects.counting
     return Capture(
         name=one.name,
         kind=one.kind,
-        shape=shape,
+        shape=found.shape,
         group="fit",
         set=one.name,
         illuminant=LIGHT_OF_DARKS,
@@ -80,6 +81,7 @@ def capture_of(one: UniformFrame, shape: tuple[int, int]) -> Capture:
         raw=one.pixels,
         scene=dark if one.kind == "dark" else None,
         temperature=one.temperature,
+        mask=None if counting is None else lambda: counting,
     )
 
 

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Pixels that do not respond, and flats that clip in places, move no number."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibration.planted import BLACK, GAIN, WHITE, frames_of, sensor_of
+from cg2raw.calibration import UniformFrame, calibrate
+from cg2raw.calibration.defects import responding
+from cg2raw.diagnose import refine
+
+SHAPE = (128, 160)
+SENSOR = sensor_of({"prnu": {"sigma": 0.006}}, shape=SHAPE)
+PLACES = {
+    "dead": (np.s_[:, 77], lambda above: 0 * above),
+    "dim": (np.s_[50:52, :], lambda above: above / 2),
+    "bright": (np.s_[90:100:3, 20:40:3], lambda above: above * 1.6),
+    "block": (np.s_[0:32, 128:160], lambda above: 0 * above),
+    "at white": (np.s_[:100, 12], lambda above: 0 * above + WHITE),
+    "at 0": (np.s_[110, :], lambda above: 0 * above - BLACK),
+}
+LOOKS = {
+    "gain": lambda c: c.transfer.mean_gain,
+    "prnu": lambda c: c.light.prnu,
+    "read noise": lambda c: c.noise.mean_read_noise,
+    "row noise": lambda c: c.noise.row_noise,
+    "columns": lambda c: c.structure.column_pattern,
+    "black": lambda c: c.black_level[1],
+}
+
+
+def spoiled(one):
+    """Return a frame with the defects of PLACES."""
+    above = one.pixels() - BLACK
+    for place, change in PLACES.values():
+        above[place] = change(above[place])
+    pixels = np.clip(np.rint(above + BLACK), 0, WHITE).astype(np.uint16)
+    return replace(one, raw=lambda: pixels)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Return (frames with defects, what they show, what the same without them do)."""
+    frames = frames_of(SENSOR, biases=4, darks=0, flats=3, flat_times=(0.3, 1.0))
+    bad = [spoiled(one) for one in frames]
+    return bad, calibrate(SENSOR, bad), calibrate(SENSOR, frames)
+
+
+@pytest.mark.parametrize("name", LOOKS)
+def test_defects_move_no_number(pair, name):
+    """A tenth of the pixels is missing: estimates differ by a third of their errors."""
+    _, found, clean = pair
+    a, b = LOOKS[name](found), LOOKS[name](clean)
+    assert abs(a.value - b.value) < 0.6 * b.standard_error, (a, b)
+
+
+def test_defects_are_counted_and_named(pair):
+    _, found, clean = pair
+    where = np.zeros(SHAPE, bool)
+    for place, _ in PLACES.values():
+        where[place] = True
+    assert clean.defects.count == 0
+    assert np.array_equal(~found.defects.counting, where)
+    (note,) = (note for note in found.notes if "respond" in note)
+    assert f"{where.sum()} of {where.size} pixels" in note
+    assert "columns 12, 77; rows 50, 51, 110;" in note
+    effects = json.loads(found.updated_profile())["effects"]
+    assert [effect["name"] for effect in effects] == ["prnu"]
+
+
+def test_defects_are_in_no_likelihood(pair):
+    bad, found, _ = pair
+    sigma = refine(found, bad).likeliest["prnu"]["sigma"]
+    assert sigma.value == pytest.approx(0.006, abs=4 * sigma.standard_error)
+
+
+def test_dust_and_steep_shading_are_no_defects():
+    rng = np.random.default_rng(2)
+    y, x = np.mgrid[-1:1:128j, -1:1:160j]
+    plane = 8000 * (1 - 0.75 * ((x**2 + y**2) / 2) ** 2)
+    plane[60:70, 80:90] *= 0.7
+    plane = (plane * (1 + 0.01 * rng.normal(size=plane.shape))).astype(np.float32)
+    assert responding(plane).all()
+
+
+def vignetted(seconds, seed, kind="flat", well=np.inf):
+    """Return a frame behind a lens that loses 40 % at the corners; its middle gets
+    14,500 DN a second, of GAIN electrons each."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[-1:1:128j, -1:1:160j]
+    response = 1 - 0.4 * (x**2 + y**2) / 2
+    response *= 1 + 0.005 * np.random.default_rng(0).normal(size=response.shape)
+    light = 14500 * seconds * response if kind == "flat" else 0 * response
+    above = np.minimum(rng.poisson(light * GAIN), well) / GAIN
+    raw = np.clip(np.rint(above + rng.normal(BLACK, 3, SHAPE)), 0, WHITE)
+    time = seconds if kind == "flat" else 0.0
+    pixels = raw.astype(np.uint16)
+    return UniformFrame(f"{kind}-{seed}", kind, lambda: pixels, time, 100.0)
+
+
+@pytest.mark.parametrize("well", [np.inf, 14000 * GAIN])
+def test_flats_whose_middle_clips_show_saturation_alone(well):
+    """At white, or at a full well below: 1.05 s and more are bent; the error of the
+    level of 20,480 pixels is 0.006 %."""
+    times = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.15, 1.25, 1.35)
+    frames = [vignetted(0.0, seed, "dark") for seed in range(1, 5)]
+    lit = [t for t in times for _ in range(2)]
+    frames += [vignetted(t, seed, well=well) for seed, t in enumerate(lit, 10)]
+    found = calibrate(SENSOR, frames)
+    assert found.clipped >= 4
+    assert found.linearity.error.value < 0.02
+    assert not found.linearity.quadratic.stands_out
+    prnu, gain = found.light.prnu, found.transfer.mean_gain
+    assert prnu.value == pytest.approx(0.005, abs=2e-4)
+    assert abs(gain.value - GAIN) < 4 * gain.standard_error
