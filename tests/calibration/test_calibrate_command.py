@@ -97,7 +97,7 @@ def test_what_is_wrong_is_said_in_one_line(files, tmp_path):
     assert "must end in .json" in fails("calibrate", files, "-s", mine, "-o", "x.txt")
     table.write_text("frame,exposure_s\ndark-0,minus one\n")
     words = fails("calibrate", files / "darks", "-s", mine, "--frames", table)
-    assert "frames.csv:2: exposure_s is minus one" in words
+    assert 'frames.csv:2: exposure_s is "minus one"' in words
     table.write_text("frame,exposure_s\nother,1\n")
     words = fails("calibrate", files / "darks", "-s", mine, "--frames", table)
     assert "names none of the frames" in words

@@ -129,7 +129,10 @@ BAD = {
     "deep": ('{"a":' * 100000, "is no JSON"),
     "wide": ("4" * 200000 + ",1,2,3", "is no CSV"),
     "repeated": ('{"a": 1, "a": 2}', "'a' stands there twice"),
-    "columns": ("400,1,2\n405,1,2\n", "line 1 has 3 columns"),
+    "columns": (
+        "400,1,2\n405,1,2\n",
+        ":1: has 3 cells, and a table without names has 4",
+    ),
     "header": ("nm,R,G\n400,1,2\n", "line 1 .* must name the channel B once"),
     "empty": ("", "holds no row"),
 }
@@ -141,7 +144,7 @@ def test_a_bad_file_is_refused_in_one_line(written, case):
     path = written(content)
     with pytest.raises(ValueError, match=message) as caught:
         read_sensitivities(path)
-    assert str(caught.value).startswith(f"{path}: ")
+    assert str(caught.value).startswith(f"{path}:")
     assert "\n" not in str(caught.value)
 
 

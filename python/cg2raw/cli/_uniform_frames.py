@@ -2,8 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """Files and folders of darks and flats become UniformFrames."""
 
-import csv
-import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +17,6 @@ Kind = Literal["dark", "flat"]
 NO_FRAMES = (".csv", ".json", ".md", ".txt", ".yaml", ".yml", ".xmp", ".jpg", ".png")
 # Of white above black: a dark lies below the first, a flat above the second.
 DARK, LIT = 0.01, 0.03
-COLUMNS = ("frame", "exposure_s", "temperature_c", "kind")
 
 
 @dataclass(frozen=True)
@@ -35,51 +32,6 @@ class Said:
 def sensor_of(word: str) -> Sensor:
     """Return the sensor of an id, a profile (.json) or a DNG. Raises ValueError."""
     return Sensor.from_dng(word) if word.lower().endswith(".dng") else Sensor(word)
-
-
-def read_table(path: str) -> dict[str, Said]:
-    """Return {frame: what is said of it} of a CSV with the columns frame, exposure_s,
-    and perhaps temperature_c and kind. Raises ValueError naming file, line and value.
-    """
-    found = {}
-    with open(path, newline="", encoding="utf-8-sig") as file:
-        reader = csv.DictReader(file)
-        lacking = {"frame", "exposure_s"} - set(reader.fieldnames or ())
-        if lacking:
-            raise ValueError(
-                f"{path}: has no column {sorted(lacking)[0]}; its first line must name "
-                f"the columns {', '.join(COLUMNS)}, the last two if they are known"
-            )
-        for row in reader:
-            where = f"{path}:{reader.line_num}"
-            kind = (row.get("kind") or "").strip().lower()
-            if kind not in ("", "dark", "flat"):
-                raise ValueError(f"{where}: kind is {kind}; must be dark or flat")
-            found[row["frame"]] = Said(
-                number(where, "exposure_s", row["exposure_s"], 0, 1e6),
-                None,
-                number(where, "temperature_c", row.get("temperature_c"), -273.15, 200),
-                "dark" if kind == "dark" else "flat" if kind else None,
-            )
-    return found
-
-
-def number(
-    where: str, column: str, text: str | None, low: float, high: float
-) -> float | None:
-    """Return the number in a cell, None if it is empty."""
-    if text is None or not text.strip():
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not low <= value <= high:
-        raise ValueError(
-            f"{where}: {column} is {text.strip()}; must be a number from {low:g} to "
-            f"{high:g}"
-        )
-    return value
 
 
 def files_in(paths: Sequence[str]) -> list[str]:

@@ -119,9 +119,10 @@ def frames_of(
 ) -> "tuple[list[UniformFrame], list[RawHeader]]":
     """Return all frames that the command line names, and what their files say."""
     from cg2raw.cli import _uniform_frames as files
+    from cg2raw.cli._frame_table import read_frame_table
     from cg2raw.io.raw_file import frames_in
 
-    table = files.read_table(arguments.table) if arguments.table else {}
+    table = read_frame_table(arguments.table) if arguments.table else {}
     said = files.Said(arguments.exposure, arguments.iso, arguments.temperature)
     found: list[UniformFrame] = []
     headers: list[RawHeader] = []

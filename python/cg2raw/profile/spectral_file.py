@@ -3,12 +3,11 @@
 """Spectra read from files: sensitivities of a camera, power of a light.
 
 Two forms. JSON as the Academy's rawtoaces-data has it: header {manufacturer, model,
-...}, spectral_data {index {main: channels}, data {main: {"380": values, ...}}}. CSV:
-rows of wavelength and values; lines that start with # are comments; a first row that is
-no numbers names the columns.
+...}, spectral_data {index {main: channels}, data {main: {"380": values, ...}}}. Tables
+(io/text_table.py): rows of wavelength and values; a first row that is no numbers names
+the columns.
 """
 
-import csv
 import dataclasses
 import json
 from collections.abc import Sequence
@@ -17,6 +16,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cg2raw.io.text_table import read_table, read_text
 
 # The visible range in steps of the published tables. Source: CIE 015, 7.2.
 Array = NDArray[np.float64]
@@ -126,13 +127,13 @@ def _table(
 ) -> tuple[dict[str, Any], Array, Array]:
     """Return (header, wavelengths, values in the order of channels) of a file."""
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
+        text = read_text(path)
+        if text.lstrip().startswith("{"):
+            header, rows = _json_table(path, text, channels)
+        else:
+            header, rows = {}, _rows(path, channels)
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: is no text in UTF-8") from None
-    read = _json_table if text.lstrip().startswith("{") else _csv_table
-    header, rows = read(path, text, channels)
     if not rows:
         raise ValueError(f"{path}: holds no row of wavelength and values")
     table = np.array([[wavelength, *values] for wavelength, values in rows])
@@ -168,33 +169,14 @@ def _json_table(
     return header if isinstance(header, dict) else {}, rows
 
 
-def _csv_table(
-    path: str | Path, text: str, channels: Sequence[str]
-) -> tuple[dict[str, Any], Rows]:
-    try:
-        read = list(csv.reader(text.splitlines()))
-    except csv.Error as error:
-        raise ValueError(f"{path}: is no CSV: {error}") from None
-    lines = [
-        (number, [cell.strip() for cell in cells])
-        for number, cells in enumerate(read, start=1)
-        if any(cell.strip() for cell in cells) and not cells[0].startswith("#")
+def _rows(path: str | Path, channels: Sequence[str]) -> Rows:
+    table = read_table(path, ("wavelength", *channels))
+    where = f"line {table.line}"
+    columns = _columns(path, where, table.names[1:], channels)
+    return [
+        (row.number(0), [row.number(1 + column) for column in columns])
+        for row in table.rows
     ]
-    columns = list(range(len(channels)))
-    if lines and not _is_number(lines[0][1][0]):
-        number, names = lines.pop(0)
-        columns = _columns(path, f"line {number}", names[1:], channels)
-    rows = []
-    for number, cells in lines:
-        if len(cells) <= 1 + max(columns):
-            raise ValueError(
-                f"{path}: line {number} has {len(cells)} columns; it needs wavelength, "
-                + ", ".join(channels)
-            )
-        field = f"line {number}"
-        numbers = [_number(path, field, cells[1 + column]) for column in columns]
-        rows.append((_number(path, field, cells[0]), numbers))
-    return {}, rows
 
 
 def _field(path: str | Path, document: Any, dotted: str, kind: type) -> Any:

@@ -24,9 +24,7 @@ from cg2raw.diagnose.captures.manifest_charts import MOST_LAB, MOST_RADIANCE, Pa
 from cg2raw.diagnose.captures.patch_means import (
     SITES,
     PatchMeans,
-    fail,
-    number,
-    read_rows,
+    read_columns,
     read_table,
     with_bounds,
 )
@@ -135,22 +133,18 @@ def read_colors(path: str) -> dict[str, NDArray[np.float64]]:
     """Return scene-linear Rec.709 of a .csv of colours: patch, and r g b (scene-linear
     Rec.709), X Y Z or L a b (D50). Raises ValueError, OSError."""
     columns = ("patch", *dict.fromkeys(n for names in SPACES.values() for n in names))
-    rows = read_rows(path, columns, required=("patch",))
-    given = [space for space, names in SPACES.items() if set(names) <= set(rows[0][1])]
+    table, at = read_columns(path, columns, required=("patch",))
+    given = [space for space, names in SPACES.items() if None not in map(at.get, names)]
     if len(given) != 1:
-        fail(path, 1, "columns", "must be patch and r, g, b or X, Y, Z or L, a, b")
+        table.fail("columns must be patch and r, g, b or X, Y, Z or L, a, b")
     space = given[0]
     low, high = (-MOST_LAB, MOST_LAB) if space == "lab" else (-1.0, MOST_RADIANCE)
     found: dict[str, NDArray[np.float64]] = {}
-    for line, row in rows:
-        name, color = (
-            plain(row["patch"]),
-            tuple(
-                number(path, line, row, column, low, high) for column in SPACES[space]
-            ),
-        )
-        if name in found or not np.isfinite(color).all():
-            fail(path, line, "patch", f'"{name}" is there twice, or lacks a number')
+    for row in table.rows:
+        name = plain(row.text(at["patch"]))
+        if name in found:
+            row.fail(at["patch"], f'"{name}" is there twice')
+        color = tuple(row.number(at[column], low, high) for column in SPACES[space])
         found[name] = rec709_of(Patch((0, 0, 0, 0), color, space, name))
     return found
 

@@ -8,16 +8,13 @@ what is left is brighter, or darker, than its colours say. Where the side is kno
 patch counts as censored: all that is known of its mean is which side of a bound it is.
 """
 
-import csv
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.near_words import one_line
+from cg2raw.io import text_table
 
 SITES = ("R", "G1", "G2", "B")  # G1: green in rows of red, G2: in rows of blue
 COLOR_OF_SITE = [0, 1, 1, 2]
@@ -80,28 +77,32 @@ class Table:
 
 
 def read_table(path: str, unit: str = "DN") -> Table:
-    """Return a .csv of patch means; empty and NaN are missing, and NaN in the Table.
+    """Return a table of patch means; empty and NaN are missing, and NaN in the Table.
 
     unit : "DN", or "signal", 0 to 1 above black.
     Raises ValueError naming file, line, column, value and bound, OSError."""
-    rows = read_rows(path, COLUMNS, required=("patch", *SITES))
+    table, at = read_columns(path, COLUMNS, required=("patch", *SITES))
     seen: dict[str, int] = {}
-    for line, row in rows:
-        name = row["patch"].strip()
+    for row in table.rows:
+        name = row.text(at["patch"])
         if not name or name in seen:
             what = f"is there twice, first in line {seen[name]}" if name else "is empty"
-            fail(path, line, "patch", f'"{name}" {what}; give each patch one name')
-        seen[name] = line
+            row.fail(at["patch"], f'"{name}" {what}; give each patch one name')
+        seen[name] = row.line
 
     def numbers(names: Sequence[str], low: float, high: float) -> NDArray[np.float64]:
-        values = [[number(path, *row, n, low, high) for n in names] for row in rows]
-        return np.array(values, float)
+        return np.array(
+            [
+                [row.number(at[name], low, high, missing=True) for name in names]
+                for row in table.rows
+            ]
+        )
 
     least = 0.0 if unit == "DN" else -MOST_SIGNAL
-    cut = tuple(row.get("cut", "").strip().lower() for _, row in rows)
-    for (line, _), word in zip(rows, cut, strict=True):
+    cut = tuple(row.text(at["cut"]).lower() for row in table.rows)
+    for row, word in zip(table.rows, cut, strict=True):
         if word and word not in SIDES:
-            fail(path, line, "cut", f'is "{word}"; must be low, high or empty')
+            row.fail(at["cut"], f'is "{word}"; must be low, high or empty')
     return Table(
         names=tuple(seen),
         mean=numbers(SITES, least, LARGEST[unit]),
@@ -111,48 +112,23 @@ def read_table(path: str, unit: str = "DN") -> Table:
     )
 
 
-def read_rows(
+def read_columns(
     path: str, columns: Sequence[str], required: Sequence[str]
-) -> list[tuple[int, dict[str, str]]]:
-    """Return (line, {column: text}) of a .csv. Raises ValueError, OSError."""
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        try:
-            reader = csv.reader(file, strict=True)
-            head = [name.strip() for name in next(reader, [])]
-            rows = [(reader.line_num, row) for row in reader if any(row)]
-        except (csv.Error, UnicodeDecodeError) as error:
-            raise ValueError(f"{path}: is no .csv: {error}") from None
-    unknown = [name for name in head if name not in columns]
-    missing = [name for name in required if name not in head]
-    twice = [name for name in head if head.count(name) > 1]
-    for names, what in ((unknown, "unknown"), (missing, "missing"), (twice, "twice")):
-        if names:
-            fail(path, 1, names[0], f"is {what}; columns are {', '.join(columns)}")
-    if not rows:
+) -> tuple[text_table.Table, dict[str, int | None]]:
+    """Return (table, {column: where it is}) of a file. Raises ValueError, OSError."""
+    table = text_table.read_table(path)
+    allowed = ", ".join(columns)
+    known = [text_table.folded(name) for name in columns]
+    for name in table.names:
+        if text_table.folded(name) not in known:
+            table.fail(f"column {name} is unknown; columns are {allowed}")
+    at = {name: table.column(text_table.folded(name)) for name in columns}
+    for name in required:
+        if at[name] is None:
+            table.fail(f"column {name} is missing; columns are {allowed}")
+    if not table.rows:
         raise ValueError(f"{path}: has no patch; add at least one row")
-    for line, row in rows:
-        if len(row) != len(head):
-            fail(path, line, "row", f"has {len(row)} values; must have {len(head)}")
-    return [(line, dict(zip(head, row, strict=True))) for line, row in rows]
-
-
-def number(
-    path: str, line: int, row: Mapping[str, str], name: str, low: float, high: float
-) -> float:
-    """Return a number of a row, NaN if it is missing. Raises ValueError."""
-    text = row.get(name, "").strip()
-    try:
-        value = float(text or "nan")
-    except ValueError:
-        value = math.inf
-    if not math.isnan(value) and not low <= value <= high:
-        fail(path, line, name, f'is "{text}"; must be {low:g} to {high:g}, or empty')
-    return value
-
-
-def fail(path: str, line: int, column: str, message: str) -> NoReturn:
-    """Raise ValueError with file, line and column before a message."""
-    raise ValueError(one_line(f"{path}:{line}: {column} {message}"))
+    return table, at
 
 
 def with_bounds(
