@@ -170,6 +170,10 @@ def test_a_library_has_one_user(name):
         assert room_of(name) in LIBRARIES[library], library
 
 
+def tree_of(path):
+    return ast.parse(path.read_text())
+
+
 def test_a_constant_of_the_diagnosis_has_one_home():
     """One name has one meaning: a threshold is imported, and not written twice."""
     homes = {}
@@ -181,24 +185,3 @@ def test_a_constant_of_the_diagnosis_has_one_home():
                     if name.id.isupper() and name.id not in ("EFFECT", "MISSING"):
                         homes.setdefault(name.id, []).append(path.name)
     assert {name: files for name, files in homes.items() if len(files) > 1} == {}
-
-
-LONGEST_FUNCTION = 40
-
-
-def tree_of(path):
-    return ast.parse(path.read_text())
-
-
-@pytest.mark.parametrize("folder", ["python", "ocio", "scripts"])
-def test_functions_are_short(folder):
-    """Lines of code, without signature and docstring."""
-    long = {}
-    for path in (ROOT / folder).rglob("*.py"):
-        for node in ast.walk(tree_of(path)):
-            if isinstance(node, ast.FunctionDef):
-                body = node.body[1:] if ast.get_docstring(node) else node.body
-                count = node.end_lineno - body[0].lineno + 1 if body else 0
-                if count > LONGEST_FUNCTION:
-                    long[f"{path.name}: {node.name}"] = count
-    assert long == {}
