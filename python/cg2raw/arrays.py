@@ -43,7 +43,7 @@ def output_plane(out: FloatImage | None, signal: FloatImage) -> FloatImage | Non
         return None
     if not isinstance(out, np.ndarray) or out.dtype != np.float32:
         kind = getattr(out, "dtype", type(out).__name__)
-        raise ValueError(f"out must be an array of float32, not {kind}")
+        raise ValueError(f"out must be an array of native float32, not {kind}")
     if out.shape != signal.shape:
         raise ValueError(f"out must have the shape {signal.shape}, not {out.shape}")
     if not (out.flags.c_contiguous and out.flags.writeable):
@@ -54,20 +54,36 @@ def output_plane(out: FloatImage | None, signal: FloatImage) -> FloatImage | Non
 
 
 def raw_plane(raw: ArrayLike) -> RawImage:
-    """Return an (H, W) array of uint16 DN. Raises ValueError for all else."""
-    plane = np.asarray(raw)
-    if plane.ndim != 2 or plane.dtype != np.uint16:
+    """Return an (H, W) array of uint16 DN, of any byte order, as C-contiguous words of
+    this machine. Raises ValueError for all else, other whole numbers too."""
+    plane = _array(raw, "raw")
+    if plane.ndim != 2 or not is_uint16(plane):
+        remedy = "; astype(numpy.uint16) converts what is 0 to 65535"
         raise ValueError(
             f"raw must be (H, W) uint16 DN, not {plane.shape} {plane.dtype}"
+            + (remedy if plane.dtype.kind in "iu" else "")
         )
-    return np.ascontiguousarray(plane)
+    return np.ascontiguousarray(plane, np.uint16)
+
+
+def is_uint16(array: NDArray[Any]) -> bool:
+    """Return whether an array has words of 16 bits, whatever the order of their bytes:
+    FITS and big-endian TIFF files give them as ">u2"."""
+    return bool(array.dtype.newbyteorder("=") == np.uint16)
+
+
+def _array(image: ArrayLike, name: str) -> NDArray[Any]:
+    """Return an argument as an array. Raises ValueError for what is none."""
+    if isinstance(image, np.ma.MaskedArray):
+        raise ValueError(f"{name} is a masked array: fill what is masked, by filled()")
+    try:
+        return np.asarray(image)
+    except ValueError as error:
+        raise ValueError(f"{name} is no image: {error}") from None
 
 
 def _floating(image: ArrayLike, name: str, what: str) -> NDArray[Any]:
-    try:
-        array = np.asarray(image)
-    except ValueError as error:
-        raise ValueError(f"{name} is no image: {error}") from None
+    array = _array(image, name)
     if not np.issubdtype(array.dtype, np.floating):
         raise ValueError(
             f"{name} must be floating point, {what}, not {array.dtype}: scale integers "

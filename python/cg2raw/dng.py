@@ -19,7 +19,7 @@ from cg2raw.argument_types import (
     path_text,
     thread_count,
 )
-from cg2raw.arrays import raw_plane
+from cg2raw.arrays import is_uint16, raw_plane
 from cg2raw.cfa import is_mono
 from cg2raw.core_arguments import shown
 from cg2raw.sensor import Sensor
@@ -185,6 +185,6 @@ def _simulation_of(
         raise ValueError(
             "raw is a flipped or transposed view: its CFA would be another"
         )
-    if raw.dtype != np.uint16:
+    if not is_uint16(raw):
         raise ValueError(f"raw must stay uint16 DN, not {raw.dtype}")
     return simulation

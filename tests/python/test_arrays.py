@@ -10,6 +10,8 @@ import pytest
 
 import cg2raw
 from cg2raw import _core
+from cg2raw.calibration import UniformFrame
+from cg2raw.io import raw_file
 
 HALVES = np.arange(2**16, dtype=np.uint16).view(np.float16)
 
@@ -90,6 +92,58 @@ def test_other_types_are_named(sensor, call, image):
         getattr(sensor, call)(image, illuminant="A")
     with pytest.raises(ValueError, match="floating point"):
         cg2raw.demosaic(image[..., 0], "RGGB")
+
+
+WORDS = np.arange(16 * 24, dtype=np.uint16).reshape(16, 24) + 2048
+DN = {
+    "big-endian": lambda words: words.astype(">u2"),
+    "upside down": lambda words: words[::-1].copy()[::-1],
+    "every other column": lambda words: np.repeat(words, 2, axis=1)[:, ::2],
+    "read-only": lambda words: np.frombuffer(words.tobytes(), "=u2").reshape(16, 24),
+    "an array of others": lambda words: type(
+        "Other", (), {"__array__": lambda self, dtype=None, copy=None: words}
+    )(),
+}
+
+
+@pytest.mark.parametrize("view", DN)
+def test_the_layout_of_dn_does_not_matter(sensor, view, tmp_path):
+    seen = DN[view](WORDS)
+    signal = sensor.signal_from_raw(WORDS)
+    np.testing.assert_array_equal(sensor.signal_from_raw(seen), signal)
+    for name, array in (("a.dng", WORDS), ("b.dng", seen)):
+        cg2raw.write_dng(tmp_path / name, array, sensor=sensor, illuminant="A")
+    assert (tmp_path / "b.dng").read_bytes() == (tmp_path / "a.dng").read_bytes()
+    frame = UniformFrame("a", "dark", lambda: seen).pixels()
+    assert frame.dtype.isnative and (frame == WORDS).all()
+
+
+def test_a_frame_keeps_its_simulation_in_another_byte_order(sensor, tmp_path):
+    frame = sensor.simulate(np.full((16, 24, 3), 0.2, np.float32), illuminant="A")
+    cg2raw.write_dng(tmp_path / "a.dng", frame)
+    cg2raw.write_dng(tmp_path / "b.dng", frame.astype(">u2"))
+    assert (tmp_path / "b.dng").read_bytes() == (tmp_path / "a.dng").read_bytes()
+
+
+def test_a_file_of_big_endian_words_is_a_frame(tmp_path):
+    np.save(tmp_path / "a.npy", WORDS.astype(">u2"))
+    np.savez(tmp_path / "a.npz", dark=WORDS.astype(">u2"))
+    for name in ("a.npy", "a.npz"):
+        (frame,) = raw_file.frames_in(str(tmp_path / name))
+        np.testing.assert_array_equal(frame.read(None), WORDS)
+
+
+def test_what_is_no_dn_is_refused_in_words(sensor):
+    masked = np.ma.masked_equal(WORDS, 2048)
+    with pytest.raises(ValueError, match="raw is a masked array: fill"):
+        sensor.signal_from_raw(masked)
+    with pytest.raises(ValueError, match="signal is a masked array: fill"):
+        sensor.raw_from_signal(np.ma.masked_less(np.zeros((4, 4), np.float32), 1))
+    with pytest.raises(ValueError, match=r"int64; astype\(numpy.uint16\) converts"):
+        sensor.signal_from_raw(WORDS.astype(np.int64))
+    signal = np.zeros((4, 4), np.float32)
+    with pytest.raises(ValueError, match="native float32, not >f4"):
+        sensor.add_noise(signal, iso=100, out=signal.astype(">f4"))
 
 
 def test_the_core_refuses_what_it_cannot_read():

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.arrays import RawImage
+from cg2raw.arrays import RawImage, raw_plane
 from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from cg2raw.system import check_readable
 
@@ -78,12 +78,10 @@ def mapped_dn(path: str) -> RawImage:
 
 def as_dn(what: str, plane: NDArray[Any]) -> RawImage:
     """Return an array that is a frame. Raises ValueError for any other."""
-    if plane.ndim != 2 or plane.dtype != np.uint16:
-        raise ValueError(
-            f"{what}: is {plane.shape} {plane.dtype}; must be (H, W) uint16 DN, the "
-            "mosaic of the active area"
-        )
-    return plane
+    try:
+        return raw_plane(plane)
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}; give the active area") from None
 
 
 def mapped(path: str) -> NDArray[Any]:

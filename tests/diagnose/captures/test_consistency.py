@@ -36,7 +36,11 @@ def bad_sets(folder):
     yield "twice", [a, dark("./a.npy")], [":4: frames[1].file", "is that of line 3"]
     yield "copy", [a, dark("copy.npy")], [":4: frames[1].file", "the bytes of that of"]
     yield "size", [a, dark("small.npy")], ["small.npy is 8x8, a.npy 64x48; all frames"]
-    yield "type", [dark("float.npy")], ["float.npy: is (48, 64) float32; must be"]
+    yield (
+        "type",
+        [dark("float.npy")],
+        ["float.npy: raw must be (H, W) uint16"],
+    )
     yield "no array", [dark("text.npy")], ["text.npy: is no .npy file, or cut off"]
     yield "cut DNG", [dark("cut.dng")], [":3: frames[0].file cannot be used", "cut.dng"]
     yield "no RAW", [dark("text.nef")], ["text.nef: LibRaw cannot read it"]
