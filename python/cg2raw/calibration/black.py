@@ -46,6 +46,13 @@ class BiasStructure:
     fitted_rows: Array
 
     @property
+    def edge_is_longer(self) -> bool:
+        """Whether the edge is as long as any that is tried: it may be longer."""
+        if self.edge_length is None:
+            return False
+        return self.edge_length.value >= float(edge_lengths(len(self.columns))[-1])
+
+    @property
     def edge_columns(self) -> Array:
         """The edge alone, DN of each column."""
         if self.edge is None or self.edge_length is None:
@@ -168,7 +175,7 @@ def ramp_and_edge(
     place = (column + 0.5) / len(profile) - 0.5
     straight = np.stack([np.ones_like(place), place], 1)
     if with_edge and len(profile) >= LEAST_COLUMNS:
-        lengths = EDGE_LENGTHS[EDGE_LENGTHS < len(profile) * LONGEST_EDGE]
+        lengths = edge_lengths(len(profile))
         found = fit_decay(straight, column, profile, lengths, first=FIRST_COLUMNS)
         wide = math.sqrt(_correlated(found.rest))
         ramp, edge = (
@@ -180,6 +187,12 @@ def ramp_and_edge(
             return ramp, edge, length, profile - found.rest
     line = _fit(straight, profile)
     return _error_of(line, 1), None, None, straight @ line[0]
+
+
+def edge_lengths(width: int) -> Array:
+    """Return the lengths of an edge, px, that are tried."""
+    found: Array = EDGE_LENGTHS[EDGE_LENGTHS < width * LONGEST_EDGE]
+    return found
 
 
 Fit = tuple[Array, Array, float]  # values, inverse normal matrix, variance

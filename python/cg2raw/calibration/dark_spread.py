@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import erfcx, ndtr
 
-from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measured import FLOOR, Measured
 from cg2raw.calibration.robust import Array
 
 # Bins of rates over their noise; as fine as the laws are, out to all that can be.
@@ -27,6 +27,10 @@ WEIGHTS = np.exp(-(NODES**2) / 2) / np.exp(-(NODES**2) / 2).sum()
 FAR = 20.0  # times the noise, where hot pixels are looked for first
 SHARES = (0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
 MOST_LOG_SIGMA, MOST_HOT = 3.0, 0.2  # as the registry bounds them
+LEAST_HOT = 1e-7  # share of hot pixels that is tried
+LEAST_NATS = 10.0  # of evidence for a law of two parameters
+FALL95 = 1.92  # nats by which the likelihood falls to its limit of 95 %
+AT_BOUND = 0.01  # relative, to a bound of the search
 
 # A law that ends here is a normal: noise that is wider than it was taken for.
 LEAST_LOG_SIGMA = 0.02
@@ -39,7 +43,9 @@ class DarkSpread:
     rate, log_sigma : of rate * (exp(log_sigma n) - 1), n normal. fraction, hot_rate :
     share of hot pixels, and the mean of their exponential law.
     quantiles : {share: DN/s}, as measured. noise : DN/s, of a pixel's rate.
-    above : {DN/s: share of pixels beyond it}, at 5, 20 and 100 times the noise."""
+    above : {DN/s: share of pixels beyond it}, at 5, 20 and 100 times the noise.
+    most_hot : share of hot pixels, of a mean rate of 20 times the noise, that there may
+    be (95 %)."""
 
     rate: Measured
     log_sigma: Measured
@@ -50,6 +56,46 @@ class DarkSpread:
     above: dict[float, float]
     spread_nats: float
     hot_nats: float
+    most_hot: float
+
+    @property
+    def has_too_many_hot(self) -> bool:
+        """Whether the share of hot pixels is at the end of the search: a limit, as of
+        the other numbers none was measured."""
+        return self.fraction.value > (1 - AT_BOUND) * MOST_HOT
+
+    @property
+    def has_hot(self) -> bool:
+        """Whether there are hot pixels beyond chance, as many as are searched for."""
+        seen = self.hot_nats >= LEAST_NATS and self.fraction.stands_out
+        return seen and not self.has_too_many_hot
+
+    @property
+    def is_uneven(self) -> bool:
+        """Whether the others' rates differ beyond chance, and not as a normal law's,
+        which would be noise that is wider than it was taken for."""
+        log_sigma, least, most = self.log_sigma.value, LEAST_LOG_SIGMA, MOST_LOG_SIGMA
+        is_wide = (self.rate.value * log_sigma) ** 2 > FLOOR * self.noise**2
+        inside = least * (1 + AT_BOUND) < log_sigma < most * (1 - AT_BOUND)
+        seen = self.spread_nats >= LEAST_NATS and self.rate.stands_out
+        return is_wide and inside and seen and not self.has_too_many_hot
+
+    @property
+    def hot_words(self) -> str:
+        """Say what is known of a share of hot pixels that was not measured."""
+        if self.has_hot:
+            return ""
+        if self.has_too_many_hot:
+            return f"more than {MOST_HOT:.0%}"
+        most = f"{100 * self.most_hot:.2g} % of a mean of {FAR * self.noise:.3g} DN/s"
+        return f"not found; below {most}"
+
+    @property
+    def uneven_words(self) -> str:
+        """Say why rates of the others were not measured."""
+        if self.is_uneven:
+            return ""
+        return "not shown among so many hot" if self.has_too_many_hot else "not found"
 
 
 def dark_spread(excess: Array, noise: float) -> DarkSpread:
@@ -87,7 +133,25 @@ def dark_spread(excess: Array, noise: float) -> DarkSpread:
         {k * noise: float(np.mean(excess > k * noise)) for k in (5, 20, 100)},
         both[1] - flat[1],
         both[1] - cold[1],
+        most_hot(counts, both[0]),
     )
+
+
+def most_hot(counts: Array, values: Array) -> float:
+    """Return the share of hot pixels, of FAR times the noise, at which the likelihood
+    has fallen to its limit of 95 %: the error by its curvature is none at a bound.
+
+    values : of the fit, rate and log_sigma first; the noise is 1."""
+
+    def lost(share: float) -> float:
+        shares = shares_of(np.array([*values[:2], share, FAR]))
+        return -float(counts @ np.log(np.maximum(shares, 1e-12)))
+
+    tried = np.geomspace(LEAST_HOT, MOST_HOT, 60)
+    losses = np.array([lost(float(share)) for share in tried])
+    best = int(losses.argmin())
+    beyond = np.flatnonzero(losses[best:] > losses[best] + FALL95)
+    return float(tried[best + beyond[0]]) if beyond.size else MOST_HOT
 
 
 def _fitted(
@@ -97,7 +161,7 @@ def _fitted(
 
     Values in units of the noise; an unused part has rate or fraction 0. starts : where
     the search begins, in turn; the likeliest end counts."""
-    low = np.log([1e-3, LEAST_LOG_SIGMA, 1e-7, 1.0])
+    low = np.log([1e-3, LEAST_LOG_SIGMA, LEAST_HOT, 1.0])
     high = np.log([1e3, MOST_LOG_SIGMA, MOST_HOT, 1e5])
 
     def unpacked(x: Array) -> Array:

@@ -50,6 +50,12 @@ class Glow:
         least = max(CERTAIN * self.per_second.standard_error, CUT * self.residual)
         return self.per_second.value > least
 
+    @property
+    def is_measured(self) -> bool:
+        """Whether it stands out and is narrower than the widest that is tried: at that
+        bound it may be any slope over the field."""
+        return self.stands_out and self.extent.value < EXTENTS[-1]
+
 
 def glow(rate: Array) -> Glow:
     """Return the best glow in an (H, W) map of dark current, DN/s."""

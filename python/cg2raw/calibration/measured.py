@@ -7,6 +7,9 @@ import math
 from dataclasses import dataclass
 
 SIGNIFICANT = 3.0  # standard errors
+# Of the noise variance that an estimator takes off: it is not known better than that,
+# by the cut at 4 sigma and by pixels that are not alike.
+FLOOR = 0.01
 
 
 @dataclass(frozen=True)

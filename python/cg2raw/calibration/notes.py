@@ -67,6 +67,11 @@ def of_darks(found: Measurements) -> list[str]:
         notes.append(
             "doubling temperature: needs long darks at two temperatures, 5 K apart"
         )
+    if found.spread is not None and found.spread.has_too_many_hot:
+        notes.append(
+            f"hot pixels: {found.spread.hot_words} of all, where the search ends; the "
+            "profile keeps what it said of them: capture cooler or shorter darks"
+        )
     notes += of_scatter(found)
     return notes
 

@@ -11,18 +11,13 @@ profile is not to have it.
 from collections.abc import Callable, Mapping
 from typing import Literal
 
-from cg2raw.calibration.dark_spread import LEAST_LOG_SIGMA
-from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measured import FLOOR, Measured
 from cg2raw.calibration.measurements import Measurements
 
 Found = Mapping[str, float | Measured]
-# Of the noise variance that an estimator takes off: it is not known better than that,
-# by the cut at 4 sigma and by pixels that are not alike.
-FLOOR = 0.01
 CORRELATION_FLOOR = 0.005  # which a few flickering pixels bring
 SHADING_FLOOR = 1e-3  # rms; no lamp is flatter
 NONLINEARITY_FLOOR = 1e-3  # of white
-LEAST_NATS = 10.0  # of evidence for a law of two parameters
 
 
 def effects_found(
@@ -101,7 +96,7 @@ def bias_structure(c: Measurements) -> Answer:
         measured = getattr(s, name)
         if measured.stands_out:
             parts[name] = measured.scaled(1 / c.range, "1")
-    if s.edge is not None and s.edge_length is not None:
+    if s.edge is not None and s.edge_length is not None and not s.edge_is_longer:
         parts["edge"] = s.edge.scaled(1 / c.range, "1")
         parts["edge_length"] = s.edge_length
     return parts or None
@@ -132,27 +127,25 @@ def dark_current(c: Measurements) -> Answer:
     rate = c.dark.rate
     if not rate.stands_out or rate.value < 0:
         return None
-    shine = c.glow.median if c.glow is not None and c.glow.stands_out else 0.0
+    shine = c.glow.median if c.glow is not None and c.glow.is_measured else 0.0
     without = Measured(max(rate.value - shine, 0.0), rate.standard_error, rate.unit)
     return {"per_second": without.scaled(1 / c.range, "1/s")}
 
 
 def dark_current_nonuniformity(c: Measurements) -> Answer:
     s = c.spread
-    if s is None:
+    if s is None or s.has_too_many_hot:
         return False
-    is_wide = (s.rate.value * s.log_sigma.value) ** 2 > FLOOR * s.noise**2
-    is_normal = s.log_sigma.value < 1.01 * LEAST_LOG_SIGMA
-    if s.spread_nats < LEAST_NATS or not is_wide or not s.rate.stands_out or is_normal:
+    if not s.is_uneven:
         return None
     return {"rate": s.rate.scaled(1 / c.range, "1/s"), "log_sigma": s.log_sigma}
 
 
 def hot_pixels(c: Measurements) -> Answer:
     s = c.spread
-    if s is None:
+    if s is None or s.has_too_many_hot:
         return False
-    if s.hot_nats < LEAST_NATS or not s.fraction.stands_out:
+    if not s.has_hot:
         return None
     return {"fraction": s.fraction, "rate": s.hot_rate.scaled(1 / c.range, "1/s")}
 
@@ -161,7 +154,7 @@ def amplifier_glow(c: Measurements) -> Answer:
     g = c.glow
     if g is None:
         return False
-    if not g.stands_out:
+    if not g.is_measured:
         return None
     return {
         "per_second": g.per_second.scaled(1 / c.range, "1/s"),

@@ -7,8 +7,10 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from cg2raw.calibration.glow import EXTENTS
 from cg2raw.calibration.measured import Measured, ratio
 from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.temporal_noise import LEAST_LAMBDA
 
 MOST_SITES = 4  # of which each is told
 
@@ -65,7 +67,10 @@ def black_rows(found: Measurements) -> Iterator[Row]:
     yield row("ramp, left to right", s.horizontal if s else None)
     yield row("ramp, top to bottom", s.vertical if s else None)
     if s is not None and s.edge is not None and s.edge_length is not None:
-        yield row("first columns", s.edge, f"over {told(s.edge_length)}")
+        at = f"{s.edge_length.value:.3g} px, where the search ends"
+        over = f"more than {at}" if s.edge_is_longer else told(s.edge_length)
+        edge = None if s.edge_is_longer else s.edge
+        yield row("first columns", edge, f"over {over}")
     yield row("columns, fixed", s.column_pattern if s else None)
     yield row("rows, fixed", s.row_pattern if s else None)
     yield row("DSNU, pixels' offsets", s.dsnu if s else None)
@@ -84,7 +89,8 @@ def noise_rows(found: Measurements) -> Iterator[Row]:
         yield Row("noise", name, value, in_electrons(found, value))
     shape = ""
     if n is not None and n.tukey_lambda is not None:
-        shape = f"Tukey lambda {n.tukey_lambda:.2f} (normal: 0.14)"
+        beyond = "at most " if n.tukey_lambda <= LEAST_LAMBDA else ""
+        shape = f"Tukey lambda {beyond}{n.tukey_lambda:.2f} (normal: 0.14)"
     kurtosis = n.excess_kurtosis if n else None
     yield Row("noise", "excess kurtosis", kurtosis, None, shape)
     correlation = n.row_correlation if n else None
@@ -108,22 +114,30 @@ def dark_rows(found: Measurements) -> Iterator[Row]:
         quantiles = "  ".join(
             f"{100 * share:g} %: {value:.3g}" for share, value in s.quantiles.items()
         )
+        middle = s.rate if s.is_uneven else None
+        words = f"{s.uneven_words}; " if s.uneven_words else ""
         yield Row(
             "dark current",
             "nonuniformity, rate",
-            s.rate,
-            in_electrons(found, s.rate),
-            f"above the median, DN/s: {quantiles}",
+            middle,
+            in_electrons(found, middle),
+            f"{words}above the median, DN/s: {quantiles}",
         )
-        yield Row("dark current", "nonuniformity, sigma of log", s.log_sigma)
-        yield Row("dark current", "hot pixels", s.fraction.scaled(100, "%"))
-        hot = in_electrons(found, s.hot_rate)
-        yield Row("dark current", "hot pixels, mean rate", s.hot_rate, hot)
+        log_sigma = s.log_sigma if s.is_uneven else None
+        name = "nonuniformity, sigma of log"
+        yield Row("dark current", name, log_sigma, None, s.uneven_words)
+        share = s.fraction.scaled(100, "%") if s.has_hot else None
+        yield Row("dark current", "hot pixels", share, None, s.hot_words)
+        hot = s.hot_rate if s.has_hot else None
+        name = "hot pixels, mean rate"
+        yield Row("dark current", name, hot, in_electrons(found, hot))
     g = found.glow
     if g is not None and g.stands_out:
         at = f"from row {g.row:+.0f}, column {g.column:+.0f}"
-        shine = in_electrons(found, g.per_second)
-        yield Row("dark current", "amplifier glow", g.per_second, shine, at)
+        value = g.per_second if g.is_measured else None
+        at += "" if value else f": wider than {EXTENTS[-1]:g} half diagonals"
+        shine = in_electrons(found, value)
+        yield Row("dark current", "amplifier glow", value, shine, at)
 
 
 def light_rows(found: Measurements) -> Iterator[Row]:
@@ -200,7 +214,7 @@ def told(value: Measured) -> str:
     """Return "12.93 +- 0.05 DN"."""
     unit = "" if value.unit == "1" else f" {value.unit}"
     number, error = digits(value)
-    return f"{number} +- {error}{unit}"
+    return f"{number} +- {error}{unit}" if value.standard_error > 0 else number + unit
 
 
 def as_text(found: Measurements) -> str:

@@ -20,6 +20,7 @@ FOURTH_OF_ROUNDING = -1 / 120  # its fourth cumulant, DN^4
 LEAST_NOISE = 1.0  # DN; below it rounding shapes the tails
 # Excess kurtosis that pixels bring whose variances differ by a quarter: 3 times 0.25^2.
 TAILS_FLOOR = 0.19
+LEAST_LAMBDA = -0.2  # of Tukey's distribution; at -0.25 its kurtosis has no bound
 
 
 @dataclass(frozen=True)
@@ -123,10 +124,10 @@ def _kurtosis(
 
 
 def lambda_of(excess_kurtosis: float) -> float:
-    """Return the lambda, -0.2 to 0.5, of Tukey's distribution with such tails.
+    """Return the lambda, LEAST_LAMBDA to 0.5, of Tukey's distribution with such tails.
 
     Source of the moments: B. Joiner, J. Rosenblatt, J. Am. Stat. Assoc. 66, 1971."""
-    grid = np.linspace(-0.2, 0.5, 701)
+    grid = np.linspace(LEAST_LAMBDA, 0.5, 701)
     grid = grid[np.abs(grid) > 1e-6]
     found = np.array([kurtosis_of(float(x)) for x in grid])
     return float(np.interp(-excess_kurtosis, -found, grid))

@@ -37,7 +37,9 @@ def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]
         settings.pop("black_level", None)  # the level itself has it now
     for name, values in effects.items():
         settings.pop(name, None)
-        if values is not None:
+        beyond = bounds_passed(values or {}, known[name])
+        notes += [f"{name}: {words}: the profile goes without" for words in beyond]
+        if values is not None and not beyond:
             settings[name] = setting(name, values, known[name], frames)
     profile["effects"] = list(settings.values())
     text = json.dumps(profile, indent=2)
@@ -122,6 +124,27 @@ def shape_of(
     }
 
 
+def bounds_passed(values: Found, known: dict[str, Any]) -> list[str]:
+    """Return sentences on measured parameters that are at a bound of the registry, as a
+    search ends there, or beyond it by more than their error."""
+    found = []
+    for parameter in known["parameters"]:
+        given = values.get(parameter["name"])
+        low, high = parameter["min"], parameter["max"]
+        if not isinstance(given, Measured):
+            continue
+        half = CI95 * given.standard_error
+        if low < given.value < high or (
+            given.value not in (low, high) and low - half < given.value < high + half
+        ):
+            continue
+        found.append(
+            f"{parameter['name']} is {given.value:.4g}; must be between {low:g} and "
+            f"{high:g}"
+        )
+    return found
+
+
 def setting(
     name: str, values: Found, known: dict[str, Any], frames: str
 ) -> dict[str, Any]:
@@ -133,11 +156,9 @@ def setting(
         low, high = parameter["min"], parameter["max"]
         given = values.get(parameter["name"], parameter["null"])
         if isinstance(given, Measured):
-            half = CI95 * given.standard_error
-            intervals[parameter["name"]] = [
-                rounded(given.value - half),
-                rounded(given.value + half),
-            ]
+            if (half := CI95 * given.standard_error) > 0:
+                ends = given.value - half, given.value + half
+                intervals[parameter["name"]] = [rounded(end) for end in ends]
             given = given.value
         parameters[parameter["name"]] = rounded(min(max(float(given), low), high))
     return {

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A search that ends at its bound gives a limit, and no number with an error."""
+
+import numpy as np
+import pytest
+
+from cg2raw import _core
+from cg2raw.calibration.dark_spread import MOST_HOT, dark_spread
+from cg2raw.calibration.glow import glow
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.profile_effects import hot_pixels
+from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.table import dark_rows, told
+from cg2raw.calibration.updated_profile import bounds_passed
+
+NOISE = 0.1  # DN/s
+KNOWN = {effect["name"]: effect for effect in _core.effects()}
+
+
+def rates(share, mean, seed=1):
+    """Return rates of 40,000 pixels above their median: hot ones of that share."""
+    rng = np.random.default_rng(seed)
+    found = (rng.random(40_000) < share) * rng.exponential(mean, 40_000)
+    found += rng.normal(0, NOISE, 40_000)
+    return found - np.median(found)
+
+
+def test_no_hot_pixel_is_a_limit():
+    """No pixel of N: at 95 % fewer than 3 / N, or a few times that of what a normal
+    law hides. An unevenness of the others is not found either."""
+    law = dark_spread(rates(0.0, 1.0), NOISE)
+    assert not law.has_hot and not law.is_uneven
+    assert 3 / 40_000 < law.most_hot < 10 / 40_000
+    assert law.hot_words.startswith("not found; below 0.0")
+
+
+def test_the_limit_of_hot_pixels_grows_with_what_is_seen():
+    """Of 12 hot pixels there may be 20: 12 and two of their standard deviations."""
+    rng = np.random.default_rng(7)
+    found = rates(0.0, 1.0)
+    found[:12] += 4 + rng.exponential(20 * NOISE, 12)
+    law = dark_spread(found, NOISE)
+    assert law.has_hot and law.hot_words == ""
+    assert 12 / 40_000 < law.most_hot < 30 / 40_000
+
+
+def test_more_hot_pixels_than_are_searched_for():
+    law = dark_spread(rates(0.35, 30.0), NOISE)
+    assert law.has_too_many_hot and not law.has_hot and not law.is_uneven
+    assert law.hot_words == f"more than {MOST_HOT:.0%}"
+    rows = {row.name: row for row in dark_rows(found_with(spread=law))}
+    for name in ("hot pixels", "hot pixels, mean rate", "nonuniformity, rate"):
+        assert rows[name].value is None
+    assert hot_pixels(found_with(spread=law)) is False  # the profile's own stays
+
+
+def found_with(**fields):
+    """Return measurements of one site with some fields, and a dark current."""
+    from cg2raw.calibration.dark_current import DarkCurrent
+
+    line = DarkCurrent(((None, Measured(1.0, 0.1, "DN/s")),), 0.0, None, (), 0.0, False)
+    empty = Measurements.__new__(Measurements)
+    values = {"dark": line, "glow": None, "transfer": None, "spread": None, **fields}
+    for name in Measurements.__dataclass_fields__:
+        object.__setattr__(empty, name, values.get(name))
+    object.__setattr__(empty, "likeliest", {})
+    object.__setattr__(empty, "sites", Sites(1, ("",)))
+    return empty
+
+
+def test_a_glow_as_wide_as_the_field_is_a_limit():
+    """A slope over the field is like any wide glow."""
+    rng = np.random.default_rng(3)
+    slope = np.linspace(0, 2, 320)[None] + rng.normal(0, 0.05, (256, 320))
+    shine = glow(slope.astype(np.float32))
+    assert shine.stands_out and not shine.is_measured
+    rows = {row.name: row for row in dark_rows(found_with(glow=shine))}
+    assert rows["amplifier glow"].value is None
+    assert "wider than 1 half diagonals" in rows["amplifier glow"].more
+
+
+def test_a_number_without_an_error_has_none():
+    assert told(Measured(3.5, 0.0, "DN")) == "3.5 DN"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "passed"),
+    [(0.01, 0.001, 0), (0.2, 0.001, 1), (0.22, 0.001, 1), (0.2001, 0.001, 0)],
+)
+def test_an_effect_at_a_bound_of_the_registry_is_not_written(value, error, passed):
+    """PRNU is at most 0.2; a value that its own error takes beyond is cut."""
+    words = bounds_passed({"sigma": Measured(value, error, "1")}, KNOWN["prnu"])
+    assert len(words) == passed
+    assert all(f"sigma is {value:g}; must be between" in one for one in words)
