@@ -16,7 +16,13 @@ import numpy as np
 from cg2raw.calibration.decay import fit_decay
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import SIGNIFICANT, Measured, root_of
-from cg2raw.calibration.robust import CUT, Array, clipped_moments, line_means
+from cg2raw.calibration.robust import (
+    CUT,
+    LEAST_SIGMA,
+    Array,
+    clipped_moments,
+    line_means,
+)
 from cg2raw.calibration.sites import Sites
 
 EDGE_LENGTHS = np.geomspace(0.7, 256, 40)  # px that are tried
@@ -77,7 +83,7 @@ def black_levels(
     found = []
     level = (structure.columns[None] + structure.rows[:, None]).astype(np.float32)
     for plane, used in zip(sites.of(offset - level), sites.of(known), strict=True):
-        mean, sigma, count = clipped_moments(plane[used])
+        mean, sigma, count = clipped_moments(plane[used], LEAST_SIGMA * sites.step)
         error = math.hypot(*shares, sigma / math.sqrt(count))
         found.append(Measured(mean, error, "DN"))
     return tuple(found)
@@ -105,7 +111,7 @@ def bias_structure(
     horizontal, edge, length, of_columns = ramp_and_edge(columns)
     vertical, _, _, of_rows = ramp_and_edge(rows, with_edge=False)
     moments = [
-        clipped_moments(plane[used])
+        clipped_moments(plane[used], LEAST_SIGMA * sites.step)
         for plane, used in zip(sites.of(flat), sites.of(known), strict=True)
     ]
     pixel = float(np.mean([sigma**2 for _, sigma, _ in moments]))
@@ -139,7 +145,8 @@ def _lines(
     rows = np.median(flat[:, :: steps[1]], axis=1)
     flat -= rows[:, None]
     pairs = zip(sites.of(flat), sites.of(known), strict=True)
-    sigmas = [clipped_moments(plane[used])[1] for plane, used in pairs]
+    least = LEAST_SIGMA * sites.step
+    sigmas = [max(clipped_moments(p[used], least)[1], least) for p, used in pairs]
     inside = known & (np.abs(flat) <= CUT * sites.spread(sigmas, flat.shape))
     more, per_column, filled = line_means(flat, inside, 0)
     flat -= more[None].astype(np.float32)

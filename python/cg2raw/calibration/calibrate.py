@@ -23,6 +23,7 @@ from cg2raw.calibration.frames import (
     Scanned,
     UniformFrame,
     groups_of,
+    in_steps,
     scan,
 )
 from cg2raw.calibration.notes import notes_on
@@ -55,9 +56,10 @@ def calibrate(
     tell = progress or (lambda words, share: None)
     iso = one_iso(frames)
     scanned = scan_all(sensor, frames, threads, tell)
+    step, scanned = in_steps(scanned, sensor.white_level)
     groups, excluded = screened(groups_of(scanned), np.array(sensor.black_level))
     check_groups(groups)
-    sites = sites_of(sensor)
+    sites = replace(sites_of(sensor), step=step)
     dark_groups = [g for g in groups if g.frames[0].frame.kind == "dark"]
     flat_groups = [g for g in groups if g.frames[0].frame.kind == "flat"]
     black = dark_groups[0].level if dark_groups else sensor.black_level

@@ -38,7 +38,8 @@ class DarkSums:
 
     The first group, of the shortest exposure, is the origin of all others."""
 
-    def __init__(self, first: Repeats, variance: float) -> None:
+    def __init__(self, first: Repeats, variance: float, step: int) -> None:
+        self.step = step  # of the codes, DN
         """variance : DN^2, of one frame's pixel in the first group."""
         self.origin = first.mean
         self.first_time = first.group.exposure_time or 0.0
@@ -54,7 +55,9 @@ class DarkSums:
         time = repeats.group.exposure_time or 0.0
         excess = repeats.mean - self.origin
         used = repeats.known
-        middle = 0.0 if repeats.mean is self.origin else middle_of(excess[used])
+        middle = (
+            0.0 if repeats.mean is self.origin else middle_of(excess[used], self.step)
+        )
         weight = repeats.count / variance
         each = np.where(used, np.float32(weight), np.float32(0))
         for index in range(3):
@@ -69,7 +72,7 @@ class DarkSums:
 
     def middle(self, repeats: Repeats) -> float:
         """Return how far a group's middle lies above the first's, DN."""
-        return middle_of((repeats.mean - self.origin)[repeats.known])
+        return middle_of((repeats.mean - self.origin)[repeats.known], self.step)
 
     def maps(self) -> DarkMaps:
         """Return offset and rate of each pixel."""

@@ -5,7 +5,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,8 +26,6 @@ from cg2raw.calibration.measurements import Transients
 from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.temporal_noise import TemporalNoise, temporal_noise
-
-LEAST_VARIANCE = 1 / 12  # DN^2, of rounding alone
 
 
 @dataclass(frozen=True)
@@ -75,8 +73,9 @@ def read_darks(
             transients.append(
                 Transients(words_of(group), repeats.transients, repeats.count)
             )
-        points.append(taken_up(read, repeats, number == main, groups, system_gain))
-        points[-1] = DarkPoint(**{**vars(points[-1]), "set_point": number})
+        is_main = number == main
+        point = taken_up(read, repeats, todo.sites, is_main, groups, system_gain)
+        points.append(replace(point, set_point=number))
         tell((index + 1) / len(groups))
     assert read.sums is not None
     maps = read.sums.maps()
@@ -128,6 +127,7 @@ def main_set_point(groups: Sequence[Group], numbers: Sequence[int]) -> int:
 def taken_up(
     read: _Read,
     repeats: Repeats,
+    sites: Sites,
     is_main: bool,
     groups: Sequence[Group],
     system_gain: float | None,
@@ -142,14 +142,16 @@ def taken_up(
     if repeats.noise is not None:
         variance = float(repeats.noise.site_variance.mean())
         if read.noise is None:
-            read.noise = temporal_noise(repeats.noise, repeats.pairs, charge, time)
+            read.noise = temporal_noise(
+                repeats.noise, repeats.pairs, charge, sites.rounding, time
+            )
             read.noisy = repeats
     else:
-        own = read.noise.mean_read_noise.value**2 if read.noise else LEAST_VARIANCE
+        own = read.noise.mean_read_noise.value**2 if read.noise else 0.0
         variance = own + charge
-    variance = max(variance, LEAST_VARIANCE)
+    variance = max(variance, sites.rounding)
     if read.sums is None:
-        read.sums = DarkSums(repeats, variance)
+        read.sums = DarkSums(repeats, variance, sites.step)
         read.origin_frames = repeats.count
         middle = 0.0
     elif is_main or time == read.sums.first_time:
@@ -198,7 +200,7 @@ def levels_of(
     rows = columns = 0.0
     if read.noise is not None:
         one = read.noise.mean_read_noise.value**2
-        share = variance / max(one, LEAST_VARIANCE)  # one over the frames in the map
+        share = variance / max(one, sites.rounding)  # one over the frames in the map
         rows = read.noise.row_noise.value**2 * share
         columns = read.noise.column_noise.value**2 * share
     structure = bias_structure(maps.offset, maps.known, sites, variance, rows, columns)

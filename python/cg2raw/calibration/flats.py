@@ -85,7 +85,7 @@ def take_up(found: Flats, repeats: Repeats, todo: Todo, black: Array) -> None:
     found.transients.append(
         Transients(words_of(group), repeats.transients or 0, repeats.count)
     )
-    ceiling = saturation(found.points, todo.sensor.white_level, black, group)
+    ceiling = saturation(found.points, todo.white, black, group)
     found.ceiling = found.ceiling or ceiling
     if found.ceiling or point.is_clipped:
         found.clipped += repeats.count

@@ -3,13 +3,15 @@
 
 """UniformFrame: one dark or flat, and which of them repeat each other."""
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from cg2raw.arrays import RawImage, raw_plane
+from cg2raw.calibration import codes
 from cg2raw.calibration.robust import Array, clipped_moments_of_counts
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
@@ -50,7 +52,8 @@ class Scanned:
     level : (sites,) mean of each site, DN, without what lies 4 sigma off; noise : DN,
     standard deviation of these pixels, fixed patterns included; far : share of others.
     saturated, zeros : share of the pixels at the white level or above, and at 0.
-    highest, at_highest : the largest DN, and the share of the pixels that have it."""
+    highest, at_highest : the largest DN, and the share of the pixels that have it.
+    step : DN from one code to the next, 0 of one alone; codes : how many occur."""
 
     frame: UniformFrame
     shape: tuple[int, int]
@@ -61,6 +64,8 @@ class Scanned:
     zeros: float
     highest: int
     at_highest: float
+    step: int
+    codes: int
 
     @property
     def mean_level(self) -> float:
@@ -92,7 +97,7 @@ class Group:
 
 
 def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
-    """Return a first look at one frame. Raises ValueError for one of fewer bits."""
+    """Return a first look at one frame. Raises ValueError for one of other bits."""
     raw = frame.pixels()
     if min(raw.shape) < sites.side * sites.least_repeats:
         raise ValueError(
@@ -104,8 +109,13 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
     for part in by_site:
         counts[: len(part)] += part
     _check_codes(frame, counts, sensor)
-    codes = np.arange(len(counts))
-    moments = [clipped_moments_of_counts(codes[: len(part)], part) for part in by_site]
+    steps = [codes.step_of(part[: sensor.white_level]) for part in by_site]
+    step = math.gcd(*(step for step, _ in steps))
+    dn = np.arange(len(counts))
+    moments = [
+        clipped_moments_of_counts(dn[: len(part)], part, max(step, 1))
+        for part in by_site
+    ]
     highest = int(np.flatnonzero(counts)[-1])
     return Scanned(
         frame,
@@ -117,31 +127,43 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
         float(counts[0] / raw.size),
         highest,
         float(counts[highest] / raw.size),
+        step,
+        min(count for _, count in steps),
     )
 
 
 def _check_codes(frame: UniformFrame, counts: Array, sensor: Sensor) -> None:
-    used = np.flatnonzero(counts)
-    total = np.cumsum(counts)
-    first, last = np.searchsorted(total, [0.01 * total[-1], 0.99 * total[-1]])
-    middle = used[(used >= first) & (used <= last)]  # single pixels may have any DN
-    if used[-1] >= 2**sensor.bits:
+    highest = int(np.flatnonzero(counts)[-1])
+    if highest >= 2**sensor.bits:
         raise ValueError(
-            f"{frame.name}: {used[-1]} DN does not fit into the {sensor.bits} bits of "
+            f"{frame.name}: {highest} DN does not fit into the {sensor.bits} bits of "
             f"{sensor.id}: give the sensor of these frames"
         )
-    step = int(np.gcd.reduce(np.diff(middle))) if len(middle) >= FEWEST_CODES else 1
-    if step > 1:
+    if sensor.white_level > codes.BYTE and codes.piles_up_at_byte(counts):
         raise ValueError(
-            f"{frame.name}: only every {step}th DN occurs: scaled from fewer bits; "
-            "give the camera's own RAW"
+            f"{frame.name}: nothing is above {codes.BYTE} DN, where pixels pile up; "
+            f"white is {sensor.white_level} DN: a copy of 8 bits; give the camera's "
+            "own RAW"
         )
-    of_8_bits = used[-1] <= 255 < sensor.white_level // 4
-    if frame.kind == "flat" and of_8_bits and counts[used[-1]] > counts.sum() / 1000:
-        raise ValueError(
-            f"{frame.name}: ends at {used[-1]} DN of {sensor.white_level}: a flat of 8 "
-            "bits shows no noise; give the camera's own RAW"
-        )
+
+
+def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]]:
+    """Return (step of the codes of all frames together, DN; the frames, the last code
+    up to white being saturated). Raises ValueError for some in wider steps."""
+    step = math.gcd(*(item.step for item in scanned)) or 1
+    for item in scanned:
+        if item.step > step and item.codes >= FEWEST_CODES:
+            raise ValueError(
+                f"{item.frame.name}: only every {item.step}th DN occurs, in other "
+                f"frames every {step}th or so: scaled from fewer bits; give frames "
+                "that are coded alike, the camera's own RAW"
+            )
+    return step, [
+        replace(item, saturated=max(item.saturated, item.at_highest))
+        if white - step < item.highest < white
+        else item
+        for item in scanned
+    ]
 
 
 def groups_of(scanned: Sequence[Scanned]) -> list[Group]:

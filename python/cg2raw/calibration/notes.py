@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.photon_transfer import LINEAR, MOST_CLIPPED
-from cg2raw.calibration.temporal_noise import LEAST_NOISE
 
 ZEROS = 0.001  # share of a dark's pixels at 0 DN that moves its mean
 HIGH_CHI2 = 2.0  # of the photon-transfer points, per degree of freedom
@@ -23,6 +22,12 @@ def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
     """Return what is wrong with single frames."""
     notes = [f"{name}: {why}: excluded" for name, why in found.excluded.items()]
     notes += [found.defects.words] if found.defects.count else []
+    if (step := found.sites.step) > 1:
+        notes.append(
+            f"codes: come in steps of {step} DN, as of fewer bits in the upper ones of "
+            f"a word: rounding adds {step}^2 / 12 DN^2 to noise, and the profile has "
+            "quantisation"
+        )
     cut = [s for s in scanned if s.frame.kind == "dark" and s.zeros > ZEROS]
     if cut:
         notes.append(
@@ -50,8 +55,8 @@ def of_darks(found: Measurements) -> list[str]:
     elif found.noise.excess_kurtosis is None:
         notes.append(
             f"tails of the read noise: {found.noise.mean_read_noise.value:.2f} DN is "
-            f"below {LEAST_NOISE:g} DN, where rounding shapes them: capture at a "
-            "higher ISO"
+            f"below {found.sites.step} DN, a step of the codes, where rounding shapes "
+            "them: capture at a higher ISO"
         )
     if found.black_level is not None and found.drift is None:
         notes.append(

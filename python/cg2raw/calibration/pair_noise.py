@@ -61,7 +61,8 @@ def pair_noise(difference: Array, keep: Array | None, sites: Sites) -> PairNoise
 
     difference : (H, W) float32 DN; it is altered. keep : (H, W) bool, None for all."""
     first = _subtract_levels(difference, keep, sites)
-    inside = np.abs(difference) <= CUT * sites.spread(first, difference.shape)
+    least = np.maximum(first, LEAST_SIGMA * sites.step)
+    inside = np.abs(difference) <= CUT * sites.spread(least, difference.shape)
     if keep is not None:
         inside &= keep
     lines = []
@@ -97,7 +98,7 @@ def _subtract_levels(difference: Array, keep: Array | None, sites: Sites) -> Arr
     kept = [None] * sites.count if keep is None else sites.of(keep)
     for plane, part in zip(sites.of(difference), kept, strict=True):
         used = plane if part is None else plane[part]
-        mean, sigma, _ = clipped_moments(used, LEAST_SIGMA)
+        mean, sigma, _ = clipped_moments(used, LEAST_SIGMA * sites.step)
         plane -= np.float32(mean)
         sigmas.append(sigma)
     return np.array(sigmas)
@@ -109,7 +110,7 @@ def _block_variances(
     """Return (variance of one frame, pixels), (sites, blocks) each.
 
     sigmas : (sites,) of the difference, roughly."""
-    variance, pixels = [], []
+    variance, pixels, least = [], [], LEAST_SIGMA * sites.step
     kept = [None] * sites.count if keep is None else sites.of(keep)
     planes = zip(sites.of(difference), kept, sigmas, strict=True)
     for plane, part, start in planes:
@@ -119,7 +120,7 @@ def _block_variances(
             many = used.size > 8
             sigma, count = 0.0, 0
             if many:
-                _, sigma, count = clipped_moments(used, LEAST_SIGMA, (0.0, start))
+                _, sigma, count = clipped_moments(used, least, (0.0, start))
             variance.append(sigma**2 / 2 * count / max(count - 1, 1))
             pixels.append(count)
     shape = sites.count, -1

@@ -17,7 +17,7 @@ from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.pair_noise import relative_error
 from cg2raw.calibration.repeats import Repeats
-from cg2raw.calibration.robust import Array, clipped_moments
+from cg2raw.calibration.robust import LEAST_SIGMA, Array, clipped_moments
 from cg2raw.calibration.sites import Sites, blocks_of
 
 LINEAR = 0.7  # of saturation, up to which the slope is taken
@@ -85,14 +85,15 @@ def transfer_points(
     darker : points of darker flats, which tell where wells are full."""
     noise = flats.noise
     assert noise is not None
-    means, levels = [], []
+    means, levels, least = [], [], LEAST_SIGMA * sites.step
     kept = sites.of(flats.known)
     for plane, used, level in zip(sites.of(flats.mean), kept, black, strict=True):
         if used.any():
             levels.append(float(plane[used].mean(dtype=np.float64)) - level)
         for block, mask in zip(blocks_of(plane), blocks_of(used), strict=True):
             inside = block[mask]
-            means.append(clipped_moments(inside)[0] - level if inside.size > 8 else 0.0)
+            some = inside.size > 8
+            means.append(clipped_moments(inside, least)[0] - level if some else 0.0)
     mean = np.reshape(means, noise.variance.shape)
     error = np.array(
         [relative_error(max(n, 1), flats.pairs) for n in noise.pixels.ravel()]

@@ -207,6 +207,10 @@ def nonlinearity(c: Measurements) -> Answer:
     return {"quadratic": x.quadratic, **({"cubic": x.cubic} if x.cubic else {})}
 
 
+def quantisation(c: Measurements) -> Answer:
+    return {"step": c.sites.step / c.range} if c.sites.step > 1 else None
+
+
 LOOKS: dict[str, Callable[[Measurements], Answer]] = {
     look.__name__: look
     for look in (
@@ -224,5 +228,6 @@ LOOKS: dict[str, Callable[[Measurements], Answer]] = {
         lens_shading,
         nonlinearity,
         full_well,
+        quantisation,
     )
 }

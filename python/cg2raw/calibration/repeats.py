@@ -33,6 +33,11 @@ class Todo:
     threads: int
     counting: NDArray[np.bool_] | None = None
 
+    @property
+    def white(self) -> int:
+        """DN from which a pixel is at white, whose code may be the last below it."""
+        return self.sensor.white_level - self.sites.step + 1
+
 
 @dataclass(frozen=True)
 class Repeats:
@@ -69,7 +74,7 @@ def repeats_of(
     black : (sites,) DN; flats are scaled to one light above it. system_gain : DN per
     electron, which tells how noisy a bright pixel is; None: it is taken of the
     differences."""
-    sites, white = todo.sites, todo.sensor.white_level
+    sites, white = todo.sites, todo.white
     frames = [scanned.frame for scanned in group.frames]
     above = np.array([scanned.level for scanned in group.frames]) - black
     lit = frames[0].kind == "flat"
@@ -94,8 +99,10 @@ def repeats_of(
     clipped = (highest >= white) | (lit & (lowest == 0))
     counting = np.ones_like(clipped) if todo.counting is None else todo.counting
     share = float(clipped[counting].mean()) if counting.any() else 1.0
+    variance, gain, level = _variance(noise, group, black, system_gain)
+    least = max(variance, sites.rounding)  # a pixel that goes to the next code is none
     mean, transients = _without_transients(
-        total, highest, lowest, len(frames), _variance(noise, group, black, system_gain)
+        total, highest, lowest, len(frames), (least, gain, level)
     )
     seen = transients if pairs else None
     known = counting & ~clipped
@@ -113,7 +120,7 @@ def noise_between(
     nearly all pixels of a site are saturated.
 
     scale, black : (sites,) DN; both frames are brought to their geometric mean."""
-    sites, white = todo.sites, todo.sensor.white_level
+    sites, white = todo.sites, todo.white
     difference = second.astype(np.float32)
     other = first.astype(np.float32)
     if not np.allclose(scale, 1, atol=1e-7):

@@ -18,7 +18,7 @@ LEFT = 1 - 2 * CUT * math.exp(-CUT * CUT / 2) / math.sqrt(2 * math.pi) / math.er
 MAD = 1.4826  # of a normal distribution: sigma over the median absolute deviation
 ROUNDS = 6
 ENOUGH = 20_000  # values for a median that only begins
-LEAST_SIGMA = 0.5  # DN at which a cut begins, where whole DN make the MAD 0
+LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 
 
 def clipped_moments(
@@ -26,10 +26,10 @@ def clipped_moments(
 ) -> tuple[float, float, int]:
     """Return (mean, standard deviation, count) of what lies within 4 sigma.
 
-    values : any shape, finite. least : sigma at which the cut begins at least, one half
-    for whole DN. start : (mean, sigma) of the first cut; else median and MAD, which of
-    whole DN is an artefact, and a start alone. The deviation is corrected for the cut
-    as for a normal distribution."""
+    values : any shape, finite. least : sigma of the narrowest cut, one half of a step
+    where values have been rounded. start : (mean, sigma) of the first cut; else median
+    and MAD, which of whole DN is an artefact, and a start alone. The deviation is
+    corrected for the cut as for a normal distribution."""
     flat = values.ravel()
     if start is None:
         some = flat[:: max(1, flat.size // ENOUGH)]
@@ -39,44 +39,46 @@ def clipped_moments(
         middle, sigma = start
     mean, count = middle, flat.size
     for _ in range(ROUNDS):
-        kept = flat[np.abs(flat - mean) <= CUT * sigma]
+        kept = flat[np.abs(flat - mean) <= CUT * max(sigma, least)]
         before = count, mean
         count, mean = int(kept.size), float(kept.mean(dtype=np.float64))
         sigma = max(float(kept.std(dtype=np.float64)) / math.sqrt(LEFT), 1e-12)
         if (count, mean) == before:
             break
-        if sigma < least and count == flat.size:
-            break
     return mean, sigma, count
 
 
-def clipped_moments_of_counts(codes: Array, counts: Array) -> tuple[float, float, int]:
-    """Return clipped_moments of whole DN that occur so often."""
+def clipped_moments_of_counts(
+    codes: Array, counts: Array, step: int
+) -> tuple[float, float, int]:
+    """Return clipped_moments of codes, DN in steps, that occur so often."""
+    least = LEAST_SIGMA * step
     total = np.cumsum(counts)
     middle = float(codes[np.searchsorted(total, total[-1] / 2)])
     away = np.abs(codes - middle)
     order = np.argsort(away, kind="stable")
     half = np.searchsorted(np.cumsum(counts[order]), total[-1] / 2)
-    sigma = max(MAD * float(away[order][half]), LEAST_SIGMA)
+    sigma = max(MAD * float(away[order][half]), least)
     mean = middle
     for _ in range(ROUNDS):
         kept = np.where(np.abs(codes - mean) <= CUT * sigma, counts, 0)
         count = int(kept.sum())
         mean = float(kept @ codes / count)
         sigma = math.sqrt(float(kept @ (codes - mean) ** 2) / count / LEFT)
-        sigma = max(sigma, LEAST_SIGMA)
+        sigma = max(sigma, least)
     return mean, sigma, count
 
 
-def middle_of(values: Array) -> float:
-    """Return the median of DN, between whole ones too: that of a grouped sample.
+def middle_of(values: Array, step: int = 1) -> float:
+    """Return the median of DN, between codes too: that of a grouped sample.
 
-    values : any shape, finite, wider than 1 DN, or in steps of one."""
+    values : any shape, finite, wider than a step of the codes, or in steps of them."""
+    half = step / 2
     flat = values.ravel()
     middle = float(np.median(flat))
-    below = int(np.count_nonzero(flat < middle - 0.5))
-    inside = int(np.count_nonzero(np.abs(flat - middle) <= 0.5))
-    return middle - 0.5 + (flat.size / 2 - below) / max(inside, 1)
+    below = int(np.count_nonzero(flat < middle - half))
+    inside = int(np.count_nonzero(np.abs(flat - middle) <= half))
+    return middle - half + step * (flat.size / 2 - below) / max(inside, 1)
 
 
 def line_means(plane: Array, keep: Array, axis: int) -> tuple[Array, float, Array]:

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.calibration.codes import ROUNDING
 from cg2raw.cfa import is_mono
 from cg2raw.sensor import Sensor
 
@@ -22,12 +23,19 @@ FIELD_BLOCKS = 32  # likewise, of maps of light and of dark current
 @dataclass(frozen=True)
 class Sites:
     """The CFA sites of a sensor in raster order of its square repeat; one if it has no
-    CFA. count : how many black levels its profile has."""
+    CFA. count : how many black levels its profile has. step : DN between neighbouring
+    codes of the frames."""
 
     count: int
     names: tuple[str, ...]
     # Of the CFA along each side of a frame: three to a block.
     least_repeats: int = 3 * BLOCKS
+    step: int = 1
+
+    @property
+    def rounding(self) -> float:
+        """Variance of rounding to the codes, DN^2."""
+        return ROUNDING * self.step**2
 
     @property
     def side(self) -> int:

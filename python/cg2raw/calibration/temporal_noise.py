@@ -15,9 +15,8 @@ from cg2raw.calibration.measured import Measured, root_of
 from cg2raw.calibration.pair_noise import PairNoise, relative_error
 from cg2raw.calibration.robust import Array
 
-ROUNDING = 1 / 12  # variance of rounding to whole DN, DN^2
-FOURTH_OF_ROUNDING = -1 / 120  # its fourth cumulant, DN^4
-LEAST_NOISE = 1.0  # DN; below it rounding shapes the tails
+FOURTH_OF_ROUNDING = -1.2  # its fourth cumulant, of the square of its variance
+LEAST_NOISE = 12.0  # variance, of that of rounding, which shapes the tails below it
 # Excess kurtosis that pixels bring whose variances differ by a quarter: 3 times 0.25^2.
 TAILS_FLOOR = 0.19
 LEAST_LAMBDA = -0.2  # of Tukey's distribution; at -0.25 its kurtosis has no bound
@@ -27,7 +26,7 @@ LEAST_LAMBDA = -0.2  # of Tukey's distribution; at -0.25 its kurtosis has no bou
 class TemporalNoise:
     """Noise of one frame without light, DN; None where the frames cannot show it.
 
-    read_noise : (sites) standard deviation of pixels, rounding to DN included, rows'
+    read_noise : (sites) standard deviation of pixels, rounding to codes included, rows'
     and columns' own noise and dark current's shot noise not.
     row_noise, column_noise : of offsets of whole rows and columns, anew in each frame.
     row_correlation, column_correlation : with the next pixel of the row, the column.
@@ -62,11 +61,16 @@ class TemporalNoise:
 
 
 def temporal_noise(
-    noise: PairNoise, pairs: int, charge_variance: float, exposure_time: float | None
+    noise: PairNoise,
+    pairs: int,
+    charge_variance: float,
+    rounding: float,
+    exposure_time: float | None,
 ) -> TemporalNoise:
     """Return the noise of the darks of one exposure.
 
-    charge_variance : DN^2, of dark current's shot noise in a pixel of them."""
+    charge_variance : DN^2, of dark current's shot noise in a pixel of them.
+    rounding : DN^2, of rounding to codes."""
     pixels = noise.pixels.sum(1)
     total = noise.site_variance
     read = [
@@ -79,7 +83,7 @@ def temporal_noise(
     per_pixel = math.sqrt(1.5 / (many * pairs)) if pairs > 1 else math.sqrt(1 / many)
     along_row = Measured(noise.row_correlation, per_pixel, "1")
     along_column = Measured(noise.column_correlation, per_pixel, "1")
-    kurtosis = _kurtosis(noise.kurtosis, float(total.mean()), many, pairs)
+    kurtosis = _kurtosis(noise.kurtosis, float(total.mean()), many, pairs, rounding)
     return TemporalNoise(
         tuple(read),
         line_noise(noise.row, noise.row_correlation, pairs),
@@ -108,16 +112,17 @@ def line_noise(
 
 
 def _kurtosis(
-    of_difference: float, variance: float, pixels: float, pairs: int
+    of_difference: float, variance: float, pixels: float, pairs: int, rounding: float
 ) -> Measured | None:
     """Return the excess kurtosis of one frame; None where rounding shapes the tails.
 
     Cumulants add up: a difference of two has half the excess kurtosis of one, and
-    rounding to whole DN, where noise spreads over them, adds its own."""
-    if variance < LEAST_NOISE**2:
+    rounding to codes, where noise spreads over them, adds its own."""
+    if variance < LEAST_NOISE * rounding:
         return None
-    inner = max(variance - ROUNDING, 1e-9)
-    value = (2 * of_difference * variance**2 - FOURTH_OF_ROUNDING) / inner**2
+    fourth = FOURTH_OF_ROUNDING * rounding**2
+    inner = variance - rounding
+    value = (2 * of_difference * variance**2 - fourth) / inner**2
     # Pairs that share a frame: fourth powers of their differences correlate by 1/16.
     error = 2 * math.sqrt(24 / pixels * (9 * pairs - 1) / 8) / pairs
     return Measured(value, error, "1")

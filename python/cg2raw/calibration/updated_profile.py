@@ -12,7 +12,6 @@ from cg2raw import _core
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.profile_effects import Found, effects_found
-from cg2raw.calibration.temporal_noise import ROUNDING
 from cg2raw.sensor import Sensor
 
 SOURCE = "cg2raw calibrate, photon transfer (EMVA 1288 R4.0)"
@@ -66,7 +65,7 @@ def add_noise(
     """Put a row of the frames' ISO among the noise; return notes.
 
     beta2 is the variance of pixels alone where rows' noise is an effect, and all of it
-    where rows of noise say row_sigma. Rounding to DN is not in it: it comes anew."""
+    where rows of noise say row_sigma. Rounding to codes is not in it: it comes anew."""
     if found.iso is None or (found.noise is None and found.transfer is None):
         return []
     betas = betas_of(found, sensor)
@@ -98,7 +97,8 @@ def betas_of(
     if found.transfer is not None:
         beta1 = [m.value / found.range for m in found.transfer.system_gain]
     if found.noise is not None:
-        squares = [m.value**2 - ROUNDING for m in found.noise.read_noise]
+        rounding = found.sites.rounding
+        squares = [m.value**2 - rounding for m in found.noise.read_noise]
         beta2 = [max(square, 0.0) / found.range**2 for square in squares]
     if beta1 is None or beta2 is None:
         try:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
+from cg2raw.calibration import codes
 from cg2raw.cfa import repeat_of, sites_of
-from cg2raw.diagnose.captures import codes
 from cg2raw.diagnose.captures.capture import KINDS, Capture, Kind
 from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
@@ -31,8 +31,8 @@ class Integrity:
     """What one frame's pixels say.
 
     low, high, mean : DN. below, clipped : share of pixels at 0 and at the white level
-    or above. step : all codes are multiples of it, from the lowest. missing : share of
-    codes that no pixel has where they are dense, of those at that step.
+    or above. step : DN, of which all codes are multiples, from the lowest. missing :
+    share of codes that no pixel has where they are dense, of those at that step.
     shift : px, of a scene against its render. complaints : sentences on what is wrong.
     remarks : sentences on what the frame cannot show, though nothing is wrong."""
 
@@ -57,7 +57,9 @@ def integrity(capture: Capture, sensor: Sensor) -> Integrity:
     values = raw if mask is None else raw[mask]
     counts = np.bincount(values.ravel())
     present = np.flatnonzero(counts)
-    step, missing = codes.comb(counts)
+    known = step_of(sensor)
+    in_steps = np.bincount(values.ravel() // known)
+    step, missing = codes.comb(in_steps)
     scene = capture.scene() if capture.scene else None
     shift = None
     if scene is not None and scene.ndim == 3 and capture.shows.render:
@@ -70,11 +72,11 @@ def integrity(capture: Capture, sensor: Sensor) -> Integrity:
         mean=float(values.mean()),
         below=float(counts[0] / values.size),
         clipped=float(counts[sensor.white_level :].sum() / values.size),
-        step=step,
+        step=step * known,
         missing=missing,
         shift=shift,
     )
-    scaled = code_complaints(found, counts, sensor)
+    scaled = code_complaints(found, in_steps, sensor)
     words = [
         *level_complaints(found, values, sensor),
         *scaled,
@@ -137,12 +139,26 @@ def level_complaints(found: Integrity, values: RawImage, sensor: Sensor) -> list
     return words
 
 
+def step_of(sensor: Sensor) -> int:
+    """Return the DN from one code to the next that a profile states, else 1."""
+    above_black = sensor.white_level - float(np.mean(sensor.black_level))
+    for effect in sensor.effects or ():
+        if effect["name"] == "quantisation":
+            return max(round(float(effect["parameters"]["step"]) * above_black), 1)
+    return 1
+
+
 def code_complaints(
     found: Integrity, counts: codes.Counts, sensor: Sensor
 ) -> list[str]:
-    """Return what codes say of a frame that was scaled or copied."""
-    if found.step > 1:
-        return [f"only every {found.step}th code occurs: scaled from fewer bits"]
+    """Return what codes say of a frame that was scaled or copied.
+
+    counts : of codes in the steps that the profile states."""
+    if found.step > step_of(sensor):
+        return [
+            f"only every {found.step}th code occurs: scaled from fewer bits; if this "
+            "is the camera's own RAW, cg2raw calibrate puts that into its profile"
+        ]
     if codes.isolated(counts) > ALONE and found.low < found.high:
         return [
             f"only {np.count_nonzero(counts)} codes occur, most of them without a "
@@ -177,10 +193,11 @@ def noise_remarks(found: Integrity, raw: RawImage, sensor: Sensor) -> list[str]:
     if found.below > MOST_ZEROS:
         return ["most pixels are 0: its read noise cannot be judged at all"]
     side = repeat_of(sensor.cfa)
-    if found.below <= MANY_ZEROS and codes.is_coarse(raw, side):
+    step = step_of(sensor)
+    if found.below <= MANY_ZEROS and codes.is_coarse(raw // np.uint16(step), side):
         return [
-            "its read noise is below 0.5 DN: its size and tails (a Tukey lambda, heavy "
-            "tails) are those of the rounding, and cannot be judged"
+            f"its read noise is below {step / 2:g} DN: its size and tails (a Tukey "
+            "lambda, heavy tails) are those of the rounding, and cannot be judged"
         ]
     return []
 

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.captures import codes
+from cg2raw.calibration import codes
 
 
 def counts_of(values):

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Counts = NDArray[np.int64]
 
+ROUNDING = 1 / 12  # variance of rounding to a step, in its square
+
+MANY = 0.001  # share of the pixels at one code that is no chance
 FEW = 100  # pixels whose values are worth a look at their comb
 LEAST_CODES = 3  # that a step is told from
 # Pixels of a code whose neighbours are not empty by chance: of a Poisson number with
@@ -25,6 +28,19 @@ PILE_CODES = 16  # below it, that it is compared with
 APART_AT_HALF_A_DN = 0.0445
 MOST_APART = 3  # DN; what differs more is hot, or an edge
 CERTAIN = 5.0  # standard deviations of that share; one-sided chance 3e-7
+
+
+def step_of(counts: Counts) -> tuple[int, int]:
+    """Return (step of the codes that occur, 0 of a single one; how many they are).
+
+    Codes of the middle 98 % of the pixels count, and those that MANY have: single
+    pixels, as hot ones that a camera has corrected, may have any."""
+    total = np.cumsum(counts)
+    used = counts > max(DENSE, MANY * total[-1])
+    ends = np.searchsorted(total, [0.01 * total[-1], 0.99 * total[-1]])
+    used[ends[0] : ends[1] + 1] |= counts[ends[0] : ends[1] + 1] > 0
+    found = np.flatnonzero(used)
+    return (int(np.gcd.reduce(np.diff(found))) if len(found) > 1 else 0), len(found)
 
 
 def comb(counts: Counts) -> tuple[int, float]:
