@@ -120,3 +120,47 @@ def test_what_the_reader_says_of_a_file_reaches_the_user(files, tmp_path):
     assert done.code == 0, done.err
     assert "dark-0.fits, dark-1.fits, dark-2.fits and 6 more: a PEDESTAL of" in done.out
     assert f"headers say {2 * GAIN:g} electrons per DN (dark-0.fits the" in done.out
+
+
+def fits_files(files, folder, header_of):
+    """Write the frames of a folder as FITS, with what header_of says of a number."""
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    for number, path in enumerate(sorted(files.glob("?[al]*s/*.npy"))):
+        image = fits.PrimaryHDU(np.load(path))
+        image.header.update(header_of(number))
+        image.writeto(folder / f"{path.stem}.fits")
+
+
+@pytest.mark.parametrize(
+    ("header_of", "words"),
+    [
+        (
+            lambda n: {"EGAIN": 1 if n < 6 else 2.5},
+            "flat-6.fits: its EGAIN is 2.5, that of {}/dark-0.fits is 1: ",
+        ),
+        (
+            lambda n: {"GAIN": 120 if n % 2 else 40},
+            "GAIN is 120, that of {}/dark",
+        ),
+        (lambda n: {"ISOSPEED": 100 + 700 * (n > 7)}, "ISOSPEED is 800, that of {}/da"),
+        (lambda n: {"OFFSET": n}, "its OFFSET is 1, that of {}/dark-0.fits is 0: "),
+        (lambda n: {"ISOSPEED": 800}, "dark-0.fits: its ISO is 800, --iso 100: leave"),
+    ],
+)
+def test_frames_of_two_settings_are_refused(files, tmp_path, header_of, words):
+    fits_files(files, tmp_path, header_of)
+    words = words.format(tmp_path)
+    assert words in fails("calibrate", tmp_path, "-s", files / "my.json", "--iso", 100)
+
+
+def test_an_image_is_chosen_of_files_with_several(files, tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    for path in (files / "darks").iterdir():
+        images = [fits.ImageHDU(np.load(path)) for _ in range(2)]
+        fits.HDUList([fits.PrimaryHDU(), *images]).writeto(
+            tmp_path / f"{path.stem}.fit"
+        )
+    words = "dark-0.fit: holds 2 images: 1 (128x96), 2 (128x96); choose one (--image 2)"
+    assert words in fails("calibrate", tmp_path, "-s", files / "my.json")
+    done = command(files, tmp_path, image="2")
+    assert done.code == 0, done.err

@@ -64,6 +64,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of the sensor, degrees Celsius",
     )
     add = parser.add_argument
+    add(
+        "--image",
+        metavar="NAME",
+        help="of files with several: name or number of the image; all: put together",
+    )
     add("--json", action="store_true", help="the numbers as JSON, for programs")
     add("--quiet", action="store_true", help="no table, no progress; errors alone")
 
@@ -134,7 +139,7 @@ def frames_of(
         given = files.Said(**{**vars(said), "kind": kind})
         named = files.files_in(paths)
         for path in tracked(named, "reading", arguments.quiet):
-            for file in frames_in(path):
+            for file in frames_in(path, arguments.image):
                 headers.append(file.header)
                 found.append(files.uniform_frame(file, sensor, table, given))
     names = {frame.name for frame in found} | {
@@ -160,7 +165,7 @@ def notes_on(
     for header in headers:
         if header.iso and arguments.iso and header.iso != arguments.iso:
             raise ValueError(
-                f"{header.name}: its ISO is {header.iso:g}, --iso {arguments.iso:g}: "
+                f"{header.where}: its ISO is {header.iso:g}, --iso {arguments.iso:g}: "
                 "leave --iso out, or give frames of that ISO"
             )
     return together(said)

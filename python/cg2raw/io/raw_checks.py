@@ -15,7 +15,8 @@ SAME_GAIN = 0.05  # relative difference of a header's gain and another
 
 
 def check_sensor(header: RawHeader, sensor: Sensor) -> list[str]:
-    """Return notes on levels that differ a little from a sensor's, without the file.
+    """Return the reader's notes, and those on a size or levels that are not quite the
+    sensor's, without the file.
 
     Raises ValueError for another CFA, bit depth or scale of DN, with both values."""
     for what, ours, theirs in (
@@ -28,6 +29,12 @@ def check_sensor(header: RawHeader, sensor: Sensor) -> list[str]:
                 "give frames of this sensor, or the sensor of these frames"
             )
     notes = list(header.notes)
+    (height, width), size = header.shape, (sensor.height, sensor.width)
+    if header.shape != size:
+        notes.append(
+            f"is {width}x{height}, the active area of {sensor.id} is {size[1]}x"
+            f"{size[0]}: the optical centre is taken to be that of the frame"
+        )
     if header.white_level is None or header.black_level is None:
         return notes
     black = float(np.mean(sensor.black_level))
@@ -56,7 +63,7 @@ def first_unlike(headers: Sequence[RawHeader]) -> tuple[int, str] | None:
             first = stated.setdefault(name, header)
             if first.settings[name] != value:
                 return index, (
-                    f"{header.name}: its {name} is {value}, that of {first.name} is "
+                    f"{header.where}: its {name} is {value}, that of {first.where} is "
                     f"{first.settings[name]}: a row of noise is of one setting of one "
                     "camera; give frames of one at a time"
                 )

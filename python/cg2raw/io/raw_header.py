@@ -74,6 +74,11 @@ class RawHeader:
         return self.frame or os.path.basename(self.path)
 
     @property
+    def where(self) -> str:
+        """The file's path, and which of its frames."""
+        return f"{self.path} ({self.frame})" if self.frame else self.path
+
+    @property
     def shape(self) -> tuple[int, int]:
         """(H, W) of the active area."""
         return self.active.height, self.active.width

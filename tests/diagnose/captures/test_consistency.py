@@ -128,6 +128,21 @@ def test_levels_that_differ_a_little_are_noted(tmp_path):
     assert "say black level 66 DN, samsung-s20fe 64 DN" in note
 
 
+def test_frames_of_one_iso_have_one_setting(tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    for index, gain in enumerate((120, 120, 40)):
+        image = fits.PrimaryHDU(files.frame(tmp_path, "raw.npy", frame=index))
+        image.header["GAIN"] = gain
+        image.writeto(tmp_path / f"{index}.fits")
+    lines = [f"{{file: {n}.fits, kind: dark, iso: {100 + n // 2}}}" for n in range(3)]
+    assert read_captures(files.manifest(tmp_path, lines)).captures
+    words = r":5: frames\[2\].file .*2.fits: its GAIN is 40, that of .*0.fits is 12"
+    with pytest.raises(ValueError, match=words):
+        read_captures(
+            files.manifest(tmp_path, [w.replace("101", "100") for w in lines])
+        )
+
+
 LIGHT = "exposure_time: 1"
 FLAT = "kind: flat, illuminant: A, scene"
 

@@ -79,10 +79,12 @@ def check_sizes(
     return first.shape if first else None
 
 
-def sensor_notes(entry: FrameEntry, header: RawHeader, sensor: Sensor) -> list[str]:
+def sensor_notes(entry: FrameEntry, file: RawFile, sensor: Sensor) -> list[str]:
     """Return check_sensor's notes. Raises ValueError at the frame's line."""
+    if isinstance(file, TableFile):
+        return list(file.header.notes)
     try:
-        return check_sensor(header, sensor)
+        return check_sensor(file.header, sensor)
     except ValueError as error:
         entry.fail("file", f"{error}")
         raise
@@ -162,12 +164,6 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
     """Return sentences on what is assumed of the frames."""
     with_pixels = [frame.capture for frame in frames if frame.capture.means is None]
     notes = []
-    sizes = {capture.shape for capture in with_pixels}
-    for shape in sizes - {(sensor.height, sensor.width)}:
-        notes.append(
-            f"frames are {size_words(shape)}, the active area of {sensor.id} is "
-            f"{sensor.width}x{sensor.height}: the optical centre is taken to be theirs"
-        )
     without = [f.capture.name for f in frames if f.capture.iso is None]
     if sensor.noise and without:
         notes.append(

@@ -24,14 +24,14 @@ from cg2raw.diagnose.captures.yaml_lines import Value, existing, read_yaml
 GROUPS = get_args(Group)
 TOP = (
     *("sensor", "frames", "nuisance", "uncertainty", "mask", "iso", "illuminant"),
-    "temperature",
+    *("temperature", "image"),
 )
 FRAME = (
     *("file", "kind", "scene", "gain", "illuminant", "set", "group", "iso"),
-    *("exposure_time", "temperature", "mask", *OF_CHARTS),
+    *("exposure_time", "temperature", "image", "mask", *OF_CHARTS),
 )
 # What the top level may say for all frames.
-DEFAULTS: tuple[str, ...] = ("iso", "illuminant", "temperature")
+DEFAULTS: tuple[str, ...] = ("iso", "illuminant", "temperature", "image")
 UNCERTAINTY = {"light": 1.0, "radiance": 1.0, "registration": 100.0}  # largest
 UNKNOWN = "unknown"
 LARGEST_OF_UNIT = {
@@ -52,7 +52,8 @@ class FrameEntry:
     at : the fields that were given, with their lines; "" is the frame itself.
     scene : three numbers, a path, or "unknown"; None for darks and charts.
     patches, corners : of a chart with pixels: its rectangles, or the (row, col) of its
-        corner patches' centres. means : of a chart that is a table of patch means."""
+        corner patches' centres. means : of a chart that is a table of patch means.
+    image : name or number of one of several images in the file, or "all"."""
 
     at: dict[str, Value]
     file: str
@@ -69,6 +70,7 @@ class FrameEntry:
     patches: tuple[Patch, ...] = ()
     corners: tuple[tuple[float, ...], ...] = ()
     means: MeansEntry | None = None
+    image: str | None = None
 
     def fail(self, name: str, message: str) -> None:
         """Raise ValueError at a field of the frame, or at the frame."""
@@ -150,6 +152,7 @@ def frame_entry(
         patches=patches,
         corners=corners_of(own["corners"]) if "corners" in own else (),
         means=means_entry(own, path) if is_table(file) else None,
+        image=at["image"].text() if "image" in at else None,
     )
 
 

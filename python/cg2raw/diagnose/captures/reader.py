@@ -77,7 +77,7 @@ def read_frames(
         consistency.check_image(manifest.at["mask"], manifest.mask, shape)
     names = consistency.names_of(manifest.frames)
     said = [
-        (name, consistency.sensor_notes(entry, file.header, sensor))
+        (name, consistency.sensor_notes(entry, file, sensor))
         for entry, file, name in zip(manifest.frames, files, names, strict=True)
     ]
     frames = [
@@ -117,7 +117,7 @@ def file_of(entry: FrameEntry, sensor: Sensor) -> RawFile:
     if entry.means is not None:
         return table_file(entry, sensor)
     try:
-        return open_raw(entry.file)
+        return open_raw(entry.file, entry.image)
     except (ValueError, OSError) as error:
         entry.fail("file", f"cannot be used: {error}")
         raise
