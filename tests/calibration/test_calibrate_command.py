@@ -9,6 +9,8 @@ import pytest
 
 from calibration.planted import GAIN, RANGE, frames_of, sensor_of
 from cg2raw import write_dng
+from cg2raw.cli._uniform_frames import Said, files_in, uniform_frame
+from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from python.commands import fails, run
 
 EFFECTS = {"dsnu": {"sigma": 2 / RANGE}, "prnu": {"sigma": 0.01}}
@@ -108,20 +110,6 @@ def test_what_is_wrong_is_said_in_one_line(files, tmp_path):
     assert "Say it: --darks" in fails("calibrate", tmp_path / "faint.npy", "-s", mine)
 
 
-def test_what_the_reader_says_of_a_file_reaches_the_user(files, tmp_path):
-    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
-    for kind in ("dark", "flat"):
-        for path in (files / f"{kind}s").iterdir():
-            image = fits.PrimaryHDU(np.load(path) + np.uint16(7))
-            image.header["PEDESTAL"] = -7
-            image.header["EGAIN"] = 2 * GAIN
-            image.writeto(tmp_path / f"{path.stem}.fits")
-    done = command(files, tmp_path, json="")
-    assert done.code == 0, done.err
-    assert "dark-0.fits, dark-1.fits, dark-2.fits and 6 more: a PEDESTAL of" in done.out
-    assert f"headers say {2 * GAIN:g} electrons per DN (dark-0.fits the" in done.out
-
-
 def fits_files(files, folder, header_of):
     """Write the frames of a folder as FITS, with what header_of says of a number."""
     fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
@@ -153,14 +141,34 @@ def test_frames_of_two_settings_are_refused(files, tmp_path, header_of, words):
     assert words in fails("calibrate", tmp_path, "-s", files / "my.json", "--iso", 100)
 
 
-def test_an_image_is_chosen_of_files_with_several(files, tmp_path):
+def test_what_the_reader_says_of_a_file_reaches_the_user(files, tmp_path):
     fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
-    for path in (files / "darks").iterdir():
-        images = [fits.ImageHDU(np.load(path)) for _ in range(2)]
-        fits.HDUList([fits.PrimaryHDU(), *images]).writeto(
+    for path in [*(files / "darks").iterdir(), *(files / "flats").iterdir()]:
+        images = [fits.PrimaryHDU(), fits.ImageHDU(np.load(path) + np.uint16(7))]
+        images[1].header.update({"PEDESTAL": -7, "EGAIN": 2 * GAIN})
+        fits.HDUList([*images, fits.ImageHDU(np.load(path))]).writeto(
             tmp_path / f"{path.stem}.fit"
         )
     words = "dark-0.fit: holds 2 images: 1 (128x96), 2 (128x96); choose one (--image 2)"
     assert words in fails("calibrate", tmp_path, "-s", files / "my.json")
-    done = command(files, tmp_path, image="2")
+    done = command(files, tmp_path, image="1")
     assert done.code == 0, done.err
+    assert "dark-0.fit, dark-1.fit, dark-2.fit and 6 more: a PEDESTAL of 7" in done.out
+    assert f"headers say {2 * GAIN:g} electrons per DN (dark-0.fit the" in done.out
+
+
+def test_png_files_of_a_folder_are_frames_if_there_are_no_others(tmp_path):
+    for name in ("a.png", "b.PNG", "notes.txt", "c.jpg"):
+        (tmp_path / name).touch()
+    assert files_in([str(tmp_path)]) == [str(tmp_path / n) for n in ("a.png", "b.PNG")]
+    (tmp_path / "a.dng").touch()
+    assert files_in([str(tmp_path)]) == [str(tmp_path / "a.dng")]
+
+
+def test_a_row_of_a_table_is_of_all_frames_in_a_file():
+    header = RawHeader("x/a.tif", Area("active", 0, 0, 4, 4), frame="a.tif[1]")
+    file = RawFile(header, lambda levels: np.zeros((4, 4), np.uint16))
+    for name in ("a", "a.tif", "a.tif[1]"):
+        table = {name: Said(exposure_time=3.0)}
+        found = uniform_frame(file, sensor_of(), table, Said(kind="dark"))
+        assert (found.name, found.exposure_time) == ("a.tif[1]", 3.0)

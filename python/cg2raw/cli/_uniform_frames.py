@@ -10,11 +10,12 @@ from typing import Literal
 import numpy as np
 
 from cg2raw.calibration import UniformFrame
-from cg2raw.io.raw_header import RawFile
+from cg2raw.io.raw_header import RawFile, RawHeader
 from cg2raw.sensor import Sensor
 
 Kind = Literal["dark", "flat"]
-NO_FRAMES = (".csv", ".json", ".md", ".txt", ".yaml", ".yml", ".xmp", ".jpg", ".png")
+NO_FRAMES = (".csv", ".json", ".md", ".txt", ".yaml", ".yml", ".xmp", ".jpg")
+PREVIEW = ".png"  # of a folder's other files, if there are any; else a frame
 # Of white above black: a dark lies below the first, a flat above the second.
 DARK, LIT = 0.01, 0.03
 
@@ -49,7 +50,8 @@ def files_in(paths: Sequence[str]) -> list[str]:
         files = [name for name in inside if not os.path.isdir(name)]
         if not files:
             raise ValueError(f"{path}: holds no frames")
-        found += files
+        pictures = [name for name in files if name.lower().endswith(PREVIEW)]
+        found += [name for name in files if name not in pictures] or pictures
     repeats = {os.path.realpath(path): path for path in reversed(found)}
     return list(reversed(repeats.values()))
 
@@ -63,8 +65,8 @@ def uniform_frame(
     neither does; its kind goes before. Raises ValueError, OSError."""
     header = file.header
     said = Said(header.exposure_time, header.iso, header.temperature)
-    row = table.get(header.name) or table.get(os.path.splitext(header.name)[0])
-    for more in (row, given):
+    rows = [table[name] for name in names_of(header) if name in table]
+    for more in (*rows[:1], given):
         said = merged(said, more)
     frame = UniformFrame(
         header.name,
@@ -75,6 +77,12 @@ def uniform_frame(
         said.temperature,
     )
     return replace(frame, kind=given.kind or said.kind or kind_of(frame, sensor))
+
+
+def names_of(header: RawHeader) -> tuple[str, ...]:
+    """Return what a table may call a frame; a file's name is that of all in it."""
+    base = os.path.basename(header.path)
+    return header.name, os.path.splitext(header.name)[0], base
 
 
 def merged(said: Said, more: Said | None) -> Said:

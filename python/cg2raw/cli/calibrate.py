@@ -7,8 +7,8 @@ column noise, dark current and hot pixels, gain, full well, linearity, PRNU, sha
 each with its standard error. -o writes the sensor's profile with these numbers: black
 level, noise at the frames' ISO, and the effects that stand out; all else stays.
 
-Frames are DNGs, other RAW files, FITS, .npy, and .npz with several; darks and flats are
-told apart by exposure and level. Two that repeat each other are the least; best are ten
+Frames are DNGs, other RAW files, FITS, grey PNG, TIFF and PGM, .npy, and .npz with
+several; darks and flats are told apart by exposure and level. Two that repeat each other are the least; best are ten
 biases (the shortest exposure, no light), ten darks as long as the camera is used for,
 and pairs of evenly lit flats from dark to saturated, exposed under one steady lamp.
 
@@ -142,9 +142,7 @@ def frames_of(
             for file in frames_in(path, arguments.image):
                 headers.append(file.header)
                 found.append(files.uniform_frame(file, sensor, table, given))
-    names = {frame.name for frame in found} | {
-        os.path.splitext(frame.name)[0] for frame in found
-    }
+    names = {name for header in headers for name in files.names_of(header)}
     if table and not names & set(table):
         raise ValueError(
             f"{arguments.table}: names none of the frames; its first is "

@@ -35,9 +35,9 @@ from cg2raw.io.fits_sections import (
     size_of,
 )
 from cg2raw.io.raw_header import Area, Levels, RawFile, RawHeader
+from cg2raw.io.whole_dn import whole_dn
 
 ENDINGS = (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fits.fz")
-MOST_DN = 65535
 EXPOSURES = ("EXPTIME", "EXPOSURE")  # s; the first that is there counts
 TEMPERATURES = ("CCD-TEMP", "SET-TEMP")  # degrees Celsius; measured before wanted
 ISOS = ("ISOSPEED", "ISO")
@@ -158,7 +158,7 @@ def _plane(path: str, hdu: Any, index: int, pedestal: float) -> NDArray[np.float
             stored = np.asarray(hdu.data).reshape(-1, *hdu.shape[-2:])[index]
     except (ValueError, TypeError, EOFError, OSError) as error:
         raise ValueError(f"{path}: its image cannot be read: {error}") from None
-    return _whole_dn(path, stored, pedestal)
+    return whole_dn(path, stored, pedestal)
 
 
 def _shape(path: str, image: Any) -> tuple[int, tuple[int, int]]:
@@ -238,20 +238,3 @@ def _cfa(cards: Cards, order: str, parts: Sequence[Part]) -> str | None:
     return "".join(
         rows[(row + down) % 2][(col + right) % 2] for row in (0, 1) for col in (0, 1)
     )
-
-
-def _whole_dn(path: str, plane: NDArray[Any], pedestal: float) -> NDArray[np.float64]:
-    """Return pixels less a pedestal. Raises ValueError for the first that is no DN."""
-    without = plane.astype(np.float64) - pedestal
-    with np.errstate(invalid="ignore"):
-        wrong = ~((without >= 0) & (without <= MOST_DN) & (without == np.rint(without)))
-    if wrong.any():
-        row, col = np.argwhere(wrong)[0]
-        less = f" without its PEDESTAL of {pedestal:g} DN" if pedestal else ""
-        raise ValueError(
-            f"{path}: {np.count_nonzero(wrong)} pixels are no DN, the first in stored "
-            f"row {row}, column {col}: {without[row, col]:g}{less}; must be whole "
-            f"numbers, 0 to {MOST_DN}: give the frame as the camera took it, not "
-            "calibrated"
-        )
-    return without

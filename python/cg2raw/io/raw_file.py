@@ -5,7 +5,7 @@
 
 from collections.abc import Callable
 
-from cg2raw.io import fits_file, libraw, npy_file
+from cg2raw.io import fits_file, grey_file, libraw, npy_file
 from cg2raw.io.raw_header import RawFile
 
 # (whether a file is of the format, its frames), the first that holds counts.
@@ -15,6 +15,7 @@ FORMATS: tuple[
     (fits_file.is_fits, fits_file.frames),
     (npy_file.is_npy, npy_file.frames),
     (npy_file.is_npz, npy_file.frames_of_npz),
+    (grey_file.is_grey, grey_file.frames),
     (libraw.is_dng, libraw.dng),
     (lambda path: True, libraw.camera_raw),
 )
