@@ -8,9 +8,10 @@ each with its standard error. -o writes the sensor's profile with these numbers:
 level, noise at the frames' ISO, and the effects that stand out; all else stays.
 
 Frames are DNGs, other RAW files, FITS, grey PNG, TIFF and PGM, .npy, and .npz with
-several; darks and flats are told apart by exposure and level. Two that repeat each other are the least; best are ten
-biases (the shortest exposure, no light), ten darks as long as the camera is used for,
-and pairs of evenly lit flats from dark to saturated, exposed under one steady lamp.
+several; darks and flats are told apart by exposure and level. Two that repeat each
+other are the least; best are ten biases (the shortest exposure, no light), ten darks as
+long as the camera is used for, and pairs of evenly lit flats from dark to saturated,
+exposed under one steady lamp.
 
 examples:
   cg2raw calibrate darks/ flats/ --sensor my-camera.json -o my-camera.json
