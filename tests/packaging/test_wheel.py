@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""scripts/wheel leaves a wheel that a bare Python installs and uses, as the README's
-first lines say."""
+"""scripts/wheel leaves a wheel that a bare Python installs and uses, by the README's
+lines."""
 
 import os
 import re
@@ -11,6 +11,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+
+from readme import install
 
 pytestmark = pytest.mark.slow
 
@@ -48,12 +50,17 @@ def unpacked(wheel, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def environment(wheel, tmp_path_factory):
-    """Return the folder of programs of a bare Python with that wheel, its dependencies
-    and OpenImageIO's wheel, all of them from the package index."""
+    """Return the folder of programs of a bare Python with what the README installs:
+    that wheel, from out/wheels, and others from the package index."""
+    first, pip, _ = install()[1].splitlines()
+    assert first == "./scripts/wheel"  # which made the wheel
+    clone = tmp_path_factory.mktemp("clone")
+    (clone / "out/wheels").mkdir(parents=True)
+    shutil.copy(wheel, clone / "out/wheels")
     folder = tmp_path_factory.mktemp("bare")
     made = run("/usr/bin/python3", "-m", "venv", folder)
     assert made.returncode == 0, made.stderr
-    done = run(folder / "bin/pip", "install", "-q", wheel, "OpenImageIO")
+    done = run("sh", "-ec", pip, cwd=clone, env={**os.environ, **clean(folder / "bin")})
     if "No matching distribution found" in done.stderr:
         pytest.skip("no package index to take the dependencies from")
     assert done.returncode == 0, done.stderr
@@ -88,7 +95,7 @@ image.specmod().attribute("dng:illuminant", "D65")
 print(image.write("shot.dng"), image.geterror())
 """
     (tmp_path / "write.py").write_text(code)
-    script = 'eval "$(cg2raw env)" && python write.py'
+    script = install()[1].splitlines()[2] + "\npython write.py"
     done = run("sh", "-c", script, cwd=tmp_path, env=clean(environment))
     assert done.stdout.split() == ["True"], done.stdout + done.stderr
     assert (tmp_path / "shot.dng").read_bytes()[:4] == b"II*\0"

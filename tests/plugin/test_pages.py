@@ -2,13 +2,12 @@
 # Copyright Contributors to the cg2raw Project.
 
 """Commands of pages, run by a shell as they stand there, on small files of the names
-that the pages speak of."""
+that the pages use."""
 
 import json
 import os
 import re
 import subprocess
-import sys
 
 import jsonschema
 import numpy as np
@@ -18,64 +17,11 @@ import rawpy
 import tifffile
 
 import cg2raw
-from conftest import BUILD, OIIOTOOLS, ROOT, oiiotool_runner
+from conftest import OIIOTOOLS, oiiotool_runner
 from images import write_image
+from pages import run_commands, text_of, write_studio_config
 
-# An indented line that begins with the name of one of these, perhaps behind variables
-# of the environment, and what continues it.
-COMMAND = re.compile(
-    r"^    ((?:[A-Z0-9_]+=\S+ (?:\\\n +)?)*"
-    r"(?:cg2raw|oiiotool|exiftool|ln) (?:.*\\\n)*.*)$",
-    re.MULTILINE,
-)
-CONFIG = BUILD / "share/cg2raw/ocio/sensors.ocio"
 SCENE = (0.3, 0.2, 0.15)
-
-
-def text_of(page):
-    """Return the text of a page of docs/, or of the README."""
-    return (ROOT / "docs" / page).read_text()
-
-
-def environment_of(folder, oiiotool):
-    """Return the variables of a shell in which the programs are this tree's."""
-    tool, plugins = OIIOTOOLS[oiiotool]
-    programs = folder / "programs"
-    programs.mkdir()
-    (programs / "oiiotool").symlink_to(tool)
-    (programs / "cg2raw").write_text(
-        f'#!/bin/sh\nexec {sys.executable} -m cg2raw "$@"\n'
-    )
-    (programs / "cg2raw").chmod(0o755)
-    return {
-        **os.environ,
-        "PATH": f"{programs}:{os.environ['PATH']}",
-        "PYTHONPATH": str(BUILD / "lib/python"),
-        "OCIO": str(CONFIG),
-        "OIIO_LIBRARY_PATH": str(plugins),
-        "OPENIMAGEIO_PLUGIN_PATH": str(plugins),
-        "CG2RAW_PROFILE_PATH": str(ROOT / "plugins/profiles"),
-    }
-
-
-def run_commands(page, folder, oiiotool="oiio-system", apart=()):
-    """Run the commands of a page in a folder; none may fail. Return how many.
-
-    apart : of words; a command that has one of them is not run."""
-    environment = environment_of(folder, oiiotool)
-    commands = COMMAND.findall(text_of(page))
-    assert all(any(word in command for command in commands) for word in apart)
-    commands = [c for c in commands if not any(word in c for word in apart)]
-    for command in commands:
-        done = subprocess.run(
-            ["bash", "-c", command],
-            cwd=folder,
-            env=environment,
-            capture_output=True,
-            text=True,
-        )
-        assert done.returncode == 0, command + "\n" + done.stdout + done.stderr
-    return len(commands)
 
 
 @pytest.fixture
@@ -171,40 +117,12 @@ def test_upi(tmp_path, render):
     np.testing.assert_array_equal(words_of(tmp_path / "shot.dng"), names["raw"])
 
 
-def written_config(path):
-    """Write a config of a studio: one that OpenColorIO brings along."""
-    ocio = pytest.importorskip("PyOpenColorIO", minversion="2.5")
-    name = "cg-config-v2.1.0_aces-v1.3_ocio-v2.3"
-    path.write_text(ocio.Config.CreateFromBuiltinConfig(name).serialize())
-
-
-# Tested by their own pages, on captures and renders that are like a camera's.
-OF_OTHER_PAGES = ("cg2raw dataset", "cg2raw calibrate", "cg2raw diagnose")
-
-
-@pytest.mark.parametrize("tool", OIIOTOOLS)
-def test_readme(tmp_path, render, tool):
-    """All of its commands but those that build."""
-    oiiotool_runner(tool)  # skips what is not there
-    written_config(tmp_path / "studio.ocio")
-    for number in range(3):
-        os.link(tmp_path / "shot.exr", tmp_path / f"shot.{number}.exr")
-        raw = cg2raw.Sensor("nikon-d40").simulate(
-            render, illuminant=("A", "D50", "D65")[number]
-        )
-        cg2raw.write_dng(tmp_path / f"IMG_{number}.dng", raw)
-    apart = (*OF_OTHER_PAGES, "doctor")
-    assert run_commands("../README.md", tmp_path, tool, apart) >= 12
-    assert len(list((tmp_path / "looks").iterdir())) == 3
-    assert cg2raw.Sensor(tmp_path / "my-camera.json").model == "NIKON D40"
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("tool", OIIOTOOLS)
 def test_ocio(tmp_path, render, tool):
     """Configs of all sensors under a hundred lights are among what it makes."""
     oiiotool_runner(tool)  # skips what is not there
-    written_config(tmp_path / "studio.ocio")
+    write_studio_config(tmp_path / "studio.ocio")
     assert run_commands("ocio.md", tmp_path, tool) == 9
 
 

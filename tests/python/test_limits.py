@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What README says of sizes: the least that is written, and what a DNG shows."""
+"""What docs/portability.md says of sizes: the least, and what a DNG shows."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,8 @@ import tifffile
 import cg2raw
 from dng import dng_files
 
-README = " ".join((Path(__file__).parents[2] / "README.md").read_text().split())
+ROOT = Path(__file__).parents[2]
+PAGE = " ".join((ROOT / "docs/portability.md").read_text().split())
 LEAST = {"BGGR": ("Bayer", 2), "X-Trans": ("X-Trans", 6), "mono": ("monochrome", 2)}
 
 
@@ -31,9 +32,9 @@ def sensor_of(cfa):
 
 
 @pytest.mark.parametrize("cfa", LEAST)
-def test_the_least_size_is_that_of_the_readme(tmp_path, cfa):
+def test_the_least_size_is_that_of_the_page(tmp_path, cfa):
     kind, least = LEAST[cfa]
-    assert f"{kind} {least}x{least}" in README
+    assert f"{kind} {least}x{least}" in PAGE
     sensor = sensor_of(cfa)
     light = {} if cfa == "mono" else {"illuminant": "D65"}
     path = tmp_path / "least.dng"
@@ -49,10 +50,8 @@ def test_the_least_size_is_that_of_the_readme(tmp_path, cfa):
 @pytest.mark.parametrize(
     ("shape", "shown"), [((480, 640), (636, 476)), ((15, 640), (640, 15))]
 )
-def test_the_crop_is_that_of_the_readme(tmp_path, shape, shown):
-    assert (
-        "636x476 of 640x480" in README and "below 16 pixels are not cropped" in README
-    )
+def test_the_crop_is_that_of_the_page(tmp_path, shape, shown):
+    assert "636x476 of 640x480" in PAGE and "below 16 pixels are not cropped" in PAGE
     path = tmp_path / "shot.dng"
     raw = cg2raw.Sensor("nikon-d40").simulate(
         np.full((*shape, 3), 0.2, np.float32), illuminant="D65"
