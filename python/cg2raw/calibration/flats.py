@@ -16,8 +16,9 @@ from cg2raw.calibration.measurements import Transients
 from cg2raw.calibration.photon_transfer import (
     PhotonTransfer,
     TransferPoints,
+    at_white,
+    full_well,
     photon_transfer,
-    saturation,
     transfer_points,
 )
 from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
@@ -71,7 +72,11 @@ def read_flats(
                 f"black is {levels.mean():.1f} DN: is it a dark? Give it among --darks"
             )
         repeats = repeats_of(group, todo, levels, None)
-        if repeats.noise is not None:
+        ceiling = at_white(group, todo.white, levels)
+        found.ceiling = found.ceiling or ceiling
+        if repeats.noise is None and ceiling:
+            found.clipped += repeats.count
+        elif repeats.noise is not None:
             take_up(found, repeats, todo, levels)
         tell((index + 1) / len(order))
     return found
@@ -85,8 +90,7 @@ def take_up(found: Flats, repeats: Repeats, todo: Todo, black: Array) -> None:
     found.transients.append(
         Transients(words_of(group), repeats.transients or 0, repeats.count)
     )
-    ceiling = saturation(found.points, todo.white, black, group)
-    found.ceiling = found.ceiling or ceiling
+    found.ceiling = found.ceiling or full_well(found.points, black, group)
     if found.ceiling or point.is_clipped:
         found.clipped += repeats.count
         return

@@ -54,13 +54,15 @@ class Light:
 class Linearity:
     """Level against exposure time under one lamp.
 
-    error : %, mean absolute deviation from the line. quadratic, cubic : loss at white,
-    of nonlinearity; cubic None where it does not stand out. exposures : s; levels : DN
-    above black; deviations : %."""
+    error : %, mean absolute deviation from the line with an offset, of the level (EMVA
+    1288). quadratic, cubic : loss at white, of nonlinearity; cubic None where it does
+    not stand out. bend : relative, mean absolute deviation from a line through zero,
+    which these describe. exposures : s; levels : DN above black; deviations : %."""
 
     error: Measured
     quadratic: Measured
     cubic: Measured | None
+    bend: float
     exposures: Array
     levels: Array
     deviations: Array
@@ -205,19 +207,22 @@ def linearity(
         return None
     levels = np.array([p.level for p in used])
     sigma = np.array([max(lamp, 1e-6) / math.sqrt(p.frames) for p in used])
-    straight, _, _ = _relative_fit(times, levels, sigma, 1)
-    deviations = 100 * (levels / (straight[0] * times) - 1)
+    through_zero, _ = _relative_fit(times, levels, sigma, (1,))
+    bend = float(np.abs(levels / (through_zero[0] * times) - 1).mean())
+    line, _ = _relative_fit(times, levels, sigma, (0, 1))
+    deviations = 100 * (levels / (line[0] + line[1] * times) - 1)
     error = float(np.abs(deviations).mean())
     chance = 100 * float(sigma.mean()) / math.sqrt(len(used))
-    quadratic, cubic = _losses(times, levels, sigma, 2, white)[0], None
+    quadratic, cubic = _losses(times, levels, sigma, (1, 2), white)[0], None
     if len(set(times)) > FEWEST_LEVELS:
-        both = _losses(times, levels, sigma, 3, white)
+        both = _losses(times, levels, sigma, (1, 2, 3), white)
         if both[1].stands_out:
             quadratic, cubic = both
     return Linearity(
         Measured(error, chance, "%"),
         quadratic,
         cubic,
+        bend,
         times,
         levels,
         deviations,
@@ -225,10 +230,10 @@ def linearity(
 
 
 def _losses(
-    times: Array, levels: Array, sigma: Array, powers: int, white: float
+    times: Array, levels: Array, sigma: Array, powers: Sequence[int], white: float
 ) -> list[Measured]:
     """Return by how much white falls short of a straight line, term by term."""
-    values, errors, _ = _relative_fit(times, levels, sigma, powers)
+    values, errors = _relative_fit(times, levels, sigma, powers)
     a = float(values[0])
     return [
         Measured(
@@ -236,21 +241,21 @@ def _losses(
             float(errors[n] / abs(a) ** (n + 1) * white**n),
             "1",
         )
-        for n in range(1, powers)
+        for n in range(1, len(powers))
     ]
 
 
 def _relative_fit(
-    times: Array, levels: Array, sigma: Array, powers: int
-) -> tuple[Array, Array, float]:
-    """Return (coefficients of t, t^2 ..., errors, chi-square), relative deviations."""
-    design = np.stack([times**n for n in range(1, powers + 1)], 1)
+    times: Array, levels: Array, sigma: Array, powers: Sequence[int]
+) -> tuple[Array, Array]:
+    """Return (coefficients of powers of t, errors) by least relative deviations."""
+    design = np.stack([times**n for n in powers], 1)
     scale = np.abs(design).max(0)
     scaled = design / scale / (levels * sigma)[:, None]
     values = np.linalg.lstsq(scaled, 1 / sigma, rcond=None)[0]
     chi2 = float(((1 / sigma - scaled @ values) ** 2).sum())
-    freedom = len(times) - powers
+    freedom = len(times) - len(powers)
     widened = np.linalg.pinv(scaled.T @ scaled) * max(
         chi2 / freedom if freedom else 1.0, 1.0
     )
-    return values / scale, np.sqrt(np.diag(widened)) / scale, chi2
+    return values / scale, np.sqrt(np.diag(widened)) / scale

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.photon_transfer import LINEAR, MOST_CLIPPED
+from cg2raw.calibration.profile_effects import STEADY
 
 ZEROS = 0.001  # share of a dark's pixels at 0 DN that moves its mean
 HIGH_CHI2 = 2.0  # of the photon-transfer points, per degree of freedom
@@ -124,6 +125,13 @@ def of_flats(found: Measurements) -> list[str]:
         notes.append("PRNU, shading: need two flats of one level below saturation")
     elif not found.frames[0]:
         notes.append("PRNU: without darks the pixels' own offsets count as response")
+    line = found.linearity
+    if line is not None and line.quadratic.stands_out and line.bend < STEADY:
+        notes.append(
+            f"linearity: levels are off proportional to exposure time by "
+            f"{line.bend:.2%} in the mean, as lamps and shutters may be (below "
+            f"{STEADY:.1%}): no nonlinearity is written to the profile"
+        )
     if found.linearity is None:
         notes.append(
             "linearity: needs flats of three exposures under one lamp, 5 to 95 % of "

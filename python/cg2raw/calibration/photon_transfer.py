@@ -179,23 +179,29 @@ def _slope(
     return Measured(float(values[0]), math.sqrt(widened), "DN/e-"), intercept, chi2
 
 
-def saturation(
-    points: Sequence[TransferPoints], white: int, black: Array, group: Group
+def at_white(group: Group, white: int, black: Array) -> tuple[Measured, str] | None:
+    """Return (saturation above black in DN, "white level") of flats with one DN in many
+    of their pixels, else None."""
+    top = max(scanned.highest for scanned in group.frames)
+    at_top = float(np.mean([scanned.at_highest for scanned in group.frames]))
+    saturated = float(np.mean([scanned.saturated for scanned in group.frames]))
+    if max(at_top, saturated) <= MANY:
+        return None
+    return Measured(min(top, white) - float(black.mean()), 0.5, "DN"), "white level"
+
+
+def full_well(
+    points: Sequence[TransferPoints], black: Array, group: Group
 ) -> tuple[Measured, str] | None:
-    """Return (saturation above black in DN, "full well" or "white level") if the last
-    of the points, those of @group, has reached it; else None.
+    """Return (saturation above black in DN, "full well") if the last of the points,
+    those of @group, has reached it; else None.
 
     points : from dark to bright. The well is full where more light brings less noise:
     where the variance falls below half of that of darker flats."""
-    point = points[-1]
-    top = max(scanned.highest for scanned in group.frames)
-    at_top = float(np.mean([scanned.at_highest for scanned in group.frames]))
-    if at_top > MANY or float(np.mean([s.saturated for s in group.frames])) > MANY:
-        return Measured(min(top, white) - float(black.mean()), 0.5, "DN"), "white level"
     variances = [float(np.median(p.variance)) for p in points]
     if len(points) > 1 and variances[-1] < CEILING * max(variances[:-1]):
         levels = [scanned.mean_level for scanned in group.frames]
         noise = math.sqrt(variances[-1])
         error = max(float(np.std(levels)), 0.1 * noise)
-        return Measured(point.level, error, "DN"), "full well"
+        return Measured(points[-1].level, error, "DN"), "full well"
     return None

@@ -17,7 +17,7 @@ from cg2raw.calibration.measurements import Measurements
 Found = Mapping[str, float | Measured]
 CORRELATION_FLOOR = 0.005  # which a few flickering pixels bring
 SHADING_FLOOR = 1e-3  # rms; no lamp is flatter
-NONLINEARITY_FLOOR = 1e-3  # of white
+STEADY = 5e-3  # relative, of a lamp and a shutter from exposure to exposure
 
 
 def effects_found(
@@ -201,8 +201,7 @@ def nonlinearity(c: Measurements) -> Answer:
     x = c.linearity
     if x is None:
         return False
-    largest = abs(x.quadratic.value + (x.cubic.value if x.cubic else 0.0))
-    if not x.quadratic.stands_out or largest < NONLINEARITY_FLOOR:
+    if not x.quadratic.stands_out or x.bend < STEADY:
         return None
     return {"quadratic": x.quadratic, **({"cubic": x.cubic} if x.cubic else {})}
 
