@@ -187,6 +187,15 @@ def test_what_a_header_says(tmp_path, header, expected):
     assert said == expected
 
 
+def test_a_keyword_without_a_value_says_nothing(tmp_path):
+    image = fits.PrimaryHDU(DN)
+    for name in ("EXPTIME", "GAIN", "BIASSEC", "ROWORDER"):
+        image.header[name] = fits.card.Undefined()
+    image.writeto(tmp_path / "a.fits")
+    header = header_of(tmp_path / "a.fits")
+    assert header.exposure_time is None and header.settings == {}
+
+
 @pytest.mark.parametrize("pedestal", [100, -100])
 def test_a_pedestal_of_either_sign_is_taken_off(tmp_path, pedestal):
     # MaxIm DL: to be added, and negative. PixInsight: to be subtracted.

@@ -8,7 +8,6 @@ import zlib
 import numpy as np
 import pytest
 
-from cg2raw.io import grey_file
 from cg2raw.io.raw_file import frames_in, open_raw
 from python.commands import write_dng
 
@@ -121,9 +120,9 @@ def test_a_thumbnail_is_no_frame(tmp_path):
     np.testing.assert_array_equal(found.mosaic(), DN)
 
 
-def test_a_tiff_that_is_a_dng_is_no_picture(tmp_path):
-    path = write_dng(tmp_path / "a.dng", "A").rename(tmp_path / "a.tif")
-    assert not grey_file.is_grey(str(path))
+def test_a_tiff_that_is_a_dng_is_read_as_one(tmp_path):
+    path = write_dng(tmp_path / "a.dng", "A", shape=(40, 64))
+    assert open_raw(str(path.rename(tmp_path / "a.tif"))).header.cfa == "BGGR"
 
 
 EIGHT = (DN >> 8).astype(np.uint8)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cg2raw.io.npy_file import mapped
+from cg2raw.io.raw_file import frames_in, open_raw
 from python.commands import fails
 
 LONGEST = 2000  # letters of a message
@@ -82,3 +83,28 @@ def test_a_damaged_npz_is_one_line_of_a_command(tmp_path, what):
     path.write_bytes(DAMAGED[what])
     line = fails("calibrate", path, "--sensor", "nikon-d40")
     assert f"{path}: is no .npz file, or cut off: " in line
+
+
+def test_the_arrays_of_an_npz_are_frames(tmp_path):
+    path = str(tmp_path / "a.npz")
+    dn = np.arange(12, dtype=np.uint16).reshape(3, 4)
+    np.savez_compressed(path, b=dn, a=dn[:2] + 1, c=dn.astype(np.float32))
+    first, second, third = frames_in(path)
+    assert [f.header.name for f in (first, second, third)] == ["a", "b", "c"]
+    assert first.header.shape == (2, 4)
+    np.testing.assert_array_equal(second.mosaic(), dn)
+    np.testing.assert_array_equal(open_raw(path, "a").mosaic(), dn[:2] + 1)
+    with pytest.raises(ValueError, match="a.npz: c: .*uint16"):
+        third.mosaic()
+    with pytest.raises(ValueError, match="a.npz: has no array d; it has a, b, c"):
+        frames_in(path, "d")
+
+
+def test_an_npz_without_a_frame_is_refused(tmp_path):
+    path = str(tmp_path / "a.npz")
+    np.savez(path)
+    with pytest.raises(ValueError, match="a.npz: holds no array"):
+        frames_in(path)
+    np.savez(path, a=np.zeros((2, 3, 4), np.uint16))
+    with pytest.raises(ValueError, match=r"a.npz: a is \(2, 3, 4\); must be \(H, W\)"):
+        frames_in(path)

@@ -110,7 +110,12 @@ def _header(
     gains = {_electrons_per_dn(path, each) for each in all_cards}
     if len(parts) > 1:
         names = ", ".join(part.name for part in parts)
-        notes.append(f"is put together of {names}, as if they had one gain")
+        words = ", ".join(f"{gain:g}" for gain in sorted(filter(None, gains)))
+        stated = f", though headers say {words} electrons per DN"
+        notes.append(
+            f"is put together of {names}, as if they had one gain"
+            + (stated if len(gains) > 1 else "")
+        )
     depth, iso = _number(path, cards, ("BITDEPTH",), 1.0), _number(path, cards, ISOS)
     settings = {
         name: ", ".join(dict.fromkeys(_text(each.get(name)) for each in all_cards))

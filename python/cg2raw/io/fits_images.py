@@ -41,10 +41,12 @@ class Cards:
         return self.get(name)
 
     def get(self, name: str, default: Any = None) -> Any:
-        """Return the value of a keyword that is not blank, else a default."""
+        """Return the value of a keyword, if it has one, else a default."""
         for header in self._headers:
-            value = header.get(name)
-            if isinstance(value, (bool, int, float)) or str(value or "").strip():
+            value = header.get(name)  # of a type of its own if it is undefined
+            if isinstance(value, (bool, int, float)):
+                return value
+            if isinstance(value, str) and value.strip():
                 return value
         return default
 

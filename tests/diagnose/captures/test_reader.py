@@ -343,3 +343,31 @@ def test_a_fits_file_of_another_cfa_is_refused(tmp_path):
     path = files.manifest(tmp_path, ["{file: a.fits, kind: dark}"])
     with pytest.raises(ValueError, match=r":3: frames\[0\].file a.fits: its CFA is BG"):
         read_captures(path)
+
+
+@pytest.mark.parametrize("where", ["frame", "top"])
+def test_a_manifest_chooses_one_of_several_images(tmp_path, where):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    raw = files.frame(tmp_path, "raw.npy")
+    images = [fits.PrimaryHDU(), fits.ImageHDU(raw + np.uint16(1)), fits.ImageHDU(raw)]
+    fits.HDUList(images).writeto(tmp_path / "a.fits")
+    more = ", image: 2" if where == "frame" else ""
+    top = f"sensor: {files.SENSOR}" + ("\nimage: 2" if where == "top" else "")
+    lines = [f"{{file: a.fits, kind: dark{more}}}"]
+    found = read_captures(files.manifest(tmp_path, lines, top))
+    np.testing.assert_array_equal(found.captures[0].raw(), raw)
+    with pytest.raises(ValueError, match=r":3: frames\[0\].file .*holds 2 images"):
+        read_captures(files.manifest(tmp_path, ["{file: a.fits, kind: dark}"]))
+
+
+def test_overscan_is_taken_off_before_a_diagnosis(tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    raw = files.frame(tmp_path, "raw.npy")
+    black = round(np.mean(cg2raw.Sensor(files.SENSOR).black_level))
+    height, width = raw.shape
+    image = fits.PrimaryHDU(np.pad(raw, ((0, 0), (0, 8)), constant_values=black) + 5)
+    image.header["TRIMSEC"] = f"[1:{width},1:{height}]"
+    image.header["BIASSEC"] = f"[{width + 1}:{width + 8},1:{height}]"
+    image.writeto(tmp_path / "a.fits")
+    found = read_captures(files.manifest(tmp_path, ["{file: a.fits, kind: dark}"]))
+    np.testing.assert_array_equal(found.captures[0].raw(), raw)

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""RAW frames and their sensor: what does not belong together is refused or said."""
+
+import dataclasses
+
+import pytest
+
+import cg2raw
+from cg2raw.io.raw_checks import check_alike, check_sensor, first_unlike, together
+from cg2raw.io.raw_file import open_raw
+from cg2raw.io.raw_header import Area, RawHeader
+from python.commands import write_dng
+
+SHAPE = (40, 64)  # LibRaw opens no smaller file than 22 x 22
+
+
+def header(name, **settings):
+    return RawHeader(name, Area("active", 0, 0, 4, 6), settings=settings)
+
+
+def test_frames_are_compared_by_what_both_state():
+    frames = [header("a", GAIN="1"), header("b"), header("c", OFFSET="7", GAIN="1")]
+    assert first_unlike(frames) is None
+    index, words = first_unlike([*frames, header("d", GAIN="1", OFFSET="8")])
+    assert index == 3 and words.startswith("d: its OFFSET is 8, that of c is 7: ")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"make": "Canon"}, "make is Canon, that of .*a.dng is NIKON"),
+        ({"model": "Z 9"}, "model is Z 9, that of"),
+        ({"white_level": 3000}, "white level is 3000 DN, that of .*a.dng is"),
+    ],
+)
+def test_dngs_of_two_cameras_are_not_mixed(tmp_path, change, words):
+    changed = write_dng(tmp_path / "b.dng", "A", shape=SHAPE, **change)
+    paths = write_dng(tmp_path / "a.dng", "A", shape=SHAPE), changed
+    headers = [open_raw(str(path)).header for path in paths]
+    check_alike(headers[:1] * 2)
+    with pytest.raises(ValueError, match=f"b.dng: its {words}"):
+        check_alike(headers)
+
+
+def test_another_size_than_the_sensor_s_is_said():
+    sensor = cg2raw.Sensor("nikon-d40")
+    size = Area("active", 0, 0, sensor.height, sensor.width)
+    assert check_sensor(dataclasses.replace(header("a"), active=size), sensor) == []
+    [note] = check_sensor(header("a"), sensor)
+    assert note.startswith(f"is 6x4, the active area of nikon-d40 is {sensor.width}x")
+
+
+def test_a_sentence_on_many_frames_is_said_once():
+    said = [(f"{n}.fits", ["warm", "odd"] if n == 2 else ["warm"]) for n in range(5)]
+    assert together(said) == [
+        "0.fits, 1.fits, 2.fits and 2 more: warm",
+        "2.fits: odd",
+    ]
