@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from cg2raw.calibration import codes
 
@@ -113,3 +114,15 @@ def test_chance_makes_no_noise_coarse(mean):
     rng = np.random.default_rng(4)
     darks = np.rint(rng.normal(mean, 0.5, (400, 48, 64))).astype(np.uint16)
     assert not any(codes.is_coarse(dark, 2) for dark in darks)
+
+
+@pytest.mark.parametrize("sigma", [0.4, 0.5, 0.7])
+@pytest.mark.parametrize("mean", [7.0, 7.2, 7.5])
+def test_rounding_adds_more_or_less_by_where_the_mean_lies(sigma, mean):
+    """Within a quarter of the wave, or 1 % of the variance."""
+    edges = np.arange(20) + 0.5
+    shares = np.diff(ndtr((edges - mean) / sigma))
+    variance = np.array(np.average((edges[1:] - 0.5 - mean) ** 2, weights=shares))
+    wave = codes.wave_of_rounding(variance, np.array(mean), np.array(0.0))
+    own = variance - wave - codes.ROUNDING
+    assert own == pytest.approx(sigma**2, abs=0.25 * abs(wave) + 0.01 * sigma**2)

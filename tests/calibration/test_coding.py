@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from cg2raw import Sensor
-from cg2raw.calibration import UniformFrame, calibrate
+from cg2raw.calibration import UniformFrame, calibrate, codes
+from cg2raw.calibration.robust import censored_moments_of_counts
+from cg2raw.calibration.table import rows_of
 from cg2raw.diagnose.captures import quality
 
 SHAPE = (96, 128)
@@ -46,7 +48,8 @@ def profile_of(found):
     """Return (the profile, read noise of its row in DN, {effect: parameters})."""
     profile = json.loads(found.updated_profile())
     read = np.sqrt(profile["noise"][0]["beta2"]) * found.range
-    return profile, read, {e["name"]: e["parameters"] for e in profile["effects"]}
+    effects = {e["name"]: e["parameters"] for e in profile.get("effects", [])}
+    return profile, read, effects
 
 
 WORD = sensor_of(16, 803, 65535)
@@ -74,9 +77,8 @@ def test_fewer_bits_in_the_upper_ones_of_a_word(step, read):
         abs(total.value**2 - read**2 - step**2 / 12) < 8 * read * total.standard_error
     )
     assert in_profile == pytest.approx(read, rel=0.02)
-    assert effects["quantisation"]["step"] * found.range == pytest.approx(
-        step, rel=1e-5
-    )
+    in_effect = effects["quantisation"]["step"] * found.range
+    assert in_effect == pytest.approx(step, rel=1e-5)
     assert any(f"steps of {step} DN" in note for note in found.notes)
     calibrated = Sensor.from_json(json.dumps(profile))
     assert quality.step_of(calibrated) == step and quality.step_of(WORD) == 1
@@ -95,3 +97,91 @@ def test_frames_that_are_coded_unlike_are_refused():
     )
     with pytest.raises(ValueError, match="only every 16th DN occurs, in other frames"):
         calibrate(WORD, [*plain[:6], replace(scaled[-1], raw=scaled[-1].raw)])
+
+
+def whole(black, low=0, white=4095):
+    """Return what codes DN as whole ones above @black, cut at @low."""
+    return lambda dn: np.clip(np.rint(dn + black), low, white)
+
+
+@pytest.mark.parametrize(("black", "low"), [(0.0, 0), (5.3, 0), (-3.0, 0), (64.0, 64)])
+def test_noise_that_is_cut_at_the_lowest_code(black, low):
+    """Darks show their level, by what is left of a normal distribution; flats the
+    read noise. 0.15 DN are three errors of levels of a fifth of the pixels."""
+    sensor = sensor_of(12, max(black, 0), 4095)
+    frames = frames_of(whole(black, low), 2.0, 5.0, (40, 160, 640))
+    found = calibrate(sensor, frames)
+    assert found.lost == "cut" and found.noise is None and found.structure is None
+    assert found.black_level[0].value == pytest.approx(black, abs=0.15)
+    gain = found.transfer.mean_gain
+    assert abs(gain.value - 2.0) < 3 * gain.standard_error < 0.1
+    _, in_profile, effects = profile_of(found)
+    assert in_profile == pytest.approx(5.0, rel=0.04) and not effects
+    words = [row for row in rows_of(found) if row.name == "temporal dark noise"][0]
+    assert words.value.value == pytest.approx(in_profile, rel=0.01)
+    assert any("noise is cut at the lowest code" in note for note in found.notes)
+
+
+def test_darks_of_which_nothing_is_left_say_no_number():
+    frames = frames_of(whole(-30.0), 2.0, 5.0, (100, 640))
+    found = calibrate(sensor_of(12, 0, 4095), frames)
+    assert found.lost == "cut" and found.black_level is None
+    alone = calibrate(sensor_of(12, 0, 4095), frames[:5])
+    assert alone.read_variance is None
+    assert "noise" not in json.loads(alone.updated_profile())
+
+
+@pytest.mark.parametrize(
+    ("counts", "share"),
+    [
+        ([0, 0, 30, 200, 300, 200, 30], 0),  # no code is cut
+        ([3, 0, 0, 0, 0, 200, 300, 200], 0),  # dead pixels
+        ([500, 80, 79, 70, 50, 20], 500 / 799),
+        ([900, 90, 0, 0], 900 / 990),  # most are at 0
+        ([0, 900, 90, 3], 0),  # quiet, with hot pixels
+        ([0, 500, 80, 79, 70, 50, 20], 500 / 799),
+    ],
+)
+def test_the_share_of_noise_that_is_cut(counts, share):
+    assert codes.cut_share(np.array(counts)) == pytest.approx(share)
+
+
+@pytest.mark.parametrize(("mean", "sigma"), [(0.2, 5.0), (-3.0, 6.0), (20.0, 0.4)])
+def test_a_normal_distribution_that_was_cut(mean, sigma):
+    values = np.random.default_rng(2).normal(mean, sigma, 100_000)
+    counts = np.bincount(np.maximum(np.rint(values), 0).astype(int))
+    low = int(np.flatnonzero(counts)[0])
+    found = censored_moments_of_counts(counts[low:])
+    assert found == pytest.approx((mean - low, sigma), abs=0.02 * sigma)
+
+
+@pytest.mark.parametrize(
+    ("bits", "gain", "black", "read", "levels"),
+    [
+        (8, 150.0, 6.0, 0.05, (8, 30, 60, 120)),
+        (8, 150.0, 6.3, 0.15, (1, 40, 120)),
+        (8, 200.0, 6.3, 0.35, (2, 20, 60, 120, 180)),
+        (12, 900.0, 64.3, 0.02, (300, 1200)),
+        (12, 900.0, 64.0, 0.02, (1200,)),
+    ],
+)
+def test_gain_where_rounding_hides_the_read_noise(bits, gain, black, read, levels):
+    """Of an even prior for the intercept, one level of 1.3 DN^2 is known to 4 %."""
+    white = 2**bits - 1
+    frames = frames_of(whole(black, white=white), gain, read, levels, flats=6)
+    found = calibrate(sensor_of(bits, round(black), white), frames)
+    measured = found.transfer.mean_gain
+    assert abs(measured.value - gain) < 3 * measured.standard_error < 0.15 * gain
+    assert found.lost == "coarse" and found.noise is None and found.drift is None
+    off = abs(found.black_level[0].value - black)
+    assert off < 2 * found.black_level[0].standard_error
+    _, in_profile, effects = profile_of(found)
+    assert in_profile < 0.4 and not set(effects) - {"lens_shading"}
+    assert any("read noise: below 0.4 DN" in note for note in found.notes)
+
+
+def test_flats_that_show_rounding_alone_give_no_gain():
+    frames = frames_of(whole(6.3, white=255), 200.0, 0.1, (3, 8))
+    found = calibrate(sensor_of(8, 6, 255), frames)
+    assert found.transfer is None and found.light is None
+    assert any("by rounding more than by light" in note for note in found.notes)

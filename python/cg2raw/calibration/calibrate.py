@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from cg2raw.calibration.calibration import Calibration
-from cg2raw.calibration.darks import read_darks
+from cg2raw.calibration.darks import cut_share, read_darks
 from cg2raw.calibration.defects import defects_of
 from cg2raw.calibration.flats import above_darks, read_flats
 from cg2raw.calibration.frames import (
@@ -28,6 +28,7 @@ from cg2raw.calibration.frames import (
 )
 from cg2raw.calibration.notes import notes_on
 from cg2raw.calibration.repeats import Todo
+from cg2raw.calibration.robust import CENSORED_TO
 from cg2raw.calibration.screening import screened
 from cg2raw.calibration.sites import sites_of
 from cg2raw.sensor import Sensor
@@ -62,8 +63,9 @@ def calibrate(
     sites = replace(sites_of(sensor), step=step)
     dark_groups = [g for g in groups if g.frames[0].frame.kind == "dark"]
     flat_groups = [g for g in groups if g.frames[0].frame.kind == "flat"]
-    black = dark_groups[0].level if dark_groups else sensor.black_level
-    levels = np.asarray(black, float)
+    levels = np.asarray(sensor.black_level, float)
+    if dark_groups and cut_share(dark_groups[0]) <= CENSORED_TO:
+        levels = dark_groups[0].level
     defects = defects_of(dark_groups, flat_groups, levels, sites, threads)
     todo = Todo(sensor, sites, threads, defects.counting)
     flats = read_flats(todo, flat_groups, levels, lambda x: tell("flats", x))

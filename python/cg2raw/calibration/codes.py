@@ -5,12 +5,17 @@
 
 counts is always (most + 1,) int64: how many pixels have each DN."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 Counts = NDArray[np.int64]
+Array = NDArray[np.floating[Any]]
 
 ROUNDING = 1 / 12  # variance of rounding to a step, in its square
+# Variance in squared steps below which it is rounding's: EMVA 1288, release 4.0.
+COARSE = 0.24
 
 MANY = 0.001  # share of the pixels at one code that is no chance
 FEW = 100  # pixels whose values are worth a look at their comb
@@ -30,6 +35,21 @@ MOST_APART = 3  # DN; what differs more is hot, or an edge
 CERTAIN = 5.0  # standard deviations of that share; one-sided chance 3e-7
 
 
+def wave_of_rounding(variance: Array, mean: Array, spread: Array) -> Array:
+    """Return what rounding adds to a variance besides ROUNDING, which depends on where
+    between two codes a mean lies; all in steps of the codes, of which they are
+    multiples.
+
+    variance : of rounded values. spread : variance of the means themselves.
+    Source: B. Widrow, IRE Trans. Circuit Theory 3(4), 1956; its first harmonic."""
+    wave = np.zeros_like(variance)
+    for _ in range(4):
+        own = np.maximum(variance - ROUNDING - wave, 0)
+        damped = np.exp(-2 * np.pi**2 * (own + spread))
+        wave = -(4 * own + 1 / np.pi**2) * damped * np.cos(2 * np.pi * mean)
+    return wave
+
+
 def step_of(counts: Counts) -> tuple[int, int]:
     """Return (step of the codes that occur, 0 of a single one; how many they are).
 
@@ -41,6 +61,21 @@ def step_of(counts: Counts) -> tuple[int, int]:
     used[ends[0] : ends[1] + 1] |= counts[ends[0] : ends[1] + 1] > 0
     found = np.flatnonzero(used)
     return (int(np.gcd.reduce(np.diff(found))) if len(found) > 1 else 0), len(found)
+
+
+def cut_share(counts: Counts) -> float:
+    """Return the share of pixels at the lowest code if noise is cut there, else 0.
+
+    counts : of neighbouring codes. A normal distribution falls ever faster, so that no
+    code has more pixels than its neighbours let expect, as the lowest has that holds
+    what would be below it. Above 0 frames without noise may look so, by hot pixels:
+    there the next two codes must have many."""
+    low, total = int(np.flatnonzero(counts)[0]), int(counts.sum())
+    first, second, third = map(int, np.pad(counts, (0, 2))[low : low + 3])
+    least = DENSE if low == 0 else max(DENSE, total // 100)
+    is_cut = min(second, third) >= least and first * third > second**2
+    all_cut = low == 0 and first > total // 2
+    return first / total if is_cut or all_cut else 0.0
 
 
 def comb(counts: Counts) -> tuple[int, float]:

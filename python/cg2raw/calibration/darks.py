@@ -19,11 +19,12 @@ from cg2raw.calibration.black import (
 from cg2raw.calibration.dark_current import DarkCurrent, DarkPoint, dark_current
 from cg2raw.calibration.dark_maps import DarkMaps, DarkSums
 from cg2raw.calibration.dark_spread import DarkSpread, dark_spread
-from cg2raw.calibration.frames import Group, set_points
+from cg2raw.calibration.frames import MOST_CUT, Group, set_points
 from cg2raw.calibration.glow import Glow, glow
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.measurements import Transients
+from cg2raw.calibration.measurements import Lost, Transients
 from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
+from cg2raw.calibration.robust import CENSORED_TO, LEAST_SIGMA
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.temporal_noise import TemporalNoise, temporal_noise
 
@@ -41,6 +42,8 @@ class DarkResults:
     glow: Glow | None = None
     maps: DarkMaps | None = None
     transients: tuple[Transients, ...] = ()
+    lost: Lost = ""
+    few_codes: Measured | None = None
 
 
 @dataclass
@@ -64,6 +67,8 @@ def read_darks(
     system_gain : DN per electron, None if no flat has shown it."""
     if not groups:
         return DarkResults()
+    if any(cut_share(group) > MOST_CUT for group in shortest(groups)):
+        return DarkResults(cut_levels(shortest(groups)), lost="cut")
     points, transients, read = [], [], _Read()
     numbers = set_points([group.temperature for group in groups])
     main = main_set_point(groups, numbers)
@@ -85,7 +90,7 @@ def read_darks(
     if maps.rate is not None and current is not None:
         spread, shine = centred_rates(maps, current)
         anchor(maps, read.sums)
-    return DarkResults(
+    found = DarkResults(
         *levels_of(maps, todo.sites, read, drift),
         read.noise,
         current,
@@ -93,6 +98,53 @@ def read_darks(
         shine,
         maps,
         tuple(transients),
+    )
+    coarse = read.noise is not None and read.noise.is_coarse(todo.sites.rounding)
+    return without_noise(found, todo.sites, groups) if coarse else found
+
+
+def cut_share(group: Group) -> float:
+    """Return the largest share of a dark's pixels where noise is cut."""
+    return max(scanned.cut for scanned in group.frames)
+
+
+def cut_levels(groups: Sequence[Group]) -> tuple[Measured, ...] | None:
+    """Return the black level of each site by darks whose noise is cut; None if little
+    is left of it."""
+    frames = [scanned for group in groups for scanned in group.frames]
+    if max(scanned.cut for scanned in frames) > CENSORED_TO:
+        return None
+    levels = np.array([scanned.level for scanned in frames])
+    pixels = levels.size * frames[0].shape[0] * frames[0].shape[1] / levels[0].size ** 2
+    chance = 2 * max(scanned.noise for scanned in frames) / math.sqrt(pixels)
+    spread = levels.std(0, ddof=1) if len(frames) > 1 else np.zeros(levels.shape[1])
+    errors = np.hypot(spread / math.sqrt(len(frames)), chance)
+    pairs = zip(levels.mean(0), errors, strict=True)
+    return tuple(Measured(float(level), float(error), "DN") for level, error in pairs)
+
+
+def without_noise(
+    found: DarkResults, sites: Sites, groups: Sequence[Group]
+) -> DarkResults:
+    """Return what darks show whose noise is rounding's: what is brighter than a step,
+    and black levels that may be off by its error."""
+    error = math.sqrt(sites.rounding)
+    levels = tuple(
+        replace(m, standard_error=math.hypot(m.standard_error, error))
+        for m in found.black_level or ()
+    )
+    noises = [s.noise for group in shortest(groups) for s in group.frames]
+    few_codes = None
+    if max(noises) < LEAST_SIGMA * sites.step:
+        few_codes = Measured(float(np.mean(noises)), float(np.std(noises)), "DN")
+    return replace(
+        found,
+        black_level=levels,
+        drift=None,
+        structure=None,
+        noise=None,
+        lost="coarse",
+        few_codes=few_codes,
     )
 
 

@@ -3,11 +3,13 @@
 
 """Flats: their groups are read by level, and what they show above the darks."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cg2raw.calibration.codes import COARSE
 from cg2raw.calibration.darks import DarkResults, words_of
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.light import Light, Linearity, lamp_drift, light_of, linearity
@@ -36,6 +38,7 @@ class FlatResults:
     linearity: Linearity | None = None
     lamp: Measured | None = None
     clipped: int = 0
+    faint: int = 0
 
 
 @dataclass
@@ -95,6 +98,8 @@ def take_up(found: Flats, repeats: Repeats, todo: Todo, black: Array) -> None:
         found.clipped += repeats.count
         return
     found.groups = [*found.groups, group]
+    if point.is_coarse:
+        return
     found.best = repeats
     found.first_gain = float(np.median(point.variance / np.maximum(point.mean, 1)))
 
@@ -137,6 +142,7 @@ def above_darks(
         linearity(points, top, lamp.value if lamp else 0.0, white),
         lamp,
         flats.clipped,
+        sum(p.frames for p in points if p.is_coarse),
     )
 
 
@@ -147,13 +153,15 @@ def dark_variance(
     iso: float | None,
     points: Sequence[TransferPoints],
 ) -> list[Measured] | None:
-    """Return (sites) DN^2 of a pixel without light: of the darks; else, for flats of
-    one level, of the profile's noise; else None, and the line's intercept counts."""
+    """Return (sites) DN^2 of a pixel without light: of the darks, which codes that are
+    too coarse show within limits; else, for flats of one level, of the profile's noise;
+    else None, and the line's intercept counts."""
     if darks.noise is not None:
-        return [
-            Measured(m.value**2, 2 * m.value * m.standard_error, "DN^2")
-            for m in darks.noise.read_noise
-        ]
+        return [m.squared for m in darks.noise.read_noise]
+    if darks.lost == "coarse":
+        low, high = sites.rounding, COARSE * sites.step**2
+        even = Measured((low + high) / 2, (high - low) / math.sqrt(12), "DN^2")
+        return [even] * sites.count
     levels = [p.level for p in points]
     if iso is None or not sensor.noise or max(levels) > 1.2 * min(levels):
         return None

@@ -12,13 +12,19 @@ import numpy as np
 
 from cg2raw.arrays import RawImage, raw_plane
 from cg2raw.calibration import codes
-from cg2raw.calibration.robust import Array, clipped_moments_of_counts
+from cg2raw.calibration.robust import (
+    LEAST_SIGMA,
+    Array,
+    censored_moments_of_counts,
+    clipped_moments_of_counts,
+)
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
 
 SAME_TEMPERATURE = 1.0  # K; what lies closer is the jitter of one set point
 SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
 FEWEST_CODES = 8  # DN that must occur before a missing one is no chance
+MOST_CUT = 0.001  # of a dark's pixels, at 0 DN; more move its mean
 MOST_SATURATED = 0.5  # of the pixels; a frame with more says nothing but its ceiling
 
 
@@ -51,7 +57,9 @@ class Scanned:
 
     level : (sites,) mean of each site, DN, without what lies 4 sigma off; noise : DN,
     standard deviation of these pixels, fixed patterns included; far : share of others.
-    saturated, zeros : share of the pixels at the white level or above, and at 0.
+    saturated : share of the pixels at the white level or above. cut : share of a dark's
+    at the lowest code, where noise is cut, of the site that has most; level and noise
+    are those of the normal distribution that was cut, or whose few codes these are.
     highest, at_highest : the largest DN, and the share of the pixels that have it.
     step : DN from one code to the next, 0 of one alone; codes : how many occur."""
 
@@ -61,7 +69,7 @@ class Scanned:
     noise: float
     far: float
     saturated: float
-    zeros: float
+    cut: float
     highest: int
     at_highest: float
     step: int
@@ -111,25 +119,36 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
     _check_codes(frame, counts, sensor)
     steps = [codes.step_of(part[: sensor.white_level]) for part in by_site]
     step = math.gcd(*(step for step, _ in steps))
-    dn = np.arange(len(counts))
-    moments = [
-        clipped_moments_of_counts(dn[: len(part)], part, max(step, 1))
-        for part in by_site
-    ]
+    is_dark = frame.kind == "dark"
+    moments = [moments_of(part, max(step, 1), is_dark) for part in by_site]
     highest = int(np.flatnonzero(counts)[-1])
     return Scanned(
         frame,
         (raw.shape[0], raw.shape[1]),
-        np.array([mean for mean, _, _ in moments]),
-        float(np.mean([sigma for _, sigma, _ in moments])),
-        1 - sum(count for _, _, count in moments) / raw.size,
+        np.array([mean for mean, *_ in moments]),
+        float(np.mean([sigma for _, sigma, *_ in moments])),
+        1 - sum(count for _, _, count, _ in moments) / raw.size,
         float(counts[sensor.white_level :].sum() / raw.size),
-        float(counts[0] / raw.size),
+        max(share for *_, share in moments),
         highest,
         float(counts[highest] / raw.size),
         step,
         min(count for _, count in steps),
     )
+
+
+def moments_of(
+    counts: Array, step: int, is_dark: bool
+) -> tuple[float, float, int, float]:
+    """Return (mean, deviation, pixels within 4 sigma, share of pixels at the lowest
+    code, where a dark's noise is cut) of one site, DN."""
+    mean, sigma, count = clipped_moments_of_counts(np.arange(len(counts)), counts, step)
+    low = int(np.flatnonzero(counts)[0])
+    share = codes.cut_share(counts[low % step :: step]) if is_dark else 0.0
+    if is_dark and (share > MOST_CUT or sigma <= LEAST_SIGMA * step):
+        if whole := censored_moments_of_counts(counts[low::step]):
+            mean, sigma = low + step * whole[0], step * whole[1]
+    return mean, sigma, count, share
 
 
 def _check_codes(frame: UniformFrame, counts: Array, sensor: Sensor) -> None:

@@ -199,7 +199,7 @@ def linearity(
         p
         for p in points
         if p.exposure_time
-        and not p.is_clipped
+        and p.is_right
         and LOWEST * ceiling <= p.level <= HIGHEST * ceiling
     ]
     times = np.array([p.exposure_time for p in used], float)

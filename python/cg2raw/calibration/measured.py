@@ -30,6 +30,12 @@ class Measured:
         )
 
     @property
+    def squared(self) -> "Measured":
+        """Return the variance that a standard deviation is the root of."""
+        error = 2 * self.value * self.standard_error
+        return Measured(self.value**2, error, f"{self.unit}^2")
+
+    @property
     def stands_out(self) -> bool:
         """Whether the value is more than three standard errors off 0."""
         return abs(self.value) > SIGNIFICANT * self.standard_error

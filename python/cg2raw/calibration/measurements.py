@@ -4,7 +4,8 @@
 """Measurements: all that darks and flats show of a sensor, each with its error."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,9 @@ class Transients:
     frames: int
 
 
+Lost = Literal["", "cut", "coarse"]
+
+
 @dataclass(frozen=True)
 class Measurements:
     """What frames of uniform light and of none show; None where they cannot, and why
@@ -41,7 +45,10 @@ class Measurements:
     shape : (H, W) px. frames : (darks, flats). black_level : (sites) DN.
     drift : DN, standard deviation of the level from frame to frame.
     lamp : relative, standard deviation of the flats' light. maps : of each pixel.
-    clipped : number of flats that show saturation alone.
+    lost : why darks do not show their noise: it is cut at the lowest code, or codes are
+    too coarse for it. few_codes : DN, of coarse ones, the deviation of the normal
+    distribution that has their shares, fixed patterns included. clipped : number of
+    flats that show saturation alone. faint : of flats whose noise is rounding's.
     excluded : {name of a frame that is none of its repeats: how it is off}.
     likeliest : of fixed patterns, the parameters by the likelihood of all together, in
     the registry's units; what a profile says of those that stand out."""
@@ -65,7 +72,10 @@ class Measurements:
     maps: DarkMaps | None = field(default=None, repr=False)
     transients: tuple[Transients, ...] = ()
     notes: tuple[str, ...] = ()
+    lost: Lost = ""
+    few_codes: Measured | None = None
     clipped: int = 0
+    faint: int = 0
     excluded: Mapping[str, str] = field(default_factory=dict)
     defects: Defects = field(default_factory=Defects, repr=False)
     likeliest: Mapping[str, Mapping[str, Measured]] = field(default_factory=dict)
@@ -76,6 +86,23 @@ class Measurements:
         if self.black_level is None:
             return np.array(self.sensor.black_level)
         return np.array([m.value for m in self.black_level])
+
+    @property
+    def read_variance(self) -> tuple[Measured, ...] | None:
+        """(sites,) DN^2 without rounding, of the darks; else, where these have lost it,
+        of the flats' line; None if neither shows it."""
+        rounding = self.sites.rounding
+        if self.few_codes is not None:
+            return (self.few_codes.squared,) * self.sites.count
+        if self.noise is not None:
+            squares = tuple(m.squared for m in self.noise.read_noise)
+        elif self.lost and self.transfer is not None:
+            squares = self.transfer.intercept
+            if self.lost == "cut" and not all(s.stands_out for s in squares):
+                return None
+        else:
+            return None
+        return tuple(replace(s, value=s.value - rounding) for s in squares)
 
     @property
     def range(self) -> float:

@@ -3,20 +3,26 @@
 
 """Notes: what frames could not show, which capture would, and what stood out."""
 
+import math
 from collections.abc import Sequence
 
+from cg2raw.calibration.codes import COARSE, ROUNDING
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.photon_transfer import LINEAR, MOST_CLIPPED
 from cg2raw.calibration.profile_effects import STEADY
 
-ZEROS = 0.001  # share of a dark's pixels at 0 DN that moves its mean
 HIGH_CHI2 = 2.0  # of the photon-transfer points, per degree of freedom
 
 
 def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]:
     """Return sentences, each with what would help."""
-    return (*of_frames(found, scanned), *of_darks(found), *of_flats(found))
+    return (
+        *of_frames(found, scanned),
+        *of_lost(found, scanned),
+        *of_darks(found),
+        *of_flats(found),
+    )
 
 
 def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
@@ -29,13 +35,6 @@ def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
             f"a word: rounding adds {step}^2 / 12 DN^2 to noise, and the profile has "
             "quantisation"
         )
-    cut = [s for s in scanned if s.frame.kind == "dark" and s.zeros > ZEROS]
-    if cut:
-        notes.append(
-            f"black is cut: {cut[0].zeros:.1%} of the pixels of {cut[0].frame.name} "
-            "are 0 DN: the black level comes out too high, noise too low: capture "
-            "with an offset, if the camera has one"
-        )
     if found.clipped:
         notes.append(
             f"{found.clipped} flats have more than {MOST_CLIPPED:.1%} of pixels at "
@@ -46,25 +45,46 @@ def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
     return notes
 
 
+def of_lost(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
+    """Return why darks do not show their noise."""
+    if found.lost == "cut":
+        worst = max(scanned, key=lambda item: item.cut)
+        level = "by what is left of it" if found.black_level else "the profile's"
+        return [
+            f"darks: noise is cut at the lowest code, {worst.cut:.1%} of the pixels of "
+            f"{worst.frame.name}: the black level is {level}, read noise that of the "
+            "flats' line, all else of darks is unknown: capture with an offset, if the "
+            "camera has one"
+        ]
+    if found.lost == "coarse":
+        limit = math.sqrt(COARSE - ROUNDING) * found.sites.step
+        return [
+            f"read noise: below {limit:.2g} DN, where rounding hides it, and with it "
+            "drift, DSNU and the noise of rows and columns: capture at a higher ISO or "
+            "in more bits"
+        ]
+    return []
+
+
 def of_darks(found: Measurements) -> list[str]:
     """Return what darks could not show."""
     notes = []
-    if found.black_level is None:
+    if found.black_level is None and not found.lost:
         notes.append("black level: no darks; the profile's is used: capture biases")
-    if found.noise is None:
+    if found.noise is None and not found.lost:
         notes.append("read noise: needs two darks of one exposure")
-    elif found.noise.excess_kurtosis is None:
+    elif found.noise is not None and found.noise.excess_kurtosis is None:
         notes.append(
             f"tails of the read noise: {found.noise.mean_read_noise.value:.2f} DN is "
             f"below {found.sites.step} DN, a step of the codes, where rounding shapes "
             "them: capture at a higher ISO"
         )
-    if found.black_level is not None and found.drift is None:
+    if found.black_level is not None and found.drift is None and not found.lost:
         notes.append(
             "black level drift: needs two darks of the shortest exposure; errors of "
             "black level and dark current leave it out"
         )
-    if found.black_level is not None and found.dark is None:
+    if found.black_level and found.dark is None and found.lost != "cut":
         notes.append(
             "dark current, hot pixels, glow: need darks of two exposures: add some as "
             "long as the camera is used for"
@@ -106,6 +126,12 @@ def of_flats(found: Measurements) -> list[str]:
         ]
     notes = []
     transfer = found.transfer
+    if found.faint:
+        limit = math.sqrt(COARSE) * found.sites.step
+        notes.append(
+            f"{found.faint} flats vary by less than {limit:.2g} DN, by rounding more "
+            "than by light: they are in no number: expose more, or at a higher ISO"
+        )
     if transfer is None:
         notes.append(
             f"gain: needs two flats of one level below {LINEAR:.0%} of saturation, and "

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cg2raw.calibration.codes import COARSE, wave_of_rounding
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.pair_noise import relative_error
@@ -39,6 +40,7 @@ class TransferPoints:
     exposure_time: float | None
     frames: int
     clipped: float  # share of pixels at white, at 0 DN, or in blocks that are full
+    is_coarse: bool  # rounding makes up so much of the variance that it is not known
 
     @property
     def is_clipped(self) -> bool:
@@ -46,20 +48,24 @@ class TransferPoints:
         such a flat shows saturation alone."""
         return self.clipped > MOST_CLIPPED
 
+    @property
+    def is_right(self) -> bool:
+        """Whether mean and variance are those of light."""
+        return not self.is_clipped and not self.is_coarse
+
 
 @dataclass(frozen=True)
 class PhotonTransfer:
     """What photon transfer shows.
 
-    system_gain : (sites) DN per electron. intercept : DN^2, variance without light of
-    each site: measured in darks, or of the line itself; measured_dark tells which.
+    system_gain : (sites) DN per electron. intercept : (sites) DN^2, variance without
+    light, rounding included, by darks and the line itself.
     saturation : DN, level of the full well or of the converter; None if no frame
     reaches it. clipped_by : "full well" or "white level" then.
     chi2 : of the points about the line, per degree of freedom."""
 
     system_gain: tuple[Measured, ...]
-    intercept: tuple[float, ...]
-    measured_dark: bool
+    intercept: tuple[Measured, ...]
     points: tuple[TransferPoints, ...]
     chi2: float
     saturation: Measured | None
@@ -85,7 +91,7 @@ def transfer_points(
     darker : points of darker flats, which tell where wells are full."""
     noise = flats.noise
     assert noise is not None
-    means, levels, least = [], [], LEAST_SIGMA * sites.step
+    means, spreads, levels, least = [], [], [], LEAST_SIGMA * sites.step
     kept = sites.of(flats.known)
     for plane, used, level in zip(sites.of(flats.mean), kept, black, strict=True):
         if used.any():
@@ -93,8 +99,16 @@ def transfer_points(
         for block, mask in zip(blocks_of(plane), blocks_of(used), strict=True):
             inside = block[mask]
             some = inside.size > 8
-            means.append(clipped_moments(inside, least)[0] - level if some else 0.0)
+            middle, sigma, _ = clipped_moments(inside, least) if some else (level, 0, 0)
+            means.append(middle - level)
+            spreads.append(sigma**2)
     mean = np.reshape(means, noise.variance.shape)
+    steps = sites.step**2
+    spread = np.reshape(spreads, mean.shape) - noise.variance / flats.count
+    dn = mean + np.reshape(black, (-1, 1))
+    variance = noise.variance - steps * wave_of_rounding(
+        noise.variance / steps, dn / sites.step, np.maximum(spread, 0) / steps
+    )
     error = np.array(
         [relative_error(max(n, 1), flats.pairs) for n in noise.pixels.ravel()]
     )
@@ -104,12 +118,13 @@ def transfer_points(
     share = float(noise.pixels[full].sum() / max(noise.pixels.sum(), 1))
     return TransferPoints(
         mean,
-        noise.variance,
+        variance,
         error,
         float(np.mean(levels)),
         flats.group.exposure_time,
         flats.count,
         max(flats.clipped, share),
+        float(np.median(variance)) < COARSE * steps,
     )
 
 
@@ -121,11 +136,11 @@ def photon_transfer(
 ) -> PhotonTransfer | None:
     """Return the line of variance against mean; None if no flat can show it.
 
-    dark_variance : (sites) DN^2, of darks of the flats' exposure; None: the line's own
-    intercept, which needs two levels. white : DN above black.
+    dark_variance : (sites) DN^2, of darks of the flats' exposure; None: the line alone
+    shows it, which needs two levels. white : DN above black.
     ceiling : saturation above black, DN, and what clips there."""
     most = LINEAR * (ceiling[0].value if ceiling else white)
-    used = [p for p in points if p.level <= most and not p.is_clipped]
+    used = [p for p in points if p.level <= most and p.is_right]
     levels = np.array([p.level for p in used])
     if not used or (dark_variance is None and np.ptp(levels) < 0.2 * levels.max()):
         return None
@@ -143,7 +158,6 @@ def photon_transfer(
     return PhotonTransfer(
         tuple(gains),
         tuple(intercepts),
-        dark_variance is not None,
         tuple(points),
         float(np.mean(chi2)),
         ceiling[0] if ceiling else None,
@@ -153,30 +167,34 @@ def photon_transfer(
 
 def _slope(
     mean: Array, variance: Array, error: Array, dark: Measured | None
-) -> tuple[Measured, float, float]:
-    """Return (system gain, intercept, chi-square per freedom) of one site."""
-    design = mean[:, None]
-    target = variance - (0.0 if dark is None else dark.value)
-    if dark is None:
-        design = np.stack([mean, np.ones_like(mean)], 1)
-    model, keep = variance, mean > 0
+) -> tuple[Measured, Measured, float]:
+    """Return (system gain, intercept, chi-square per freedom) of one site.
+
+    dark : the intercept, as far as it is known without the points."""
+    design = np.stack([mean, np.ones_like(mean)], 1)
+    prior, known = np.zeros((0, 2)), np.zeros(0)
+    if dark is not None:
+        certainty = 1 / max(dark.standard_error, 1e-9)
+        prior, known = np.array([[0.0, certainty]]), np.array([dark.value * certainty])
+    model, keep, widened = variance, mean > 0, 1.0
     for _ in range(3):  # weights of the fitted variance, not of the measured one
         weight = np.where(keep, 1 / np.maximum(error * model, 1e-9), 0)
-        scaled = design * weight[:, None]
-        values = np.linalg.lstsq(scaled, target * weight, rcond=None)[0]
-        model = np.maximum(design @ values + variance - target, 1e-9)
-        z = (target - design @ values) * weight
+        scaled = np.concatenate([design * weight[:, None], prior * math.sqrt(widened)])
+        target = np.concatenate([variance * weight, known * math.sqrt(widened)])
+        values = np.linalg.lstsq(scaled, target, rcond=None)[0]
+        model = np.maximum(design @ values, 1e-9)
+        z = (variance - design @ values) * weight
         keep &= np.abs(z) <= 6 * max(clipped_moments(z[keep])[1], 1.0)
-    covariance = np.linalg.pinv(scaled.T @ scaled)
-    freedom = max(int(keep.sum()) - design.shape[1], 1)
-    chi2 = float((z[keep] ** 2).sum()) / freedom
-    widened = float(covariance[0, 0]) * max(chi2, 1.0)
-    if dark is not None:  # the dark variance's own error moves all points alike
-        weights = scaled[:, 0] * weight
-        pull = float(weights.sum()) * float(covariance[0, 0])
-        widened += (pull * dark.standard_error) ** 2
-    intercept = dark.value if dark is not None else float(values[1])
-    return Measured(float(values[0]), math.sqrt(widened), "DN/e-"), intercept, chi2
+        freedom = max(int(keep.sum()) - 2 + len(known), 1)
+        chi2 = float((z[keep] ** 2).sum()) / freedom
+        widened = max(chi2, 1.0)  # of the points alone: darks are not less certain
+    errors = np.sqrt(np.diag(np.linalg.pinv(scaled.T @ scaled)) * widened)
+    gain, intercept = map(float, values)
+    return (
+        Measured(gain, float(errors[0]), "DN/e-"),
+        Measured(intercept, float(errors[1]), "DN^2"),
+        chi2,
+    )
 
 
 def at_white(group: Group, white: int, black: Array) -> tuple[Measured, str] | None:

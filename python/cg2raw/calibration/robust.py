@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 Array = NDArray[Any]
 CUT = 4.0  # sigma beyond which a pixel does not count
@@ -17,6 +18,7 @@ LEFT = 1 - 2 * CUT * math.exp(-CUT * CUT / 2) / math.sqrt(2 * math.pi) / math.er
 )
 MAD = 1.4826  # of a normal distribution: sigma over the median absolute deviation
 ROUNDS = 6
+CENSORED_TO = 0.95  # share of the pixels below what hot ones and dark current brighten
 ENOUGH = 20_000  # values for a median that only begins
 LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 
@@ -67,6 +69,22 @@ def clipped_moments_of_counts(
         sigma = math.sqrt(float(kept @ (codes - mean) ** 2) / count / LEFT)
         sigma = max(sigma, least)
     return mean, sigma, count
+
+
+def censored_moments_of_counts(counts: Array) -> tuple[float, float] | None:
+    """Return (mean, standard deviation), in steps above the lowest code, of normal
+    noise that is cut there; None if next to nothing is left of it.
+
+    counts : from the lowest code on. The shares below each code, as far as hot pixels
+    do not matter, lie on a line if they are drawn as of the normal distribution."""
+    below = np.cumsum(counts) / counts.sum()
+    used = np.flatnonzero(below <= CENSORED_TO)
+    if len(used) < 2 or np.ptp(below[used]) == 0:
+        return None
+    z = ndtri(below[used])
+    weight = np.exp(-(z**2) / 2) / np.sqrt(below[used] * (1 - below[used]))
+    slope, start = np.polyfit(used + 0.5, z, 1, w=weight)
+    return -float(start / slope), 1 / float(slope)
 
 
 def middle_of(values: Array, step: int = 1) -> float:

@@ -8,10 +8,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cg2raw.calibration.glow import EXTENTS
-from cg2raw.calibration.measured import Measured, ratio
+from cg2raw.calibration.measured import Measured, ratio, root_of
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.temporal_noise import LEAST_LAMBDA
 
+LOST_WORDS = {
+    "": "",
+    "cut": "of the flats' line: that of darks is cut",
+    "coarse": "by the shares of few codes, fixed patterns included",
+}
 MOST_SITES = 4  # of which each is told
 
 
@@ -79,8 +84,8 @@ def black_rows(found: Measurements) -> Iterator[Row]:
 def noise_rows(found: Measurements) -> Iterator[Row]:
     """Yield the noise of a dark of no time."""
     n = found.noise
-    read = n.mean_read_noise if n else None
-    more = each(found, n.read_noise) if n else ""
+    read = n.mean_read_noise if n else lost_noise(found)
+    more = each(found, n.read_noise) if n else LOST_WORDS[found.lost if read else ""]
     yield Row("noise", "temporal dark noise", read, in_electrons(found, read), more)
     for name, value in (
         ("row noise", n.row_noise if n else None),
@@ -97,6 +102,15 @@ def noise_rows(found: Measurements) -> Iterator[Row]:
     yield Row("noise", "correlation, next in row", correlation)
     correlation = n.column_correlation if n else None
     yield Row("noise", "correlation, next in column", correlation)
+
+
+def lost_noise(found: Measurements) -> Measured | None:
+    """Return the noise of a dark that darks do not show themselves, DN, if any does."""
+    parts = found.read_variance
+    if parts is None or not (found.few_codes or found.lost == "cut"):
+        return None
+    mean = mean_of(parts)
+    return root_of(mean.value + found.sites.rounding, mean.standard_error, "DN")
 
 
 def dark_rows(found: Measurements) -> Iterator[Row]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cg2raw.calibration.codes import COARSE, ROUNDING
 from cg2raw.calibration.measured import Measured, root_of
 from cg2raw.calibration.pair_noise import PairNoise, relative_error
 from cg2raw.calibration.robust import Array
@@ -43,6 +44,12 @@ class TemporalNoise:
     histogram: Array
     frames: int
     exposure_time: float | None
+
+    def is_coarse(self, rounding: float) -> bool:
+        """Whether it is mostly rounding, of this variance, DN^2, and its size unknown
+        but for an upper limit. Source: EMVA 1288, release 4.0."""
+        least = min(m.value**2 for m in self.read_noise)
+        return least < COARSE / ROUNDING * rounding
 
     @property
     def has_tails(self) -> bool:

@@ -96,15 +96,15 @@ def betas_of(
     count, beta1, beta2 = found.sites.count, None, None
     if found.transfer is not None:
         beta1 = [m.value / found.range for m in found.transfer.system_gain]
-    if found.noise is not None:
-        rounding = found.sites.rounding
-        squares = [m.value**2 - rounding for m in found.noise.read_noise]
-        beta2 = [max(square, 0.0) / found.range**2 for square in squares]
+    if (squares := found.read_variance) is not None:
+        beta2 = [max(square.value, 0.0) / found.range**2 for square in squares]
     if beta1 is None or beta2 is None:
         try:
             row = sensor.noise_at(float(found.iso or 0))
         except ValueError:
             lacking = "flats" if beta1 is None else "darks"
+            if found.lost:
+                lacking = "flats of several levels from faint ones on"
             return f"noise: no row is written: give {lacking}, too"
         beta1 = list(np.broadcast_to(row["beta1"], count)) if beta1 is None else beta1
         beta2 = list(np.broadcast_to(row["beta2"], count)) if beta2 is None else beta2

@@ -59,7 +59,7 @@ def photon_transfer(found: Measurements) -> Drawn:
                       label=found.sites.names[site] or "flats")  # fmt: skip
         top = max(float(p.mean.max()) for p in transfer.points)
         x = np.geomspace(max(top / 1e4, 0.1), top, 200)
-        dark = float(np.mean(transfer.intercept))
+        dark = float(np.mean([m.value for m in transfer.intercept]))
         axes.plot(x, dark + x / gain.value, color=LINE, linewidth=1)
         axes.axhline(dark, color=LINE, linewidth=1, linestyle=":")
         if transfer.saturation is not None:
