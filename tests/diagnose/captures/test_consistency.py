@@ -128,6 +128,16 @@ def test_levels_that_differ_a_little_are_noted(tmp_path):
     assert "say black level 66 DN, samsung-s20fe 64 DN" in note
 
 
+def test_an_iso_that_is_not_the_file_s_is_noted(tmp_path):
+    lines = []
+    for index in range(3):
+        files.frame(tmp_path, f"{index}.dng", frame=index)  # of ISO 100
+        iso = "200" if index else "100"
+        lines.append(f"{{file: {index}.dng, kind: dark, iso: {iso}}}")
+    words = "1.dng, 2.dng: the file says ISO 100, the manifest 200, which is used"
+    assert words in read_captures(files.manifest(tmp_path, lines)).notes
+
+
 def test_frames_of_one_iso_have_one_setting(tmp_path):
     fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
     for index, gain in enumerate((120, 120, 40)):

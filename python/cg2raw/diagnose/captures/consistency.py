@@ -170,6 +170,7 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
             f"{some(without)}: neither manifest nor file says the ISO, which chooses "
             "the noise; add iso"
         )
+    notes += together((f.capture.name, iso_notes(f)) for f in frames)
     notes += [*gain_notes(frames, sensor), *temperature_notes(frames)]
     shown = [capture for capture in with_pixels if capture.shows.image]
     charts = [capture.name for capture in shown if not capture.shows.render]
@@ -187,6 +188,14 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
         if has_curve(path)
     ]
     return notes
+
+
+def iso_notes(frame: Frame) -> list[str]:
+    """Return a sentence on a file that states another ISO than the manifest."""
+    stated, given = frame.header.iso, frame.entry.iso
+    if not stated or given in (None, stated):
+        return []
+    return [f"the file says ISO {stated:g}, the manifest {given:g}, which is used"]
 
 
 def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
