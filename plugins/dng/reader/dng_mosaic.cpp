@@ -193,8 +193,9 @@ bool is_dng(std::istream& bytes) noexcept
 {
     try {
         const TiffReader file(bytes, "");
-        const TiffIfd ifd0 = file.ifd(file.first_ifd(), "IFD0");
-        return TiffTags(file, { &ifd0 }).has(tag::dng_version);
+        const TiffIfd ifd0 = file.held_entries(file.first_ifd());
+        const TiffTags main(file, { &ifd0 });
+        return main.has(tag::dng_version) || main.has(tag::dng_backward_version);
     } catch (...) {
         return false;
     }

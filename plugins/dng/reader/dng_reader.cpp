@@ -15,7 +15,6 @@ namespace {
 
 /// Real DNGs have up to ten; more would be a way to make us read for long.
 constexpr Bounds sub_ifd_count { 1, 32 };
-constexpr Bounds any_offset { 0, 0xFFFFFFFF };
 constexpr Bounds any_number { 0, 0xFFFFFFFF };
 /// The newest DNG version whose rules this reader knows.
 constexpr int newest_major = 1, newest_minor = 7;

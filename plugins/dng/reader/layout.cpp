@@ -7,7 +7,6 @@
 #include "jpeg/lossless_decoder.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace cg2raw {
 namespace {
@@ -138,13 +137,14 @@ void check_chunk(const TiffReader& file, const TiffTags& raw, const DngLayout& l
 void check_total(const TiffReader& file, const TiffTags& raw, const DngLayout& layout,
                  const Chunks& chunks)
 {
-    const auto total = std::accumulate(layout.byte_counts.begin(),
-                                       layout.byte_counts.end(), std::int64_t(0));
-    if (std::uint64_t(total) > file.size())
-        raw.fail(chunks.byte_counts,
-                 "are " + std::to_string(total) + " bytes of a file of "
-                     + std::to_string(file.size())
-                     + ": chunks overlap, the file is damaged");
+    std::uint64_t left = file.size();
+    for (const std::int64_t count : layout.byte_counts) {
+        if (std::uint64_t(count) > left)
+            raw.fail(chunks.byte_counts,
+                     "are together more than the file's " + std::to_string(file.size())
+                         + " bytes: chunks overlap, the file is damaged");
+        left -= std::uint64_t(count);
+    }
 }
 
 } // namespace
@@ -181,8 +181,8 @@ DngLayout read_dng_layout(const TiffReader& file, const TiffTags& raw,
     layout.across = (image.width + chunks.size.width - 1) / chunks.size.width;
     layout.down = (image.height + chunks.size.height - 1) / chunks.size.height;
     const std::int64_t count = std::int64_t(layout.across) * layout.down;
-    layout.offsets = raw.integers(chunks.offsets, { count, count }, any_word);
-    layout.byte_counts = raw.integers(chunks.byte_counts, { count, count }, any_word);
+    layout.offsets = raw.integers(chunks.offsets, { count, count }, any_offset);
+    layout.byte_counts = raw.integers(chunks.byte_counts, { count, count }, any_offset);
     for (std::size_t i = 0; i < std::size_t(count); ++i)
         check_chunk(file, raw, layout, chunks, i);
     check_total(file, raw, layout, chunks);

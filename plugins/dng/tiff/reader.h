@@ -27,11 +27,14 @@ struct Bounds {
     std::int64_t low, high;
 };
 
+/// Offsets and sizes, of a BigTIFF too; a double holds each exactly.
+constexpr Bounds any_offset { 0, std::int64_t(1) << 53 };
+
 /// One entry of a directory, as it stands in the file: nothing of it is believed yet.
 struct TiffEntry {
     std::uint16_t tag, type;
-    std::uint32_t count;
-    std::uint64_t field; ///< file offset of the entry's four bytes of value or offset
+    std::uint64_t count;
+    std::uint64_t field; ///< file offset of the entry's bytes of value or offset
 };
 
 /// What a RATIONAL is, exactly.
@@ -41,23 +44,28 @@ struct Fraction {
 
 using TiffIfd = std::vector<TiffEntry>;
 
-/// Bytes of one value of a TIFF type, by its number 1 to 13; 0: no such type.
+/// Bytes of one value of a TIFF or BigTIFF type, by its number; 0: no such type.
 std::size_t tiff_value_size(std::uint16_t type);
 
-/// The bytes of a classic TIFF, in either byte order. The stream must outlive it.
+/// The bytes of a TIFF, classic or BigTIFF, in either byte order. The stream must
+/// outlive it.
 class TiffReader {
 public:
-    /// Throws Error if the header is not one of a classic TIFF.
+    /// Throws Error if the header is not one of a TIFF.
     TiffReader(std::istream& bytes, std::string name);
 
     const std::string& name() const { return m_name; }
     std::uint64_t size() const { return m_size; } ///< of the file, bytes
     bool big_endian() const { return m_big_endian; }
-    std::uint32_t first_ifd() const { return m_first_ifd; }
+    std::uint64_t first_ifd() const { return m_first_ifd; }
     /// The directory at @p offset; @p what names it in messages. The chain of next
     /// directories is not followed, so a cycle there is harmless.
     /// Throws Error if it is not wholly inside the file.
     TiffIfd ifd(std::uint64_t offset, const std::string& what) const;
+    /// Those entries of the directory at @p offset that the file holds, up to 65535:
+    /// all that can be known of one that is cut off. Throws Error if it is beyond the
+    /// file.
+    TiffIfd held_entries(std::uint64_t offset) const;
     /// The bytes of an entry's values, wherever they are; nothing if its type is
     /// unknown or they reach beyond the file.
     std::optional<std::vector<std::uint8_t>> values(const TiffEntry& entry) const;
@@ -68,11 +76,21 @@ public:
     std::vector<std::uint8_t> bytes(std::uint64_t offset, std::uint64_t size) const;
 
 private:
+    /// Bytes of the fields in which the two forms of TIFF differ.
+    struct Form {
+        std::size_t header, entry_count, entry, value_count, value;
+    };
+
+    std::uint64_t entry_count(std::uint64_t offset) const;
+
+    static constexpr Form classic_form { 8, 2, 12, 4, 4 }, big_form { 16, 8, 20, 8, 8 };
+
     std::istream& m_bytes;
     std::string m_name;
     std::uint64_t m_size = 0;
     bool m_big_endian = false;
-    std::uint32_t m_first_ifd = 0;
+    Form m_form = classic_form;
+    std::uint64_t m_first_ifd = 0;
 };
 
 /// Tags of one or more directories, the first that has a tag answering; what it hands

@@ -13,7 +13,7 @@
 namespace cg2raw {
 namespace {
 
-/// TIFF 6.0, section 2; 13 is of its supplement 1.
+/// TIFF 6.0, section 2; 13 is of its supplement 1, those from 16 on of BigTIFF.
 enum TiffType : std::uint16_t {
     type_byte = 1,
     type_ascii = 2,
@@ -28,6 +28,9 @@ enum TiffType : std::uint16_t {
     type_float = 11,
     type_double = 12,
     type_ifd = 13,
+    type_long8 = 16,
+    type_slong8 = 17,
+    type_ifd8 = 18,
 };
 
 /// No text that we read is longer; a longer one is damage.
@@ -67,6 +70,8 @@ double decoded_value(const TiffReader& file, std::uint16_t type,
     case type_short:
     case type_long:
     case type_ifd:
+    case type_long8:
+    case type_ifd8:
         return double(bits);
     case type_sbyte:
         return std::int8_t(bits);
@@ -74,6 +79,8 @@ double decoded_value(const TiffReader& file, std::uint16_t type,
         return std::int16_t(bits);
     case type_slong:
         return std::int32_t(bits);
+    case type_slong8:
+        return double(std::int64_t(bits));
     case type_float:
         return same_bits<float>(std::uint32_t(bits));
     case type_double:
@@ -91,7 +98,8 @@ bool holds_integers(std::uint16_t type)
 {
     return type == type_byte || type == type_short || type == type_long
         || type == type_sbyte || type == type_sshort || type == type_slong
-        || type == type_ifd;
+        || type == type_ifd || type == type_long8 || type == type_slong8
+        || type == type_ifd8;
 }
 
 bool holds_bytes(std::uint16_t type)
@@ -132,11 +140,14 @@ std::vector<std::int64_t> TiffTags::integers(TiffTag tag, Bounds count,
                  + "; allowed: a type of integers, such as SHORT (3) or LONG (4)");
     std::vector<std::int64_t> result;
     for (double number : decoded(tag, entry)) {
-        result.push_back(std::int64_t(number));
-        if (result.back() < value.low || result.back() > value.high)
+        if (number < double(value.low) || number > double(value.high)) {
+            std::string shown_number = std::to_string(number);
+            shown_number.resize(shown_number.find('.'));
             fail(tag,
-                 "is " + std::to_string(result.back()) + "; allowed: " + shown(value)
+                 "is " + shown_number + "; allowed: " + shown(value)
                      + ": use another DNG of this camera");
+        }
+        result.push_back(std::int64_t(number));
     }
     return result;
 }
@@ -220,7 +231,8 @@ const TiffEntry& TiffTags::required(TiffTag tag, Bounds count) const
     const TiffEntry* const entry = find(tag);
     if (!entry)
         fail(tag, "is missing; it is required: use another DNG of this camera");
-    if (entry->count < count.low || entry->count > count.high)
+    if (entry->count < std::uint64_t(count.low)
+        || entry->count > std::uint64_t(count.high))
         fail(tag,
              "has " + std::to_string(entry->count) + " values; allowed: " + shown(count)
                  + ": the file is damaged, use another DNG of this camera");

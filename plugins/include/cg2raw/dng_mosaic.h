@@ -26,8 +26,8 @@ struct DngStorage {
     std::string xmp; ///< the packet, undecoded; may be empty
 };
 
-/// Whether the bytes are of a TIFF whose first directory has a DNGVersion: any DNG, not
-/// only those that can be read. Never throws.
+/// Whether the bytes are of a TIFF or BigTIFF whose first directory, or what is left of
+/// it, has DNGVersion or DNGBackwardVersion: any DNG, damaged ones too. Never throws.
 bool is_dng(std::istream& bytes) noexcept;
 
 /// The mosaic of one DNG: CFA or monochrome, 8 to 16 bits, in strips or tiles, without

@@ -244,7 +244,19 @@ TEST(DngMosaic, KnowsADngThatItCannotRead)
         std::istringstream stream(bytes);
         return is_dng(stream);
     };
-    EXPECT_TRUE(known(file_of(camera_tags())));
+    for (const bool big_endian : { false, true })
+        for (const bool is_big_tiff : { false, true }) {
+            const std::string whole = file_of(camera_tags(), big_endian, is_big_tiff);
+            EXPECT_TRUE(known(whole));
+            // What is cut off behind the DNG's own tags.
+            EXPECT_TRUE(known(whole.substr(0, whole.size() - 40)));
+        }
+    EXPECT_TRUE(known(file_of(camera_tags().without(50706))));
+    std::string crowded = file_of(camera_tags(), false, true);
+    const std::size_t ifd0 = static_cast<unsigned char>(crowded[8])
+        + 256 * static_cast<unsigned char>(crowded[9]);
+    crowded.replace(ifd0, 8, 8, '\x7F'); // says that it has 2^63 entries
+    EXPECT_TRUE(known(crowded));
     EXPECT_FALSE(known(file_of(raw_tags())));
     EXPECT_FALSE(known("II*"));
     EXPECT_FALSE(known(""));

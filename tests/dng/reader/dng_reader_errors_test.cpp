@@ -205,7 +205,7 @@ TEST(DngReaderErrors, OfFilesThatAreNoTiff)
     EXPECT_EQ(error_of("").rfind("test.dng: has 0 bytes; a DNG has at least 8", 0), 0U);
     EXPECT_NE(error_of("\x89PNG\r\n\x1A\n0000").find("does not start with II or MM"),
               std::string::npos);
-    EXPECT_NE(error_of(std::string("II\x2B\0\x08\0\0\0", 8)).find("is a BigTIFF"),
+    EXPECT_NE(error_of(std::string("II\x2B\0\x08\0\0\0", 8)).find("needs 8 bytes at"),
               std::string::npos);
     EXPECT_NE(
         error_of(std::string("II\x55\0\x08\0\0\0", 8)).find("has TIFF version 85"),

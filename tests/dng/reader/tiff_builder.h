@@ -43,8 +43,8 @@ struct Ifd {
     Ifd& without(int tag);
 };
 
-/// The file whose first directory is @p ifd0.
-std::string file_of(const Ifd& ifd0, bool big_endian = false);
+/// The file whose first directory is @p ifd0; as a BigTIFF, @p is_big_tiff.
+std::string file_of(const Ifd& ifd0, bool big_endian = false, bool is_big_tiff = false);
 
 /// What a raw IFD needs: 8 x 6 pixels, RGGB, black 64, white 1023.
 Ifd raw_tags();

@@ -12,12 +12,18 @@ namespace {
 
 class File {
 public:
-    explicit File(bool big_endian)
+    File(bool big_endian, bool is_big_tiff)
         : m_big_endian(big_endian)
+        , m_word(is_big_tiff ? 8 : 4)
         , m_bytes(big_endian ? "MM" : "II")
     {
-        append(42, 2);
-        append(0, 4);
+        append(is_big_tiff ? 43 : 42, 2);
+        if (is_big_tiff) {
+            append(8, 2);
+            append(0, 2);
+        }
+        append(0, m_word);
+        m_header = m_bytes.size();
     }
 
     void append(std::uint64_t word, int size)
@@ -34,32 +40,33 @@ public:
         add_pointers(fields, 34665, ifd.exif);
         std::map<int, std::uint32_t> offsets;
         for (const auto& [tag, field] : fields)
-            if (field.words.size() * std::size_t(field.word_size) > 4) {
+            if (field.words.size() * std::size_t(field.word_size)
+                > std::size_t(m_word)) {
                 offsets[tag] = std::uint32_t(m_bytes.size());
                 append_words(field);
             }
         const auto offset = std::uint32_t(m_bytes.size());
-        append(fields.size(), 2);
+        append(fields.size(), m_word == 8 ? 8 : 2);
         for (const auto& [tag, field] : fields) {
             append(std::uint64_t(tag), 2);
             append(field.type, 2);
-            append(field.count, 4);
-            const std::size_t end = m_bytes.size() + 4;
+            append(field.count, m_word);
+            const std::size_t end = m_bytes.size() + std::size_t(m_word);
             if (offsets.count(tag))
-                append(offsets.at(tag), 4);
+                append(offsets.at(tag), m_word);
             else
                 append_words(field);
             m_bytes.resize(end, '\0');
         }
-        append(0, 4);
+        append(0, m_word);
         return offset;
     }
 
     std::string finished(std::uint32_t first_ifd)
     {
-        const std::string body = m_bytes.substr(8);
-        m_bytes.resize(4);
-        append(first_ifd, 4);
+        const std::string body = m_bytes.substr(m_header);
+        m_bytes.resize(m_header - std::size_t(m_word));
+        append(first_ifd, m_word);
         return m_bytes + body;
     }
 
@@ -77,11 +84,15 @@ private:
         for (const Ifd& ifd : ifds)
             offsets.push_back(append(ifd));
         if (!offsets.empty())
-            fields[tag] = { 4, std::uint32_t(offsets.size()), 4, offsets };
+            // LONG or, as libtiff writes it into a BigTIFF, IFD8.
+            fields[tag] = { std::uint16_t(m_word == 8 ? 18 : 4),
+                            std::uint32_t(offsets.size()), m_word, offsets };
     }
 
     bool m_big_endian;
+    int m_word; ///< bytes of an offset and of a count
     std::string m_bytes;
+    std::size_t m_header = 0;
 };
 
 Field pairs(std::uint16_t type, const std::vector<std::int64_t>& numerators,
@@ -166,9 +177,9 @@ Ifd& Ifd::without(int tag)
     return *this;
 }
 
-std::string file_of(const Ifd& ifd0, bool big_endian)
+std::string file_of(const Ifd& ifd0, bool big_endian, bool is_big_tiff)
 {
-    File file(big_endian);
+    File file(big_endian, is_big_tiff);
     const std::uint32_t first_ifd = file.append(ifd0);
     return file.finished(first_ifd);
 }
