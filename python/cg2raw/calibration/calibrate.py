@@ -27,6 +27,7 @@ from cg2raw.calibration.frames import (
     scan,
 )
 from cg2raw.calibration.notes import notes_on
+from cg2raw.calibration.parts import check_one_chain
 from cg2raw.calibration.repeats import Todo
 from cg2raw.calibration.robust import CENSORED_TO
 from cg2raw.calibration.screening import screened
@@ -85,6 +86,7 @@ def calibrate(
         **{k: v for k, v in vars(darks).items() if k != "transients"},
         **vars(light),
     )
+    check_one_chain(found)
     return replace(found, notes=notes_on(found, scanned))
 
 

@@ -17,6 +17,7 @@ from scipy.ndimage import uniform_filter
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Measured, root_of
 from cg2raw.calibration.photon_transfer import TransferPoints
+from cg2raw.calibration.profiles import profiles_of
 from cg2raw.calibration.robust import CUT, MAD, Array, clipped_moments
 from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
 
@@ -35,7 +36,8 @@ class Light:
     shading : {coefficient: value}, of lens_shading. fall_off : relative, rms of that
     shading over the field. residual : relative, rms of what it leaves of the map.
     field : (blocks, blocks) relative response. level : DN above black. frames : how
-    many flats are in it. noise : relative variance of a pixel by temporal noise."""
+    many flats are in it. noise : relative variance of a pixel by temporal noise.
+    profiles : of halves of the frame, see profiles_of."""
 
     prnu: Measured
     total: float
@@ -48,6 +50,7 @@ class Light:
     level: float
     frames: int
     noise: float
+    profiles: tuple[Array, Array]
 
 
 @dataclass(frozen=True)
@@ -104,8 +107,20 @@ def light_of(
     measured = float(np.mean(variance)) / (1 - 1 / WINDOW**2)
     error = math.sqrt(2 / pixels) * math.hypot(measured, noise)
     prnu = root_of(measured - noise, error, "1")
+    mean[~known] = 1
     return Light(
-        prnu, total, mad, shading, fall_off, residual, field, fine, level, frames, noise
+        prnu,
+        total,
+        mad,
+        shading,
+        fall_off,
+        residual,
+        field,
+        fine,
+        level,
+        frames,
+        noise,
+        profiles_of(mean),
     )
 
 

@@ -32,6 +32,7 @@ class TemporalNoise:
     row_noise, column_noise : of offsets of whole rows and columns, anew in each frame.
     row_correlation, column_correlation : with the next pixel of the row, the column.
     excess_kurtosis : 0 of a normal distribution. tukey_lambda : of that kurtosis.
+    blocks : variance of a pixel, DN^2, and its relative error, in blocks of the frame.
     histogram : of differences, see pair_noise.HISTOGRAM. frames : how many went in."""
 
     read_noise: tuple[Measured, ...]
@@ -42,6 +43,7 @@ class TemporalNoise:
     excess_kurtosis: Measured | None
     tukey_lambda: float | None
     histogram: Array
+    blocks: tuple[Array, Array]
     frames: int
     exposure_time: float | None
 
@@ -86,6 +88,8 @@ def temporal_noise(
         )
         for v, n in zip(total, pixels, strict=True)
     ]
+    in_blocks = np.maximum(noise.pixels.sum(0), 1)
+    error_of_blocks = np.array([relative_error(float(n), pairs) for n in in_blocks])
     many = float(pixels.sum())
     per_pixel = math.sqrt(1.5 / (many * pairs)) if pairs > 1 else math.sqrt(1 / many)
     along_row = Measured(noise.row_correlation, per_pixel, "1")
@@ -100,6 +104,7 @@ def temporal_noise(
         kurtosis,
         None if kurtosis is None else lambda_of(kurtosis.value),
         noise.histogram,
+        (noise.variance.mean(0), error_of_blocks),
         pairs + 1,
         exposure_time,
     )

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Parts: frames that several amplifiers read, each with its own black, gain and noise.
+
+Photon transfer is of one chain of read-out. A step in the middle of a frame, at
+quarters or eighths of it, or from each column or row to the next is refused by name and
+size.
+"""
+
+import math
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.profiles import profiles_of
+from cg2raw.calibration.robust import MAD, Array
+
+CERTAIN = 8.0  # standard deviations of what steps are elsewhere
+# What moves a number: of the temporal dark noise, of the response, of a variance.
+LEAST_OFFSET, LEAST_RESPONSE, LEAST_NOISE = 0.25, 0.01, 0.1
+TAPS = 8  # parts along a side, at most
+NARROWEST, SHARE = 4, 32  # px on each side of a step; of the frame's side
+QUARTILE = 0.3186  # of the sizes of normal deviates, over their standard deviation
+SINGLE = 5  # lines: a median of as many is not moved by two that are far off
+NEAR = 2  # px from a part's end, where a border was cut off
+ALTERNATE = "each"  # place of a step, of lines that alternate
+SIDES = ((1, "left and right", "columns"), (0, "top and bottom", "rows"))
+
+
+def check_one_chain(found: Measurements) -> None:
+    """Raise ValueError if the frames have parts that differ as amplifiers do."""
+    for axis, sides, lines in SIDES:
+        steps = all_steps(found, axis)
+        if not steps:
+            continue
+        line = lines[:-1]
+        place = max(steps, key=lambda key: len(steps[key]))
+        parts, remedy = f"{sides} parts", f"cut the frames at {line} {place}"
+        if place == ALTERNATE:
+            parts, remedy = f"odd and even {lines}", f"take every other {line}"
+        elif len(steps) > 1:
+            ends = ", ".join(sorted(steps.keys() - {ALTERNATE}, key=int))
+            remedy = f"cut the frames at {lines} {ends}"
+        raise ValueError(
+            f"frames: {parts} differ as if read by amplifiers of their own: "
+            f"{', '.join(steps[place])}; photon transfer is of one amplifier: "
+            f"{remedy}, and calibrate each part alone"
+        )
+
+
+def all_steps(found: Measurements, axis: int) -> dict[str, list[str]]:
+    """Return {where a part ends: by what the next differs}. axis : 1 for columns."""
+    steps = dict[str, list[str]]()
+    for what, profiles, least, unit in maps_of(found):
+        scale = 1 if unit == "DN" else 100
+        largest = dict[str, float]()
+        for profile in profiles[1 - axis]:
+            for place, step in steps_of(profile, least, found.sites.side):
+                largest[place] = max(largest.get(place, 0.0), abs(step))
+        for place, size in largest.items():
+            steps.setdefault(place, []).append(f"{what} by {scale * size:.3g} {unit}")
+    for what, blocks, errors in noises_of(found):
+        if step := step_of_halves(blocks, errors, axis):
+            place = f"{found.shape[axis] // 2}"
+            steps.setdefault(place, []).append(f"{what} by {100 * step:.3g} %")
+    return steps
+
+
+def maps_of(found: Measurements) -> list[tuple[str, tuple[Array, Array], float, str]]:
+    """Return (name, profiles, step that matters, unit) of offsets and of response."""
+    maps = []
+    if found.maps is not None and found.noise is not None:
+        level = found.sites.spread(found.black, found.shape)
+        offset = np.where(found.maps.known, found.maps.offset - level, 0)
+        least = LEAST_OFFSET * found.noise.mean_read_noise.value
+        maps.append(("black level", profiles_of(offset), least, "DN"))
+    if found.light is not None:
+        maps.append(("response", found.light.profiles, LEAST_RESPONSE, "%"))
+    return maps
+
+
+def steps_of(profile: Array, least: float, side: int) -> list[tuple[str, float]]:
+    """Return (place, step) of each end of a part, and of neighbours that alternate.
+
+    profile : (N,). least : size of a step that matters. side : of the CFA's repeat."""
+    width = max(NARROWEST, len(profile) // SHARE)
+    found, steps = [], steps_along(median_filter(profile, SINGLE), width)
+    sigma = float(np.quantile(np.abs(steps[width:-width]), 0.25)) / QUARTILE
+    most = max(CERTAIN * sigma, least)
+    for part in range(1, TAPS):
+        middle = round(part * len(profile) / TAPS)
+        near = slice(max(middle - NEAR, width), middle + NEAR + 1)
+        best = near.start + int(np.argmax(np.abs(steps[near])))
+        if abs(steps[best]) > most:
+            found.append((str(best), float(steps[best])))
+    if side == 1:
+        signs = np.where(np.arange(len(profile) - 1) % 2, -1.0, 1.0)
+        each = signs * np.diff(profile)
+        middle_step = float(np.median(each))
+        spread = MAD * float(np.median(np.abs(each - middle_step)))
+        error = spread / math.sqrt(len(each) / 2)
+        if abs(middle_step) > max(CERTAIN * error, least):
+            found.append((ALTERNATE, middle_step))
+    return found
+
+
+def steps_along(profile: Array, width: int) -> Array:
+    """Return (N,) the step before each place, by least squares of one slope and two
+    levels over @width on each side; 0 at the ends."""
+    place = np.arange(2 * width) - width + 0.5
+    design = np.stack([np.ones_like(place), place, place > 0], 1)
+    kernel = np.linalg.pinv(design)[2]
+    found = np.zeros(len(profile))
+    found[width : len(profile) - width + 1] = np.correlate(profile, kernel, "valid")
+    return found
+
+
+def noises_of(found: Measurements) -> list[tuple[str, Array, Array]]:
+    """Return (name, variances or gains of blocks, their relative errors), (n, n); none
+    of a read noise that rounding shapes."""
+    noises = []
+    if found.noise is not None and found.noise.excess_kurtosis is not None:
+        variance, error = found.noise.blocks
+        noises.append(("variance of the read noise", squared(variance), squared(error)))
+    transfer = found.transfer
+    used = [p for p in transfer.points if not p.is_clipped] if transfer else []
+    if transfer is not None and used:
+        dark = np.array(transfer.intercept)[:, None]
+        gains = (used[-1].variance - dark) / np.maximum(used[-1].mean, 1e-9)
+        known = np.where(used[-1].mean > 0, gains, np.nan)
+        relative = np.sqrt((used[-1].error ** 2).mean(0) / len(gains))
+        noises.append(("gain", squared(known.mean(0)), squared(relative)))
+    return noises
+
+
+def squared(blocks: Array) -> Array:
+    """Return (n, n) of (n * n,) blocks."""
+    side = math.isqrt(blocks.size)
+    return np.reshape(blocks, (side, side))
+
+
+def step_of_halves(blocks: Array, errors: Array, axis: int) -> float:
+    """Return the step between the halves of a side, relative, without the slope of the
+    blocks beside it; 0 if it is within chance, or does not matter."""
+    lines = blocks.mean(1 - axis) / blocks.mean()
+    middle = len(lines) // 2
+    if len(lines) < 4 or len(lines) % 2 or not np.isfinite(lines).all():
+        return 0.0
+    a, b, c, d = lines[middle - 2 : middle + 2]
+    step = abs((c - b) - ((b - a) + (d - c)) / 2)
+    # Weights 0.5, -1.5, 1.5, -0.5 of four means of a line of blocks.
+    error = math.sqrt(5 * float((errors**2).mean()) / len(lines))
+    return float(step) if step > max(CERTAIN * error, LEAST_NOISE) else 0.0
