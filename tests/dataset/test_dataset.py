@@ -49,6 +49,18 @@ def test_order_of_images_decides_no_byte(images, tmp_path):
     assert contents(tmp_path / "up") == contents(tmp_path / "down")
 
 
+def test_folders_are_called_as_images_and_not_as_their_files(tmp_path):
+    names = ("a.exr", "night.v2.exr", "street/day.0001.EXR", "lamp.tif", "a/b.exr")
+    for number, name in enumerate(names):
+        write_image(tmp_path / "in" / name.lower(), scene(seed=number))
+    (tmp_path / "in/street/day.0001.exr").rename(tmp_path / "in/street/day.0001.EXR")
+    make(tmp_path / "in", tmp_path / "out", *NOISY)
+    found = {row["input"]: row["path"] for row in rows(tmp_path / "out")}
+    assert all((tmp_path / "out" / path).is_file() for path in found.values())
+    folders = {name: path.rpartition("/")[0] for name, path in found.items()}
+    assert folders == {name: name[:-4] for name in names}
+
+
 def test_a_file_depends_on_no_other_image(images, tmp_path):
     make(images, tmp_path / "all", *NOISY)
     files = sorted(images.glob("*.exr"))
@@ -102,7 +114,7 @@ def test_an_image_that_became_bad_leaves_nothing(copy, tmp_path):
     make(copy, tmp_path / "out")
     (copy / "0.exr").write_text("no image")
     assert run("dataset", copy, tmp_path / "out", *OPTIONS).code == 1
-    assert not list((tmp_path / "out/0.exr").glob("*"))
+    assert not list((tmp_path / "out/0").glob("*"))
     check_agreement(tmp_path / "out")
 
 

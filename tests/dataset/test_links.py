@@ -27,14 +27,14 @@ def journal_of(out):
     return next((out / ".cg2raw/journal").rglob("*.jsonl"))
 
 
-@pytest.mark.parametrize("name", [*FOLDERS, "a.exr"])
+@pytest.mark.parametrize("name", [*FOLDERS, "a"])
 def test_nothing_is_written_into_a_linked_folder(image, tmp_path, name):
     elsewhere, out = tmp_path / "elsewhere", tmp_path / "out"
     elsewhere.mkdir()
     (out / name).parent.mkdir(parents=True, exist_ok=True)
     (out / ".cg2raw").mkdir(exist_ok=True) if name != ".cg2raw" else None
     (out / name).symlink_to(elsewhere)
-    if name == "a.exr":  # else the folder is of no data set
+    if name == "a":  # else the folder is of no data set
         start_of_a_data_set(image, out)
     line = fails("dataset", image, out, *OPTIONS)
     assert f"{out / name}: is a link, which is not ours; remove it" in line
@@ -63,18 +63,18 @@ def test_a_folder_of_a_folder_of_images_is_no_link_either(tmp_path):
 def test_files_behind_a_link_are_neither_kept_nor_removed(image, out, changed):
     """A resumed run takes a link for no file of its own, also if the bytes agree."""
     elsewhere = out.parent / "elsewhere"
-    (out / "a.exr").rename(elsewhere)
-    (out / "a.exr").symlink_to(elsewhere)
+    (out / "a").rename(elsewhere)
+    (out / "a").symlink_to(elsewhere)
     before = contents(elsewhere)
     if changed:
         write_image(image, scene() * 0.5)
-    assert "a.exr: is a link" in fails("dataset", image, out, *OPTIONS)
+    assert "a: is a link" in fails("dataset", image, out, *OPTIONS)
     assert contents(elsewhere) == before and before
 
 
 def test_a_link_in_the_place_of_a_file_is_replaced(image, out):
     before = contents(out)
-    path = next((out / "a.exr").iterdir())
+    path = next((out / "a").iterdir())
     path.rename(out.parent / "elsewhere")
     path.symlink_to(out.parent / "elsewhere")
     assert run("dataset", image, out, *OPTIONS).code == 0
@@ -89,7 +89,7 @@ def test_parts_that_become_a_link_gain_nothing(image, tmp_path, monkeypatch, kin
     elsewhere.mkdir()
     assert run("dataset", image, out, *OPTIONS, "--format", kind).code == 0
     before = contents(out)
-    for path in (out / "a.exr").iterdir():
+    for path in (out / "a").iterdir():
         path.unlink()
     (out / ".cg2raw/parts").mkdir()
     simulated = job.simulated

@@ -113,3 +113,17 @@ def test_a_profile_without_photon_noise_has_no_electrons(steps, tmp_path):
     row, _, _ = pair_of(steps, tmp_path / "out", words)
     assert row["beta1"] == [0.0] * 4 and row["beta2"][0] > 0
     assert row["system_gain"] is None and row["read_noise"] is None
+
+
+def test_two_patches_of_one_render_have_different_noise(tmp_path):
+    grey = write_image(tmp_path / "in/grey.exr", np.full((40, 40, 3), 0.4, np.float32))
+    words = "--sensors nikon-d850 --illuminants D65 --iso clean,6400 --format npy"
+    words += " --patch-size 16 --patches 2"
+    assert run("dataset", grey, tmp_path / "out", *words.split()).code == 0
+    found = {(row["iso"], row["patch"]): row for row in rows(tmp_path / "out")}
+    pixels = {
+        key: np.load(tmp_path / "out" / row["path"]) for key, row in found.items()
+    }
+    np.testing.assert_array_equal(pixels[None, 0], pixels[None, 1])
+    assert (pixels[6400, 0] != pixels[6400, 1]).mean() > 0.9
+    assert found[6400, 0]["frame"] != found[6400, 1]["frame"]

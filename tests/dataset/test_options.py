@@ -65,6 +65,22 @@ def test_images_that_are_not_there(images, tmp_path):
     assert "holds no EXR" in message(tmp_path / "empty")
 
 
+@pytest.mark.parametrize("other", ["a.tif", "a.EXR"])
+def test_two_images_that_would_have_one_folder_are_refused(tmp_path, other):
+    for name in ("a.exr", other):
+        (tmp_path / "in/b").mkdir(parents=True, exist_ok=True)
+        (tmp_path / "in/b" / name).write_bytes(b"")
+    words = [tmp_path / "out", "--illuminants", "1"]
+    both = sorted([tmp_path / "in/b/a.exr", tmp_path / "in/b" / other])
+    for inputs, folder in (([tmp_path / "in"], "b/"), (both, "")):
+        first, second = sorted(["a.exr", other])
+        assert fails("dataset", *inputs, *words).endswith(
+            f"{folder}{first} and {folder}{second}: would both be {folder}a/ in the "
+            "data set; rename one of them"
+        )
+    assert not (tmp_path / "out").exists()
+
+
 def test_all_sensors_leave_out_what_they_cannot(images, tmp_path):
     words = "--illuminants A --iso clean,100 --format npy --type uint16".split()
     done = run("dataset", images / "0.exr", tmp_path / "out", *words)
@@ -72,6 +88,6 @@ def test_all_sensors_leave_out_what_they_cannot(images, tmp_path):
     lines = done.err.splitlines()
     assert len(lines) == 2 and all("skipped: " in line for line in lines)
     assert "fujifilm-x-m1" in lines[0] and "--iso 100: not with" in lines[1]
-    made = {path.name for path in (tmp_path / "out/0.exr").iterdir()}
+    made = {path.name for path in (tmp_path / "out/0").iterdir()}
     assert {"nikon-d40_l0_g1_clean.npy", "nikon-d850_l0_g1_iso100.npy"} <= made
     assert "nikon-d40_l0_g1_iso100.npy" not in made

@@ -151,6 +151,13 @@ def test_a_damaged_journal_is_healed(image, out, name):
     assert contents(out) == before
 
 
+def test_a_data_set_of_older_folders_is_refused_as_such(image, out):
+    plan = json.loads((out / "dataset.json").read_text())
+    del plan["folders"]
+    (out / "dataset.json").write_text(json.dumps(plan))
+    assert "called folders as image files" in fails("dataset", image, out, *OPTIONS)
+
+
 @pytest.mark.parametrize("field", ["image", "sha256", "bytes", "modified"])
 def test_a_header_that_lacks_a_field_is_healed(image, out, field):
     before = contents(out)

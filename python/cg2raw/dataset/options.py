@@ -160,6 +160,11 @@ def difference(old_text: str, plan: Plan) -> str | None:
             return f"was made by cg2raw {version}, this is {__version__}"
     except (ValueError, KeyError, TypeError):
         raise ValueError("dataset.json is damaged") from None
+    if "folders" not in old:
+        return (
+            "was begun by an older cg2raw, which called folders as image files "
+            "(interior.exr/, not interior/)"
+        )
     new = json.loads(plan.to_json())
     del new["profile_sha256"]  # of profiles, which are compared themselves
     for name in new:

@@ -10,6 +10,7 @@ from itertools import product
 from typing import Any
 
 from cg2raw import Sensor, __version__, effects
+from cg2raw.dataset.images import folder_of
 from cg2raw.dataset.kept_profiles import PLAN, checked, sha256_of
 from cg2raw.dataset.keys import hashed
 from cg2raw.dataset.methods import Camera, Scene
@@ -36,7 +37,9 @@ class Plan:
     "index" among the images, or "none", nothing.
     profiles : {id: JSON text}, as Sensor.to_json gives it.
     light_draws : what a number of illuminants draws, words of "sample", of the Gaussian
-    of the sensor's neutrals, or of "measured", near the neutrals themselves."""
+    of the sensor's neutrals, or of "measured", near the neutrals themselves.
+    folders : what an image's folder is called by; older data sets have none, theirs
+    were called as the image files."""
 
     sensors: tuple[str, ...]
     illuminants: tuple[str, ...] | int
@@ -57,6 +60,7 @@ class Plan:
     frame_from: str
     profiles: dict[str, str]
     light_draws: str = "sample"
+    folders: str = "stem"
 
     def words(self, image: str) -> list[str]:
         """Return the words of the illuminants of one image."""
@@ -235,7 +239,7 @@ class Variant:
         exposure = "clean" if iso is None else f"iso{short(iso)}"
         patch = "" if self.plan.crop is None else f"_p{self.patch}"
         return (
-            f"{self.image}/{self.sensor}_l{self.illuminant_index}_"
+            f"{folder_of(self.image)}/{self.sensor}_l{self.illuminant_index}_"
             f"g{short(self.asked_gain)}_{exposure}{patch}{ENDINGS[self.plan.format]}"
         )
 

@@ -60,12 +60,12 @@ def make_dataset(
     Raises ValueError or OSError, each of one line."""
     out = os.path.realpath(out)
     images = Images(paths, out)
+    total = sum(1 for _ in images)
+    check_count(total, paths)
     os.makedirs(out, exist_ok=True)
     check_folder(out, plan)
     with locked(out, tell):
         begin(out, plan, images)
-        total = sum(1 for _ in images)
-        check_count(total, paths)
         jobs = jobs_of(images, out, plan, verify)
         found = worked(out, jobs, workers, scheduler)
         summary = Summary()

@@ -13,6 +13,7 @@ from functools import cached_property
 from cg2raw import __version__
 from cg2raw.core_arguments import has_surrogates
 from cg2raw.dataset import journal, manifest
+from cg2raw.dataset.images import folder_of
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.system import Folder, check_regular
@@ -87,7 +88,7 @@ class Target:
     def rows_that_hold(self, header: Row, rows: dict[str, Row]) -> dict[str, Row]:
         """Return those of a journal's rows, {path: row}, that are still true."""
         try:
-            folder = Folder(self.job.out, self.job.image)
+            folder = Folder(self.job.out, folder_of(self.job.image))
         except OSError:
             return {}
         with folder:
