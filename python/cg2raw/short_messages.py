@@ -17,6 +17,11 @@ def shortened(message: str) -> str:
     return f"{message[: MOST // 2]} ... {message[-MOST // 3 :]}"
 
 
+def plural(count: int, noun: str) -> str:
+    """Return how many there are of a thing: "1 dark", "2 darks", "0 darks"."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def words_of(error: BaseException) -> str:
     """Return an exception's message in one line, what it is about first."""
     if isinstance(error, MemoryError):

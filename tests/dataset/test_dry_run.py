@@ -98,7 +98,7 @@ def test_images_that_cannot_be_used_are_named_and_not_counted(renders, tmp_path)
     (tmp_path / "in/a.exr").write_text("no image")
     words = "--sensors nikon-d40 --illuminants 1 --patches 2 --patch-size 32".split()
     done = run("dataset", tmp_path / "in", tmp_path / "out", *words, "--dry-run")
-    assert done.code == 0 and "rows      2: 1 images, 2 files of each" in done.out
+    assert done.code == 0 and "rows      2: 1 image, 2 files of each" in done.out
     assert "skipped: a.exr: " in done.err and "skipped: small.exr: is 10x10" in done.err
     assert "crops of b.exr" in done.out
     (tmp_path / "in/b.exr").unlink()

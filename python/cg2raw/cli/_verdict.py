@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from cg2raw.diagnose.captures.quality import HOLES
 from cg2raw.io.raw_checks import together
+from cg2raw.short_messages import plural
 
 if TYPE_CHECKING:  # only a diagnosis loads its modules
     from cg2raw.diagnose.captures.check import Check
@@ -64,8 +65,7 @@ def verdict_text(
 
 def held_out(gap: "Gap") -> str:
     """Return how many frames a gap was measured on."""
-    count = len(gap.held_out)
-    return "1 held-out frame" if count == 1 else f"{count} held-out frames"
+    return plural(len(gap.held_out), "held-out frame")
 
 
 def verify_text(

@@ -36,6 +36,7 @@ from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import number, number_list
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, refuse_twice
 from cg2raw.cli._progress import counted
+from cg2raw.short_messages import plural
 from cg2raw.spectra import is_estimate
 from cg2raw.system import usable_cores
 
@@ -208,7 +209,8 @@ def dry_run(arguments: argparse.Namespace, plan: "Plan") -> int:
     if found.bytes is not None:
         size = f"about {bytes_words(found.bytes)}, as crops of {found.measured} are"
     each = plan.files_of_an_image
-    print(f"rows      {found.rows}: {found.images} images, {each} files of each")
+    images = plural(found.images, "image")
+    print(f"rows      {found.rows}: {images}, {plural(each, 'file')} of each")
     print(f"files     {found.files}: with dataset.json and the two manifests")
     print(f"size      {size}")
     print(f"--dry-run: nothing was written to {arguments.out}")
@@ -326,10 +328,10 @@ def progress(results: Iterable["Row"], images: int, each: int) -> Iterator["Row"
 def report(out: str, summary: "Summary") -> None:
     """Print what was done."""
     kept = f", {summary.kept} of them kept" if summary.kept else ""
-    files = summary.made + summary.kept
-    images = summary.images - summary.bad
+    files = plural(summary.made + summary.kept, "file")
+    images = plural(summary.images - summary.bad, "image")
     manifest = os.path.join(out, "manifest.parquet")
-    print(f"wrote     {manifest}: {files} files of {images} images{kept}")
+    print(f"wrote     {manifest}: {files} of {images}{kept}")
 
 
 def list_bad(arguments: argparse.Namespace, summary: "Summary") -> int:

@@ -39,6 +39,7 @@ from cg2raw._core import SensorProfile
 from cg2raw.cfa import is_mono
 from cg2raw.cli._outputs import check_output, to_file
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, check_pairs
+from cg2raw.short_messages import plural
 
 if TYPE_CHECKING:  # only the work itself loads OpenColorIO
     from cg2raw_ocio.pair_files import PairFiles
@@ -234,12 +235,13 @@ def make_config(
         return
     if exposure.has_table:
         files = PairFiles(table_files, profiles, illuminants, exposure)
-        write_beside(arguments, files, f"{count} files")
+        write_beside(arguments, files, plural(count, "file"))
     write(arguments.output, text)
     version = f"{config.getMajorVersion()}.{config.getMinorVersion()}"
     report(
         arguments,
-        f"wrote     {arguments.output}: {count} RAW spaces, config version {version}",
+        f"wrote     {arguments.output}: {plural(count, 'RAW space')}, "
+        f"config version {version}",
     )
 
 
@@ -289,7 +291,7 @@ def make_context(
     pairs = len(profiles) * len(illuminants)
     count = pairs * (2 if exposure.has_table else 3)
     files = PairFiles(context.chain_files, profiles, illuminants, exposure)
-    write_beside(arguments, files, f"{count} files, {pairs} pairs")
+    write_beside(arguments, files, f"{count} files, {plural(pairs, 'pair')}")
     write(arguments.output, text)
     report(arguments, f"wrote     {arguments.output}: RAW - context")
 

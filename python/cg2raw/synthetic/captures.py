@@ -18,7 +18,7 @@ from numpy.random import Generator
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
-from cg2raw.short_messages import Parser
+from cg2raw.short_messages import Parser, plural
 from cg2raw.synthetic import conditions, disk
 from cg2raw.synthetic.camera import Camera, camera_of
 from cg2raw.synthetic.measured import Measured
@@ -278,6 +278,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     assumed = dict(folder.sensor.sources).get("noise", "")
     if assumed.startswith(ASSUMED):
         print(f"{folder.sensor.id}: noise {assumed}, in {disk.SENSOR}")
-    print(f"{given.output}: {len(folder.shots)} frames")
+    print(f"{given.output}: {plural(len(folder.shots), 'frame')}")
     print(f"{disk.TRUTH} sha256 {folder.seal}")
     return 0

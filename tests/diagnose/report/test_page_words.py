@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What report.html says in words that new users stumbled on."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -42,6 +43,12 @@ def test_the_page_says_on_top_what_a_nat_is(diagnosis, figures):
 def test_what_remains_is_told_plainly(diagnosis, figures):
     text = Page(render(replace(diagnosis, unexplained=[]), figures)).text
     assert "Remaining residuals are consistent with noise." in text
+
+
+def test_frames_are_counted_in_whole_numbers(diagnosis, figures):
+    text = Page(render(diagnosis, figures)).all_words
+    assert re.search(r"\b\d+ held-out (dark|flat)s?\b", text)
+    assert not re.search(r"\.\d+ held-out (dark|flat)", text)
 
 
 def test_a_simulated_picture_is_said_to_be_a_mean(diagnosis):

@@ -41,6 +41,15 @@ def test_numbers(value, shown):
 
 
 @pytest.mark.parametrize(
+    ("count", "shown"),
+    [(0, "0 darks"), (1, "1 dark"), (2, "2 darks"), (1234567, "1 234 567 darks"),
+     (NAN, "unknown darks")],
+)  # fmt: skip
+def test_counts_are_whole_numbers(count, shown):
+    assert ascii_words(words.counted(count, "dark")) == shown
+
+
+@pytest.mark.parametrize(
     ("value", "shown"),
     [(18342.14, "18 342"), (31.70, "31.7"), (-2.1, "-2.1"), (-0.04, "0.0"),
      (NAN, "unknown"), (4.56e7, "4.560x107")],

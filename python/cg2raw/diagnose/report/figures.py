@@ -137,5 +137,5 @@ def curve_words(curve: Curve) -> str:
         course = f"from {first} to {last}"
     return (
         f"{curve.title}: {curve.y_label} against {curve.x_label}, {course}, with its "
-        f"95 % interval and {len(curve.measured_x)} measured points"
+        f"95 % interval and {words.counted(len(curve.measured_x), 'measured point')}"
     )

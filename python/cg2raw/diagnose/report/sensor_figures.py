@@ -105,15 +105,14 @@ def profile_panel(pattern: FixedPattern, gain: float | None, made: Made) -> Pane
 
 def frames_of(pattern: FixedPattern) -> str:
     """Return how many frames a pattern is the mean of."""
-    kind = pattern.kind if pattern.frames == 1 else f"{pattern.kind}s"
-    return f"{words.number(pattern.frames)} held-out {kind}"
+    return words.counted(pattern.frames, f"held-out {pattern.kind}")
 
 
 def spread(values: Array) -> str:
     """Return mean and standard deviation of what is known, DN."""
     known = values[np.isfinite(values)]
     if not known.size:
-        return f"{words.NOT_KNOWN} in all 0 places"
+        return words.NOT_KNOWN
     mean, deviation = (
         words.number(float(known.mean())),
         words.number(float(known.std())),
@@ -133,4 +132,4 @@ def course(trend: Trend, unit: str, x_unit: str) -> str:
             f"at {x} {x_unit} measured {values[0]} {unit}, simulated {values[1]} "
             f"before and {values[2]} after"
         )
-    return f"{'; '.join(parts)}; {len(trend.x)} points"
+    return f"{'; '.join(parts)}; {words.counted(len(trend.x), 'point')}"

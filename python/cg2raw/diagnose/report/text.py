@@ -8,6 +8,7 @@ from typing import TypeGuard
 
 from cg2raw.diagnose.diagnosis import LARGEST_E, Diagnosis, Estimate, Gap
 from cg2raw.diagnose.effects.catalogue import title
+from cg2raw.short_messages import plural
 
 NOT_KNOWN = "unknown"
 MINUS = "\N{MINUS SIGN}"
@@ -47,6 +48,13 @@ def number(value: float | None, digits: int = 3) -> str:
     if not -4 <= exponent < 6:
         return f"{mantissa}{TIMES}{power_of_ten(exponent)}".replace("-", MINUS)
     return decimal(float(scientific), max(0, digits - 1 - exponent))
+
+
+def counted(count: int, noun: str) -> str:
+    """Return how many there are of a thing, in whole numbers: "2 held-out darks"."""
+    if not is_known(count):
+        return f"{NOT_KNOWN} {noun}s"
+    return plural(count, noun).replace(str(count), decimal(count, 0), 1)
 
 
 def nats(value: float | None) -> str:
