@@ -159,7 +159,7 @@ def test_a_normal_distribution_that_was_cut(mean, sigma):
     ("bits", "gain", "black", "read", "levels"),
     [
         (8, 150.0, 6.0, 0.05, (8, 30, 60, 120)),
-        (8, 150.0, 6.3, 0.15, (1, 40, 120)),
+        (8, 150.0, 6.3, 0.15, (1.2, 40, 120)),  # half of 7 DN and of 8
         (8, 200.0, 6.3, 0.35, (2, 20, 60, 120, 180)),
         (12, 900.0, 64.3, 0.02, (300, 1200)),
         (12, 900.0, 64.0, 0.02, (1200,)),
@@ -176,7 +176,8 @@ def test_gain_where_rounding_hides_the_read_noise(bits, gain, black, read, level
     off = abs(found.black_level[0].value - black)
     assert off < 2 * found.black_level[0].standard_error
     _, in_profile, effects = profile_of(found)
-    assert in_profile < 0.4 and not set(effects) - {"lens_shading"}
+    assert in_profile < 0.4 and found.transfer.saturation is None
+    assert not set(effects) - {"lens_shading"}
     assert any("read noise: below 0.4 DN" in note for note in found.notes)
 
 
@@ -185,3 +186,63 @@ def test_flats_that_show_rounding_alone_give_no_gain():
     found = calibrate(sensor_of(8, 6, 255), frames)
     assert found.transfer is None and found.light is None
     assert any("by rounding more than by light" in note for note in found.notes)
+
+
+def root(dn):
+    """Return codes of 12 bits that are the root of DN of 16 bits."""
+    return np.rint(np.sqrt(np.clip(dn + 256, 0, 65535) / 65535) * 4095)
+
+
+def logarithm(dn):
+    """Return codes of 10 bits that are a logarithm of DN of 16 bits."""
+    return np.rint(np.log2(np.clip(dn + 256, 1, 65535)) / 16 * 1023)
+
+
+def knee(dn):
+    """Return codes that rise by a quarter above 8000 DN, as of two exposures."""
+    return np.rint(np.interp(dn + 256, (0, 8000, 40000), (0, 8000, 16000)))
+
+
+@pytest.mark.parametrize(
+    ("coded", "bits", "black"),
+    [(root, 12, 256.0), (logarithm, 10, 511.5), (knee, 14, 256.0)],
+)
+def test_codes_that_follow_a_curve_are_refused(coded, bits, black):
+    frames = frames_of(coded, 2.0, 6.0, (1000, 4000, 12000, 20000, 35000))
+    with pytest.raises(ValueError, match="codes follow a curve of light"):
+        calibrate(sensor_of(bits, black, 2**bits - 1), frames)
+
+
+def table(dn, bits=8):
+    """Return DN of 16 bits that a table makes of roots of fewer bits."""
+    most = 2**bits - 1
+    codes_of_root = np.rint(np.sqrt(np.clip(dn + 256, 0, 65535) / 65535) * most)
+    return np.rint((codes_of_root / most) ** 2 * 65535)
+
+
+def test_codes_that_a_table_put_back_are_refused():
+    frames = frames_of(table, 2.0, 6.0, (1000, 20000))
+    with pytest.raises(ValueError, match="flat-20000-.: its codes are .* companded"):
+        calibrate(sensor_of(16, 256, 65535), frames)
+
+
+@pytest.mark.parametrize("factor", [1.5, 2.4])
+def test_values_that_were_scaled_are_not_companded(factor):
+    def scaled(dn):
+        return np.rint(np.rint(dn / factor) * factor) + 256
+
+    frames = frames_of(scaled, 2.0, 6.0, (1000, 20000))
+    assert calibrate(sensor_of(16, 256, 65535), frames).transfer is not None
+
+
+def test_a_full_well_is_no_curve():
+    """Nor where it is reached in the middle of a vignetted field first."""
+    rows, columns = np.mgrid[-1:1:96j, -1:1:128j]
+    light = 1 - 0.3 * (rows**2 + columns**2)
+
+    def full(dn):
+        return np.rint(np.minimum(dn * light, 3000 + 0.02 * dn) + 64)
+
+    frames = frames_of(full, 2.0, 6.0, (500, 1500, 3100, 3600, 4500))
+    found = calibrate(sensor_of(12, 64, 4095), frames)
+    assert found.transfer.clipped_by == "full well"

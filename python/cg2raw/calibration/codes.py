@@ -5,6 +5,7 @@
 
 counts is always (most + 1,) int64: how many pixels have each DN."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ ROUNDING = 1 / 12  # variance of rounding to a step, in its square
 # Variance in squared steps below which it is rounding's: EMVA 1288, release 4.0.
 COARSE = 0.24
 
+GROWTH = 2.0  # of the distance of codes, that no scaling brings
 MANY = 0.001  # share of the pixels at one code that is no chance
 FEW = 100  # pixels whose values are worth a look at their comb
 LEAST_CODES = 3  # that a step is told from
@@ -61,6 +63,39 @@ def step_of(counts: Counts) -> tuple[int, int]:
     used[ends[0] : ends[1] + 1] |= counts[ends[0] : ends[1] + 1] > 0
     found = np.flatnonzero(used)
     return (int(np.gcd.reduce(np.diff(found))) if len(found) > 1 else 0), len(found)
+
+
+def spacing(counts: Counts) -> int:
+    """Return the usual distance from one code to the next, where chance leaves none
+    out; 0 if no two codes are so frequent."""
+    found = np.flatnonzero(counts)
+    weight = np.minimum(counts[found[:-1]], counts[found[1:]])
+    sure = weight >= DENSE
+    if not sure.any():
+        return 0
+    distance, weight = np.diff(found)[sure], weight[sure]
+    order = np.argsort(distance, kind="stable")
+    total = np.cumsum(weight[order])
+    return int(distance[order][np.searchsorted(total, total[-1] / 2)])
+
+
+def companded(
+    frames: Sequence[tuple[str, float, int]],
+) -> str:
+    """Return a sentence on frames of even light whose codes lie farther apart the
+    brighter they are, "" if they do not.
+
+    frames : (name, level, spacing of its codes) of each, DN. Values that a program has
+    scaled are at distances that differ by one."""
+    known = sorted((level, name, apart) for name, level, apart in frames if apart)
+    if not known or known[-1][2] <= GROWTH * known[0][2]:
+        return ""
+    (low, _, near), (high, name, far) = known[0], known[-1]
+    return (
+        f"{name}: its codes are {far} DN apart, at {high:.0f} DN, and {near} DN at "
+        f"{low:.0f} DN: companded, as by a square root, and put back by a table; "
+        "give linear RAW that is not compressed so"
+    )
 
 
 def cut_share(counts: Counts) -> float:

@@ -13,9 +13,10 @@ from cg2raw.calibration.codes import COARSE
 from cg2raw.calibration.darks import DarkResults, words_of
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.light import Light, Linearity, lamp_drift, light_of, linearity
-from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measured import SIGNIFICANT, Measured
 from cg2raw.calibration.measurements import Transients
 from cg2raw.calibration.photon_transfer import (
+    CEILING,
     PhotonTransfer,
     TransferPoints,
     at_white,
@@ -27,6 +28,8 @@ from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
 from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
+
+RISING = 1.2  # levels of flats whose wells are full are closer than by this
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,7 @@ def read_flats(
 
     levels : (sites,) DN of black, of the shortest darks or the profile."""
     found = Flats([], [], [])
+    top = max((s.highest for group in groups for s in group.frames), default=0)
     order = sorted(groups, key=lambda group: float(group.level.mean()))
     for index, group in enumerate(order):
         if float((group.level - levels).min()) <= 0:
@@ -75,7 +79,7 @@ def read_flats(
                 f"black is {levels.mean():.1f} DN: is it a dark? Give it among --darks"
             )
         repeats = repeats_of(group, todo, levels, None)
-        ceiling = at_white(group, todo.white, levels)
+        ceiling = at_white(group, todo.white, levels, top)
         found.ceiling = found.ceiling or ceiling
         if repeats.noise is None and ceiling:
             found.clipped += repeats.count
@@ -111,9 +115,11 @@ def above_darks(
     sites: Sites,
     iso: float | None,
 ) -> FlatResults:
-    """Return what flats show once the darks are known."""
+    """Return what flats show once the darks are known. Raises ValueError for codes that
+    are no light."""
     if not flats.points:
         return FlatResults()
+    check_curve(flats.points, darks, sites)
     rate = darks.dark.rate.value if darks.dark else 0.0
     points = [
         replace(
@@ -144,6 +150,38 @@ def above_darks(
         flats.clipped,
         sum(p.frames for p in points if p.is_coarse),
     )
+
+
+def check_curve(
+    points: Sequence[TransferPoints], darks: DarkResults, sites: Sites
+) -> None:
+    """Raise ValueError for flats of codes that follow a curve of light.
+
+    Photons' variance over level is the system gain, or less where wells are full and
+    levels rise no more. By a square root of light it falls all along."""
+    if darks.noise is None and darks.lost != "coarse":
+        return
+    for site in range(sites.count):
+        least, most = sites.rounding, COARSE * sites.step**2
+        if darks.noise is not None:
+            least = most = darks.noise.read_noise[site].value ** 2
+        steepest, behind = 0.0, []
+        for p in points:
+            if p.is_coarse:
+                continue
+            level, variance = (float(np.median(x[site])) for x in (p.mean, p.variance))
+            of_median = 1.25 * np.median(p.error[site]) / math.sqrt(p.mean[site].size)
+            error = SIGNIFICANT * variance * float(of_median)
+            if (variance - least + error) / level < CEILING * steepest:
+                behind.append(level)
+            steepest = max(steepest, (variance - most - error) / level)
+        if behind and max(behind) > RISING * min(behind):
+            raise ValueError(
+                f"flats: from {min(behind):.0f} DN above black on, noise is less than "
+                f"half of what light brings, and levels rise to {max(behind):.0f} DN: "
+                "codes follow a curve of light (companded, as by a square root or in "
+                "pieces): linearize them by the camera's table, or give linear RAW"
+            )
 
 
 def dark_variance(

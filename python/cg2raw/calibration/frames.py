@@ -61,7 +61,8 @@ class Scanned:
     at the lowest code, where noise is cut, of the site that has most; level and noise
     are those of the normal distribution that was cut, or whose few codes these are.
     highest, at_highest : the largest DN, and the share of the pixels that have it.
-    step : DN from one code to the next, 0 of one alone; codes : how many occur."""
+    step : DN, of which codes are multiples apart, 0 of one alone; codes : how many
+    occur; spacing : (sites,) DN, of neighbouring codes, 0 where that is not known."""
 
     frame: UniformFrame
     shape: tuple[int, int]
@@ -74,6 +75,7 @@ class Scanned:
     at_highest: float
     step: int
     codes: int
+    spacing: tuple[int, ...]
 
     @property
     def mean_level(self) -> float:
@@ -134,6 +136,7 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
         float(counts[highest] / raw.size),
         step,
         min(count for _, count in steps),
+        tuple(codes.spacing(part[: sensor.white_level]) for part in by_site),
     )
 
 
@@ -168,15 +171,22 @@ def _check_codes(frame: UniformFrame, counts: Array, sensor: Sensor) -> None:
 
 def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]]:
     """Return (step of the codes of all frames together, DN; the frames, the last code
-    up to white being saturated). Raises ValueError for some in wider steps."""
+    up to white being saturated). Raises ValueError for some in wider steps, or in
+    steps that grow with light."""
     step = math.gcd(*(item.step for item in scanned)) or 1
     for item in scanned:
         if item.step > step and item.codes >= FEWEST_CODES:
             raise ValueError(
                 f"{item.frame.name}: only every {item.step}th DN occurs, in other "
-                f"frames every {step}th or so: scaled from fewer bits; give frames "
+                "frames DN between: scaled from fewer bits, or companded; give frames "
                 "that are coded alike, the camera's own RAW"
             )
+    for site in range(len(scanned[0].spacing)):
+        words = codes.companded(
+            [(s.frame.name, float(s.level[site]), s.spacing[site]) for s in scanned]
+        )
+        if words:
+            raise ValueError(words)
     return step, [
         replace(item, saturated=max(item.saturated, item.at_highest))
         if white - step < item.highest < white

@@ -197,13 +197,17 @@ def _slope(
     )
 
 
-def at_white(group: Group, white: int, black: Array) -> tuple[Measured, str] | None:
+def at_white(
+    group: Group, white: int, black: Array, highest: int
+) -> tuple[Measured, str] | None:
     """Return (saturation above black in DN, "white level") of flats with one DN in many
-    of their pixels, else None."""
+    of their pixels, else None.
+
+    highest : DN, of all flats: what has few codes below it is quiet, not clipped."""
     top = max(scanned.highest for scanned in group.frames)
     at_top = float(np.mean([scanned.at_highest for scanned in group.frames]))
     saturated = float(np.mean([scanned.saturated for scanned in group.frames]))
-    if max(at_top, saturated) <= MANY:
+    if max(at_top * (top == highest), saturated) <= MANY:
         return None
     return Measured(min(top, white) - float(black.mean()), 0.5, "DN"), "white level"
 

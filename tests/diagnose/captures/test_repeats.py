@@ -159,3 +159,13 @@ def test_frames_stay_in_order(tmp_path):
     found = manifest(tmp_path, darks(3), lines)
     assert [one.name for one in found.integrities] == ["0.npy", "1.npy", "2.npy"]
     assert [capture.name for capture in found.captures] == ["0.npy", "1.npy", "2.npy"]
+
+
+@pytest.mark.parametrize(("bright", "is_companded"), [(8, False), (40, True)])
+def test_codes_that_lie_farther_apart_in_brighter_flats(tmp_path, bright, is_companded):
+    rng = np.random.default_rng(5)
+    steps = ((200, 20, 8), (700, 60, bright))
+    frames = [np.rint(rng.normal(m, s, files.SHAPE) / d) * d for m, s, d in steps]
+    common = "kind: flat, scene: unknown, illuminant: D65"
+    found = manifest(tmp_path, frames, [f"{common}, set: s{n}" for n in range(2)])
+    assert any("companded" in words for words in found.complaints) == is_companded

@@ -10,6 +10,7 @@ from itertools import islice
 import numpy as np
 
 from cg2raw.arrays import RawImage
+from cg2raw.calibration import codes
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.consistency import dn_per_electron
 from cg2raw.diagnose.captures.frame import Frame
@@ -61,14 +62,17 @@ def check(
         repeats = Series(ours[0], gain_of(sensor, ours[0]))
         for capture in islice(order, len(ours)):
             repeats.add(capture, look(capture))
-        words, more = said_of(repeats, sensor, nuisances)
-        complaints += words
+        said, more = said_of(repeats, sensor, nuisances)
+        complaints += said
         remarks += more
     for border in order:
         look(border)
     for frame in frames:
         if frame.capture.means is not None:
             found[frame.capture.name] = of_means(frame.capture, sensor)
+    uniform = [i for i in found.values() if i.kind in ("dark", "flat")]
+    words = codes.companded([(i.name, i.mean, i.spacing) for i in uniform])
+    complaints += [words] if words else []
     captures = [c for frame in frames for c in (frame.capture, *frame.borders)]
     integrities = [found[capture.name] for capture in captures]
     return Check(captures, integrities, complaints, remarks)

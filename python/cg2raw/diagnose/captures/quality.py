@@ -33,6 +33,7 @@ class Integrity:
     low, high, mean : DN. below, clipped : share of pixels at 0 and at the white level
     or above. step : DN, of which all codes are multiples, from the lowest. missing :
     share of codes that no pixel has where they are dense, of those at that step.
+    spacing : DN, from one frequent code to the next, 0 where none are.
     shift : px, of a scene against its render. complaints : sentences on what is wrong.
     remarks : sentences on what the frame cannot show, though nothing is wrong."""
 
@@ -46,6 +47,7 @@ class Integrity:
     step: int
     missing: float
     shift: Shift | None
+    spacing: int = 0
     complaints: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
@@ -75,6 +77,7 @@ def integrity(capture: Capture, sensor: Sensor) -> Integrity:
         step=step * known,
         missing=missing,
         shift=shift,
+        spacing=codes.spacing(counts[: sensor.white_level]),
     )
     scaled = code_complaints(found, in_steps, sensor)
     words = [
