@@ -54,7 +54,7 @@ def counted(count: int, noun: str) -> str:
     """Return how many there are of a thing, in whole numbers: "2 held-out darks"."""
     if not is_known(count):
         return f"{NOT_KNOWN} {noun}s"
-    return plural(count, noun).replace(str(count), decimal(count, 0), 1)
+    return plural(int(count), noun).replace(str(count), decimal(count, 0), 1)
 
 
 def nats(value: float | None) -> str:
