@@ -22,6 +22,8 @@ def bad_sets(folder):
     np.save(folder / "small.npy", np.zeros((8, 8), np.uint16))
     np.save(folder / "float.npy", np.zeros((48, 64), np.float32))
     np.save(folder / "small_render.npy", np.zeros((8, 8, 3), np.float32))
+    np.save(folder / "two_rows.npy", np.zeros((2, 64), np.uint16))
+    np.save(folder / "three_columns.npy", np.zeros((48, 3), np.uint16))
     (folder / "text.npy").write_text("no array")
     (folder / "cut.dng").write_bytes((folder / "a.dng").read_bytes()[:300])
     (folder / "text.nef").write_text("no RAW")
@@ -35,6 +37,9 @@ def bad_sets(folder):
     a = dark("a.npy")
     yield "twice", [a, dark("./a.npy")], [":4: frames[1].file", "is that of line 3"]
     yield "copy", [a, dark("copy.npy")], [":4: frames[1].file", "the bytes of that of"]
+    for name, size in (("two_rows", "64x2"), ("three_columns", "3x48")):
+        words = f":3: frames[0].file {name}.npy is {size}; frames must be at least 4 p"
+        yield name, [dark(f"{name}.npy")], [words]
     yield "size", [a, dark("small.npy")], ["small.npy is 8x8, a.npy 64x48; all frames"]
     yield (
         "type",

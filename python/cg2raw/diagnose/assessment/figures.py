@@ -6,6 +6,7 @@
 import numpy as np
 
 from cg2raw.cfa import demosaic, repeat_of
+from cg2raw.diagnose.captures.consistency import LEAST_SIDE
 from cg2raw.diagnose.diagnosis import Picture
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
@@ -14,7 +15,7 @@ from cg2raw.diagnose.likelihood.model import Model
 
 LARGEST_SIDE = 512
 FARTHEST_Z = 20.0
-CELL = 4  # pixels a side of a cell of the residual map, at least
+CELL = LEAST_SIDE  # pixels a side of a cell of the residual map, at least
 EDGES = np.linspace(-6, 6, 97)
 
 
@@ -24,9 +25,10 @@ class Canvas:
     def __init__(self, frame: Frame, cfa: str) -> None:
         self._frame, self._cfa = frame, cfa
         repeat = repeat_of(cfa)
-        side = max(frame.tiles.shape)
+        short, side = sorted(frame.tiles.shape)
         scale = max(1, -(-side // LARGEST_SIDE))
-        self._scale = -(-scale // repeat) * repeat if scale > 1 else 1
+        whole = -(-scale // repeat) * repeat if scale > 1 else 1
+        self._scale = max(1, min(whole, short // repeat * repeat))  # fits a line scan
         self._cell = max(CELL, self._scale)
         colors = self._shape(self._scale)
         cells = self._shape(self._cell)

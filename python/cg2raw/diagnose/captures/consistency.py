@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cg2raw.cfa import is_mono
+from cg2raw.cfa import is_mono, repeat_of
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.frame import Frame, TableFile
 from cg2raw.diagnose.captures.manifest import UNKNOWN, FrameEntry
@@ -27,6 +27,7 @@ from cg2raw.io.raw_header import RawFile, RawHeader
 from cg2raw.sensor import Sensor
 
 CHUNK = 1 << 20  # bytes
+LEAST_SIDE = 4  # pixels of a frame; residuals are seen in cells of so many a side
 # Dark current doubles every 5 to 7 degrees: 1.5 make it 16 to 23 % more. Source: R.
 # Widenhorn et al., Proc. SPIE 4669, 2002, for what it doubles by in CCDs.
 SAME_TEMPERATURE = 1.5  # degrees Celsius
@@ -60,16 +61,23 @@ def digest(path: str) -> str:
 
 
 def check_sizes(
-    entries: Sequence[FrameEntry], files: Sequence[RawFile]
+    entries: Sequence[FrameEntry], files: Sequence[RawFile], sensor: Sensor
 ) -> tuple[int, int] | None:
     """Return (H, W) of all frames that have pixels; None if none has. Raises
-    ValueError if one has another size than the first."""
+    ValueError if one has another size than the first, or too small a one."""
+    least = max(LEAST_SIDE, repeat_of(sensor.cfa))
     first: RawHeader | None = None
     for entry, file in zip(entries, files, strict=True):
         if isinstance(file, TableFile):
             continue
         header = file.header
         first = first or header
+        if min(header.shape) < least:
+            entry.fail(
+                "file",
+                f"{header.name} is {size_words(header.shape)}; frames must be at least "
+                f"{least} pixels wide and high",
+            )
         if header.shape != first.shape:
             entry.fail(
                 "file",

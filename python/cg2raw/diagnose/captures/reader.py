@@ -72,7 +72,7 @@ def read_frames(
     check_nuisances(manifest, sensor)
     consistency.check_distinct(manifest.frames)
     files = [file_of(entry, sensor) for entry in manifest.frames]
-    shape = consistency.check_sizes(manifest.frames, files)
+    shape = consistency.check_sizes(manifest.frames, files, sensor)
     if manifest.mask and shape:
         consistency.check_image(manifest.at["mask"], manifest.mask, shape)
     names = consistency.names_of(manifest.frames)
