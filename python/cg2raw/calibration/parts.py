@@ -125,9 +125,9 @@ def noises_of(found: Measurements) -> list[tuple[str, Array, Array]]:
         variance, error = found.noise.blocks
         noises.append(("variance of the read noise", squared(variance), squared(error)))
     transfer = found.transfer
-    used = [p for p in transfer.points if not p.is_clipped] if transfer else []
+    used = [p for p in transfer.points if p.is_right] if transfer else []
     if transfer is not None and used:
-        dark = np.array(transfer.intercept)[:, None]
+        dark = np.array([m.value for m in transfer.intercept])[:, None]
         gains = (used[-1].variance - dark) / np.maximum(used[-1].mean, 1e-9)
         known = np.where(used[-1].mean > 0, gains, np.nan)
         relative = np.sqrt((used[-1].error ** 2).mean(0) / len(gains))
