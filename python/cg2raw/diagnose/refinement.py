@@ -10,6 +10,9 @@ pixels begin is a bound. Their likelihood takes them together, as a diagnosis do
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.frames import UniformFrame
 from cg2raw.calibration.measured import Measured
@@ -49,7 +52,10 @@ def refine(
     if not patterns or found.iso is None:
         return found
     used = [one for one in frames if one.name not in found.excluded]
-    captures = CaptureSet(sensor, [capture_of(one, found) for one in used])
+    counting = found.defects.counting
+    captures = CaptureSet(
+        sensor, [capture_of(one, found.shape, counting) for one in used]
+    )
     shown = read_frames(captures, noise_models(captures), None, say)
     splits = Splits(shown, Workers(threads, None))
     say("fixed patterns, all together", 0.5)
@@ -66,13 +72,16 @@ def _stated_patterns(sensor: Sensor) -> list[Effect]:
     return [*patterns, *(e for e in known if e.name == SHADING)] if patterns else []
 
 
-def capture_of(one: UniformFrame, found: Calibration) -> Capture:
-    """Return a frame as a capture of the fit; light is not known of any."""
-    counting = found.defects.counting
+def capture_of(
+    one: UniformFrame, shape: tuple[int, int], counting: NDArray[np.bool_] | None = None
+) -> Capture:
+    """Return a frame as a capture of the fit; light is not known of any.
+
+    counting : (H, W) bool, pixels that count; None for all."""
     return Capture(
         name=one.name,
         kind=one.kind,
-        shape=found.shape,
+        shape=shape,
         group="fit",
         set=one.name,
         illuminant=LIGHT_OF_DARKS,
