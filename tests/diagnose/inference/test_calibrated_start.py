@@ -40,6 +40,7 @@ def dense(faults):
     return replace(case, strengths=faults).captures()[0]
 
 
+@pytest.mark.slow
 def test_a_profile_that_is_right_in_all_effects_is_left_alone():
     found = diagnose(dense({}), details=False)
     assert [effect.name for effect in found.effects] == []

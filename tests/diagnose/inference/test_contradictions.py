@@ -4,6 +4,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from diagnose.planted import frames_of as planted_frames
 from diagnose.planted import sensor_of as made
 
 SHAPE = (96, 128)
+slow = partial(pytest.param, marks=pytest.mark.slow)
 
 
 def diagnosed(without=(), **said):
@@ -42,6 +44,7 @@ def diagnosed(without=(), **said):
     return diagnose(CaptureSet(sensor, captures), details=False, without=without)
 
 
+@pytest.mark.slow
 def test_a_profile_that_is_right_is_not_contradicted():
     assert diagnosed().verdict == "no gap"
 
@@ -50,10 +53,10 @@ def test_a_profile_that_is_right_is_not_contradicted():
     ("name", "said"),
     [
         ("prnu", {"sigma": 0.006}),
-        ("dsnu", {"sigma": 3.5 / RANGE}),
-        ("column_fixed_pattern", {"sigma": 0.1 / RANGE}),
-        ("hot_pixels", {"fraction": 0.002, "rate": 4 / RANGE}),
-        ("dark_current_nonuniformity", {"rate": 0.15 / RANGE, "log_sigma": 0.5}),
+        slow("dsnu", {"sigma": 3.5 / RANGE}),
+        slow("column_fixed_pattern", {"sigma": 0.1 / RANGE}),
+        slow("hot_pixels", {"fraction": 0.002, "rate": 4 / RANGE}),
+        slow("dark_current_nonuniformity", {"rate": 0.15 / RANGE, "log_sigma": 0.5}),
     ],
 )
 def test_the_one_that_a_profile_says_wrongly_is_named_alone(name, said):
@@ -71,6 +74,7 @@ def test_the_one_that_a_profile_says_wrongly_is_named_alone(name, said):
     assert found.gap.after < found.gap.before
 
 
+@pytest.mark.slow
 def test_a_name_that_is_left_out_is_not_given():
     found = diagnosed(without=["prnu"], prnu={"sigma": 0.006})
     assert found.effects == []

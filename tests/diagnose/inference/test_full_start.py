@@ -130,6 +130,7 @@ def test_all_departures_are_measured_at_once():
     assert found["prnu"] == pytest.approx(GAINS, rel=0.08)
 
 
+@pytest.mark.slow
 def test_pruning_leaves_what_is_there():
     start = started(frames_with(5))
     left = pruned(start.model, start.splits, THRESHOLD)
@@ -187,7 +188,8 @@ def frames_with_one_long_dark(seed):
     return drawn(frames, model, seed, extra)
 
 
-@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [11, 12])
 def test_a_frame_that_makes_its_own_map_does_not_say_how_large_noise_is(seed):
     start = started(frames_with_one_long_dark(seed))
     found = {term.name: term.values for term in start.model.terms}
