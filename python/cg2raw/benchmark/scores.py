@@ -12,7 +12,12 @@ from cg2raw.diagnose.diagnosis import Diagnosis
 
 # Nats per pixel: less than this is not asked to be seen.
 VISIBLE_GAP = 3e-4
-NOT_SURE = ("ambiguous", "unknown structure", "identified, rest unexplained")
+NOT_SURE = (
+    "ambiguous",
+    "unknown structure",
+    "identified, rest unexplained",
+    "not finished",
+)
 
 Record = Mapping[str, Any]
 

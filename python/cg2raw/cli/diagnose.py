@@ -9,8 +9,9 @@ for programs, and profile.json: the sensor with the effects that were found; the
 none if they do not make the held-out frames, edge to edge, more likely.
 
 Verdicts, and their exit codes with --exit-code: no gap 0, identified 10, ambiguous 11,
-unknown structure or identified with an unexplained residual 12. Ctrl-C ends the search,
-not the report, which then says so (exit code 130).
+unknown structure or identified with an unexplained residual 12, not finished 13: the
+time limit ended the search before it had decided. Ctrl-C ends the search, not the
+report, which then says so (exit code 130).
 
 examples:
   cg2raw diagnose captures.yaml -o report/

@@ -16,6 +16,7 @@ VERDICTS = {
     "ambiguous": 11,
     "unknown structure": 12,
     "identified, rest unexplained": 12,
+    "not finished": 13,
 }
 
 

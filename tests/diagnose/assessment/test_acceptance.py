@@ -246,7 +246,10 @@ def test_workers_begin_nothing_after_the_deadline():
 def test_a_time_limit_of_nothing_still_reports():
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])), time_limit=0.0)
     assert found.time_limit_reached and not found.interrupted
-    assert (found.verdict, found.effects) == ("unknown structure", [])
+    assert (found.verdict, found.effects) == ("not finished", [])
+    assert not [limit for limit in found.detection_limits if limit.strength is not None]
+    found = run(set_of(SENSOR), time_limit=0.0)  # "no gap" was not looked for either
+    assert found.verdict == "not finished"
 
 
 def test_a_time_limit_keeps_what_was_found_until_then(monkeypatch):
@@ -262,6 +265,7 @@ def test_a_time_limit_keeps_what_was_found_until_then(monkeypatch):
     found = run(set_of(SENSOR, model=true), time_limit=1000.0)
     assert found.time_limit_reached and len(settled) == 1
     assert [effect.name for effect in found.effects] == settled
+    assert found.verdict == "not finished"
     assert [rung.name for rung in found.ladder] == settled
 
 

@@ -124,8 +124,10 @@ def assessed(
 ) -> Diagnosis:
     """Return the diagnosis of a model that a search found.
 
-    details : with what is drawn, and what is lost without each effect."""
+    details : with what is drawn, and what is lost without each effect. A search that
+    was cut short knows no detection limits."""
     splits, report = search.splits, search.splits.report
+    cut_short = search.timed_out or search.interrupted
     held = _held(capture_set, baseline, splits, model, details, search)
     gap = _gap(baseline, held, report.frames)
     before = residual_tests(baseline.model, splits.select, splits.fit)
@@ -135,7 +137,7 @@ def assessed(
     findings, shapes = without_shapes(every, held.model, search)
     notes = _notes(capture_set, report.frames, _traces(after, left))
     found = Diagnosis(
-        verdict=_verdict(findings, left),
+        verdict=_verdict(findings, left, cut_short),
         sensor_id=capture_set.sensor.id,
         effects=findings,
         gap=gap,
@@ -143,7 +145,9 @@ def assessed(
         tests_after=after,
         unexplained=left,
         ladder=[*map(rung_of, search.steps), *map(refused_rung, held.refused)],
-        detection_limits=detection_limits(
+        detection_limits=[]
+        if cut_short
+        else detection_limits(
             held.model, search.effects, splits.select, splits.fit, search.alpha
         ),
         next_captures=_next_captures(findings),
@@ -184,7 +188,12 @@ def _next_captures(findings: Sequence[Finding]) -> list[str]:
     ]
 
 
-def _verdict(findings: Sequence[Finding], left: Sequence[ResidualTest]) -> str:
+def _verdict(
+    findings: Sequence[Finding], left: Sequence[ResidualTest], cut_short: bool
+) -> str:
+    """Return the verdict; of a search that was cut short only what it decided."""
+    if cut_short and (left or not findings):
+        return "not finished"
     if not findings:
         return "unknown structure" if left else "no gap"
     if left:

@@ -25,6 +25,7 @@ BADGES = {  # verdict -> class of the style sheet, sign that does not need colou
     "identified, rest unexplained": ("doubt", "!"),
     "ambiguous": ("doubt", "?"),
     "unknown structure": ("bad", "!"),
+    "not finished": ("doubt", "?"),
 }
 ACTIONS = {
     "added": "Added",

@@ -179,6 +179,10 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         case "unknown structure":
             text = f"the frames disagree with the profile {sensor} in a way that no "
             text += f"known effect explains{unexplained(diagnosis)}"
+        case "not finished":
+            text = f"the search for what is missing from the profile {sensor} ended "
+            text += "before it had decided: "
+            text += what if diagnosis.effects else "it has named nothing so far"
         case other:
             text = f"the verdict is: {other}"
     return text[:1].upper() + text[1:] + "."
