@@ -22,6 +22,7 @@ from diagnose.planted import (
     sensor_of,
     shot_by_registry,
 )
+from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "dust"
@@ -152,7 +153,7 @@ def test_what_is_no_dark_spot_leaves_no_map(sign):
 
 
 @pytest.mark.parametrize(
-    ("density", "depth", "radius", "seed"), [(400, 0.1, 6, 1), (800, 0.05, 4, 2)]
+    ("density", "depth", "radius", "seed"), [(400, 0.1, 6, 1), slow(800, 0.05, 4, 2)]
 )
 def test_it_is_found_in_what_the_registry_simulates(density, depth, radius, seed):
     """Of 0.016 megapixels: 6 and 13 spots, some of which the edge cuts."""
@@ -177,7 +178,7 @@ def test_it_is_found_in_what_the_registry_simulates(density, depth, radius, seed
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        ("prnu", {"sigma": 0.01}),
+        slow("prnu", {"sigma": 0.01}),
         ("lens_shading", {"r2": -0.2, "tilt_x": 0.03}),
     ],
 )

@@ -19,6 +19,7 @@ from diagnose.planted import (
     sensor_of,
     shot_by_registry,
 )
+from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "mains_flicker"
@@ -52,7 +53,7 @@ def test_darks_show_no_wave():
 
 
 @pytest.mark.parametrize(
-    ("amplitude", "period", "seed"), [(0.02, 37.0, 1), (0.005, 60.0, 2)]
+    ("amplitude", "period", "seed"), [(0.02, 37.0, 1), slow(0.005, 60.0, 2)]
 )
 def test_it_is_found_in_what_the_registry_simulates(amplitude, period, seed):
     hidden = {NAME: {"amplitude": amplitude, "period": period}}

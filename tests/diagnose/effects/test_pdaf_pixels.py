@@ -21,6 +21,7 @@ from diagnose.planted import (
     sensor_of,
     shot_by_registry,
 )
+from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "pdaf_pixels"
@@ -54,7 +55,7 @@ def test_darks_show_no_grid():
 
 
 @pytest.mark.parametrize(
-    ("grid", "seed"), [((-0.1, 12, 5, 3), 1), ((0.02, 9, 0, 8), 2)]
+    ("grid", "seed"), [((-0.1, 12, 5, 3), 1), slow((0.02, 9, 0, 8), 2)]
 )
 def test_it_is_found_in_what_the_registry_simulates(grid, seed):
     hidden = {NAME: dict(zip(("gain", "pitch", "row", "column"), grid, strict=True))}
@@ -74,9 +75,9 @@ def test_it_is_found_in_what_the_registry_simulates(grid, seed):
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        ("prnu", {"sigma": 0.01}),
+        slow("prnu", {"sigma": 0.01}),
         ("gr_gb_imbalance", {"gr": 0.01, "gb": -0.01}),
-        ("hot_pixels", {"fraction": 0.003, "rate": 0.02}),
+        slow("hot_pixels", {"fraction": 0.003, "rate": 0.02}),
     ],
 )
 def test_what_looks_alike_is_not_taken_for_it(name, values):

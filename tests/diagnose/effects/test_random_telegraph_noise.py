@@ -14,6 +14,7 @@ from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.prediction import Prediction
 from diagnose.planted import sensor_of, shot_by_registry
+from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "random_telegraph_noise"
@@ -36,7 +37,7 @@ def test_its_density_integrates_to_one():
 
 
 @pytest.mark.parametrize(
-    ("fraction", "amplitude", "seed"), [(0.01, 0.006, 1), (0.003, 0.004, 2)]
+    ("fraction", "amplitude", "seed"), [slow(0.01, 0.006, 1), (0.003, 0.004, 2)]
 )
 def test_it_is_found_in_what_the_registry_simulates(fraction, amplitude, seed):
     """Steps of 10 and 7 read noises. Of the two darks that each split has, half the
@@ -61,8 +62,8 @@ def test_it_is_found_in_what_the_registry_simulates(fraction, amplitude, seed):
     ("name", "values"),
     [
         ("hot_pixels", {"fraction": 0.003, "rate": 0.005}),
-        ("heavy_tailed_noise", {"outlier_fraction": 0.02}),
-        ("dsnu", {"sigma": 4e-4}),
+        slow("heavy_tailed_noise", {"outlier_fraction": 0.02}),
+        slow("dsnu", {"sigma": 4e-4}),
     ],
 )
 def test_what_looks_alike_is_not_taken_for_it(name, values):

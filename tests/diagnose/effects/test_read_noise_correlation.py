@@ -14,6 +14,7 @@ from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import capture_of, frames_of, sensor_of, shot_by_registry
+from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "read_noise_correlation"
@@ -64,7 +65,7 @@ def test_pixels_that_do_not_count_tell_nothing():
     assert not np.any(cost[outside])
 
 
-@pytest.mark.parametrize(("coefficient", "seed"), [(-0.07, 1), (0.25, 2)])
+@pytest.mark.parametrize(("coefficient", "seed"), [(-0.07, 1), slow(0.25, 2)])
 def test_it_is_found_in_what_the_registry_simulates(coefficient, seed):
     hidden = {NAME: {"coefficient": coefficient}}
     captures = shot_by_registry(SENSOR, hidden, seed)
@@ -80,7 +81,7 @@ def test_it_is_found_in_what_the_registry_simulates(coefficient, seed):
 
 @pytest.mark.parametrize(
     ("name", "values"),
-    [("noise_reduction", {"blend": 0.05}), ("blur", {"ring_1": 0.05})],
+    [slow("noise_reduction", {"blend": 0.05}), ("blur", {"ring_1": 0.05})],
 )
 def test_what_softens_is_not_taken_for_it(name, values):
     null = dict.fromkeys([p["name"] for p in registered()[name]["parameters"]], 0.0)

@@ -4,7 +4,6 @@
 
 import json
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -24,9 +23,9 @@ from diagnose.planted import SHAPE as FRAME
 from diagnose.planted import capture_of as planted_capture
 from diagnose.planted import frames_of as planted_frames
 from diagnose.planted import sensor_of as made
+from tiers import slow
 
 SHAPE = (96, 128)
-slow = partial(pytest.param, marks=pytest.mark.slow)
 
 
 def diagnosed(without=(), **said):

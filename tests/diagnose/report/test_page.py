@@ -154,34 +154,53 @@ def test_every_number_and_flag_is_shown(diagnosis, figures):
     assert silent == [("effects", 0, "e_value")]
 
 
+NO_PANELS = {"transfer": None, "dark_levels": None, "patterns": []}
+
+
+def panels_of(field, *index):
+    """Return a function that draws the panels of one field of the characteristics."""
+
+    def drawn(diagnosis):
+        found = diagnosis.characteristics
+        value = getattr(found, field)
+        alone = {**NO_PANELS, field: [value[n] for n in index] or value}
+        alone = replace(found, **alone)
+        return [i.png for panel in panels(alone, figure) for i in panel.images]
+
+    return drawn
+
+
+# What draws the arrays below a place of a diagnosis, and how many they are.
 DRAWN = {
-    ("characteristics",): lambda d: [
-        image.png
-        for panel in panels(d.characteristics, figure)
-        for image in panel.images
-    ],
-    ("pictures", 0): lambda d: [i.png for i in all_images(frame(d.pictures[0], 1, 1))],
-    ("curves", 0): lambda d: curve_figure(d.curves[0]),
-    ("histogram_before",): lambda d: histogram_figure(d.histogram_before, None),
-    ("histogram_after",): lambda d: histogram_figure(None, d.histogram_after),
+    ("characteristics", "transfer"): (panels_of("transfer"), 5),
+    ("characteristics", "dark_levels"): (panels_of("dark_levels"), 5),
+    ("characteristics", "patterns", 0): (panels_of("patterns", 0), 6),
+    ("characteristics", "patterns", 1): (panels_of("patterns", 1), 6),
+    ("pictures", 0): (
+        lambda d: [i.png for i in all_images(frame(d.pictures[0], 1, 1))],
+        5,
+    ),
+    ("curves", 0): (lambda d: curve_figure(d.curves[0]), 6),
+    ("histogram_before",): (lambda d: histogram_figure(d.histogram_before, None), 2),
+    ("histogram_after",): (lambda d: histogram_figure(None, d.histogram_after), 2),
 }
 
 
-@pytest.mark.parametrize("start", DRAWN, ids=lambda start: start[0])
-def test_every_array_is_drawn(diagnosis, start):
+@pytest.mark.parametrize("start", DRAWN, ids=str)
+def test_every_array_is_drawn(diagnosis, start, monkeypatch):
+    draw_it, count = DRAWN[start]
+    monkeypatch.setattr("cg2raw.io.figure.DPI", 40)  # as much to see, in less time
     arrays = [
         (path, value)
         for path, value in leaves(diagnosis)
         if path[: len(start)] == start and isinstance(value, np.ndarray)
     ]
-    assert len(arrays) == {"pictures": 5, "curves": 6, "characteristics": 22}.get(
-        start[0], 2
-    )
-    drawn = DRAWN[start](diagnosis)
+    assert len(arrays) == count
+    drawn = draw_it(diagnosis)
     for path, value in arrays:
         other = value.astype(float)
         other[len(other) // 2 :] *= 1.3
-        assert DRAWN[start](with_leaf(diagnosis, path, other)) != drawn, path
+        assert draw_it(with_leaf(diagnosis, path, other)) != drawn, path
 
 
 def all_images(shown):
