@@ -9,6 +9,7 @@ import PyOpenColorIO as ocio
 
 from cg2raw import _core
 from cg2raw.cfa import is_mono
+from cg2raw.profile.camera_name import camera_name
 
 from . import chain, color_effects, names, spectral_chain
 
@@ -141,9 +142,9 @@ def seen_by(profile: _core.SensorProfile, illuminant: str, exposure: Exposure) -
     light = profile.illuminant(illuminant)
     red, _, blue = light.neutral
     text = (
-        f"{profile.make} {profile.model} under {light.spec} ({light.cct:.0f} K, Duv "
-        f"{light.duv:+.4f}; neutral R/G {red:.4f}, B/G {blue:.4f}), convention "
-        f"{exposure.convention}"
+        f"{camera_name(profile.make, profile.model)} under {light.spec} "
+        f"({light.cct:.0f} K, Duv {light.duv:+.4f}; neutral R/G {red:.4f}, "
+        f"B/G {blue:.4f}), convention {exposure.convention}"
     )
     if exposure.has_table:
         spectrum = camera_transform(profile, illuminant, exposure).spectrum

@@ -12,6 +12,7 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.io import libraw
 from cg2raw.io.raw_header import RawHeader
+from cg2raw.profile.camera_name import camera_name
 
 REMEDY = "convert it with Adobe DNG Converter or dnglab, then give the DNG"
 NOTE = (
@@ -37,13 +38,6 @@ def read(path: str, make: str = "", model: str = "") -> RawHeader:
             f"{path}: LibRaw has no colour matrix of this camera: {REMEDY}"
         )
     return replace(header, make=make, model=model)
-
-
-def camera_name(make: str, model: str) -> str:
-    """Return what people call a camera: the make's first word once, then the model."""
-    brand = make.split()[0]
-    said = model.lower().startswith(brand.lower())
-    return model if said else f"{brand} {model}"
 
 
 def profile_from_raw_files(

@@ -11,7 +11,7 @@ import numpy as np
 from cg2raw._core import SensorProfile
 from cg2raw.cfa import is_mono
 from cg2raw.io.figure import BLACK, BLUE, GREEN, RED, SKY
-from cg2raw.profile.from_raw_files import camera_name
+from cg2raw.profile.camera_name import camera_name
 from cg2raw.profile.plot_sensitivities import draw_sensitivities
 from cg2raw.profile.spectral_file import Array
 from cg2raw.profile.summary import kelvin_words

@@ -16,6 +16,7 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.cfa import is_mono
 from cg2raw.io.atomic_file import FilePath
+from cg2raw.profile.camera_name import camera_name
 from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
 from cg2raw.profile.lamps import check_lamp_names, lamp_field, lamp_name
 from cg2raw.profile.matrix_fit import color_matrix, fit_xyz_d50_from_camera
@@ -151,8 +152,8 @@ def profile_from_ssf(
     black = np.ravel(np.array(black_level)).tolist()
     sites = 1 if mono else 4
     profile["black_level"] = black * sites if len(black) == 1 else black
-    names = {"id": id or _id_of(profile["make"], profile["model"])}
-    names["unique_camera_model"] = f"{profile['make']} {profile['model']}"
+    camera = camera_name(profile["make"], profile["model"])
+    names = {"id": id or _id_of(camera), "unique_camera_model": camera}
     if mono:
         return _mono_profile({"schema": 1, **names, **profile}, measured, lamps)
     lights = REAL_LIGHTS if lights is None else tuple(lights)
@@ -236,10 +237,13 @@ def _neutral(measured: Sensitivities, light: FilePath) -> list[float]:
     return [float(ratio) for ratio in neutral.round(DECIMALS_OF_NEUTRAL)]
 
 
-def _id_of(make: str, model: str) -> str:
-    """Return an id, cut if too long: "Canon", "EOS 600D" -> "canon-eos-600d"."""
-    name = f"{make} {model}".lower()
-    return re.sub(r"[^a-z0-9.]+", "-", name).strip("-.")[:LONGEST_ID].rstrip("-.")
+def _id_of(camera: str) -> str:
+    """Return an id, cut if too long: "Canon EOS 600D" -> "canon-eos-600d"."""
+    return (
+        re.sub(r"[^a-z0-9.]+", "-", camera.lower())
+        .strip("-.")[:LONGEST_ID]
+        .rstrip("-.")
+    )
 
 
 def _sources(

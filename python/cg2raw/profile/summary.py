@@ -7,7 +7,7 @@ from typing import Any
 
 from cg2raw import _core
 from cg2raw.cfa import sites_of
-from cg2raw.profile.from_raw_files import camera_name
+from cg2raw.profile.camera_name import camera_name
 
 LEAST_CCT, MOST_CCT = 1e6 / 600, 1e6 / 10  # K, where Robertson's table ends
 STOP = 2.0  # noise is interpolated up to one stop beyond the calibrated ISOs
