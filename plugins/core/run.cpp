@@ -14,4 +14,9 @@ NoiseModel noise_model_from_name(std::string_view name)
     throw Error("noise \"" + std::string(name) + "\" must be gaussian or physical");
 }
 
+const char* name_of(NoiseModel model)
+{
+    return model == NoiseModel::gaussian ? "gaussian" : "physical";
+}
+
 } // namespace cg2raw

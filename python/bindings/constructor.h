@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file Constructors whose failure Python hears of, whatever fails.
+/// @file Constructors whose failure Python hears of, whatever fails, and what pickle
+/// calls them with.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -32,6 +33,13 @@ void def_constructor(pybind11::class_<T>& bound, T (*make)(Args...),
           };
     bound.def("__init__", construct, pybind11::detail::is_new_style_constructor(),
               extra...);
+}
+
+/// What pickle and copy make an object anew of: its class, and arguments of that.
+/// pybind11's functions have no name by which pickle would find them.
+template <class T, class... Args> pybind11::tuple remade_as(const Args&... args)
+{
+    return pybind11::make_tuple(pybind11::type::of<T>(), pybind11::make_tuple(args...));
 }
 
 } // namespace cg2raw::python

@@ -2,6 +2,7 @@
 // Copyright Contributors to the cg2raw Project.
 
 #include "bindings.h"
+#include "constructor.h"
 #include "profile_dicts.h"
 
 #include "cg2raw/dng_reader.h"
@@ -34,10 +35,46 @@ template <class T> py::list dicts_of(const std::vector<T>& values)
     return list;
 }
 
+/// All that a light is, by value.
+py::tuple values_of(const Illuminant& i)
+{
+    return py::make_tuple(i.spec, i.sensor, i.neutral[0], i.neutral[1], i.neutral[2],
+                          i.xy.x, i.xy.y, i.temperature.cct.value, i.temperature.duv);
+}
+
+/// A light is a value: it is compared, copied and pickled as such.
+void bind_value(py::class_<Illuminant>& c)
+{
+    def_constructor(
+        c,
+        +[](const std::string& spec, const std::string& sensor, const Vec3& neutral,
+            const std::array<double, 2>& xy, double cct, double duv) {
+            return Illuminant {
+                spec, sensor, neutral, { xy[0], xy[1] }, { { cct }, duv }
+            };
+        },
+        "spec"_a, "sensor"_a, "neutral"_a, "xy"_a, "cct"_a, "duv"_a,
+        "The light that has these values, as pickle keeps them; Sensor.illuminant "
+        "names one.");
+    c.def(
+         "__eq__",
+         [](const Illuminant& a, const Illuminant& b) {
+             return values_of(a).equal(values_of(b));
+         },
+         py::is_operator())
+        .def("__hash__", [](const Illuminant& i) { return py::hash(values_of(i)); })
+        .def("__reduce__", [](const Illuminant& i) {
+            return remade_as<Illuminant>(i.spec, i.sensor, i.neutral,
+                                         std::array<double, 2> { i.xy.x, i.xy.y },
+                                         i.temperature.cct.value, i.temperature.duv);
+        });
+}
+
 void bind_illuminant(py::module_& m)
 {
-    py::class_<Illuminant>(m, "Illuminant", "A light as one sensor sees it.")
-        .def_readonly("spec", &Illuminant::spec, "The word that named it.")
+    py::class_<Illuminant> c(m, "Illuminant", "A light as one sensor sees it.");
+    bind_value(c);
+    c.def_readonly("spec", &Illuminant::spec, "The word that named it.")
         .def_readonly("sensor", &Illuminant::sensor,
                       "Id of the sensor that sees it so.")
         .def_readonly("neutral", &Illuminant::neutral,
@@ -114,6 +151,10 @@ void bind_search(py::module_& m)
 void bind_numbers(py::class_<SensorProfile>& c)
 {
     c.def("to_json", &to_json, "The profile as JSON text that reads back the same.")
+        .def("__reduce__",
+             [](const SensorProfile& p) {
+                 return remade_as<SensorProfile>(to_json(p), p.id);
+             })
         .def(
             "illuminant", &illuminant, "spec"_a, "as_shot"_a = py::none(),
             "The Illuminant that a word names; as_shot: what \"as-shot\" means.\n\n"
@@ -243,6 +284,12 @@ void bind_profile(py::module_& m)
 {
     bind_illuminant(m);
     py::class_<SensorProfile> c(m, "SensorProfile", "All that is known of one sensor.");
+    def_constructor(
+        c,
+        +[](const std::string& json, const std::string& file) {
+            return parse_profile(json, file);
+        },
+        "json"_a, "file"_a = "profile", "As parse_profile, for pickle.");
     c.def_readonly("id", &SensorProfile::id, "Name among profiles: nikon-d40.")
         .def_readonly("make", &SensorProfile::make, "Maker, as in Exif.")
         .def_readonly("model", &SensorProfile::model, "Model, as in Exif.")

@@ -44,6 +44,18 @@ Run run_of(const std::string& illuminant, std::optional<double> iso,
     return run;
 }
 
+/// The arguments of run_of.
+py::tuple remade(const Run& run)
+{
+    std::optional<std::string> noise;
+    if (run.noise_model)
+        noise = name_of(*run.noise_model);
+    return remade_as<Run>(
+        run.illuminant, run.iso, noise, run.seed, run.frame, run.digital_gain,
+        name_of(run.convention), run.keep_highlights, run.effects, run.camera_input,
+        run.as_shot, run.sample_digital_gain, run.exposure_time, run.color_effects);
+}
+
 RawArray raw_of(const Simulation& simulation, const py::array& rgb, int threads)
 {
     const Scene scene(rgb);
@@ -134,6 +146,7 @@ void bind_simulation(py::module_& m)
                     "effects"_a, "camera_input"_a, "as_shot"_a,
                     "sample_digital_gain"_a = false, "exposure_time"_a = std::nullopt,
                     "color_effects"_a = true);
+    run.def("__reduce__", &remade);
     py::class_<Simulation> simulation(
         m, "Simulation",
         "A sensor, a light and an exposure, decided before any pixel.");
@@ -144,6 +157,11 @@ void bind_simulation(py::module_& m)
         },
         "profile"_a, "shape"_a, "run"_a);
     simulation
+        .def("__reduce__",
+             [](const Simulation& s) {
+                 const std::array<int, 2> shape { s.frame().height, s.frame().width };
+                 return remade_as<Simulation>(s.profile(), shape, s.run());
+             })
         // Not a reference: pybind11 ends the process if it lacks the memory to note
         // that one keeps the simulation alive.
         .def_property_readonly("illuminant", &Simulation::illuminant,

@@ -13,6 +13,15 @@ illuminant_grammar: str
 class Error(ValueError): ...
 
 class Illuminant:
+    def __init__(
+        self,
+        spec: str,
+        sensor: str,
+        neutral: Sequence[float],
+        xy: Sequence[float],
+        cct: float,
+        duv: float,
+    ) -> None: ...
     @property
     def spec(self) -> str: ...
     @property
@@ -27,6 +36,7 @@ class Illuminant:
     def duv(self) -> float: ...
 
 class SensorProfile:
+    def __init__(self, json: str, file: str = "profile") -> None: ...
     @property
     def id(self) -> str: ...
     @property

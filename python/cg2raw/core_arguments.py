@@ -187,7 +187,17 @@ def _words(node: ast.expr | None) -> str:
     return PLAIN.get(kind, f"{article} {kind}")
 
 
+def _cannot_be_handed_on(self: object) -> Any:
+    """Raise what pickle and copy say of an object of the core that they cannot take."""
+    raise TypeError(
+        f"{type(self).__name__} cannot be copied or pickled: hand on what it was made "
+        "of, and make it there"
+    )
+
+
 def _wrap_class(cls: type) -> None:
+    if "__reduce__" not in vars(cls):
+        cls.__reduce__ = _cannot_be_handed_on  # type: ignore[assignment]
     for name, value in list(vars(cls).items()):
         is_init = name == "__init__" and SIGNED in (value.__doc__ or "")
         if callable(value) and (name[0] != "_" or is_init):

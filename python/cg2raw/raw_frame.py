@@ -22,3 +22,13 @@ class RawFrame(np.ndarray[Any, np.dtype[np.uint16]]):
     def __array_finalize__(self, source: Any) -> None:
         same = source is not None and source.shape == self.shape
         self.simulation = getattr(source, "simulation", None) if same else None
+
+    def __reduce__(self) -> Any:
+        reduced: Any = super().__reduce__()
+        make, arguments, state = reduced
+        return make, arguments, (state, self.simulation)
+
+    def __setstate__(self, state: Any) -> None:
+        of_array, simulation = state
+        super().__setstate__(of_array)
+        self.simulation = simulation

@@ -20,6 +20,7 @@ enum class NoiseModel {
 };
 /// "gaussian" or "physical". Throws Error on other words.
 NoiseModel noise_model_from_name(std::string_view name);
+const char* name_of(NoiseModel model);
 
 /// What one exposure is asked to be.
 struct Run {
