@@ -17,6 +17,7 @@ FLOW = (
     "scene_file",
     "time_code",
     "color",
+    "encoding",
     "spectrum",
     "profile",
     "illuminant",

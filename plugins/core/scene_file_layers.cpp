@@ -19,8 +19,8 @@ constexpr const char* beauty_names[]
     = { "rgba", "rgb", "beauty", "c", "ci", "combined" };
 /// What Nuke calls the layer of channels without one.
 constexpr const char* unnamed = "rgba";
-constexpr const char* color_names[3][2]
-    = { { "r", "red" }, { "g", "green" }, { "b", "blue" } };
+constexpr const char* color_names[4][2]
+    = { { "r", "red" }, { "g", "green" }, { "b", "blue" }, { "a", "alpha" } };
 /// Names of channels or layers that a message lists.
 constexpr std::size_t most_listed = 40;
 
@@ -35,11 +35,11 @@ bool is_beauty_name(const std::string& name)
     return std::any_of(std::begin(beauty_names), std::end(beauty_names), is_it);
 }
 
-/// 0, 1, 2 of a channel that is red, green or blue; -1 of others.
+/// 0, 1, 2 of a channel that is red, green or blue, 3 of alpha; -1 of others.
 int color_of(const std::string& channel)
 {
     const std::string word = last_word(channel);
-    for (int color = 0; color < 3; ++color)
+    for (int color = 0; color < 4; ++color)
         if (word == color_names[color][0] || word == color_names[color][1])
             return color;
     return -1;
@@ -83,7 +83,8 @@ std::vector<SceneLayer> layers_of(const std::vector<std::string>& channels,
         const auto [place, is_new] = places.try_emplace(prefix, found.size());
         if (is_new)
             found.push_back({ full_name(part, prefix), index, { -1, -1, -1 } });
-        int& channel = found[place->second].channels[std::size_t(color)];
+        SceneLayer& layer = found[place->second];
+        int& channel = color == 3 ? layer.alpha : layer.channels[std::size_t(color)];
         channel = channel < 0 ? int(i) : channel;
     }
     const auto is_incomplete = [](const SceneLayer& layer) {
@@ -92,7 +93,7 @@ std::vector<SceneLayer> layers_of(const std::vector<std::string>& channels,
     found.erase(std::remove_if(found.begin(), found.end(), is_incomplete), found.end());
     if (found.empty() && (channels.size() == 3 || channels.size() == 4)
         && std::all_of(channels.begin(), channels.begin() + 3, is_unnamed))
-        found.push_back({ part, index, { 0, 1, 2 } });
+        found.push_back({ part, index, { 0, 1, 2 }, channels.size() == 4 ? 3 : -1 });
     return found;
 }
 

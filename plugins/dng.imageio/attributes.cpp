@@ -115,6 +115,12 @@ constexpr Known known[] = {
     { "dng:illuminant",
       [](Attributes& a, const Given& g) { a.illuminant = g.text(); } },
     { "dng:layer", [](Attributes& a, const Given& g) { a.layer = g.text(); } },
+    { "dng:linearize",
+      [](Attributes& a, const Given& g) {
+          if (!OIIO::Strutil::iequals(g.text(), "srgb"))
+              g.fail("srgb");
+          a.linearize = true;
+      } },
     { "dng:iso",
       [](Attributes& a, const Given& g) {
           a.iso = g.real(1.0, 1e7, "an ISO from 1 to 10000000");

@@ -19,6 +19,7 @@ struct Attributes {
     std::optional<NoiseModel> noise;
     std::optional<Compression> compression;
     bool sample_gain = false;
+    bool linearize = false; ///< undo the curve of sRGB
     std::uint64_t seed = 0;
     std::optional<std::uint64_t> frame;
     std::optional<FrameRate> frame_rate;

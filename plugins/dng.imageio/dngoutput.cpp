@@ -48,7 +48,8 @@ private:
     void take(HostPixels host, Site at);
 
     std::string m_name;
-    std::array<int, 3> m_channels {}; ///< of red, green and blue in the host's pixels
+    SceneLayer m_layer; ///< the channels to take of the host's pixels
+    Decoder m_decoder; ///< of their numbers
     std::optional<SpectralResponse> m_spectral; ///< of pixels that are spectra
     std::optional<FrameWindow> m_window;
     std::unique_ptr<FrameSink> m_sink; ///< of the file that is open
@@ -112,7 +113,8 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
 void DngOutput::start(const std::string& name)
 {
     const Request request = request_of(m_spec, name);
-    m_channels = request.layer.channels;
+    m_layer = request.layer;
+    m_decoder = request.decoder;
     m_spectral = request.spectral;
     m_window.emplace(m_spec);
     m_sink = frame_sink(name, request, m_window->size());
@@ -160,9 +162,11 @@ HostPixels DngOutput::host_pixels(const void* data, TypeDesc format, int width,
              height,
              xstride,
              ystride,
-             m_channels,
+             m_layer.channels,
              m_spec.nchannels,
-             m_spectral ? &*m_spectral : nullptr };
+             m_spectral ? &*m_spectral : nullptr,
+             m_decoder.is_identity() ? nullptr : &m_decoder,
+             m_layer.alpha };
 }
 
 /// Pixels of the data window.

@@ -21,8 +21,8 @@ bool are_together(const std::array<int, 3>& channels)
 /// Whether float RGB can be seen where it lies.
 bool is_in_place(const HostPixels& host)
 {
-    return host.format == TypeDesc::FLOAT && are_together(host.channels)
-        && host.xstride % stride_t(sizeof(float)) == 0
+    return !host.decoder && host.format == TypeDesc::FLOAT
+        && are_together(host.channels) && host.xstride % stride_t(sizeof(float)) == 0
         && host.ystride % stride_t(sizeof(float)) == 0;
 }
 
@@ -55,6 +55,28 @@ RgbView spectral_view(const HostPixels& host, std::vector<float>& room)
     return { room.data(), host.width, host.height, 3, 3 * std::ptrdiff_t(host.width) };
 }
 
+/// Where a channel of the first pixel lies.
+const char* channel_of(const HostPixels& host, int channel)
+{
+    return host.data + channel * stride_t(host.format.size());
+}
+
+/// The numbers in @p room become light, a row at a time.
+void decode(const HostPixels& host, std::vector<float>& room)
+{
+    const std::size_t width = std::size_t(host.width);
+    std::vector<float> alpha(host.decoder->needs_alpha() ? width : 0);
+    for (int y = 0; y < host.height; ++y) {
+        if (!alpha.empty())
+            OIIO::convert_image(
+                1, host.width, 1, 1, channel_of(host, host.alpha) + y * host.ystride,
+                host.format, host.xstride, host.ystride, OIIO::AutoStride, alpha.data(),
+                TypeDesc::FLOAT, sizeof(float), OIIO::AutoStride, OIIO::AutoStride);
+        host.decoder->decode(room.data() + 3 * width * std::size_t(y), alpha.data(), 1,
+                             host.width);
+    }
+}
+
 } // namespace
 
 HostPixels HostPixels::rows(int first, int count) const
@@ -70,8 +92,7 @@ RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
     if (host.spectral)
         return spectral_view(host, room);
     const auto channel = [&](int color) {
-        return host.data
-            + host.channels[std::size_t(color)] * stride_t(host.format.size());
+        return channel_of(host, host.channels[std::size_t(color)]);
     };
     if (is_in_place(host))
         return { reinterpret_cast<const float*>(channel(0)), host.width, host.height,
@@ -85,6 +106,8 @@ RgbView rgb_view(const HostPixels& host, std::vector<float>& room)
                             host.format, host.xstride, host.ystride, OIIO::AutoStride,
                             room.data() + color, TypeDesc::FLOAT, pixel,
                             pixel * host.width, OIIO::AutoStride);
+    if (host.decoder)
+        decode(host, room);
     return { room.data(), host.width, host.height, 3, 3 * std::ptrdiff_t(host.width) };
 }
 

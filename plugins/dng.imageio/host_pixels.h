@@ -4,6 +4,7 @@
 /// @file Pixels as a host hands them over -> views of float RGB.
 #pragma once
 
+#include "cg2raw/encoding.h"
 #include "cg2raw/spectral_image.h"
 #include "cg2raw/types.h"
 
@@ -24,13 +25,15 @@ struct HostPixels {
     std::array<int, 3> channels; ///< of red, green and blue
     int nchannels; ///< of a pixel
     const SpectralResponse* spectral = nullptr; ///< if the channels are a spectrum
+    const Decoder* decoder = nullptr; ///< of numbers that are not light
+    int alpha = -1; ///< its channel, for the decoder
 
     /// Rows @p first ... first + count - 1.
     HostPixels rows(int first, int count) const;
 };
 
-/// A view of host pixels as float RGB, camera RGB if they are spectra; @p room holds
-/// them when they must be converted.
+/// A view of host pixels as light in float RGB, camera RGB if they are spectra; @p room
+/// holds them when they must be converted.
 RgbView rgb_view(const HostPixels& host, std::vector<float>& room);
 
 /// Where the pixels of an image lie in the frame that is written: its display window.

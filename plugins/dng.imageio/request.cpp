@@ -5,85 +5,20 @@
 
 #include "attributes.h"
 #include "cg2raw/dng_reader.h"
+#include "request_encoding.h"
 #include "request_shot.h"
 #include "request_spectrum.h"
 
-#include <OpenImageIO/color.h>
 #include <OpenImageIO/strutil.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
-#include <iterator>
 
 namespace cg2raw {
 namespace {
 
 using OIIO::ImageSpec;
 using OIIO::Strutil::iequals;
-
-/// What the words "linear" and "scene_linear" stand for is the OCIO config's business;
-/// without one they are Rec.709.
-bool is_rec709_word([[maybe_unused]] const std::string& word)
-{
-#if OIIO_VERSION < 30000
-    if (!std::getenv("OCIO"))
-        return true;
-#endif
-    const OIIO::ColorConfig config;
-#if OIIO_VERSION >= 30000
-    if (iequals(word, "linear"))
-        return is_rec709_name(std::string(config.resolve(word)));
-#endif
-    const char* const role = config.getColorSpaceNameByRole("scene_linear");
-    return !role || is_rec709_name(role);
-}
-
-bool is_rec709(const std::string& space)
-{
-    if (iequals(space, "linear") || iequals(space, "scene_linear"))
-        return is_rec709_word(space);
-    return space.empty() || is_rec709_name(space);
-}
-
-/// A space of the current config that is Rec.709, for the remedy of a message.
-std::string rec709_of_config()
-{
-    const OIIO::ColorConfig config;
-    for (int i = 0; i < config.getNumColorSpaces(); ++i)
-        if (is_rec709_name(config.getColorSpaceNameByIndex(i)))
-            return config.getColorSpaceNameByIndex(i);
-    return std::getenv("OCIO") ? "<the config's linear Rec.709 space>" : "linear";
-}
-
-std::string color_space_of(const ImageSpec& spec)
-{
-    return spec.get_string_attribute("oiio:ColorSpace");
-}
-
-void require_rec709(const std::string& space)
-{
-    if (!is_rec709(space))
-        throw Error("colour space \"" + space
-                    + "\" is neither scene-linear Rec.709 nor a RAW space: add "
-                      "--tocolorspace \""
-                    + rec709_of_config()
-                    + "\" (or \"RAW - <sensor> - <illuminant>\") before -o");
-}
-
-/// OpenEXR files may say their primaries themselves.
-void require_rec709_primaries(const ImageSpec& spec)
-{
-    float said[8];
-    if (!spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8),
-                           said))
-        return;
-    std::array<double, 8> chromaticities;
-    std::copy(std::begin(said), std::end(said), chromaticities.begin());
-    cg2raw::require_rec709_primaries(chromaticities, color_space_of(spec), OIIO_VERSION,
-                                     rec709_of_config());
-}
 
 /// A name is of a channel that the host's pixels have.
 void require_channels(const ImageSpec& spec)
@@ -185,18 +120,15 @@ Run run_of(const Attributes& attributes)
     return run;
 }
 
-/// What pixels that are no RAW must have beside them: a sensor and Rec.709.
-void require_scene(const ImageSpec& spec, const Attributes& attributes, bool has_sensor,
-                   bool is_spectral)
+/// Pixels that are no RAW need a sensor.
+void require_sensor(const Attributes& attributes)
 {
-    if (!has_sensor && attributes.reference.empty())
+    if (attributes.sensor.empty() && attributes.reference.empty())
         throw Error("which sensor? Add --attrib dng:sensor ID (cg2raw doctor lists "
                     "them) or --attrib dng:reference FILE.dng, or convert with "
-                    "--tocolorspace \"RAW - <sensor> - <illuminant>\"");
-    if (is_spectral)
-        return;
-    require_rec709(color_space_of(spec));
-    require_rec709_primaries(spec);
+                    "--tocolorspace \"RAW - <sensor> - <illuminant>\"; if its pixels "
+                    "are RAW already, --iscolorspace \"RAW - <sensor> - <illuminant>\" "
+                    "in place of them");
 }
 
 /// A light, or a sensor that needs none; a RAW space, or a sensor that has one.
@@ -239,7 +171,7 @@ Request request_of(const ImageSpec& spec, const std::string& file)
     std::optional<SensorProfile> sensor;
     if (!attributes.sensor.empty())
         sensor = load_profile(attributes.sensor);
-    Request request { layer, {}, {}, run_of(attributes), attributes.options, {} };
+    Request request { layer, {}, {}, {}, run_of(attributes), attributes.options, {} };
     request.run.frame = frame_of(spec, attributes, file);
     request.shot = shot_of(spec, attributes, request.run.frame);
 
@@ -251,8 +183,10 @@ Request request_of(const ImageSpec& spec, const std::string& file)
         if (!sensor)
             sensor = load_profile(space->sensor);
     } else {
-        require_scene(spec, attributes, sensor.has_value(), bins.has_value());
+        require_sensor(attributes);
     }
+    if (!bins)
+        request.decoder = decoder_of(spec, attributes, layer, request.run.camera_input);
     if (!bins)
         refuse_estimate(request.run.illuminant);
     if (attributes.reference.empty())

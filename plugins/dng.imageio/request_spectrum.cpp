@@ -50,6 +50,8 @@ void refuse_rgb_options(const Attributes& attributes)
             + " has no meaning: leave it out, or name the picture by dng:layer");
     if (attributes.highlights.value_or(false))
         throw Error(start + "dng:highlights has no meaning: leave it out");
+    if (attributes.linearize)
+        throw Error(start + "dng:linearize has no meaning: leave it out");
     if (attributes.gain || attributes.sample_gain)
         throw Error(start + "dng:gain has no meaning: change dng:exposure");
 }

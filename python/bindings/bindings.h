@@ -76,6 +76,7 @@ inline void interleave(const float* const planes[3], int width, float* rgb)
 void bind_color(py::module_& m);
 void bind_profile(py::module_& m);
 void bind_scene_file(py::module_& m);
+void bind_encoding(py::module_& m);
 void bind_spectral_image(py::module_& m);
 void bind_transform(py::module_& m);
 void bind_simulation(py::module_& m);

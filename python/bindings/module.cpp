@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, m)
     py::register_exception<cg2raw::Error>(m, "Error", PyExc_ValueError);
     cg2raw::python::bind_color(m);
     cg2raw::python::bind_scene_file(m);
+    cg2raw::python::bind_encoding(m);
     cg2raw::python::bind_profile(m);
     cg2raw::python::bind_spectral_image(m);
     cg2raw::python::bind_transform(m);

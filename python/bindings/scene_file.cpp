@@ -12,7 +12,8 @@ void bind_scene_file(py::module_& m)
     py::class_<SceneLayer>(m, "SceneLayer")
         .def_readonly("name", &SceneLayer::name)
         .def_readonly("part", &SceneLayer::part)
-        .def_readonly("channels", &SceneLayer::channels);
+        .def_readonly("channels", &SceneLayer::channels)
+        .def_readonly("alpha", &SceneLayer::alpha);
     m.def(
         "beauty_layer",
         [](const std::vector<std::pair<std::string, std::vector<std::string>>>& parts,

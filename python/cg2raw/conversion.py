@@ -141,6 +141,9 @@ def spectral_image_of(
 
     Raises ValueError, OSError."""
     start = f"{file.path}: its channels are a spectrum"
+    if request.linearize or request.space:
+        option = "--linearize" if request.linearize else "--iscolorspace"
+        raise ValueError(f"{start}: {option} has no meaning, leave it out")
     sensor = request.sensor
     if request.upi or sensor is None or sensor.spectral_sensitivities is None:
         raise ValueError(
@@ -215,7 +218,10 @@ def exposure_of(
             )
         return found, asked | done
     if request.sensor is None and request.reference is None:
-        raise ValueError("which sensor? Add --sensor ID (cg2raw sensors lists them)")
+        raise ValueError(
+            "which sensor? Add --sensor ID (cg2raw sensors lists them), or, if its "
+            'pixels are RAW already, --iscolorspace "RAW - <sensor> - <illuminant>"'
+        )
     image_file.check_rec709(image)
     if "illuminant" not in asked and not is_mono_sensor(request):
         raise ValueError(NO_LIGHT)

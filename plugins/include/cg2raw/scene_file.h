@@ -25,6 +25,7 @@ struct SceneLayer {
     std::string name; ///< empty: unnamed channels R, G, B
     int part = 0; ///< index of the part that they lie in
     std::array<int, 3> channels {}; ///< of R, G and B, in that part
+    int alpha = -1; ///< its alpha in that part, -1 if it has none
 };
 
 /// How a host is told which layer to take, for messages.

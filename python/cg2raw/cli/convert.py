@@ -2,10 +2,11 @@
 # Copyright Contributors to the cg2raw Project.
 """Convert renders to the DNGs that a camera would have recorded.
 
-Reads what OpenImageIO reads (EXR, TIFF, PNG, HDR ...), scene-linear Rec.709; pictures
-encoded as sRGB are refused, unless --linearize srgb says to undo that curve. It takes
-any TIFF and PNG for sRGB: --iscolorspace lin_rec709 if they are linear. Writes the
-same bytes as oiiotool with the same dng: attributes, and needs no plugin. Several
+Reads what OpenImageIO reads (EXR, TIFF, PNG, HDR ...), scene-linear Rec.709. Pictures
+that are sRGB, and whole numbers of 8 or 16 bits that state no colour space, are
+refused, unless --linearize srgb undoes that curve; --iscolorspace lin_rec709 if they
+are linear. What is transparent is black. Writes the same bytes as oiiotool with the
+same dng: attributes, and needs no plugin. Several
 inputs, or an -o that is a folder, give a DNG of the same name each; one that fails is
 named, the others are done, and the exit code is 1.
 
@@ -44,6 +45,7 @@ from typing import TYPE_CHECKING, Any
 from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import number, whole
 from cg2raw.cli._outputs import each_file
+from cg2raw.cli._pictures import add_encoding
 from cg2raw.cli._shots import add_shot, frames_asked, outputs_of_shot
 from cg2raw.system import usable_cores
 
@@ -123,8 +125,7 @@ def add_picture(group: argparse._ArgumentGroup) -> None:
         help="of white in spectral images (channels S0.550nm ...)",
     )
     add("--layer", metavar="NAME", help="of a layered or multi-part file")
-    add("--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says")
-    add("--linearize", choices=("srgb",), help="undo sRGB's curve in sRGB pictures")
+    add_encoding(group)
 
 
 def add_upi(group: argparse._ArgumentGroup) -> None:

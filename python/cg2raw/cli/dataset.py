@@ -2,19 +2,16 @@
 # Copyright Contributors to the cg2raw Project.
 """Training data: each image by many sensors, lights, digital gains and ISOs.
 
-IN is a folder, searched through, or files: EXR and HDR (scene-linear Rec.709), PNG and
-TIFF (integers are linearised by their curve, sRGB unless they say another; the manifest
-says which). OUT/manifest.parquet and .jsonl list every file with the light that it was
-made under, the clean file beside a noisy one, and all that is needed to make it again.
+IN is a folder, searched through, or files: EXR, HDR, PNG, TIFF. The curve that a file
+states is undone; whole numbers that state none need --linearize, or --iscolorspace.
+OUT/manifest.parquet and .jsonl list all that is needed to make each file again.
 
-Stopped, even killed: run the same command again to resume; finished files are kept if
-their hashes are right. A file's bytes depend on the options, its image and its name,
-not on order, workers or interruptions. An image that cannot be used is listed at the
-end, and the exit code is then 1.
+Stopped, even killed: run the same command again to resume; finished files of the right
+hashes are kept. A file's bytes depend on the options, its image and its name alone.
+Unusable images are listed at the end; the exit code is then 1.
 
-Of an image with layers or parts the picture is taken: R, G, B, or the layer called
-rgba, beauty, C or Combined; --layer names another. Images are their display windows:
-overscan is cut off, what is missing is black.
+Of an image with layers or parts the picture is taken: R, G, B, or the layer rgba,
+beauty, C or Combined, or --layer; what its display window lacks is black.
 
 examples:
     cg2raw dataset renders/ out/ --sensors nikon-d40,samsung-s20fe --illuminants 4
@@ -35,6 +32,7 @@ from typing import TYPE_CHECKING
 from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import number, number_list
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, refuse_twice
+from cg2raw.cli._pictures import add_encoding
 from cg2raw.cli._progress import counted
 from cg2raw.short_messages import plural
 from cg2raw.spectra import is_estimate
@@ -119,6 +117,7 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         help="noise differs by the image's name in IN (default), its place, or not",
     )
     add("--layer", metavar="NAME", help="of layered or multi-part files")
+    add_encoding(group)
 
 
 def add_files(group: argparse._ArgumentGroup) -> None:
@@ -259,6 +258,8 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
         patches=arguments.patches or 1,
         seed=arguments.seed,
         layer=arguments.layer,
+        linearize=arguments.linearize,
+        space=arguments.iscolorspace,
         frame_from=arguments.frame_from,
         **files_of(arguments),
     )

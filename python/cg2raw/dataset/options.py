@@ -20,6 +20,7 @@ OPTIONS = {
     "white_luminance": "--white-luminance",
     "element_type": "--type",
     "profiles": "--sensors (the profiles)",
+    "space": "--iscolorspace",
 }
 
 

@@ -33,6 +33,8 @@ class Plan:
     exposure_time : seconds; None for what each image's Exif says.
     white_luminance : cd/m2 of white in spectral images; None for what each says.
     layer : of layered images; None for the picture by the conventions of renderers.
+    linearize : "srgb", the curve of whole numbers whose files state none; None: they
+    are an error. space : of all images, whatever they say.
     frame_from : what tells the noise of one image from that of another: its "name", its
     "index" among the images, or "none", nothing.
     profiles : {id: JSON text}, as Sensor.to_json gives it.
@@ -61,6 +63,8 @@ class Plan:
     profiles: dict[str, str]
     light_draws: str = "sample"
     folders: str = "stem"
+    linearize: str | None = None
+    space: str | None = None
 
     def words(self, image: str) -> list[str]:
         """Return the words of the illuminants of one image."""

@@ -42,7 +42,8 @@ def read_source(path: str, plan: Plan) -> Source:
         raise ValueError(
             f"has no spectrum for --illuminants {word}, and its light must be named"
         )
-    return RgbSource(read_image(path, plan.layer, undo="stated"))
+    undo = "stated-or-srgb" if plan.linearize else "stated"
+    return RgbSource(read_image(path, plan.layer, undo=undo, space=plan.space))
 
 
 def crop(pixels: FloatImage, box: Box) -> FloatImage:

@@ -14,7 +14,7 @@ from cg2raw import _core
 from cg2raw.arrays import FloatImage
 from cg2raw.io import dwa, image_spaces
 from cg2raw.io.atomic_file import FilePath, utf8_path
-from cg2raw.io.transfer_curve import Curve
+from cg2raw.io.image_spaces import COMMAND, Remedies
 from cg2raw.oiio.openimageio import one_line, openimageio
 from cg2raw.system import check_readable
 
@@ -30,7 +30,8 @@ class Image:
     whole display window; black where the file has no data. space : the name of the
     pixels' colour space; may be empty. chromaticities : x, y of red, green, blue and
     white, if the file has them. shot : Exif, as write_dng takes it. undone : the curve
-    that was undone, "srgb" or "g2.2", empty if the file's numbers are as they were."""
+    that was undone, "srgb" or "g2.2", empty if there was none. encoding : what the file
+    says of it, where no curve was looked for."""
 
     path: str
     pixels: NDArray[np.floating[Any]]
@@ -38,21 +39,21 @@ class Image:
     chromaticities: tuple[float, ...] | None = None
     shot: dict[str, Any] = field(default_factory=dict)
     undone: str = ""
+    encoding: _core.StatedEncoding | None = None
     layer: str = ""  # empty: unnamed R, G, B
     time_code: str = ""  # SMPTE, hh:mm:ss:ff
     compression: str = ""  # as OpenImageIO calls it: "zip", "none"
 
 
 @contextlib.contextmanager
-def opened(path: FilePath, straight_alpha: bool = False) -> Generator[Any]:
+def opened(path: FilePath) -> Generator[Any]:
     """Yield the ImageInput of @path. Raises ValueError, OSError.
 
-    straight_alpha : colour is not to be multiplied by an alpha that lies beside it."""
+    Its numbers are the file's: colour is not multiplied by an alpha beside it."""
     oiio = openimageio()
     check_readable(path)  # OpenImageIO's own messages do not tell why it cannot
     config = oiio.ImageSpec()
-    if straight_alpha:
-        config.attribute("oiio:UnassociatedAlpha", 1)
+    config.attribute("oiio:UnassociatedAlpha", 1)
     with utf8_path(path) as way:
         source = oiio.ImageInput.open(way, config)
         if source is None:
@@ -67,37 +68,45 @@ def read_image(
     undo: str | None = None,
     space: str | None = None,
     keep_half: bool = False,
+    remedies: Remedies = COMMAND,
 ) -> Image:
-    """Return the Image at @path.
+    """Return the Image at @path, over black.
 
     layer : the name of one in a layered or multi-part file; None for the picture by the
     conventions of renderers (beauty_layer in scene_file.h).
-    undo : which curves of pictures are undone. None: none; "srgb": that of sRGB, in
-    files that say they are sRGB; "stated": the one that the file states, for integers
-    without a word sRGB's, and a file of another colour space is an error.
+    undo : which curves of pictures are undone. None: none, and check_rec709 says if
+    there is one; else a word of Undo in encoding.h, and a file whose pixels are not
+    scene-linear Rec.709 then (or RAW, by "srgb") is an error that names the remedies.
     space : the name of the pixels' colour space, if the file errs.
     keep_half : pixels that are half floats in the file remain float16: reading those of
     a compressed EXR takes half the time then.
     Raises ValueError saying what is wrong with the file, OSError."""
     path = str(path)
-    with opened(path, straight_alpha=undo is not None) as source:
+    with opened(path) as source:
         chosen, spec = chosen_layer(path, source, layer)
         if space is not None:
-            spec.attribute("oiio:ColorSpace", space)
-            spec.erase_attribute("chromaticities")
+            image_spaces.state(spec, space)
+        chromaticities = spec.getattribute("chromaticities")
+        curve = None
         try:
-            curve = image_spaces.curve_of(spec, undo)
+            said = image_spaces.encoding_of(spec, takes_raw=undo == "srgb")
+            if undo is not None:
+                curve = image_spaces.curve_of(said, undo, remedies)
+                check_primaries_of(said, chromaticities)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-        pixels = read_pixels(path, source, spec, chosen.channels, curve, keep_half)
-    chromaticities = spec.getattribute("chromaticities")
+        decoder = image_spaces.decoder_of(spec, chosen, curve)
+        channels = chosen.channels + [chosen.alpha] * decoder.needs_alpha
+        pixels = read_pixels(path, source, spec, channels, decoder, keep_half)
+    undone = curve.name if curve else ""
     return Image(
         path=path,
         pixels=pixels,
-        space="" if curve else spec.get_string_attribute("oiio:ColorSpace"),
+        space="" if undone else said.space,
         chromaticities=tuple(chromaticities) if chromaticities else None,
         shot=shot_of(spec),
-        undone=image_spaces.name_of(curve),
+        undone=undone,
+        encoding=said if undo is None else None,
         layer=chosen.name,
         time_code=spec.get_string_attribute("smpte:TimeCode"),
         compression=spec.get_string_attribute("compression"),
@@ -108,7 +117,7 @@ def read_plane(path: FilePath) -> FloatImage:
     """Return (H, W) float32 of the first channel at @path, its whole display window."""
     with opened(path) as source:
         check_size(path, source.spec())
-        plane: FloatImage = read_pixels(path, source, source.spec(), [0], None)[..., 0]
+        plane: FloatImage = read_pixels(path, source, source.spec(), [0])[..., 0]
         return plane
 
 
@@ -122,27 +131,28 @@ def image_size(path: FilePath, layer: str | None = None) -> tuple[int, int]:
 
 
 def has_integers(path: FilePath) -> bool:
-    """Return whether a file has integers, which a curve encodes."""
+    """Return whether a file has whole numbers, which a curve may encode."""
     with opened(path) as source:
         return image_spaces.is_integer(source.spec())
 
 
 def check_rec709(image: Image) -> None:
     """Raise ValueError unless an Image is scene-linear Rec.709, and says so."""
-    if not image_spaces.means_rec709(image.space):
-        is_srgb = image_spaces.is_srgb(image.space)
-        remedy = "add --linearize srgb, or, " if is_srgb else ""
-        rec709 = image_spaces.REC709
-        raise ValueError(
-            f'{image.path}: colour space "{image.space}" is neither scene-linear '
-            f"Rec.709 nor a RAW space: {remedy}if the pixels are linear already, "
-            f"--iscolorspace {rec709}; else oiiotool --tocolorspace {rec709}"
-        )
-    if image.chromaticities:
-        try:
-            image_spaces.check_primaries(image.chromaticities, image.space)
-        except ValueError as error:
-            raise ValueError(f"{image.path}: {error}") from None
+    if image.encoding is None:  # it was checked when it was read
+        return
+    try:
+        image_spaces.curve_of(image.encoding, "none", COMMAND)
+        check_primaries_of(image.encoding, image.chromaticities)
+    except ValueError as error:
+        raise ValueError(f"{image.path}: {error}") from None
+
+
+def check_primaries_of(
+    said: _core.StatedEncoding, chromaticities: Sequence[float] | None
+) -> None:
+    """Raise ValueError for primaries that are not those of the stated encoding."""
+    if chromaticities:
+        image_spaces.check_primaries(chromaticities, said.space)
 
 
 def chosen_layer(
@@ -202,23 +212,19 @@ def read_pixels(
     source: Any,
     spec: Any,
     channels: Sequence[int],
-    curve: Curve | None,
+    decoder: _core.Decoder | None = None,
     keep_half: bool = False,
 ) -> NDArray[np.floating[Any]]:
     """Return (H, W, C) float32, or float16, of the display window, a few rows at a
-    time."""
+    time: numbers, or, by a @decoder, light of R, G, B; alpha comes last."""
     dwa.choose_decoder(source, spec)
-    shape = spec.full_height, spec.full_width, len(channels)
-    if keep_half and curve is None and are_half(spec, channels):
-        halves = np.zeros(shape, np.float16)
-        kind = openimageio().HALF
-        for rows, cols, part in visible_rows(path, source, spec, channels, kind):
-            halves[rows, cols] = part
-        return halves
-    whole = np.zeros(shape, np.float32)
-    kind = openimageio().FLOAT if curve is None else spec.format
+    decode = None if decoder is None or decoder.is_identity else decoder.decode
+    half = keep_half and decode is None and are_half(spec, channels)
+    shape = spec.full_height, spec.full_width, 3 if decode else len(channels)
+    whole = np.zeros(shape, np.float16 if half else np.float32)
+    kind = openimageio().HALF if half else openimageio().FLOAT
     for rows, cols, part in visible_rows(path, source, spec, channels, kind):
-        whole[rows, cols] = image_spaces.light_of(part, curve)
+        whole[rows, cols] = decode(part) if decode else part
     return whole
 
 

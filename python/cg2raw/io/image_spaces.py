@@ -3,40 +3,31 @@
 """Colour spaces of image files: names, primaries and transfer curves."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cg2raw import _core
-from cg2raw.arrays import FloatImage
-from cg2raw.io import transfer_curve
-from cg2raw.io.transfer_curve import Curve
 from cg2raw.oiio.openimageio import openimageio
 
-# Names of sRGB in OpenImageIO 2 and 3, and in common configs.
-SRGB_NAMES = {
-    "srgb",
-    "srgb_rec709_scene",
-    "srgb_rec709_display",
-    "srgb_texture",
-    "srgb_tx",
-    "srgb - texture",
-    "utility - srgb - texture",
-}
-RENDERS = ("half", "float", "double")
-PICTURES = ("uint8", "uint16")
 REC709 = "lin_rec709"  # what messages call it
 
 
+@dataclass(frozen=True)
+class Remedies:
+    """How a user says what a file does not, for messages.
+
+    linearize : undo the curve of sRGB. is_linear : the pixels are linear light."""
+
+    linearize: str
+    is_linear: str
+
+
+COMMAND = Remedies("--linearize srgb", f"--iscolorspace {REC709}")
+
+
 def is_integer(spec: Any) -> bool:
-    """Return whether an image has integers that a curve may encode."""
-    return str(spec.format) in PICTURES
-
-
-def is_srgb(space: str) -> bool:
-    """Return whether the name of a space says that the curve of sRGB encodes it."""
-    return space.lower() in SRGB_NAMES
+    """Return whether an image has whole numbers, which a curve may encode."""
+    return _core.levels_of(str(spec.format)) != 0
 
 
 def means_rec709(space: str) -> bool:
@@ -53,60 +44,47 @@ def check_primaries(chromaticities: Sequence[float], space: str) -> None:
     _core.require_rec709_primaries(chromaticities, space, version, REC709)
 
 
-def curve_of(spec: Any, undo: str | None) -> Curve | None:
-    """Return the curve to undo in an image: "srgb", an exponent, or None.
-
-    undo : as read_image has it. Raises ValueError."""
-    space = spec.get_string_attribute("oiio:ColorSpace")
-    if undo is None:
-        return None
-    if undo == "srgb":
-        return "srgb" if is_srgb(space) else None
-    return stated_curve(spec, space.lower())
+def state(spec: Any, space: str) -> None:
+    """Make an image be of a colour space, whatever its file says."""
+    spec.attribute("oiio:ColorSpace", space)
+    for name in ("chromaticities", "ICCProfile:profile_description", "dpx:Transfer"):
+        spec.erase_attribute(name)
 
 
-def stated_curve(spec: Any, space: str) -> Curve | None:
-    """Return the curve that a file states, sRGB's for integers without a word.
+def encoding_of(spec: Any, takes_raw: bool) -> _core.StatedEncoding:
+    """Return what an image says of its encoding. Raises ValueError.
 
-    Raises ValueError unless the pixels are Rec.709 then."""
-    said = spec.getattribute("chromaticities")
-    if said is not None:
-        check_primaries(said, spec.get_string_attribute("oiio:ColorSpace"))
-    profile = spec.get_string_attribute("ICCProfile:profile_description")
-    if profile and "srgb" not in profile.lower():
-        raise ValueError(
-            f'has the ICC profile "{profile}": convert it to sRGB, or to scene-linear '
-            "Rec.709"
-        )
-    integer = is_integer(spec)
-    if not integer and str(spec.format) not in RENDERS:
-        raise ValueError(f"has {spec.format} samples: needs 8 or 16 bits, or floats")
-    if means_rec709(space) if space else not integer:
-        return None if not integer else 1.0
-    if integer and (not space or is_srgb(space)):
-        return "srgb"
-    exponent = float(spec.get_float_attribute("oiio:Gamma"))
-    if integer and exponent > 0 and "rec709" in space:
-        return round(exponent, 4)
-    raise ValueError(
-        f'has the colour space "{space}": convert it to scene-linear Rec.709, as by '
-        f'oiiotool --tocolorspace "{REC709}"'
+    takes_raw : RAW pixels are right, too."""
+    text = spec.get_string_attribute
+    space = text("oiio:ColorSpace")
+    return _core.StatedEncoding(
+        space,
+        is_rec709=means_rec709(space),
+        is_raw=takes_raw and _core.raw_space_from_name(space) is not None,
+        samples=str(spec.format),
+        icc_profile=text("ICCProfile:profile_description"),
+        transfer=text("dpx:Transfer"),
+        gamma=float(spec.get_float_attribute("oiio:Gamma")),
     )
 
 
-def name_of(curve: Curve | None) -> str:
-    """Return what a curve is called: "srgb", "g2.2", or nothing."""
-    if curve is None or curve == 1.0:
-        return ""
-    return curve if isinstance(curve, str) else f"g{curve}"
+def curve_of(said: _core.StatedEncoding, undo: str, remedies: Remedies) -> _core.Curve:
+    """Return the curve to undo. undo : a word of Undo in encoding.h.
+
+    Raises ValueError unless the pixels are Rec.709, or RAW, then."""
+    convert = f"oiiotool --tocolorspace {REC709}"
+    if not said.space:  # oiiotool takes it for linear
+        convert = f"oiiotool --iscolorspace NAME --tocolorspace {REC709}"
+    words = remedies.linearize, remedies.is_linear, convert
+    return _core.curve_of(said, undo, *words)
 
 
-def light_of(pixels: NDArray[Any], curve: Curve | None) -> FloatImage:
-    """Return float32 light of pixels on a curve: floats (sRGB's alone), or integers."""
-    if curve is None:
-        return pixels.astype(np.float32, copy=False)
-    if pixels.dtype.kind == "f":
-        return transfer_curve.srgb_light(pixels)
-    table = transfer_curve.table(curve, 2 ** (8 * pixels.itemsize))
-    light: FloatImage = table[pixels]
-    return light
+def decoder_of(
+    spec: Any, layer: _core.SceneLayer, curve: _core.Curve | None
+) -> _core.Decoder:
+    """Return the way from the numbers of a layer to light."""
+    alpha = "none"
+    if layer.alpha >= 0:
+        straight = spec.get_int_attribute("oiio:UnassociatedAlpha")
+        alpha = "unassociated" if straight else "associated"
+    return _core.Decoder(curve, alpha, _core.levels_of(str(spec.format)))

@@ -44,7 +44,7 @@ KINDS: Mapping[Kind, CaptureKind] = {
         light=True,
         image=True,
         render=True,
-        fields=frozenset({"scene", "gain"}),
+        fields=frozenset({"scene", "gain", "linearize"}),
         scene="the render of it (EXR, TIFF, PNG or .npy)",
     ),
     "chart": CaptureKind(

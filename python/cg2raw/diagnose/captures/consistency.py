@@ -187,11 +187,12 @@ def notes_on(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
             f"{some(charts)}: the surround of the patches is taken to have their "
             "mean radiance; veiling glare depends on it"
         )
-    scenes = dict.fromkeys(frame.entry.scene for frame in frames)
+    renders = [f.entry for f in frames if f.entry.linearize != "none"]
+    scenes = dict.fromkeys(entry.scene for entry in renders)
     paths = [scene for scene in scenes if isinstance(scene, str) and scene != UNKNOWN]
     notes += [
-        f"{os.path.basename(path)}: integers, linearised by the curve that it names, "
-        "sRGB if none"
+        f"{os.path.basename(path)}: whole numbers, linearised by the curve that the "
+        "file or linearize states"
         for path in paths
         if has_curve(path)
     ]

@@ -28,12 +28,13 @@ TOP = (
 )
 FRAME = (
     *("file", "kind", "scene", "gain", "illuminant", "set", "group", "iso"),
-    *("exposure_time", "temperature", "image", "mask", *OF_CHARTS),
+    *("exposure_time", "temperature", "image", "mask", "linearize", *OF_CHARTS),
 )
 # What the top level may say for all frames.
 DEFAULTS: tuple[str, ...] = ("iso", "illuminant", "temperature", "image")
 UNCERTAINTY = {"light": 1.0, "radiance": 1.0, "registration": 100.0}  # largest
 UNKNOWN = "unknown"
+LINEARIZE = ("srgb", "none")
 LARGEST_OF_UNIT = {
     "gain": 1e6,
     "radiance": MOST_RADIANCE,
@@ -51,6 +52,7 @@ class FrameEntry:
 
     at : the fields that were given, with their lines; "" is the frame itself.
     scene : three numbers, a path, or "unknown"; None for darks and charts.
+    linearize : the curve of a render whose file does not state it, "none" or "srgb".
     patches, corners : of a chart with pixels: its rectangles, or the (row, col) of its
         corner patches' centres. means : of a chart that is a table of patch means.
     image : name or number of one of several images in the file, or "all"."""
@@ -67,6 +69,7 @@ class FrameEntry:
     exposure_time: float | None
     temperature: float | None
     mask: str | None
+    linearize: str | None = None
     patches: tuple[Patch, ...] = ()
     corners: tuple[tuple[float, ...], ...] = ()
     means: MeansEntry | None = None
@@ -149,6 +152,7 @@ def frame_entry(
         exposure_time=number("exposure_time", 0.0, "seconds"),
         temperature=number("temperature", ABSOLUTE_ZERO, "celsius"),
         mask=existing(own["mask"], path) if "mask" in own else None,
+        linearize=own["linearize"].word(LINEARIZE) if "linearize" in own else None,
         patches=patches,
         corners=corners_of(own["corners"]) if "corners" in own else (),
         means=means_entry(own, path) if is_table(file) else None,
@@ -169,7 +173,7 @@ def check_fields_of_kind(
         own["file"].fail(f"is a table of patch means, which is no {kind}: kind: chart")
     if "patches" in known.fields:
         check_chart(value, own, table)
-    for name in (*OF_CHARTS, "scene", "gain"):
+    for name in (*OF_CHARTS, "scene", "gain", "linearize"):
         if name in own and name not in known.fields:
             own[name].fail(f"is not for a {kind}; remove it, or set another kind")
     if "scene" in own and own["scene"].node.value == UNKNOWN and "gain" in own:

@@ -233,7 +233,7 @@ def scene_of(
         return None, None
     path = entry.scene
     consistency.check_image(entry.at["scene"], path, shape)
-    return lambda: read_scene(path, entry.gain), None
+    return lambda: read_scene(path, entry.gain, entry.linearize), None
 
 
 def mask_of(

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from cg2raw.arrays import FloatImage
 from cg2raw.io import image_file, npy_file
+from cg2raw.io.image_spaces import REC709, Remedies
 
 Mask = NDArray[np.bool_]
+FIELD = Remedies("linearize: srgb", "linearize: none")  # of the manifest
 
 
 def uniform(color: tuple[float, ...], gain: float) -> Callable[[], FloatImage]:
@@ -33,12 +35,16 @@ def has_curve(path: str) -> bool:
     return not npy_file.is_npy(path) and image_file.has_integers(path)
 
 
-def read_scene(path: str, gain: float) -> FloatImage:
+def read_scene(path: str, gain: float, linearize: str | None = None) -> FloatImage:
     """Return (H, W, 3) float32 scene-linear Rec.709 times gain.
 
-    Integers are linearised by the curve that the file names, sRGB if it names none.
-    Raises ValueError for another colour space, and for a pixel that is not finite."""
+    linearize : None: by the curve that the file states; "srgb": by sRGB's; "none": the
+    pixels are linear, whatever it states.
+    Raises ValueError for another colour space, for whole numbers that state none, and
+    for a pixel that is not finite."""
     if npy_file.is_npy(path):
+        if linearize == "srgb":
+            raise ValueError(f"{path}: linearize: its floats are linear; remove it")
         pixels = npy_file.mapped(path)
         if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.dtype.kind != "f":
             raise ValueError(
@@ -47,7 +53,12 @@ def read_scene(path: str, gain: float) -> FloatImage:
             )
         rgb = pixels.astype(np.float32)
     else:
-        rgb = image_file.read_image(path, undo="stated").pixels
+        rgb = image_file.read_image(
+            path,
+            undo=linearize if linearize == "srgb" else "stated",
+            space=REC709 if linearize == "none" else None,
+            remedies=FIELD,
+        ).pixels
     check_finite(path, rgb)
     rgb *= np.float32(gain)
     return rgb

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Numbers of a file -> light.
+#include "cg2raw/encoding.h"
+
+#include "elementary.h"
+
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+/// What float's rounding may move a code value by, in parts of it: twice the half unit
+/// in the last place of float32, in hosts that multiply by the rounded reciprocal.
+constexpr double code_tolerance = 0x1p-22;
+/// Above it a float is no code, and its power may be none.
+constexpr double largest = 1e15;
+
+/// Source: IEC 61966-2-1.
+double srgb_light(double code)
+{
+    return code <= 0.04045 ? code / 12.92
+                           : exponential(2.4 * natural_log((code + 0.055) / 1.055));
+}
+
+double curve_light(const Curve& curve, double code)
+{
+    if (curve.kind == Curve::Kind::none || !(std::abs(code) < largest))
+        return code;
+    if (curve.kind == Curve::Kind::srgb)
+        return srgb_light(code);
+    return code > 0.0 ? exponential(curve.exponent * natural_log(code)) : 0.0;
+}
+
+} // namespace
+
+Decoder::Decoder(const Curve& curve, Alpha alpha, int levels)
+    : m_curve(curve)
+    , m_alpha(alpha)
+    , m_needs_alpha(alpha == Alpha::unassociated
+                    || (alpha == Alpha::associated && curve.kind != Curve::Kind::none))
+    , m_top(levels > 0 ? levels - 1 : 0)
+{
+    if (m_top == 0)
+        return;
+    m_light.reserve(std::size_t(levels));
+    for (int code = 0; code < levels; ++code)
+        m_light.push_back(float(curve_light(curve, double(code) / m_top)));
+}
+
+bool Decoder::is_identity() const
+{
+    return m_curve.kind == Curve::Kind::none && !m_needs_alpha && m_top == 0;
+}
+
+/// The code value that a number is, but for rounding; -1 if it is none.
+int Decoder::code_of(float number) const
+{
+    const double code = double(number) * m_top, whole = std::nearbyint(code);
+    const bool is_code = m_top > 0 && whole >= 0.0 && whole <= m_top
+        && std::abs(code - whole) <= whole * code_tolerance;
+    return is_code ? int(whole) : -1;
+}
+
+double Decoder::value_of(float number) const
+{
+    const int code = code_of(number);
+    return code < 0 ? double(number) : double(code) / m_top;
+}
+
+float Decoder::light_of(float number) const
+{
+    const int code = code_of(number);
+    return code < 0 ? float(curve_light(m_curve, number)) : m_light[std::size_t(code)];
+}
+
+void Decoder::decode(float* rgb, const float* alpha, std::ptrdiff_t pitch,
+                     int count) const
+{
+    for (int i = 0; i < count; ++i, rgb += 3) {
+        const float a = m_needs_alpha ? float(value_of(alpha[i * pitch])) : 1.0F;
+        const bool is_clear = m_alpha == Alpha::unassociated && !(a > 0.0F);
+        const bool is_divided = m_alpha == Alpha::associated && a > 0.0F && a < 1.0F;
+        for (int color = 0; color < 3; ++color) {
+            float& number = rgb[color];
+            if (is_clear)
+                number = 0.0F;
+            else if (is_divided)
+                number = float(curve_light(m_curve, value_of(number) / double(a))) * a;
+            else if (m_alpha == Alpha::unassociated)
+                number = light_of(number) * a;
+            else
+                number = light_of(number);
+        }
+    }
+}
+
+} // namespace cg2raw
