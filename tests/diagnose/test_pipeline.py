@@ -144,7 +144,7 @@ def test_an_interrupt_at_once_reports_the_gap(monkeypatch):
     monkeypatch.setattr(Search, "_add", interrupted)
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
     assert found.interrupted and found.effects == []
-    assert found.verdict == "unknown structure"
+    assert found.verdict == "not finished"
 
 
 def test_an_interrupt_before_the_search_reports_the_gap(monkeypatch):
