@@ -213,10 +213,10 @@ std::array<std::uint32_t, 4> philox_words(const std::array<std::uint32_t, 4>& co
     return { w.word[0][0], w.word[1][0], w.word[2][0], w.word[3][0] };
 }
 
-Rng::Rng(std::uint64_t seed, std::string_view purpose, std::uint64_t frame)
+Rng::Rng(std::uint64_t seed, std::string_view purpose, std::int64_t frame)
     : m_key(hashed(seed, purpose))
     , m_fixed_key(hashed(0, purpose))
-    , m_frame(frame)
+    , m_frame(std::uint64_t(frame))
 {
 }
 

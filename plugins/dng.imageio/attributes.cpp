@@ -58,14 +58,28 @@ struct Given {
     /// A whole number from 0; 64 bits when it is given as text.
     std::uint64_t whole() const
     {
+        return std::stoull(whole_text(false, "0 to 999999999999999999"));
+    }
+
+    /// The number of a frame, which may be below 0.
+    std::int64_t frame() const
+    {
+        return std::stoll(
+            whole_text(true, "-999999999999999999 to 999999999999999999"));
+    }
+
+    std::string whole_text(bool may_be_negative, const std::string& range) const
+    {
         if (value.type() == OIIO::TypeDesc::INT && value.get_int() == 2147483647)
             fail("below 2147483647, where oiiotool's integers end; larger ones as "
                  "--attrib:type=string");
-        const std::string digits = text();
+        const std::string number = text();
+        const auto digits = std::string_view(number).substr(
+            may_be_negative && !number.empty() && number[0] == '-');
         if (digits.empty() || digits.size() > 18
             || digits.find_first_not_of("0123456789") != digits.npos)
-            fail("a whole number from 0 to 999999999999999999");
-        return std::stoull(digits);
+            fail("a whole number from " + range);
+        return number;
     }
 
     bool flag() const
@@ -132,7 +146,7 @@ constexpr Known known[] = {
     { "dng:noise",
       [](Attributes& a, const Given& g) { a.noise = g.named(noise_model_from_name); } },
     { "dng:seed", [](Attributes& a, const Given& g) { a.seed = g.whole(); } },
-    { "dng:frame", [](Attributes& a, const Given& g) { a.frame = g.whole(); } },
+    { "dng:frame", [](Attributes& a, const Given& g) { a.frame = g.frame(); } },
     { "dng:framerate",
       [](Attributes& a, const Given& g) {
           a.frame_rate = g.named(frame_rate_from_text);
@@ -142,7 +156,7 @@ constexpr Known known[] = {
           a.time_code = g.named(time_code_from_text);
       } },
     { "dng:first_frame",
-      [](Attributes& a, const Given& g) { a.first_frame = g.whole(); } },
+      [](Attributes& a, const Given& g) { a.first_frame = g.frame(); } },
     { "dng:reel", [](Attributes& a, const Given& g) { a.reel = g.text(); } },
     { "dng:camera_label",
       [](Attributes& a, const Given& g) { a.camera_label = g.text(); } },

@@ -21,10 +21,10 @@ struct Attributes {
     bool sample_gain = false;
     bool linearize = false; ///< undo the curve of sRGB
     std::uint64_t seed = 0;
-    std::optional<std::uint64_t> frame;
+    std::optional<std::int64_t> frame;
     std::optional<FrameRate> frame_rate;
     std::optional<TimeCode> time_code; ///< of first_frame
-    std::optional<std::uint64_t> first_frame;
+    std::optional<std::int64_t> first_frame;
     std::string reel, camera_label;
     bool effects = true;
     DngOptions options;

@@ -30,13 +30,30 @@ void require_channels(const ImageSpec& spec)
                     + ": give a name to each");
 }
 
+/// Reads what DNGs are read as: their mosaic, or one pixel of those that cannot be.
+void refuse_raw(const ImageSpec& spec)
+{
+    const std::string unreadable(spec.get_string_attribute("raw:Unreadable"));
+    const bool is_mosaic = spec.nchannels == 1
+        && !spec.get_string_attribute("raw:FilterPattern").empty();
+    if (is_mosaic || !unreadable.empty())
+        throw Error(
+            raw_already
+            + (unreadable.empty() ? "" : "; and cannot be read: " + unreadable));
+}
+
 /// The channels to take. Hosts hand over one image of a file that may have several.
 SceneLayer layer_of(const ImageSpec& spec, const std::string& asked)
 {
-    LayerHints hints { "--attrib dng:layer" };
-    hints.other_parts = spec.get_int_attribute("oiio:subimages", 1) > 1;
-    const ScenePart part { std::string(spec.get_string_attribute("oiio:subimagename")),
-                           spec.channelnames };
+    const bool other_parts = spec.get_int_attribute("oiio:subimages", 1) > 1;
+    LayerHints hints { "--attrib dng:layer", other_parts, {} };
+    for (const OIIO::ParamValue& said : spec.extra_attribs)
+        if (OIIO::Strutil::istarts_with(said.name(), "cryptomatte/")
+            && OIIO::Strutil::iends_with(said.name(), "/name"))
+            hints.data.emplace_back(said.get_string());
+    ScenePart part { std::string(spec.get_string_attribute("oiio:subimagename")),
+                     spec.channelnames };
+    part.channels.resize(std::size_t(std::max(spec.nchannels, 0)));
     return beauty_layer({ part }, asked, hints);
 }
 
@@ -53,13 +70,13 @@ std::string final_name(const std::string& file)
     return file.substr(0, temp - digits - 1) + file.substr(temp + 5);
 }
 
-std::uint64_t frame_of(const ImageSpec& spec, const Attributes& attributes,
-                       const std::string& file)
+std::int64_t frame_of(const ImageSpec& spec, const Attributes& attributes,
+                      const std::string& file)
 {
     if (attributes.frame)
         return *attributes.frame;
-    if (const auto frame = frame_from_name(final_name(file)))
-        return *frame;
+    if (const auto name = frame_name(final_name(file)))
+        return name->number;
     // Not get_string_attribute(), which is empty for time codes in OpenImageIO 2.4.
     const OIIO::ParamValue* const code = spec.find_attribute("smpte:TimeCode");
     return code ? frame_from_time_code(std::string(code->get_string())).value_or(0) : 0;
@@ -163,6 +180,7 @@ Request request_of(const ImageSpec& spec, const std::string& file)
 {
     const Attributes attributes = attributes_of(spec);
     require_channels(spec);
+    refuse_raw(spec);
     const auto bins = bins_of(spec, attributes);
     if (!bins && attributes.exposure)
         throw Error("dng:exposure is the luminance of white of a spectral image, and "

@@ -50,14 +50,14 @@ std::optional<TimeCode> code_of(const ImageSpec& spec,
 
 /// The time code of @p frame, counted from the one that is asked for.
 TimeCode counted_code(const Attributes& attributes,
-                      const std::optional<FrameRate>& rate, std::uint64_t frame)
+                      const std::optional<FrameRate>& rate, std::int64_t frame)
 {
     const std::string start = "dng:timecode " + text_of(*attributes.time_code);
     if (!rate)
         throw Error(start
                     + " counts how many frames a second? Add --attrib dng:framerate "
                       "24, or whatever it is");
-    const std::uint64_t first = attributes.first_frame.value_or(frame);
+    const std::int64_t first = attributes.first_frame.value_or(frame);
     if (!attributes.first_frame && frame != 0)
         throw Error(
             start + " is that of which frame? This one is " + std::to_string(frame)
@@ -66,7 +66,7 @@ TimeCode counted_code(const Attributes& attributes,
         throw Error("frame " + std::to_string(frame) + " is before dng:first_frame "
                     + std::to_string(first) + ", whose time code is given");
     try {
-        return advanced(*attributes.time_code, *rate, frame - first);
+        return advanced(*attributes.time_code, *rate, std::uint64_t(frame - first));
     } catch (const Error& error) {
         throw Error("dng:timecode: " + std::string(error.what()));
     }
@@ -74,7 +74,7 @@ TimeCode counted_code(const Attributes& attributes,
 
 } // namespace
 
-Shot shot_of(const ImageSpec& spec, const Attributes& attributes, std::uint64_t frame)
+Shot shot_of(const ImageSpec& spec, const Attributes& attributes, std::int64_t frame)
 {
     Shot shot;
     const auto number = [&](const char* name) -> double {

@@ -13,6 +13,6 @@ namespace cg2raw {
 /// is its number. Throws Error for a time code without a rate, and for one whose first
 /// frame is not said.
 Shot shot_of(const OIIO::ImageSpec& spec, const Attributes& attributes,
-             std::uint64_t frame);
+             std::int64_t frame);
 
 } // namespace cg2raw

@@ -59,7 +59,7 @@ void bind_color(py::module_& m)
                         "frame) and n.");
     def_constructor(
         rng,
-        +[](std::uint64_t seed, std::string_view purpose, std::uint64_t frame) {
+        +[](std::uint64_t seed, std::string_view purpose, std::int64_t frame) {
             return Rng(seed, purpose, frame);
         },
         "seed"_a, "purpose"_a, "frame"_a = 0);

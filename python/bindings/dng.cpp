@@ -3,6 +3,7 @@
 
 #include "bindings.h"
 
+#include "cg2raw/dng_mosaic.h"
 #include "cg2raw/dng_reader.h"
 #include "cg2raw/dng_writer.h"
 
@@ -44,7 +45,8 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
     DngDescription description = describe(simulation, options, shot);
     if (!drawn) { // the caller's DN: nobody knows how they were made
         Origin& origin = description.origin;
-        origin.seed = origin.frame = std::nullopt;
+        origin.seed = std::nullopt;
+        origin.frame = std::nullopt;
         origin.digital_gain = std::nullopt;
         origin.convention.clear();
     }
@@ -196,6 +198,9 @@ void bind_metadata(py::module_& m)
             "the image's,\nas is the frame's place in a shot: frame rate, time code, "
             "reel "
             "and camera label.");
+    m.def(
+        "is_dng", [](const std::string& path) { return is_dng(path); }, "path"_a,
+        "Whether a file is a DNG, also one that cannot be read.");
     m.def("read_dng_metadata", &read, "path"_a, "cfa"_a = "",
           "Metadata of a DNG; no pixels are read.\n\n"
           "cfa: of a demosaicked file (LinearRaw, ProRAW), which does not say it: RGGB "

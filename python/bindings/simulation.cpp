@@ -20,7 +20,7 @@ void check_size(const Simulation& simulation, const Scene& scene)
 
 Run run_of(const std::string& illuminant, std::optional<double> iso,
            const std::optional<std::string>& noise, std::uint64_t seed,
-           std::uint64_t frame, double digital_gain, const std::string& convention,
+           std::int64_t frame, double digital_gain, const std::string& convention,
            bool highlights, bool effects, bool camera_input,
            const std::optional<Vec3>& as_shot, bool sample_digital_gain,
            std::optional<double> exposure_time, bool color_effects)

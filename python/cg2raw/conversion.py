@@ -181,12 +181,13 @@ def frame_of(image: Image, output: FilePath, request: Request) -> int:
     know the input's."""
     if request.frame is not None:
         return request.frame
-    said = (
-        _core.frame_from_name(str(output)),
-        _core.frame_from_time_code(image.time_code),
-        _core.frame_from_name(image.path),
-    )
-    return next((number for number in said if number is not None), 0)
+    if name := _core.frame_name(str(output)):
+        return name.number
+    number = _core.frame_from_time_code(image.time_code)
+    if number is not None:
+        return number
+    name = _core.frame_name(image.path)
+    return name.number if name else 0
 
 
 def writing_of(image: Image, request: Request) -> dict[str, Any]:

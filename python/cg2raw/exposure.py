@@ -119,7 +119,7 @@ TYPES = {
     "iso": f"{NUMBER} or None",
     "noise": "gaussian, physical or None",
     "seed": WHOLE,
-    "frame": WHOLE,
+    "frame": "a whole number from -2**63 to 2**63 - 1",
     "digital_gain": f"{NUMBER} or sample",
     "convention": "dng, paper, sensor or spectral",
     "highlights": TRUTH,

@@ -93,6 +93,9 @@ ASKED = [
     ([("a", RGBA), ("b", RGBA)], "b", (1, 0, 1, 2)),
     ([("", RGBA), ("", RGBA)], "1", (1, 0, 1, 2)),  # pages of a TIFF have no names
     ([("a", layer("x") + layer("y")), ("b", RGBA)], "a.y", (0, 4, 5, 6)),
+    ([("", layer("N", "XYZ") + RGBA)], "N", (0, 0, 1, 2)),
+    ([("", layer("C", "021") + ["Z"])], "c", (0, 0, 2, 1)),
+    ([("", ["", "", "", "", ""])], "diffuse", (0, 0, 1, 2)),  # a host's black frame
     # taken out of its file, a part keeps its name
     ([("diffuse", RGBA)], "diffuse", (0, 0, 1, 2)),
 ]
@@ -107,7 +110,20 @@ def test_the_layer_that_is_asked_for(parts, asked, places):
 REFUSED = [
     ([("", ["Y"])], "", "R, G and B of one layer, has the channels Y"),
     ([("", ["X", "Y", "Z"])], "", "has the channels X, Y, Z .*--chnames R,G,B"),
-    ([("", layer("N", "XYZ") + ["Z"])], "", "N.X, N.Y, N.Z, Z"),
+    ([("", layer("N", "XYZ") + ["Z"])], "", "data by .*N.X, N.Y, N.Z, Z; data: N$"),
+    ([("", layer("N", "RGB"))], "", "its layers are data by their names"),
+    (
+        [("", layer("C", "xyz") + layer("N", "xyz"))],
+        "",
+        "Then add --layer C .or oiiotool --ch C.x,C.y,C.z --chnames R,G,B.; .*data: N$",
+    ),
+    ([("", layer("a b", "012") + ["Z"])], "", '--ch "a b.0,a b.1,a b.2" --chn'),
+    (
+        [("", layer("CryptoAsset00") + layer("key") + layer("rim"))],
+        "",
+        "Add --layer key, or another of key, rim; .*data: CryptoAsset00$",
+    ),
+    ([("", ["", ""])], "", "has the channels .no name., .no name. "),
     ([("", ["R", "G"])], "", "has the channels R, G"),
     ([("", ["a.R", "b.G", "c.B"])], "", "has the channels a.R, b.G, c.B"),
     (
@@ -120,10 +136,10 @@ REFUSED = [
     ([("", layer("View Layer.x") + layer("b"))], "", '--layer "View Layer.x"'),
     ([("", layer("diffuse", "RGB") + ["Z", "id"])], "", "the picture. Then add"),
     ([("", RGBA), ("", RGBA)], "", "--layer 0, or another of 0, 1"),
-    ([("", [])], "", "has the channels"),
+    ([("", [])], "", "has no channels"),
     ([("", RGBA)], "diffuse", "--layer diffuse: no layer of .* rgba have"),
     ([("", ["Z"])], "rgba", "--layer rgba: no layer .* none has"),
-    ([("", layer("N", "XYZ") + RGBA)], "N", "--layer N: no layer of that name"),
+    ([("", layer("N", "XY") + RGBA)], "N", "--layer N: no layer of that name"),
 ]
 
 
@@ -132,6 +148,23 @@ def test_files_without_one_picture_get_one_line(parts, asked, said):
     with pytest.raises(ValueError, match=said) as error:
         _core.beauty_layer(parts, asked)
     assert "\n" not in str(error.value)
+
+
+DATA = ["Pn", "vl.UV", "Denoising Normal", "worldPosition", "motionVector", "id_2"]
+LIGHT = ["spec", "composition", "ViewLayer.Env", "pink", "nebula", "zinc", "idle"]
+
+
+@pytest.mark.parametrize("name", [*DATA, *LIGHT])
+def test_layers_of_data_are_not_suggested(name):
+    with pytest.raises(ValueError, match="--layer") as error:
+        _core.beauty_layer([("", layer(name) + layer("a") + layer("b"))])
+    assert ("data: " in str(error.value)) == (name in DATA)
+
+
+def test_a_cryptomatte_is_known_by_the_name_that_the_file_states():
+    parts = [("", layer("asset00") + layer("key") + ["Z"])]
+    with pytest.raises(ValueError, match=r"Then add --layer key.*data: asset00$"):
+        _core.beauty_layer(parts, data=["Asset"])
 
 
 def test_many_channels_are_counted_not_listed():
@@ -156,6 +189,12 @@ FRAMES = {
     "shot.0000.exr": 0,
     "sh010.exr": 10,
     "shot.100000000000000000.exr": 10**17,
+    "shot.-0007.exr": -7,
+    "a/-0007.exr": -7,
+    "shot_-3.beauty.exr": -3,
+    "shot--3.exr": -3,
+    "shot.-0000.exr": 0,
+    "shot.0001-0003.exr": 3,
     "interior.exr": None,
     "comp_v002.exr": None,
     "v002.exr": None,
@@ -170,7 +209,11 @@ FRAMES = {
 
 @pytest.mark.parametrize("name", FRAMES)
 def test_frame_numbers_in_names(name):
-    assert _core.frame_from_name(name) == FRAMES[name]
+    found = _core.frame_name(name)
+    assert (found and found.number) == FRAMES[name]
+    if found:
+        digits = name.removeprefix(found.before).removesuffix(found.after)
+        assert int(digits) == found.number
 
 
 TIME_CODES = {

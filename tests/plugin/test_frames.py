@@ -40,6 +40,28 @@ def test_frames_of_a_sequence_differ(oiiotool, exr, scene, tmp_path):
     assert [file.read_bytes() for file in again] == before
 
 
+def test_frames_below_0(oiiotool, exr, scene, tmp_path):
+    out = tmp_path / "out.-007.dng"
+    oiiotool(exr, *NOISY, "-o", out)
+    np.testing.assert_array_equal(read_dn(out), frame(scene, -7))
+    oiiotool(exr, *NOISY, *attributes(frame=-8), "-o", out)
+    np.testing.assert_array_equal(read_dn(out), frame(scene, -8))
+
+
+def test_a_dng_is_raw_already(oiiotool, exr, tmp_path):
+    """Where OpenImageIO has LibRaw, our reader is that of the extension cg2raw."""
+    dng, out = tmp_path / "a.cg2raw", tmp_path / "b.dng"
+    oiiotool(exr, *NOISY, "-o", tmp_path / "a.dng")
+    (tmp_path / "a.dng").rename(dng)
+    done = oiiotool(dng, *NOISY, "-o", out, check=False)
+    said = done.stdout + done.stderr
+    assert done.returncode != 0 and "RAW already" in said and "develop" in said
+    assert not out.exists() and "chnames" not in said
+    words = ["-o", out, "--sensor", "nikon-d40", "--illuminant", "D65"]
+    converted = commands.run("convert", dng, *words)
+    assert converted.code == 1 and "develop it first" in converted.err
+
+
 @pytest.mark.parametrize("name", ["shot.dng", "comp_v012.dng"])
 def test_a_name_without_a_number_is_frame_0(oiiotool, exr, scene, tmp_path, name):
     oiiotool(exr, *NOISY, "-o", tmp_path / name)

@@ -75,6 +75,24 @@ def test_a_range_and_names_of_outputs(shot):
     assert names == ["plate_01002.dng", "plate_01004.dng", "plate_01006.dng"]
 
 
+def test_frames_below_0_are_frames_like_others(shot):
+    """Frame -1 has a grain of its own, and time codes count from the first."""
+    for number in ("-0002", "-0001", "0000", "0001"):
+        shutil.copy(shot / "shot.1001.exr", shot / f"pre.{number}.exr")
+    words = ["--framerate", "24", "--timecode", "01:00:00:00", "--json"]
+    out = "raw/x.####.dng"
+    done, _ = convert("pre.####.exr", "--frames", "-1-1", *words, out=out)
+    assert (done.code, done.err) == (0, "")
+    files = json.loads(done.out)["files"]
+    assert [file["frame"] for file in files] == [-1, 0, 1]
+    assert [file["time_code"][-2:] for file in files] == ["00", "01", "02"]
+    names = [f"raw/x.{number}.dng" for number in ("-0001", "0000", "0001")]
+    assert [file["output"] for file in files] == names
+    assert len({read_dn(name).tobytes() for name in names}) == 3
+    done, _ = convert("pre.####.exr", "--frames=-2--1", out="raw/x####.dng")
+    assert done.code == 1 and "would become raw/x-0002.dng" in done.err
+
+
 def test_time_codes_count_from_the_first_frame(shot):
     words = ["--framerate", "24", "--timecode", "01:00:00:22"]
     done, _ = convert("shot.####.exr", *words, "--json")

@@ -218,6 +218,15 @@ def test_deep_images_are_an_error(tmp_path):
         read_image(path)
 
 
+@pytest.mark.parametrize("name", ["a.NEF", "a.cr2", "a.fits", "a.npy"])
+def test_raw_files_are_no_pictures(tmp_path, name):
+    """OpenImageIO may read them as their preview."""
+    write_image(tmp_path / "a.tif", scene((16, 16)))
+    (tmp_path / name).write_bytes((tmp_path / "a.tif").read_bytes())
+    with pytest.raises(ValueError, match=f"{name}: is RAW already.*develop it first"):
+        read_image(tmp_path / name)
+
+
 class NoThreads:
     """An image's reader where the system starts no thread."""
 

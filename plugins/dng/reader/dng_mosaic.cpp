@@ -5,10 +5,12 @@
 #include "reader/layout.h"
 
 #include "jpeg/lossless_decoder.h"
+#include "platform/paths.h"
 #include "reader/metadata_parts.h"
 
 #include <algorithm>
 #include <exception>
+#include <fstream>
 
 namespace cg2raw {
 namespace {
@@ -196,6 +198,16 @@ bool is_dng(std::istream& bytes) noexcept
         const TiffIfd ifd0 = file.held_entries(file.first_ifd());
         const TiffTags main(file, { &ifd0 });
         return main.has(tag::dng_version) || main.has(tag::dng_backward_version);
+    } catch (...) {
+        return false;
+    }
+}
+
+bool is_dng(const std::string& path) noexcept
+{
+    try {
+        std::ifstream bytes(path_of(path), std::ios::binary);
+        return is_dng(bytes);
     } catch (...) {
         return false;
     }

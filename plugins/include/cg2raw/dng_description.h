@@ -62,7 +62,8 @@ struct Origin {
     std::optional<double> iso;
     std::string convention;
     std::optional<double> digital_gain;
-    std::optional<std::uint64_t> seed, frame;
+    std::optional<std::uint64_t> seed;
+    std::optional<std::int64_t> frame;
     std::vector<std::string> effects; ///< names, in the order of application
 };
 

@@ -29,6 +29,7 @@ struct DngStorage {
 /// Whether the bytes are of a TIFF or BigTIFF whose first directory, or what is left of
 /// it, has DNGVersion or DNGBackwardVersion: any DNG, damaged ones too. Never throws.
 bool is_dng(std::istream& bytes) noexcept;
+bool is_dng(const std::string& path) noexcept;
 
 /// The mosaic of one DNG: CFA or monochrome, 8 to 16 bits, in strips or tiles, without
 /// compression or as lossless JPEG. One thread at a time.

@@ -21,7 +21,7 @@ std::array<std::uint32_t, 4> philox_words(const std::array<std::uint32_t, 4>& co
 /// One stream of random numbers: that of (seed, purpose, frame).
 class Rng {
 public:
-    Rng(std::uint64_t seed, std::string_view purpose, std::uint64_t frame = 0);
+    Rng(std::uint64_t seed, std::string_view purpose, std::int64_t frame = 0);
 
     /// Another stream of the same key and frame, independent of this one.
     Rng other(std::string_view purpose) const;

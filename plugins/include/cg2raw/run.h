@@ -28,7 +28,7 @@ struct Run {
     std::optional<double> iso; ///< none: no noise
     std::optional<NoiseModel> noise_model; ///< none: as the profile's noise_effects say
     std::uint64_t seed = 0; ///< of everything random
-    std::uint64_t frame = 0; ///< temporal noise differs between frames
+    std::int64_t frame = 0; ///< temporal noise differs between frames
     double digital_gain = 1.0;
     bool sample_digital_gain = false; ///< draw it from the profile instead
     Convention convention = Convention::dng;

@@ -19,7 +19,7 @@ from types import ModuleType
 
 from cg2raw import __version__
 from cg2raw.cli._completion import SHELLS, PrintCompletion
-from cg2raw.cli._messages import about_output, check_words
+from cg2raw.cli._messages import about_output, check_words, with_ranges
 from cg2raw.short_messages import Parser
 
 
@@ -83,8 +83,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):  # names of files may be no Unicode
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        arguments = make_parser().parse_args(argv)
-        check_words(sys.argv[1:] if argv is None else argv)
+        words = sys.argv[1:] if argv is None else argv
+        arguments = make_parser().parse_args(with_ranges(words))
+        check_words(words)
         code: int = arguments.run(arguments)
         sys.stdout.flush()
         return code

@@ -4,6 +4,7 @@
 
 import argparse
 import math
+import re
 from collections.abc import Callable
 
 MOST_SEED = 2**64 - 1
@@ -28,9 +29,19 @@ def number(low: float, high: float) -> Callable[[str], float]:
 
 def whole(text: str) -> int:
     """Return the whole number that @text is."""
-    if not (text.isdecimal() and text.isascii()) or int(text) > MOST_SEED:
+    if not re.fullmatch("[0-9]{1,20}", text) or int(text) > MOST_SEED:
         raise argparse.ArgumentTypeError(
             f"{text}: must be a whole number from 0 to {MOST_SEED}"
+        )
+    return int(text)
+
+
+def frame_number(text: str) -> int:
+    """Return the frame number that @text is, of as many digits as names have."""
+    if not re.fullmatch("-?[0-9]{1,18}", text):
+        most = 10**18 - 1
+        raise argparse.ArgumentTypeError(
+            f"{text}: must be a whole number from -{most} to {most}"
         )
     return int(text)
 

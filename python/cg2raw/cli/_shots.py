@@ -24,7 +24,7 @@ CODE = re.compile(r"\d\d:\d\d:\d\d[:;]\d\d")  # a time code, in messages
 def add_shot(group: argparse._ArgumentGroup) -> None:
     """Declare the options of shots."""
     add = group.add_argument
-    add("--frames", metavar="LIST", help="1001-1240, 1-100x2, 1,3,5-9; default: all")
+    add("--frames", metavar="LIST", help="1001-1240, 1-100x2, -3,1,5-9; default: all")
     add(
         "--framerate",
         metavar="FPS",
@@ -62,12 +62,16 @@ def frames_asked(arguments: argparse.Namespace) -> Frames:
     patterns = any(frame_files.is_pattern(word) for word in arguments.inputs)
     if wanted is None and not (patterns or arguments.framerate or arguments.timecode):
         return Frames(files, dict.fromkeys(files, labels))
-    shots = frame_files.shots_of(files, None if wanted is None else set(wanted))
-    others = [path for path in files if frame_files.name_of(path) is None]
+    shots = frame_files.shots_of(files, wanted)
+    others = [path for path in files if _core.frame_name(path) is None]
     if wanted is not None and (others or not shots):
         raise ValueError(
             f"--frames {arguments.frames}: "
-            + (f"{others[0]} has no frame number" if others else "no file has one")
+            + (
+                f"{others[0]} has no frame number"
+                if others
+                else "no file has one of these"
+            )
         )
     frames = Frames([path for shot in shots for path in shot.files.values()] + others)
     frames.faults = [
@@ -189,10 +193,17 @@ def outputs_of_shot(files: Sequence[str], output: str) -> list[str]:
     if not output.lower().endswith(".dng"):
         raise ValueError(f"-o {output}: must end in .dng, or be a folder")
     check_folder(os.path.dirname(output) or os.curdir)
-    names = [frame_files.name_of(path) for path in files]
-    for path, name in zip(files, names, strict=True):
+    outputs = []
+    for path in files:
+        name = _core.frame_name(path)
         if name is None:
             raise ValueError(f"-o {output}: {path} has no frame number")
-    outputs = [frame_files.numbered(output, name.number) for name in names if name]
+        outputs.append(frame_files.numbered(output, name.number))
+        made = _core.frame_name(outputs[-1])
+        if name.number < 0 and (made is None or made.number != name.number):
+            raise ValueError(
+                f"-o {output}: frame {name.number} would become {outputs[-1]}, whose - "
+                "is no sign: put a dot before the number"
+            )
     check_apart(files, outputs)
     return outputs

@@ -43,7 +43,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from cg2raw.cli._methods import add_convention, add_method
-from cg2raw.cli._numbers import number, whole
+from cg2raw.cli._numbers import frame_number, number, whole
 from cg2raw.cli._outputs import each_file
 from cg2raw.cli._pictures import add_encoding
 from cg2raw.cli._shots import add_shot, frames_asked, outputs_of_shot
@@ -91,7 +91,7 @@ def add_exposure(group: argparse._ArgumentGroup) -> None:
         help="default: the profile's",
     )
     add("--seed", type=whole, default=0, metavar="N", help="default: 0")
-    add("--frame", type=whole, metavar="N", help="the noise is that of frame N")
+    add("--frame", type=frame_number, metavar="N", help="the noise is that of frame N")
     add(
         "--frame-from",
         choices=("name", "index", "none"),

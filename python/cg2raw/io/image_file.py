@@ -19,6 +19,13 @@ from cg2raw.oiio.openimageio import one_line, openimageio
 from cg2raw.system import check_readable
 
 SIDES = (2, 65535)  # of a RAW file, pixels
+# Of RAW files that OpenImageIO reads as their preview, or as LibRaw develops them.
+RAW_ENDINGS = (
+    *(".3fr", ".arw", ".cr2", ".cr3", ".crw", ".dcr", ".dng", ".erf", ".fff", ".gpr"),
+    *(".iiq", ".kdc", ".mef", ".mos", ".mrw", ".nef", ".nrw", ".orf", ".pef", ".raf"),
+    *(".rw2", ".rwl", ".sr2", ".srf", ".srw", ".x3f"),
+    *(".fits", ".fit", ".fts", ".npy", ".npz"),
+)
 ROWS = 256  # that are read at a time; the most that EXR compresses together (DWAB)
 
 
@@ -50,11 +57,13 @@ def opened(path: FilePath) -> Generator[Any]:
     """Yield the ImageInput of @path. Raises ValueError, OSError.
 
     Its numbers are the file's: colour is not multiplied by an alpha beside it."""
-    oiio = openimageio()
     check_readable(path)  # OpenImageIO's own messages do not tell why it cannot
+    oiio = openimageio()
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
     with utf8_path(path) as way:
+        if str(path).lower().endswith(RAW_ENDINGS) or _core.is_dng(way):
+            raise ValueError(f"{path}: {_core.raw_already}")
         source = oiio.ImageInput.open(way, config)
         if source is None:
             raise ValueError(f"{way}: {one_line(oiio.geterror())}")
@@ -164,7 +173,10 @@ def chosen_layer(
         if len(specs) == 1:
             check_flat(specs[0])
         names = [(part_name(spec), spec.channelnames) for spec in specs]
-        chosen = _core.beauty_layer(names, layer or "")
+        if names[0][1] == ("Y",) and specs[0].get_string_attribute("raw:FilterPattern"):
+            raise ValueError(_core.raw_already)  # a DNG's mosaic in another format
+        data = [name for spec in specs for name in cryptomatte_names(spec)]
+        chosen = _core.beauty_layer(names, layer or "", data=data)
         spec = specs[chosen.part]
         check_flat(spec)
     except ValueError as error:
@@ -185,6 +197,15 @@ def specs_of(source: Any) -> list[Any]:
 def part_name(spec: Any) -> str:
     """Return the name of a part of a multi-part OpenEXR file; may be empty."""
     return str(spec.get_string_attribute("oiio:subimagename"))
+
+
+def cryptomatte_names(spec: Any) -> list[str]:
+    """Return the names that layers of a Cryptomatte start with."""
+    return [
+        str(said.value)
+        for said in spec.extra_attribs
+        if said.name.startswith("cryptomatte/") and said.name.endswith("/name")
+    ]
 
 
 def check_flat(spec: Any) -> None:
