@@ -83,15 +83,14 @@ struct DevelopedDng::State {
         signal = std::move(values);
     }
 
+    /// Source: DNG specification 1.7.1, "Mapping Raw Values to Linear Reference
+    /// Values": each pixel's own black, and one scale by the largest of them.
     void normalise(const std::uint16_t* dn, int row, float* out) const
     {
-        const CfaPattern& cfa = metadata.cfa;
-        const double* const black
-            = &metadata.black_level[std::size_t(row % cfa.height * cfa.width)];
-        for (int col = 0; col < size.width; ++col) {
-            const double zero = black[col % cfa.width];
-            out[col] = float((dn[col] - zero) / (metadata.white_level - zero));
-        }
+        const BlackByPixel& black = metadata.black;
+        const double range = metadata.white_level - black.largest;
+        for (int col = 0; col < size.width; ++col)
+            out[col] = float((dn[col] - black.at({ row, col })) / range);
     }
 
     /// Row @p row as R, G, B.

@@ -3,6 +3,7 @@
 
 /// @file The raw IFD's geometry and levels: active area, CFA, black, white.
 #include "reader/metadata_parts.h"
+#include "reader/profile_parts.h"
 
 #include <algorithm>
 #include <sstream>
@@ -140,25 +141,55 @@ BlackPattern read_black_pattern(const TiffTags& raw, DngMetadata& metadata)
     return { dim[0], dim[1], planes, std::vector<double>(std::size_t(count), 0.0) };
 }
 
-/// Mean of a delta tag per phase of the CFA; zeros if the file has none.
-std::vector<double> mean_deltas(const TiffTags& raw, TiffTag delta, std::int64_t side,
-                                int phases, DngMetadata& metadata)
+/// A value per column or row; empty if the file has none.
+std::vector<double> read_deltas(const TiffTags& raw, TiffTag delta, std::int64_t side,
+                                DngMetadata& metadata)
 {
-    std::vector<double> sums(std::size_t(phases), 0.0), counts(sums);
     if (!raw.has(delta))
-        return sums;
+        return {};
     const auto values = raw.numbers(delta, { side, side });
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        sums[i % sums.size()] += values[i];
-        counts[i % sums.size()] += 1.0;
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    if (*high > *low)
+        metadata.notes.push_back(text_of(delta) + " varies black by "
+                                 + rounded_text(*high - *low)
+                                 + " DN from line to line: a developed picture has"
+                                   " each, a profile the mean per CFA site");
+    return values;
+}
+
+/// Of the values at each @p phases-th place; zeros if there are none.
+template <class Reduce>
+std::vector<double> per_phase(const std::vector<double>& values, std::int64_t phases,
+                              const Reduce& reduce)
+{
+    std::vector<double> result;
+    for (std::size_t phase = 0; phase < std::size_t(phases); ++phase) {
+        std::vector<double> of_phase;
+        for (std::size_t i = phase; i < values.size(); i += std::size_t(phases))
+            of_phase.push_back(values[i]);
+        result.push_back(of_phase.empty() ? 0.0 : reduce(of_phase));
     }
-    for (std::size_t i = 0; i < sums.size(); ++i)
-        sums[i] /= std::max(counts[i], 1.0);
-    metadata.notes.push_back(std::string(delta.name) + " ("
-                             + std::to_string(delta.number)
-                             + ") is one black level per line; its mean per CFA phase"
-                               " stands in for it");
-    return sums;
+    return result;
+}
+
+double largest_of(const std::vector<double>& values)
+{
+    return *std::max_element(values.begin(), values.end());
+}
+
+/// Of all pixels: each meets its columns' and rows' largest somewhere.
+double largest_black(const BlackByPixel& black)
+{
+    const auto by_col = per_phase(black.by_col, black.cols, largest_of);
+    const auto by_row = per_phase(black.by_row, black.rows, largest_of);
+    double largest = black.pattern.front() + by_row.front() + by_col.front();
+    for (int row = 0; row < black.rows; ++row)
+        for (int col = 0; col < black.cols; ++col)
+            largest
+                = std::max(largest,
+                           black.pattern[std::size_t(row * black.cols + col)]
+                               + by_row[std::size_t(row)] + by_col[std::size_t(col)]);
+    return largest;
 }
 
 /// The mean of the black pattern over the pixels of one CFA site: of its own plane, of
@@ -181,10 +212,18 @@ void read_black_level(const TiffTags& raw, DngMetadata& metadata)
 {
     const CfaPattern& cfa = metadata.cfa;
     const BlackPattern black = read_black_pattern(raw, metadata);
-    const auto by_col = mean_deltas(raw, tag::black_level_delta_h,
-                                    metadata.active_area.width, cfa.width, metadata);
-    const auto by_row = mean_deltas(raw, tag::black_level_delta_v,
-                                    metadata.active_area.height, cfa.height, metadata);
+    metadata.black = {
+        int(black.rows),
+        int(black.cols),
+        black.planes == 1 ? black.dn : std::vector<double> {},
+        read_deltas(raw, tag::black_level_delta_h, metadata.active_area.width,
+                    metadata),
+        read_deltas(raw, tag::black_level_delta_v, metadata.active_area.height,
+                    metadata),
+        0.0,
+    };
+    const auto by_col = per_phase(metadata.black.by_col, cfa.width, mean_of);
+    const auto by_row = per_phase(metadata.black.by_row, cfa.height, mean_of);
     for (int row = 0; row < cfa.height; ++row)
         for (int col = 0; col < cfa.width; ++col) {
             const double dn = mean_black(black, cfa, { row, col })
@@ -203,10 +242,30 @@ void read_black_level(const TiffTags& raw, DngMetadata& metadata)
         metadata.notes.push_back(text_of(tag::black_level) + " repeats over "
                                  + std::to_string(black.rows) + " x "
                                  + std::to_string(black.cols)
-                                 + " pixels; its mean per CFA site stands in for it");
+                                 + " pixels: a developed picture has each, a profile"
+                                   " the mean per CFA site");
+    if (metadata.black.pattern.empty())
+        return;
+    metadata.black.largest = largest_black(metadata.black);
+    if (!(metadata.black.largest < metadata.white_level))
+        raw.fail(tag::black_level,
+                 "and its deltas reach " + rounded_text(metadata.black.largest)
+                     + " DN; black must be below " + text_of(tag::white_level) + " "
+                     + std::to_string(metadata.white_level)
+                     + " DN: use another DNG of this camera");
 }
 
 } // namespace
+
+double BlackByPixel::at(Site pixel) const
+{
+    double dn = pattern[std::size_t(pixel.row % rows * cols + pixel.col % cols)];
+    if (!by_col.empty())
+        dn += by_col[std::size_t(pixel.col)];
+    if (!by_row.empty())
+        dn += by_row[std::size_t(pixel.row)];
+    return dn;
+}
 
 void read_dng_levels(const TiffTags& raw,
                      const std::optional<CfaPattern>& cfa_of_linear,

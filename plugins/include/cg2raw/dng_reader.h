@@ -19,6 +19,17 @@ struct GainMapAt {
     GainMap map; ///< each gain above 0
 };
 
+/// The black level of each pixel of the active area, DN after linearisation: a pattern
+/// that repeats from the area's corner, and what BlackLevelDeltaH and V add to it.
+struct BlackByPixel {
+    int rows, cols; ///< of the pattern
+    std::vector<double> pattern; ///< row major; empty of a demosaicked image
+    std::vector<double> by_col, by_row; ///< one per column and row; empty: nothing
+    double largest; ///< of all pixels
+
+    double at(Site pixel) const;
+};
+
 /// What one DNG says of its camera and its shot, resolved from whichever IFD holds it.
 struct DngMetadata {
     std::string file;
@@ -31,6 +42,7 @@ struct DngMetadata {
     int bits;
     /// DN per CFA site: means of BlackLevel and its deltas.
     std::vector<double> black_level;
+    BlackByPixel black;
     /// DN after linearisation, as black_level.
     int white_level;
     /// One or two in the file's order, AnalogBalance and CameraCalibration folded in;

@@ -238,6 +238,30 @@ TEST(DngMosaic, NamesTheChunkOfDamagedJpeg)
               std::string::npos);
 }
 
+/// BlackLevel 64, and what columns and rows add: an even grey is even, and its scale
+/// leaves the largest black, 64 + 49 + 40, below white.
+TEST(DngMosaic, DevelopsEachPixelFromItsOwnBlack)
+{
+    Words dn;
+    for (int row = 0; row < 6; ++row)
+        for (int col = 0; col < 8; ++col) {
+            const bool green = (row + col) % 2 != 0;
+            const int light = green ? 400 : row % 2 == 0 ? 209 : 229; // the neutral
+            dn.push_back(std::uint16_t(64 + 7 * col + (row == 3 ? 40 : -5) + light));
+        }
+    PixelDng dng { 16, { packed(dn, 8, 16, false) } };
+    dng.ifd.signed_rationals(50715, { 0, 7, 14, 21, 28, 35, 42, 49 }, 1);
+    dng.ifd.signed_rationals(50716, { -5, -5, -5, 40, -5, -5 }, 1);
+    std::istringstream stream(dng.file());
+    DngMosaic mosaic(stream, "test.dng");
+    std::vector<float> rgb(3 * 48);
+    DevelopedDng(mosaic).read_rows(0, 6, rgb.data(), 24);
+    for (const float value : rgb)
+        EXPECT_NEAR(value, 400.0 / (1023 - 153), 2e-3);
+    for (std::size_t i = 3; i < rgb.size(); ++i)
+        EXPECT_NEAR(rgb[i], rgb[i % 3], 1e-6);
+}
+
 TEST(DngMosaic, KnowsADngThatItCannotRead)
 {
     const auto known = [](const std::string& bytes) {
