@@ -74,6 +74,7 @@ void add_place(const Shot& shot, ImageSpec& spec)
 void add_shot(const Shot& shot, ImageSpec& spec)
 {
     spec.attribute("Orientation", shot.orientation);
+    add_number(spec, "PixelAspectRatio", shot.pixel_aspect);
     add_number(spec, "ExposureTime", shot.exposure_time);
     add_number(spec, "FNumber", shot.f_number);
     add_number(spec, "Exif:FocalLength", shot.focal_length);
@@ -123,6 +124,8 @@ void add_levels(const DngMetadata& metadata, const DngStorage& storage, ImageSpe
     add_integers(spec, "raw:ActiveArea",
                  { top, left, top + metadata.active_area.height,
                    left + metadata.active_area.width });
+    if (storage.default_scale)
+        add_floats(spec, "raw:DefaultScale", *storage.default_scale);
     if (storage.crop_origin)
         add_floats(spec, "raw:DefaultCropOrigin", *storage.crop_origin);
     if (storage.crop_size)

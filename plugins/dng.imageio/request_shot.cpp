@@ -90,6 +90,9 @@ Shot shot_of(const ImageSpec& spec, const Attributes& attributes, std::int64_t f
     shot.description = spec.get_string_attribute("ImageDescription");
     shot.lens_model = spec.get_string_attribute("Exif:LensModel");
     shot.orientation = spec.get_int_attribute("Orientation", 1);
+    shot.pixel_aspect = number("PixelAspectRatio");
+    if (*shot.pixel_aspect == 0.0) // pixels per length: the wider, the fewer
+        shot.pixel_aspect = number("YResolution") / number("XResolution");
     shot.frame_rate = attributes.frame_rate ? attributes.frame_rate : rate_of(spec);
     if (attributes.first_frame && !attributes.time_code)
         throw Error(

@@ -25,6 +25,9 @@ Shot plausible(Shot shot)
     shot.exposure_time = within_exif(shot.exposure_time);
     shot.f_number = within_exif(shot.f_number);
     shot.focal_length = within_exif(shot.focal_length);
+    if (const auto aspect = shot.pixel_aspect;
+        aspect && !(*aspect >= least_pixel_aspect && *aspect <= most_pixel_aspect))
+        shot.pixel_aspect.reset();
     if (!is_exif_date(shot.date_time_original))
         shot.date_time_original.clear();
     if (shot.orientation < 1 || shot.orientation > 8)

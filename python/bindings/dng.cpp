@@ -73,6 +73,7 @@ py::dict dict_of(const Shot& shot)
                     "iso"_a = optional_of(shot.iso),
                     "date_time_original"_a = shot.date_time_original,
                     "orientation"_a = shot.orientation,
+                    "pixel_aspect"_a = optional_of(shot.pixel_aspect),
                     "frame_rate"_a = text_or_none(shot.frame_rate),
                     "time_code"_a = text_or_none(shot.time_code),
                     "reel_name"_a = shot.reel_name,
@@ -184,7 +185,8 @@ void bind_metadata(py::module_& m)
         .def_property_readonly(
             "shot", [](const DngMetadata& d) { return dict_of(d.shot); },
             "{\"exposure_time\" (s), \"f_number\", \"focal_length\" (mm), \"iso\", "
-            "\"date_time_original\",\n\"orientation\"} of Exif, and \"frame_rate\", "
+            "\"date_time_original\",\n\"orientation\"} of Exif, \"pixel_aspect\", and "
+            "\"frame_rate\", "
             "\"time_code\", \"reel_name\", \"camera_label\"\nas write_dng takes them; "
             "None or empty: not said.")
         .def(

@@ -201,6 +201,7 @@ class Shot:
         time_code: str | int = "",
         reel_name: str = "",
         camera_label: str = "",
+        pixel_aspect: float | None = None,
     ) -> None: ...
     @property
     def exposure_time(self) -> float | None: ...

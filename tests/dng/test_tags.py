@@ -9,12 +9,14 @@ import pytest
 import tifffile
 from scipy import ndimage
 
+import cg2raw
 from dng import dng_files
 from oracles import cameras
 
 SUB_IFDS, EXIF_IFD, FORWARD_MATRIX = 330, 34665, (50964, 50965)
 NOISE_PROFILE, OPCODE_LIST_2 = 51041, 51009
 TONE_CURVE, BLACK_RENDER = 50940, 51110
+DEFAULT_SCALE = 50718
 LONG = 4  # TIFF's type
 
 
@@ -50,6 +52,22 @@ def test_identity_and_structure(path):
     assert exif["ExifVersion"] == "0230"
     unknown = {"DateTime", "Artist", "Copyright", "ImageDescription", "ExposureTime"}
     assert not unknown & (set(first) | set(exif))
+
+
+@pytest.mark.parametrize(
+    ("aspect", "scale"),
+    [
+        (2.0, (2, 1, 1, 1)),
+        (0.5, (1, 1, 2, 1)),
+        (10 / 11, (1, 1, 11, 10)),
+        (float(np.float32(1 / 3)), (1, 1, 3, 1)),
+        *((none, (1, 1, 1, 1)) for none in (None, 0.0, -2.0, np.nan, np.inf)),
+    ],
+)
+def test_the_shape_of_pixels_is_their_default_scale(path, aspect, scale):
+    raw = dng_files.sensor().simulate(np.full((16, 16, 3), 0.3), illuminant="A")
+    cg2raw.write_dng(path, raw, shot={"pixel_aspect": aspect})
+    assert tags(path)[DEFAULT_SCALE] == scale
 
 
 def test_no_preview_is_one_ifd(path):

@@ -5,6 +5,7 @@
 #include "reader/layout.h"
 
 #include "jpeg/lossless_decoder.h"
+#include "reader/metadata_parts.h"
 
 #include <algorithm>
 
@@ -90,6 +91,7 @@ DngStorage read_storage(const TiffTags& raw, const TiffTags& main)
     storage.is_jpeg = read_is_jpeg(raw);
     storage.is_linearised = raw.has(tag::linearization_table);
     storage.crop_origin = read_pair(raw, tag::default_crop_origin);
+    storage.default_scale = read_default_scale(raw);
     storage.crop_size = read_pair(raw, tag::default_crop_size);
     const auto version = main.bytes(tag::dng_version, { 4, 4 });
     std::copy(version.begin(), version.end(), storage.version.begin());

@@ -35,6 +35,8 @@ void undo_analog_balance(const TiffTags& camera, DngMetadata& metadata);
 void read_dng_noise(const TiffTags& raw, DngMetadata& metadata);
 /// gain_maps, and notes of all other opcodes; needs active_area and cfa.
 void read_dng_opcodes(const TiffTags& raw, DngMetadata& metadata);
+/// DefaultScale, horizontal first; nothing if it is missing or makes no sense.
+std::optional<std::array<double, 2>> read_default_scale(const TiffTags& image);
 /// make, model, unique_camera_model and shot; @p exif looks into the Exif IFD, then
 /// IFD0.
 void read_dng_names(const TiffTags& camera, const TiffTags& exif,

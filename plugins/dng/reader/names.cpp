@@ -77,6 +77,15 @@ void read_place(const TiffTags& camera, Shot& shot)
 
 } // namespace
 
+std::optional<std::array<double, 2>> read_default_scale(const TiffTags& image)
+{
+    const auto horizontal = image.positive(tag::default_scale);
+    const auto vertical = image.positive(tag::default_scale, 1);
+    if (!horizontal || !vertical)
+        return std::nullopt;
+    return { { *horizontal, *vertical } };
+}
+
 void read_dng_names(const TiffTags& camera, const TiffTags& exif, DngMetadata& metadata)
 {
     metadata.make = camera.text(tag::make);
@@ -102,7 +111,10 @@ void read_dng_names(const TiffTags& camera, const TiffTags& exif, DngMetadata& m
     const double orientation = camera.positive(tag::orientation).value_or(1.0);
     const bool known = orientation <= 8.0 && orientation == std::floor(orientation);
     shot.orientation = known ? int(orientation) : 1;
+    if (const auto scale = read_default_scale(camera))
+        shot.pixel_aspect = (*scale)[0] / (*scale)[1];
     read_place(camera, shot);
+    shot = plausible(shot);
 }
 
 } // namespace cg2raw

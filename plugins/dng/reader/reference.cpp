@@ -23,6 +23,8 @@ bool same_but_for_case(const std::string& a, const std::string& b)
 Shot merged(Shot reference, const Shot& image)
 {
     reference.orientation = image.orientation;
+    if (image.pixel_aspect)
+        reference.pixel_aspect = image.pixel_aspect;
     if (!reference.exposure_time)
         reference.exposure_time = image.exposure_time;
     if (!reference.f_number)

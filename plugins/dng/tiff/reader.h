@@ -107,9 +107,9 @@ public:
     std::vector<std::int64_t> integers(TiffTag tag, Bounds count, Bounds value) const;
     /// The one integer of a tag, or @p otherwise if the file does not have the tag.
     std::int64_t integer_or(TiffTag tag, Bounds value, std::int64_t otherwise) const;
-    /// The first number of a tag if it is there, finite and above 0, as Exif's unknown
+    /// Number @p index of a tag if it is there, finite and above 0, as Exif's unknown
     /// values are not.
-    std::optional<double> positive(TiffTag tag) const;
+    std::optional<double> positive(TiffTag tag, std::size_t index = 0) const;
     /// The one number of a tag as a fraction, its parts above 0 and below 2^31; of an
     /// integer, over 1. Nothing if the file does not have the tag, or says no such one.
     std::optional<Fraction> fraction(TiffTag tag) const;

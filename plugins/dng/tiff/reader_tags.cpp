@@ -158,14 +158,14 @@ std::int64_t TiffTags::integer_or(TiffTag tag, Bounds value,
     return has(tag) ? integers(tag, { 1, 1 }, value).front() : otherwise;
 }
 
-std::optional<double> TiffTags::positive(TiffTag tag) const
+std::optional<double> TiffTags::positive(TiffTag tag, std::size_t index) const
 {
     if (!has(tag))
         return std::nullopt;
-    const double value = decoded(tag, required(tag, { 1, 16 })).front();
-    if (!std::isfinite(value) || value <= 0.0)
+    const auto values = decoded(tag, required(tag, { 1, 16 }));
+    if (index >= values.size() || !std::isfinite(values[index]) || values[index] <= 0.0)
         return std::nullopt;
-    return value;
+    return values[index];
 }
 
 std::optional<Fraction> TiffTags::fraction(TiffTag tag) const

@@ -123,6 +123,10 @@ void check_shot(const Checker& checker, const Shot& shot)
         checker.need(*shot.iso > 0, "iso", *shot.iso, "above 0");
     checker.need(shot.orientation >= 1 && shot.orientation <= 8, "orientation",
                  shot.orientation, "1 to 8");
+    if (shot.pixel_aspect)
+        checker.need(*shot.pixel_aspect >= least_pixel_aspect
+                         && *shot.pixel_aspect <= most_pixel_aspect,
+                     "pixel_aspect", *shot.pixel_aspect, "0.01 to 100");
     if (shot.frame_rate)
         checker.need(shot.frame_rate->numerator > 0 && shot.frame_rate->denominator > 0,
                      "frame_rate", text_of(*shot.frame_rate), "above 0");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace cg2raw {
 
@@ -28,6 +29,7 @@ constexpr std::int32_t exact_denominator = 10000000;
 constexpr std::uint32_t neutral_denominator = 1000000;
 /// Black levels are means; raw converters drop what is finer.
 constexpr std::uint32_t black_denominator = 10000;
+constexpr std::uint32_t aspect_denominator = 10000;
 /// Demosaicing near the border lacks neighbours: renderers crop there, as cameras ask.
 constexpr int crop_border = 2;
 constexpr int smallest_cropped = 16;
@@ -85,6 +87,17 @@ Rationals black_value(const std::vector<double>& levels)
     return value;
 }
 
+/// Factors, horizontal first, that make pixels square; no pixel is given up.
+Rationals default_scale(double pixel_aspect)
+{
+    Rational longer
+        = rational(std::max(pixel_aspect, 1.0 / pixel_aspect), aspect_denominator);
+    const std::uint32_t common = std::gcd(longer.numerator, longer.denominator);
+    longer = { longer.numerator / common, longer.denominator / common };
+    const Rational one { 1, 1 };
+    return pixel_aspect < 1.0 ? Rationals { one, longer } : Rationals { longer, one };
+}
+
 void add_crop(Tags& tags, Size size, Crop crop)
 {
     const bool whole
@@ -93,7 +106,6 @@ void add_crop(Tags& tags, Size size, Crop crop)
     const std::uint32_t width = std::uint32_t(size.width);
     const std::uint32_t height = std::uint32_t(size.height);
     tags.push_back({ tag::active_area, Longs { 0, 0, height, width } });
-    tags.push_back({ tag::default_scale, Rationals { { 1, 1 }, { 1, 1 } } });
     tags.push_back(
         { tag::default_crop_origin, Rationals { { border, 1 }, { border, 1 } } });
     tags.push_back(
@@ -170,6 +182,8 @@ Tags mosaic_tags(const DngDescription& description, const DngOptions& options)
     tags.push_back({ tag::black_level, black_value(description.black_level) });
     tags.push_back(
         { tag::white_level, Longs { std::uint32_t(description.white_level) } });
+    tags.push_back({ tag::default_scale,
+                     default_scale(description.shot.pixel_aspect.value_or(1.0)) });
     add_crop(tags, description.size, options.crop);
     if (!description.noise_profile.empty()) {
         std::vector<double> pairs;

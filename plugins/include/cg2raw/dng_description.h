@@ -42,15 +42,19 @@ struct Shot {
     std::optional<FrameRate> frame_rate; ///< makes it a frame of a shot
     std::optional<TimeCode> time_code;
     std::string reel_name, camera_label;
+    std::optional<double> pixel_aspect; ///< width of a pixel over its height
 };
+
+/// Bounds of Shot::pixel_aspect, far beyond what lenses and video formats have.
+constexpr double least_pixel_aspect = 0.01, most_pixel_aspect = 100.0;
 
 /// Whether a file is a frame of a shot, as CinemaDNG has it: one that says how many of
 /// them a second has.
 inline bool is_of_shot(const Shot& shot) { return shot.frame_rate.has_value(); }
 
 /// Without what makes no sense in Exif: dates of another form, orientations but 1 to 8,
-/// numbers outside 1e-6 to 1e6; and without a time code at a rate that has none. It is
-/// no reason to refuse a picture.
+/// numbers outside 1e-6 to 1e6, pixels of other shapes; and without a time code at a
+/// rate that has none. It is no reason to refuse a picture.
 Shot plausible(Shot shot);
 
 /// How a simulation made a file, for its XMP; what is empty is not said. A text is cut

@@ -21,6 +21,7 @@ struct DngStorage {
     bool is_linearised; ///< values went through the file's LinearizationTable
     /// DefaultCropOrigin and DefaultCropSize, horizontal first; pixels of active_area.
     std::optional<std::array<double, 2>> crop_origin, crop_size;
+    std::optional<std::array<double, 2>> default_scale; ///< horizontal first
     std::array<int, 4> version; ///< DNGVersion
     std::string software, date_time; ///< may be empty
     std::string xmp; ///< the packet, undecoded; may be empty

@@ -322,11 +322,20 @@ def shot_of(spec: Any) -> dict[str, Any]:
         "description": text("ImageDescription"),
         "lens_model": text("Exif:LensModel"),
         "orientation": spec.get_int_attribute("Orientation", 1),
+        "pixel_aspect": pixel_aspect_of(spec),
         "frame_rate": frame_rate_of(spec),
         "time_code": time_code_of(spec),
         "reel_name": text("reelName") or text("openexr:reelName"),
         "camera_label": text("cameraLabel") or text("openexr:cameraLabel"),
     }
+
+
+def pixel_aspect_of(spec: Any) -> float:
+    """Return width over height of an image's pixels; 0 if it says nothing of it."""
+    number = spec.get_float_attribute
+    # Pixels per length: the wider they are, the fewer.
+    x, y = float(number("XResolution")), float(number("YResolution"))
+    return float(number("PixelAspectRatio")) or (y / x if x else 0.0)
 
 
 def frame_rate_of(spec: Any) -> str:

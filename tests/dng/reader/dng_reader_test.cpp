@@ -131,6 +131,17 @@ TEST(DngReader, AnalogBalanceScalesTheRowsAndLeavesTheForwardMatrix)
                 *plain.calibrations[0].xyz_d50_from_camera, 0.0);
 }
 
+TEST(DngReader, DefaultScaleIsTheShapeOfPixels)
+{
+    Ifd ifd = tiny_dng();
+    EXPECT_FALSE(read(ifd).shot.pixel_aspect);
+    EXPECT_EQ(read(ifd.fractions(50718, { { 2, 1 }, { 1, 1 } })).shot.pixel_aspect,
+              2.0);
+    for (const std::uint64_t denominator : { 0, 1 })
+        EXPECT_FALSE(read(ifd.fractions(50718, { { 0, denominator }, { 1, 1 } }))
+                         .shot.pixel_aspect);
+}
+
 /// Law: with a calibration that mixes channels, the folded ForwardMatrix takes a
 /// colour, balanced by its light's neutral, to where the specification's own path takes
 /// it.
