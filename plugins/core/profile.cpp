@@ -73,7 +73,7 @@ void check_levels(const SensorProfile& profile, const std::string& file)
                      + std::to_string(profile.white_level) + " DN");
 }
 
-/// Balanced white must be a light: each of its XYZ above 0.
+/// Balanced white must be that of the profile connection space.
 void check_forward_matrix(const Calibration& calibration, const std::string& file,
                           const std::string& index)
 {
@@ -85,11 +85,10 @@ void check_forward_matrix(const Calibration& calibration, const std::string& fil
     } catch (const Error& error) {
         fail(file, field + ": " + error.what());
     }
-    for (double value : *calibration.xyz_d50_from_camera* Vec3 { 1, 1, 1 })
-        if (!(value > 0.0))
-            fail(file,
-                 field + " maps white to an XYZ of " + number(value)
-                     + "; each must be above 0");
+    if (!maps_white_to_d50(*calibration.xyz_d50_from_camera))
+        fail(file,
+             field + " " + white_text(*calibration.xyz_d50_from_camera)
+                 + ": scale each of its rows to that sum, or leave the matrix out");
 }
 
 /// A monochrome sensor tells no colours apart.
@@ -172,6 +171,29 @@ std::string light_source_name(int light_source)
     if (light_source == other_light_source)
         return "other";
     return std::to_string(light_source);
+}
+
+bool maps_white_to_d50(const Mat3& xyz_d50_from_camera)
+{
+    constexpr double tolerance = 0.005; // of rounding, to 1/128 in some cameras
+    const Vec3 white = xyz_d50_from_camera * Vec3 { 1, 1, 1 };
+    const Vec3 d50 = xyz_from_xy(d50_white);
+    for (std::size_t i = 0; i < 3; ++i)
+        if (!(std::abs(white[i] - d50[i]) <= tolerance))
+            return false;
+    return true;
+}
+
+std::string white_text(const Mat3& xyz_d50_from_camera)
+{
+    const auto text = [](const Vec3& xyz) {
+        std::string words;
+        for (const double value : xyz) // four decimals, as matrices have
+            words += " " + number(std::round(1e4 * value) / 1e4);
+        return words;
+    };
+    return "maps white to XYZ" + text(xyz_d50_from_camera * Vec3 { 1, 1, 1 })
+        + "; it must be that of D50," + text(xyz_from_xy(d50_white)) + ", within 0.005";
 }
 
 void check(const SensorProfile& profile, const std::string& file)

@@ -101,7 +101,7 @@ def test_the_phase_does_not_matter(tmp_path, fields):
 
 
 def test_one_matrix_and_forward_matrices(tmp_path):
-    forward = [0.70, 0.20, 0.06, 0.28, 0.80, -0.08, 0.02, -0.10, 0.90]
+    forward = [0.70, 0.20, 0.064, 0.28, 0.80, -0.08, 0.02, -0.10, 0.905]
     one = {"calibration_illuminant_2": None, "color_matrix_2": None}
     both = {"forward_matrix_1": forward, "forward_matrix_2": forward}
     rgb = image_of(np.random.default_rng(0).uniform(0.2, 0.5, (32, 3)))

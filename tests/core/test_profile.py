@@ -99,6 +99,7 @@ WRONG = [
     ("forward_matrix_1", [0.0] * 9, "singular|white|sum"),
     ("forward_matrix_1", [1, 2, 3] * 3, "singular"),
     ("forward_matrix_1", M[:4], "9"),
+    ("forward_matrix_1", [1, 0, 0, 0, 1, 0, 0, 0, 1], "D50, 0.9643 1 0.8251"),
     ("illuminants", {}, "mean|neutrals"),
     ("illuminants", {"neutrals": [[0.5]]}, "2|R/G"),
     ("illuminants", {"neutrals": [[0.5, 0.0]]}, "0.01"),
@@ -251,8 +252,8 @@ def test_numbers_that_are_none_are_errors(field, number):
 FULL = {
     "cfa": "BGGR",
     "black_level": [500.25, 501, 502, 503],
-    "forward_matrix_1": [0.7, 0.2, 0.06, 0.28, 0.8, -0.08, 0.02, -0.1, 0.9],
-    "forward_matrix_2": [0.72, 0.2, 0.04, 0.28, 0.8, -0.08, 0.02, -0.1, 0.9],
+    "forward_matrix_1": [0.7, 0.2, 0.064, 0.28, 0.8, -0.08, 0.02, -0.1, 0.905],
+    "forward_matrix_2": [0.72, 0.2, 0.044, 0.28, 0.8, -0.08, 0.02, -0.1, 0.905],
     "digital_gain": {"mean": 0.8, "sigma": 0.1},
     "effects": [
         {

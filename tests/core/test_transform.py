@@ -51,8 +51,9 @@ def test_dng_convention_equals_the_oracle(camera, spec, highlights, scene):
 
 
 def test_with_forward_matrices_the_inverse_of_that_path(scene):
-    rows = np.array([[0.70, 0.20, 0.06], [0.28, 0.80, -0.08], [0.02, -0.10, 0.90]])
-    warm, cool = rows + 0.02 * np.eye(3), rows
+    rows = np.array([[0.70, 0.20, 0.064], [0.28, 0.80, -0.08], [0.02, -0.10, 0.905]])
+    # Each row's sum stays: white is D50.
+    warm, cool = rows + 0.02 * (np.eye(3) - np.roll(np.eye(3), 1, axis=1)), rows
     fields = {
         "forward_matrix_1": warm.ravel().tolist(),
         "forward_matrix_2": cool.ravel().tolist(),

@@ -233,8 +233,8 @@ def profiles():
         "two_matrices": profile(**pair),
         "forward": profile(
             **pair,
-            forward_matrix_1=[0.6, 0.2, 0.16, 0.2, 0.8, 0, 0, -0.2, 1],
-            forward_matrix_2=[0.6, 0.2, 0.16, 0.2, 0.8, 0, 0, -0.2, 1],
+            forward_matrix_1=[0.6, 0.2, 0.16, 0.2, 0.8, 0, 0, -0.175, 1],
+            forward_matrix_2=[0.6, 0.2, 0.16, 0.2, 0.8, 0, 0, -0.175, 1],
         ),
         "neutrals": profile(illuminants={"neutrals": neutrals}),
         "hull": profile(

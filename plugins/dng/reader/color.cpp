@@ -143,6 +143,25 @@ Mat3 read_camera_from_reference(const TiffTags& camera, TiffTag camera_calibrati
     return balance;
 }
 
+/// ForwardMatrix, its rows scaled to the sums that take white to D50, as renderers do
+/// with those of all files; nothing if it cannot be.
+std::optional<Mat3> read_forward(const TiffTags& camera, TiffTag tag,
+                                 DngMetadata& metadata)
+{
+    const Mat3 forward = read_matrix(camera, tag);
+    if (maps_white_to_d50(forward))
+        return forward;
+    const Vec3 white = forward * Vec3 { 1, 1, 1 }, d50 = xyz_from_xy(d50_white);
+    const bool has_scale = std::min({ white[0], white[1], white[2] }) > 0.0;
+    metadata.notes.push_back(
+        text_of(tag) + " " + white_text(forward)
+        + (has_scale ? ": its rows are scaled to it" : ": it is not used"));
+    if (!has_scale)
+        return std::nullopt;
+    return diagonal({ d50[0] / white[0], d50[1] / white[1], d50[2] / white[2] })
+        * forward;
+}
+
 Calibration read_calibration(const TiffTags& camera, const CalibrationTags& tags,
                              DngMetadata& metadata)
 {
@@ -159,11 +178,12 @@ Calibration read_calibration(const TiffTags& camera, const CalibrationTags& tags
             tags.color_matrix,
             "maps white to a channel of 0 or below; each channel must see white:"
             " use another DNG of this camera");
-    if (camera.has(tags.forward_matrix))
+    if (!camera.has(tags.forward_matrix))
+        return result;
+    if (const auto forward = read_forward(camera, tags.forward_matrix, metadata))
         result.xyz_d50_from_camera
             = checked(camera, tags.forward_matrix,
-                      folded_forward(read_matrix(camera, tags.forward_matrix),
-                                     camera_from_reference, result));
+                      folded_forward(*forward, camera_from_reference, result));
     return result;
 }
 

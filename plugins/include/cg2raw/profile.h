@@ -67,6 +67,13 @@ struct Lamp {
 /// and '-', are alike. nullptr: none of @p lamps.
 const Lamp* lamp_named(const std::vector<Lamp>& lamps, std::string_view word);
 
+/// Whether a ForwardMatrix takes balanced white, (1, 1, 1), to the XYZ of D50, as the
+/// DNG specification, chapter 6, has it; up to rounding, 0.005.
+bool maps_white_to_d50(const Mat3& xyz_d50_from_camera);
+
+/// Of one that does not: "maps white to XYZ ...; it must be that of D50, ...".
+std::string white_text(const Mat3& xyz_d50_from_camera);
+
 /// Temperature that raw converters give an EXIF LightSource code (A = 2850, D50 = 5000,
 /// D65 = 6500 K). Throws Error for a code without one.
 Kelvin light_source_temperature(int light_source);

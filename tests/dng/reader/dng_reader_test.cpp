@@ -131,6 +131,25 @@ TEST(DngReader, AnalogBalanceScalesTheRowsAndLeavesTheForwardMatrix)
                 *plain.calibrations[0].xyz_d50_from_camera, 0.0);
 }
 
+/// Rows that sum to 0.95 1.4 1.1, each over 10000.
+TEST(DngReader, ForwardMatrixIsBroughtToD50OrLeftOut)
+{
+    Ifd ifd = nexus_5x();
+    EXPECT_FALSE(has_note(read(ifd).notes, "ForwardMatrix1"));
+    ifd.signed_rationals(50964, { 7000, 2000, 500, 3000, 9000, 2000, 200, 1000, 9800 },
+                         10000);
+    const DngMetadata scaled = read(ifd);
+    EXPECT_TRUE(maps_white_to_d50(*scaled.calibrations[0].xyz_d50_from_camera));
+    EXPECT_TRUE(has_note(scaled.notes,
+                         "ForwardMatrix1 (50964) maps white to XYZ 0.95 1.4 1.1; it "
+                         "must be that of D50, 0.9643 1 0.8251"));
+    ifd.signed_rationals(50964, { 7000, 2000, 500, 3000, 9000, 2000, 200, 1000, -9800 },
+                         10000);
+    const DngMetadata without = read(ifd);
+    EXPECT_FALSE(without.calibrations[0].xyz_d50_from_camera);
+    EXPECT_TRUE(has_note(without.notes, "it is not used"));
+}
+
 TEST(DngReader, DefaultScaleIsTheShapeOfPixels)
 {
     Ifd ifd = tiny_dng();
