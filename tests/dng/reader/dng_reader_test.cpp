@@ -55,6 +55,20 @@ TEST_P(BothByteOrders, RawInASubIfdAndExif)
     EXPECT_EQ(shot.lens_model, "EF24-105mm f/4L");
 }
 
+/// A BigTIFF's directories say the same, with wider counts and offsets.
+TEST_P(BothByteOrders, BigTiffIsReadAsClassic)
+{
+    const Ifd ifd = tiny_dng_with_sub_ifds();
+    const DngMetadata classic = read(ifd, GetParam());
+    const DngMetadata big = read(ifd, GetParam(), true);
+    EXPECT_EQ(big.calibrations[0].camera_from_xyz.m,
+              classic.calibrations[0].camera_from_xyz.m);
+    EXPECT_EQ(big.as_shot_neutral, classic.as_shot_neutral);
+    EXPECT_EQ(big.black_level, classic.black_level);
+    EXPECT_EQ(big.shot.exposure_time, 1.0 / 60.0);
+    EXPECT_EQ(big.shot.lens_model, "EF24-105mm f/4L");
+}
+
 INSTANTIATE_TEST_SUITE_P(DngReader, BothByteOrders, testing::Bool());
 
 /// Tags as a Nexus 5X writes them: D65 first, rationals over 128, calibrated cameras,

@@ -12,9 +12,10 @@
 namespace cg2raw::test {
 
 /// What the reader makes of the file whose first directory is @p ifd0.
-inline DngMetadata read(const Ifd& ifd0, bool big_endian = false)
+inline DngMetadata read(const Ifd& ifd0, bool big_endian = false,
+                        bool is_big_tiff = false)
 {
-    std::istringstream stream(file_of(ifd0, big_endian));
+    std::istringstream stream(file_of(ifd0, big_endian, is_big_tiff));
     return read_dng_stream(stream, "test.dng");
 }
 
