@@ -63,8 +63,8 @@ ROOM = np.zeros((12, 10), np.float32)
 @pytest.mark.parametrize(
     ("out", "words"),
     [
-        (np.zeros((10, 10)), "an array of float32, not float64"),
-        ([[0.0] * 10] * 10, "an array of float32, not list"),
+        (np.zeros((10, 10)), "an array of native float32, not float64"),
+        ([[0.0] * 10] * 10, "an array of native float32, not list"),
         (np.zeros((10, 12), np.float32), r"the shape \(10, 10\), not \(10, 12\)"),
         (np.zeros((10, 20), np.float32)[:, ::2], "C-contiguous and writeable"),
         (np.broadcast_to(np.float32(0), (10, 10)), "C-contiguous and writeable"),

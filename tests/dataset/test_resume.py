@@ -4,6 +4,7 @@
 
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -29,8 +30,8 @@ def resume(image, out, *options):
     done = run("dataset", image, out, *OPTIONS, *options)
     assert (done.code, done.err) == (0, ""), done
     check_agreement(out)
-    text = done.out.partition(" images, ")[2].partition(" of them")[0]
-    return int(text or 0)
+    kept = re.search(r" images?, (\d+) of them", done.out)
+    return int(kept.group(1)) if kept else 0
 
 
 def journal_of(out):
