@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """A whole config: scene reference, displays, roles, file rules, RAW spaces."""
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,6 +23,8 @@ from .spaces import Exposure, all_raw_spaces
 
 DEVELOPED_VIEW, DATA_VIEW = "White balanced", "Raw"
 VERSIONS = ("2.0", "2.1")
+# The line of a space whose last alias is its interop ID.
+INTEROP_ALIAS = re.compile(r"^    aliases: \[.*(cg2raw:\w+)\]\n", re.MULTILINE)
 
 
 def make_config(
@@ -59,7 +62,10 @@ def config_text(config: chain.Config) -> str:
     through all of it for each space it reads: 439 spaces take 3.3 s. After the spaces
     the list is applied once: 0.4 s. The config is the same."""
     key = "inactive_colorspaces:"
-    lines = config.serialize().splitlines(keepends=True)
+    text = config.serialize()
+    if not hasattr(ocio.ColorSpace, "setInteropID"):  # before OpenColorIO 2.5
+        text = INTEROP_ALIAS.sub(r"\g<0>    interop_id: \1\n", text)
+    lines = text.splitlines(keepends=True)
     late = [line for line in lines if line.startswith(key)]
     return "".join(line for line in lines if line not in late) + "".join(late)
 

@@ -94,7 +94,7 @@ def preview(
     encoding: str,
 ) -> tuple[str, list[str]]:
     """Return (text, findings) of a .cube of size^3 whose input is linear or srgb."""
-    name, _ = names.raw_space(profile.id, illuminant)
+    name, *_ = names.raw_space(profile.id, illuminant)
     title = f"{encoding} Rec.709 to {name}"
     text = cube.cube_text(profile, illuminant, exposure, size, encoding, title)
     findings = []
@@ -140,7 +140,7 @@ def chain_text(
     OpenColorIO; the schema that heads a CLF is that of the version."""
     whole = group(transforms)
     about = whole.getFormatMetadata()
-    name, _ = names.raw_space(*space)
+    name, *_ = names.raw_space(*space)
     ends = (names.SCENE_LINEAR, name)
     about.setName(name)
     about.addChildElement("Description", description)

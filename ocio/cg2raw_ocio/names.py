@@ -6,27 +6,30 @@ from cg2raw import _core
 
 SCENE_LINEAR = "Linear Rec.709 (sRGB)"
 RAW_FAMILY = "RAW"
-# The space of a sensor and a light that the environment chooses.
-CONTEXT = ("RAW - context", "raw_context")
-CONTEXT_UNBOUNDED = ("RAW unbounded - context", "raw_unbounded_context")
+# The space of a sensor and a light that the environment chooses. A file cannot say
+# which: they have no interop ID.
+CONTEXT = ("RAW - context", "raw_context", "")
+CONTEXT_UNBOUNDED = ("RAW unbounded - context", "raw_unbounded_context", "")
 SENSOR_VARIABLE, ILLUMINANT_VARIABLE = "CG2RAW_SENSOR", "CG2RAW_ILLUMINANT"
 
 
-def raw_space(sensor: str, illuminant: str) -> tuple[str, str]:
-    """Return (name, alias) of a sensor's RAW under an illuminant, as the plugin reads
-    them."""
+def raw_space(sensor: str, illuminant: str) -> tuple[str, str, str]:
+    """Return (name, alias, interop ID) of a sensor's RAW under an illuminant, as the
+    plugin reads them."""
     return (
         _core.raw_space_name(sensor, illuminant),
         _core.raw_space_alias(sensor, illuminant),
+        _core.raw_space_interop_id(sensor, illuminant),
     )
 
 
-def unbounded_space(sensor: str, illuminant: str) -> tuple[str, str]:
-    """Return (name, alias) of its twin that never clips."""
-    name, alias = raw_space(sensor, illuminant)
+def unbounded_space(sensor: str, illuminant: str) -> tuple[str, str, str]:
+    """Return what raw_space does of its twin that never clips."""
+    name, alias, interop_id = raw_space(sensor, illuminant)
     return (
         name.replace("RAW - ", "RAW unbounded - ", 1),
         alias.replace("raw_", "raw_unbounded_", 1),
+        interop_id.replace(":raw_", ":raw_unbounded_", 1),
     )
 
 

@@ -171,22 +171,28 @@ def left_out(profile: _core.SensorProfile) -> str:
 def raw_space(
     name: str,
     alias: str,
+    interop_id: str,
     family: str,
     description: str,
     from_scene: Sequence[chain.Op],
     to_scene: Sequence[chain.Op] | None = None,
 ) -> chain.Space:
-    """Return a colour space of camera RGB; the chains are lists of transforms."""
+    """Return a colour space of camera RGB; the chains are lists of transforms.
+
+    interop_id : what hosts write into files of the space; may be empty. It has to be an
+    alias, too. OpenColorIO before 2.5 skips it; config_text writes it."""
     space = ocio.ColorSpace(
         referenceSpace=ocio.REFERENCE_SPACE_SCENE,
         name=name,
-        aliases=[alias],
+        aliases=[name for name in (alias, interop_id) if name],
         family=family,
         description=description,
         encoding="scene-linear",
         bitDepth=ocio.BIT_DEPTH_F32,
     )
     space.addCategory("file-io")
+    if interop_id and hasattr(space, "setInteropID"):
+        space.setInteropID(interop_id)
     space.setTransform(group(from_scene), ocio.COLORSPACE_DIR_FROM_REFERENCE)
     if to_scene:
         space.setTransform(group(to_scene), ocio.COLORSPACE_DIR_TO_REFERENCE)

@@ -107,6 +107,14 @@ RawSpace from_environment(const std::string& name)
     return { sensor, illuminant };
 }
 
+/// A name without the namespace that an interop ID has: of "cg2raw:raw_..." "raw_...".
+std::string without_namespace(std::string_view name)
+{
+    const auto end = name.rfind(':'); // no alias holds one
+    const std::string_view last = end == name.npos ? name : name.substr(end + 1);
+    return std::string(after(std::string(last), "raw_") ? last : name);
+}
+
 std::optional<RawSpace> named_space(const std::string& name,
                                     const std::vector<std::string>& sensors)
 {
@@ -134,7 +142,7 @@ std::optional<RawSpace> named_space(const std::string& name,
 std::optional<RawSpace> raw_space_from_name(std::string_view name,
                                             const std::vector<std::string>& sensors)
 {
-    const auto space = named_space(trimmed(name), sensors);
+    const auto space = named_space(without_namespace(trimmed(name)), sensors);
     if (space)
         parse_illuminant(space->illuminant);
     return space;
@@ -149,6 +157,18 @@ std::string raw_space_alias(const RawSpace& space)
 {
     return "raw_" + aliased(space.sensor) + "_"
         + aliased(with_fractions(space.illuminant));
+}
+
+std::string raw_space_interop_id(const RawSpace& space)
+{
+    return "cg2raw:" + raw_space_alias(space);
+}
+
+std::string space_of_file(std::string_view space, std::string_view interop_id)
+{
+    const bool is_stated = !space.empty() && space != "Linear";
+    const bool is_raw = after(without_namespace(interop_id), "raw_").has_value();
+    return std::string(is_raw && !is_stated ? interop_id : space);
 }
 
 } // namespace cg2raw

@@ -4,6 +4,7 @@
 #include "request_encoding.h"
 
 #include "cg2raw/color.h"
+#include "cg2raw/illuminant.h"
 #include "cg2raw/types.h"
 
 #include <OpenImageIO/color.h>
@@ -106,7 +107,8 @@ Alpha alpha_of(const ImageSpec& spec, const SceneLayer& layer)
 
 std::string color_space_of(const ImageSpec& spec)
 {
-    return spec.get_string_attribute("oiio:ColorSpace");
+    return space_of_file(std::string(spec.get_string_attribute("oiio:ColorSpace")),
+                         std::string(spec.get_string_attribute("colorInteropID")));
 }
 
 Decoder decoder_of(const ImageSpec& spec, const Attributes& attributes,

@@ -69,7 +69,8 @@ Mat3 camera_from_xyz(const SensorProfile& profile, Chromaticity xy);
 /// ForwardMatrix at the temperature of @p xy; nothing if a calibration has none.
 std::optional<Mat3> xyz_d50_from_camera(const SensorProfile& profile, Chromaticity xy);
 
-/// "RAW - <sensor> - <illuminant>" or its alias raw_<sensor>_<illuminant>; so is "RAW
+/// "RAW - <sensor> - <illuminant>" or its alias raw_<sensor>_<illuminant>, in any
+/// namespace ("cg2raw:raw_..."); so is "RAW
 /// unbounded - ..." (raw_unbounded_...). "RAW - context" (raw_context), or unbounded,
 /// is what $CG2RAW_SENSOR and $CG2RAW_ILLUMINANT say.
 struct RawSpace {
@@ -82,5 +83,10 @@ std::optional<RawSpace> raw_space_from_name(std::string_view name,
                                             const std::vector<std::string>& sensors);
 std::string raw_space_name(const RawSpace& space);
 std::string raw_space_alias(const RawSpace& space);
+/// What a config calls it in files: its alias in the namespace cg2raw.
+std::string raw_space_interop_id(const RawSpace& space);
+/// The colour space of a file: @p space, unless it is only what OpenImageIO 2 says of
+/// any EXR, "Linear", and the file's own @p interop_id is of a RAW space.
+std::string space_of_file(std::string_view space, std::string_view interop_id);
 
 } // namespace cg2raw

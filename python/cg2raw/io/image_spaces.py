@@ -10,6 +10,13 @@ from cg2raw import _core
 from cg2raw.oiio.openimageio import openimageio
 
 REC709 = "lin_rec709"  # what messages call it
+# What files say of their pixels' encoding by other means than the name of a space.
+OTHER_STATEMENTS = (
+    "chromaticities",
+    "colorInteropID",
+    "ICCProfile:profile_description",
+    "dpx:Transfer",
+)
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ def check_primaries(chromaticities: Sequence[float], space: str) -> None:
 def state(spec: Any, space: str) -> None:
     """Make an image be of a colour space, whatever its file says."""
     spec.attribute("oiio:ColorSpace", space)
-    for name in ("chromaticities", "ICCProfile:profile_description", "dpx:Transfer"):
+    for name in OTHER_STATEMENTS:
         spec.erase_attribute(name)
 
 
@@ -56,7 +63,7 @@ def encoding_of(spec: Any, takes_raw: bool) -> _core.StatedEncoding:
 
     takes_raw : RAW pixels are right, too."""
     text = spec.get_string_attribute
-    space = text("oiio:ColorSpace")
+    space = _core.space_of_file(text("oiio:ColorSpace"), text("colorInteropID"))
     return _core.StatedEncoding(
         space,
         is_rec709=means_rec709(space),
