@@ -87,7 +87,8 @@ def test_every_name_is_understood_by_the_plugin(profiles):
                 for of in (names.raw_space, names.unbounded_space)
                 for name in of(profile.id, word)
             ]
-            assert len({name.lower() for name in told}) == 6  # name, alias, interop ID of each
+            # Name, alias and interop ID of the space, and of its unbounded twin.
+            assert len({name.lower() for name in told}) == 6
             for name in told:
                 sensor, light = cg2raw.raw_space_from_name(name)
                 assert sensor == profile.id, name
