@@ -98,7 +98,7 @@ Rationals default_scale(double pixel_aspect)
     return pixel_aspect < 1.0 ? Rationals { one, longer } : Rationals { longer, one };
 }
 
-void add_crop(Tags& tags, Size size, Crop crop)
+void add_crop(Tags& tags, Size size, Crop crop, double pixel_aspect)
 {
     const bool whole
         = crop == Crop::none || std::min(size.width, size.height) < smallest_cropped;
@@ -106,6 +106,7 @@ void add_crop(Tags& tags, Size size, Crop crop)
     const std::uint32_t width = std::uint32_t(size.width);
     const std::uint32_t height = std::uint32_t(size.height);
     tags.push_back({ tag::active_area, Longs { 0, 0, height, width } });
+    tags.push_back({ tag::default_scale, default_scale(pixel_aspect) });
     tags.push_back(
         { tag::default_crop_origin, Rationals { { border, 1 }, { border, 1 } } });
     tags.push_back(
@@ -182,9 +183,8 @@ Tags mosaic_tags(const DngDescription& description, const DngOptions& options)
     tags.push_back({ tag::black_level, black_value(description.black_level) });
     tags.push_back(
         { tag::white_level, Longs { std::uint32_t(description.white_level) } });
-    tags.push_back({ tag::default_scale,
-                     default_scale(description.shot.pixel_aspect.value_or(1.0)) });
-    add_crop(tags, description.size, options.crop);
+    add_crop(tags, description.size, options.crop,
+             description.shot.pixel_aspect.value_or(1.0));
     if (!description.noise_profile.empty()) {
         std::vector<double> pairs;
         for (const NoisePair& pair : description.noise_profile)
