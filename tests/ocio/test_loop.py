@@ -44,7 +44,7 @@ def test_chart_through_a_dng(system_oiiotool, tmp_path, light):
     path = tmp_path / "config.ocio"
     path.write_text(config_text(make_config([profile], [light])))
     env = {"OCIO": str(path)}
-    raw, _ = names.raw_space(SENSOR, light)
+    raw, *_ = names.raw_space(SENSOR, light)
     row = np.repeat(chart(), PATCH, axis=0)[None]
     scene = write_image(tmp_path / "chart.exr", np.repeat(row, PATCH, axis=0))
     dng, mosaic = tmp_path / "chart.dng", tmp_path / "mosaic.tif"
