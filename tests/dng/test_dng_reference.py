@@ -52,6 +52,7 @@ def test_a_photograph_s_raw_data_are_changed_and_written(reference, tmp_path):
     words = np.minimum(words, sensor.white_level)
     light = sensor.illuminant("as-shot", as_shot=said.as_shot_neutral)
     shot, out = said.shot, tmp_path / "changed.dng"
+    shot["pixel_aspect"] = shot["pixel_aspect"] or 1.0  # which a file may leave unsaid
     iso = shot.pop("iso")
     run = {"sensor": sensor, "illuminant": light}
     run["iso"] = iso if said.noise_profile else None

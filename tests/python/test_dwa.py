@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """DWA-compressed EXRs: the first row of a process is decoded alone."""
 
+import contextlib
 import threading
 
 import numpy as np
@@ -32,7 +33,13 @@ def reads(monkeypatch):
             return self.source.read_tiles(left, right, top, below, *others)
 
     opened = image_file.opened
-    monkeypatch.setattr(image_file, "opened", lambda *a, **b: Recorded(opened(*a, **b)))
+
+    @contextlib.contextmanager
+    def recorded(path):
+        with opened(path) as source:
+            yield Recorded(source)
+
+    monkeypatch.setattr(image_file, "opened", recorded)
     monkeypatch.setattr(dwa, "_chosen", threading.Event())
     return found
 

@@ -13,7 +13,7 @@ from cg2raw.io import image_file, npy_file
 from cg2raw.io.image_spaces import REC709, Remedies
 
 Mask = NDArray[np.bool_]
-FIELD = Remedies("linearize: srgb", "linearize: none")  # of the manifest
+MANIFEST = Remedies("linearize: srgb", "linearize: none")  # of the manifest
 
 
 def uniform(color: tuple[float, ...], gain: float) -> Callable[[], FloatImage]:
@@ -57,7 +57,7 @@ def read_scene(path: str, gain: float, linearize: str | None = None) -> FloatIma
             path,
             undo=linearize if linearize == "srgb" else "stated",
             space=REC709 if linearize == "none" else None,
-            remedies=FIELD,
+            remedies=MANIFEST,
         ).pixels
     check_finite(path, rgb)
     rgb *= np.float32(gain)
