@@ -64,9 +64,9 @@ def test_a_layer_is_asked_for(oiiotool, scene, tmp_path):
     out = tmp_path / "shot.dng"
     oiiotool(exr, *S20, *attributes(layer="diffuse"), "-o", out)
     np.testing.assert_array_equal(read_dn(out), simulated(scene))
-    done = oiiotool(exr, *S20, *attributes(layer="N"), "-o", out, check=False)
+    done = oiiotool(exr, *S20, *attributes(layer="M"), "-o", out, check=False)
     assert done.returncode != 0
-    assert "--attrib dng:layer N: no layer" in done.stdout + done.stderr
+    assert "--attrib dng:layer M: no layer" in done.stdout + done.stderr
 
 
 def test_the_command_that_a_message_gives_works(oiiotool, scene, tmp_path):

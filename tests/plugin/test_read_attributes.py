@@ -125,18 +125,19 @@ def test_openexr_keeps_the_attributes(oiiotool, ours, exr, tmp_path):
     [
         ({"PixelAspectRatio": 2.0}, 2.0),
         ({"PixelAspectRatio": 0.5}, 0.5),
-        ({"XResolution": 72.0, "YResolution": 96.0}, 4 / 3),
     ],
 )
 def test_the_shape_of_pixels_is_kept(oiiotool, ours, exr, tmp_path, said, aspect):
     """By both ways of writing; the picture that is developed has it again."""
-    ending = "exr" if "PixelAspectRatio" in said else "tif"
-    source, path, out = (tmp_path / f for f in (f"a.{ending}", "a.dng", "b.exr"))
+    source, path, out = (tmp_path / f for f in ("a.exr", "a.dng", "b.exr"))
     words = [w for item in said.items() for w in ("--attrib:type=float", *item)]
+    if (
+        ending == "tif"
+    ):  # OpenImageIO writes the resolution of an aspect, else what is said
+        words = ["--eraseattrib", "PixelAspectRatio", *words]
     oiiotool(exr, *words, "-d", "float", "-o", source)
-    light = ("--iscolorspace", "lin_rec709") if ending == "tif" else ()
     given = attributes(sensor="nikon-d40", illuminant="D65")
-    oiiotool(source, *light, *given, "-o", path)
+    oiiotool(source, *given, "-o", path)
     for hints in ((), DEVELOPED):
         found = said_of(oiiotool, ours(path), *hints)
         assert float(found["PixelAspectRatio"]) == pytest.approx(aspect, rel=1e-4)
@@ -146,8 +147,7 @@ def test_the_shape_of_pixels_is_kept(oiiotool, ours, exr, tmp_path, said, aspect
     oiiotool(*DEVELOPED, ours(path), "-o", out)
     kept = float(said_of(oiiotool, out)["PixelAspectRatio"])
     assert kept == pytest.approx(aspect, rel=1e-4)
-    if ending == "exr":
-        options = ["--sensor", "nikon-d40", "--illuminant", "D65", "--quiet"]
-        done = commands.run("convert", source, "-o", tmp_path / "b.dng", *options)
-        assert (done.code, done.err) == (0, "")
-        assert (tmp_path / "b.dng").read_bytes() == path.read_bytes()
+    options = ["--sensor", "nikon-d40", "--illuminant", "D65", "--quiet"]
+    done = commands.run("convert", source, "-o", tmp_path / "b.dng", *options)
+    assert (done.code, done.err) == (0, "")
+    assert (tmp_path / "b.dng").read_bytes() == path.read_bytes()
