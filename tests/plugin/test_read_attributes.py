@@ -131,10 +131,6 @@ def test_the_shape_of_pixels_is_kept(oiiotool, ours, exr, tmp_path, said, aspect
     """By both ways of writing; the picture that is developed has it again."""
     source, path, out = (tmp_path / f for f in ("a.exr", "a.dng", "b.exr"))
     words = [w for item in said.items() for w in ("--attrib:type=float", *item)]
-    if (
-        ending == "tif"
-    ):  # OpenImageIO writes the resolution of an aspect, else what is said
-        words = ["--eraseattrib", "PixelAspectRatio", *words]
     oiiotool(exr, *words, "-d", "float", "-o", source)
     given = attributes(sensor="nikon-d40", illuminant="D65")
     oiiotool(source, *given, "-o", path)
