@@ -8,3 +8,8 @@ import pytest
 def slow(*values):
     """Return a row of pytest.mark.parametrize that is a slow test."""
     return pytest.param(*values, marks=pytest.mark.slow)
+
+
+def first_fast(values, count):
+    """Return values of pytest.mark.parametrize of which all but some are slow tests."""
+    return [v if n < count else slow(v) for n, v in enumerate(values)]

@@ -124,6 +124,7 @@ def test_frames_are_of_the_true_sensor_and_repeat_each_other():
     assert off[1] == pytest.approx(gain, abs=0.5 * gain) and off[0] < 0.5 * gain
 
 
+@pytest.mark.slow
 def test_evidence_is_large_for_what_is_seen_by_anybody():
     case = DenseCase("dense-1", 0, 12, {"exposure": 0.0})
     assert case.truth["exposure"]["gain"] > 0.05

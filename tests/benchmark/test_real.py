@@ -205,6 +205,7 @@ def test_what_frames_cannot_show_is_not_planted(manifest):
         cases("real", 0, 1, ["exposure"], manifest)
 
 
+@pytest.mark.slow
 def test_a_planted_black_level_is_named(manifest, tmp_path):
     (one,) = command.bench(
         "real", count=1, effects=["black_level"], captures=manifest.parent, seed=3

@@ -28,6 +28,7 @@ from diagnose.planted import (
     model_of,
     sensor_of,
 )
+from tiers import slow
 
 SENSOR = sensor_of()
 SHAPE = (64, 84)  # of whole repeats of X-Trans too
@@ -99,9 +100,9 @@ def test_the_verdict_does_not_depend_on_threads():
 @pytest.mark.parametrize(
     ("name", "strength", "value"),
     [
-        ("row_noise", 0.3, 0.3 * 5 / 10000),
+        slow("row_noise", 0.3, 0.3 * 5 / 10000),
         ("column_fixed_pattern", 0.3, 0.3 * 5 / 10000),
-        ("dark_current", 2.0, 2 / 10000),
+        slow("dark_current", 2.0, 2 / 10000),
     ],
 )
 def test_noise_that_is_cut_at_zero_hides_no_effect(name, strength, value):

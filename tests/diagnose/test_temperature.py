@@ -13,6 +13,8 @@ from cg2raw.diagnose.captures.reader import in_groups
 from cg2raw.diagnose.effects.base import NORMAL_95
 from diagnose.planted import READ, capture_of, sensor_of
 
+pytestmark = pytest.mark.slow
+
 SHAPE = (240, 320)
 COLDER = 0.45  # of the charge
 RATES = {

@@ -20,6 +20,7 @@ from cg2raw import interrupts
 from dataset.data_sets import OPTIONS, folder_of_images
 from diagnose import capture_files
 from python.commands import write_dng
+from tiers import first_fast
 
 SAID = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 STOPPED = "stopped; run the same command again to resume"
@@ -144,7 +145,7 @@ def check_moments(name, source, tmp_path, moments):
     return count
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", first_fast(NAMES, 2))
 def test_seven_moments_of_a_command(source, tmp_path, name):
     assert check_moments(name, source, tmp_path, 7) > 2
 

@@ -114,6 +114,7 @@ def short(monkeypatch):
     monkeypatch.setattr(command, "PROTOCOL", protocol)
 
 
+@pytest.mark.slow
 def test_one_camera_from_end_to_end(short, camera_data, tmp_path, capsys):
     def run(*words):
         own = ["--data", str(camera_data), "-o", str(tmp_path), *words]

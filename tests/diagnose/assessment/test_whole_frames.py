@@ -56,6 +56,7 @@ def looked_at():
     return WholeFrames(groups["report"], BASE, pieces, details=False)
 
 
+@pytest.mark.slow
 def test_frames_that_need_no_other_are_read_once(looked_at, monkeypatch):
     """However many they are: none is kept."""
     monkeypatch.setattr(pieces_module, "KEPT_BYTES", 0)

@@ -192,6 +192,7 @@ def test_what_looks_alike_is_not_taken_for_it(name, values):
     assert [one.name for one in found.effects] == [name]
 
 
+@pytest.mark.slow
 def test_a_profile_that_lists_it_has_no_gap():
     """Its map is each sensor's own, and is made anew."""
     values = {"density": 400.0, "depth": 0.08, "radius": 6.0}

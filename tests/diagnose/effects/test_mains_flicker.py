@@ -78,6 +78,7 @@ def test_row_noise_is_not_taken_for_it():
     assert [one.name for one in found.effects] == ["row_noise"]
 
 
+@pytest.mark.slow
 def test_a_profile_that_lists_it_has_no_gap():
     values = {"amplitude": 0.03, "period": 25.0}
     captures = shot_by_registry(SENSOR, {NAME: values}, 3)

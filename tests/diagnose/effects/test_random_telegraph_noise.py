@@ -61,9 +61,9 @@ def test_it_is_found_in_what_the_registry_simulates(fraction, amplitude, seed):
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        ("hot_pixels", {"fraction": 0.003, "rate": 0.005}),
+        slow("hot_pixels", {"fraction": 0.003, "rate": 0.005}),
         slow("heavy_tailed_noise", {"outlier_fraction": 0.02}),
-        slow("dsnu", {"sigma": 4e-4}),
+        ("dsnu", {"sigma": 4e-4}),
     ],
 )
 def test_what_looks_alike_is_not_taken_for_it(name, values):
@@ -80,6 +80,7 @@ def test_what_looks_alike_is_not_taken_for_it(name, values):
     assert [one.name for one in found.effects] == [name]
 
 
+@pytest.mark.slow
 def test_a_profile_that_lists_it_has_no_gap():
     values = {"fraction": 0.005, "amplitude": 0.005}
     captures = shot_by_registry(SENSOR, {NAME: values}, 3)
