@@ -82,7 +82,7 @@ TOP = {
     ".pre-commit-config.yaml", "CHANGES.md", "CITATION.cff", "CMakeLists.txt",
     "CMakePresets.json", "CONTRIBUTING.md", "LICENSE", "README.md", "SECURITY.md",
     "THIRD-PARTY.md", "docs", "ocio", "packaging", "plugins", "pyproject.toml",
-    "python", "scripts", "tests",
+    "python", "scripts", "studies", "tests",
 }  # fmt: skip
 
 PLUGINS = Path(__file__).resolve().parent.parent / "plugins"

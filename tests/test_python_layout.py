@@ -38,7 +38,6 @@ ROOMS = (
     "cg2raw.calibration",
     "cg2raw.diagnose",
     "cg2raw.synthetic",
-    "cg2raw.benchmark",
     "cg2raw_ocio",
     "cg2raw.cli",
     "cg2raw.__main__",

@@ -9,7 +9,6 @@ from functools import cache
 import numpy as np
 
 from cg2raw import Sensor
-from cg2raw.benchmark.closed_loop import simulated
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import candidates
@@ -22,6 +21,7 @@ from cg2raw.diagnose.likelihood.prediction import predict
 from cg2raw.diagnose.likelihood.workers import Workers
 from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.sensors import ISO, with_noise
+from diagnose.closed_loop import simulated
 
 SHAPE = (64, 96)
 FULL_WELL, READ_NOISE = 5000.0, 3.0  # electrons

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from cg2raw import Sensor
-from cg2raw.benchmark.closed_loop import by_registry, simulated
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
+from diagnose.closed_loop import by_registry, simulated
 from diagnose.planted import READ, capture_of, sensor_of
 
 SHAPE = (96, 128)

@@ -279,28 +279,10 @@ def test_captures_are_hidden(tmp_path, quiet):
     assert (out / "captures.yaml").exists()
 
 
-@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
-def test_the_bench_runs(quiet):
-    words = ("--bench", "none", "--cases", "1", "--seed", "5")
-    done = run("diagnose", *words, *quiet)
-    assert done.code == 0 and "none" in done.out
-    assert bool(done.err) != bool(quiet)
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--bench", "no-such-suite"), "no-such-suite"),
-        (("--bench", "real"), "--captures captures.yaml"),
-        (("--bench", "none", "--captures", "a.yaml"), "only real"),
-        (("--check", "a.yaml", "--captures", "b.yaml"), "--captures: is for --bench"),
-        (("--hide", "fog=1", "-s", "nikon-d40", "-o", "r"), "fog"),
-    ],
-)
-def test_what_the_generator_refuses_is_one_line(tmp_path, monkeypatch, words, message):
+def test_what_the_generator_refuses_is_one_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = run("diagnose", *words)
-    assert done.code != 0 and message in done.err and "Traceback" not in done.err
+    done = run("diagnose", "--hide", "fog=1", "-s", "nikon-d40", "-o", "r")
+    assert done.code != 0 and "fog" in done.err and "Traceback" not in done.err
     assert list(tmp_path.iterdir()) == []
 
 

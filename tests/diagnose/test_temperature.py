@@ -6,11 +6,11 @@ without light, and dark current is what is named."""
 import pytest
 
 from cg2raw import Sensor
-from cg2raw.benchmark.closed_loop import simulated
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.reader import in_groups
 from cg2raw.diagnose.effects.base import NORMAL_95
+from diagnose.closed_loop import simulated
 from diagnose.planted import READ, capture_of, sensor_of
 
 pytestmark = pytest.mark.slow

@@ -181,9 +181,8 @@ def test_the_pictures_are_small():
 @pytest.mark.slow
 def test_the_first_picture_is_what_its_script_draws(tmp_path):
     pillow = pytest.importorskip("PIL.Image")
-    script = ROOT / "scripts/studies/readme_picture.py"
     drawn = tmp_path / "hero.png"
-    subprocess.run([shutil.which("python3"), script, drawn], check=True)
+    subprocess.run([ROOT / "studies/run", "readme-picture", drawn], check=True)
     pictures = [
         np.asarray(pillow.open(path).convert("RGB"), float)
         for path in (drawn, ROOT / "docs/images/hero.png")

@@ -38,7 +38,6 @@ INTERRUPTED = 130
 TIME_LIMIT = 600.0  # s
 LEAST_PIXELS = 1000  # fewer show nothing
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
-MODES = ("check", "verify", "hide", "bench")
 # Options that go with some modes alone; "" is the diagnosis itself.
 OPTIONS = {
     "output": ("", "hide"),
@@ -47,16 +46,14 @@ OPTIONS = {
     "max": ("",),
     "without": ("",),
     "only": ("",),
-    "pixels": ("", "verify", "bench"),
-    "time_limit": ("", "bench"),
+    "pixels": ("", "verify"),
+    "time_limit": ("",),
     "exit_code": ("", "verify"),
     "against": ("verify",),
     "sensor": ("hide",),
-    "seed": ("hide", "bench"),
-    "cases": ("bench",),
-    "bench_captures": ("bench",),
+    "seed": ("hide",),
 }
-SPELT = {"output": "-o", "bench_captures": "--captures"}  # where not as the option
+SPELT = {"output": "-o"}  # where not as the option
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,18 +70,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--check", action="store_true", help="look at the frames' integrity alone")
     add("--verify", action="store_true", help="held-out gap before and --against")
     add("--hide", metavar="EFFECTS", help="make captures with these hidden effects")
-    add("--bench", metavar="SUITE", help="diagnose many hidden effects, and count")
     add = group.add_argument
     add("--against", metavar="PROFILE", help="the profile that --verify tries")
     add("-s", "--sensor", metavar="SENSOR", help="of --hide: id or profile")
-    add("--seed", type=int, metavar="N", help="of --hide and --bench")
-    add("--cases", type=int, metavar="N", help="how many --bench makes")
-    add(
-        "--captures",
-        dest="bench_captures",
-        metavar="PATH",
-        help="of --bench real: captures.yaml of darks and flats, or its folder",
-    )
+    add("--seed", type=int, metavar="N", help="of --hide")
 
 
 def add_search(group: argparse._ArgumentGroup) -> None:
@@ -153,15 +142,11 @@ def duration(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Do what was asked; return the exit code."""
-    mode = next((name for name in MODES if getattr(arguments, name)), "")
+    mode = next((name for name in RUNS if name and getattr(arguments, name)), "")
     check_options(arguments, mode)
     keep_freed_memory()
     try:
-        if mode in ("hide", "bench"):
-            return run_generator(arguments, mode)
-        return {"": run_diagnosis, "check": run_check, "verify": run_verify}[mode](
-            arguments
-        )
+        return RUNS[mode](arguments)
     except ModuleNotFoundError as missing:
         raise ValueError(
             f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
@@ -184,8 +169,8 @@ def check_options(arguments: argparse.Namespace, mode: str) -> None:
             "give a captures.yaml; cg2raw diagnose --hide lens_shading=0.3 "
             "-s nikon-d40 -o blind/ makes one to try"
         )
-    if mode in ("hide", "bench") and arguments.captures is not None:
-        raise ValueError(f"{arguments.captures}: --{mode} reads no captures")
+    if mode == "hide" and arguments.captures is not None:
+        raise ValueError(f"{arguments.captures}: --hide reads no captures")
     if mode in ("", "hide") and arguments.output is None:
         raise ValueError("give -o with the folder that is to be written")
     if mode == "hide" and arguments.sensor is None:
@@ -325,16 +310,14 @@ def with_closed_share(first: "Diagnosis", second: "Diagnosis") -> "Diagnosis":
     return dataclasses.replace(second, unexplained=left, verdict=verdict)
 
 
-def run_generator(arguments: argparse.Namespace, mode: str) -> int:
-    """Make captures with hidden effects, or diagnose many; return the exit code."""
-    import importlib
+def run_hide(arguments: argparse.Namespace) -> int:
+    """Make captures with hidden effects; return the exit code."""
+    from cg2raw.synthetic.captures import main
 
-    name = {"hide": "synthetic.captures", "bench": "benchmark.run"}[mode]
-    module = importlib.import_module(f"cg2raw.{name}")
     words = ["--hide", arguments.hide, "-s", arguments.sensor, "-o", arguments.output]
-    words = words if mode == "hide" else [arguments.bench]
-    for option in ("seed", "cases", "pixels", "time_limit", "bench_captures"):
-        if (value := getattr(arguments, option)) is not None:
-            spelt = SPELT.get(option, f"--{option.replace('_', '-')}")
-            words += [spelt, str(value)]
-    return module.main(words + ["--quiet"] * arguments.quiet) or 0
+    if arguments.seed is not None:
+        words += ["--seed", str(arguments.seed)]
+    return main(words + ["--quiet"] * arguments.quiet)
+
+
+RUNS = {"": run_diagnosis, "check": run_check, "verify": run_verify, "hide": run_hide}

@@ -7,8 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cg2raw.benchmark.suites import cases
-from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.calibrated_start import (
@@ -31,26 +29,6 @@ from diagnose.planted import (
 )
 
 PATTERNS = [e for e in BY_NAME.values() if e.estimator == "fixed pattern"]
-
-
-def dense(faults):
-    """Return captures of a camera that has all effects; faults : factors of its
-    profile's values, by name."""
-    [case] = cases("dense-1", 77, 1)
-    return replace(case, strengths=faults).captures()[0]
-
-
-@pytest.mark.slow
-def test_a_profile_that_is_right_in_all_effects_is_left_alone():
-    found = diagnose(dense({}), details=False)
-    assert [effect.name for effect in found.effects] == []
-    assert found.gap.chi2_after == pytest.approx(1, abs=0.01)
-
-
-@pytest.mark.slow
-def test_what_it_is_wrong_in_is_named_alone():
-    found = diagnose(dense({"amplifier_glow": 0.5}), details=False)
-    assert [effect.name for effect in found.effects] == ["amplifier_glow"]
 
 
 @pytest.mark.parametrize(("stated", "calibrated"), [(0, False), (1, False), (7, True)])

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Real: darks and flats that a camera took, in two halves. One is calibrated; in the
+other an effect is planted, and diagnosed by the profile of the first."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
+from pathlib import Path
+
+from numpy.random import Generator
+
+from cg2raw.calibration import UniformFrame, calibrate
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.frame import Frame
+from cg2raw.diagnose.captures.reader import divided, read_frames, stratum
+from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.inference.nameable import DISTINCT
+from cg2raw.diagnose.refinement import refine
+from cg2raw.sensor import Sensor
+from cg2raw.synthetic.captures import strength_stream
+from cg2raw.synthetic.strengths import KINDS
+from cg2raw.synthetic.synthetic_camera import stream
+from studies.diagnose.planted import PLANTS, levels_of, planted
+
+MANIFEST = "captures.yaml"  # of a folder
+NEEDED = "its darks and flats by --captures captures.yaml, or a folder with one"
+
+
+def manifest_of(captures: str | os.PathLike[str] | None) -> Path:
+    """Return the manifest of a real suite. Raises ValueError without one."""
+    if captures is None:
+        raise ValueError(f"suite real reads frames of a camera: give {NEEDED}")
+    path = Path(captures)
+    path = path / MANIFEST if path.is_dir() else path
+    if not path.is_file():
+        raise ValueError(f"{path}: there is no such file: give {NEEDED}")
+    return path
+
+
+def plantable(path: Path) -> list[str]:
+    """Return the effects that can be planted in a manifest's frames and seen there.
+
+    Raises ValueError for other captures than darks and flats, and for a bad manifest.
+    """
+    _, sensor, frames, _ = read_frames(path)
+    captures = [frame.capture for frame in frames]
+    for capture in captures:
+        if capture.kind not in ("dark", "flat"):
+            raise ValueError(
+                f"{path}: {capture.name}: kind {capture.kind} must be dark or flat, "
+                "which the suite real calibrates: take it out"
+            )
+    flats = [capture for capture in captures if capture.kind == "flat"]
+    times = [flat.exposure_time or 0.0 for flat in flats]
+    hidden = set()
+    if not flats or any(flat.scene is None for flat in flats):
+        hidden.add("exposure")
+    if not flats or max(times) < DISTINCT * min(times):
+        hidden.add("nonlinearity")
+    known = {effect.name: effect for effect in candidates(sensor.cfa)}
+    return [
+        name
+        for name in PLANTS
+        if name in known
+        and name not in hidden
+        and (flats or not known[name].needs & {"light"})
+        and (flats or name != "full_well")
+    ]
+
+
+def halves(
+    frames: Sequence[Frame], rng: Generator | None = None
+) -> tuple[list[Frame], list[Frame]]:
+    """Return frames in two halves: by turns within kind, exposure and temperature.
+
+    rng : draws which of those that repeat each other go where; None for their order."""
+    ordered = list(frames)
+    if rng is not None:
+        ordered = [frames[int(n)] for n in rng.permutation(len(frames))]
+    # Temperature comes last in a stratum, and a cooler leaves it to chance.
+    ordered.sort(key=lambda frame: (frame.capture.kind, stratum(frame)[:-1]))
+    return ordered[::2], ordered[1::2]
+
+
+@lru_cache(maxsize=1)  # cases of one division follow each other
+def calibrated(path: Path, division: int | None) -> tuple[Sensor, tuple[Frame, ...]]:
+    """Return (the sensor with the profile of the first half, the second half).
+
+    division : seed of a random one; None for that by the order of the frames. Raises
+    ValueError for frames that cannot be calibrated."""
+    _, sensor, frames, _ = read_frames(path)
+    rng = None if division is None else stream(division, "halves")
+    first, second = halves(frames, rng)
+    uniform = [_uniform(frame.capture) for frame in first]
+    found = refine(calibrate(sensor, uniform, threads=1), uniform, threads=1)
+    profile = Sensor.from_json(found.updated_profile(), f"{sensor.id} of one half")
+    return profile, tuple(replace(frame, borders=()) for frame in second)
+
+
+def _uniform(capture: Capture) -> UniformFrame:
+    return UniformFrame(
+        capture.name,
+        "dark" if capture.kind == "dark" else "flat",
+        capture.raw,
+        capture.exposure_time,
+        capture.iso,
+        capture.temperature,
+    )
+
+
+@dataclass(frozen=True)
+class RealCase:
+    """One half of real frames, with at most one effect planted. path : of the manifest.
+    The other fields as of suites.Case."""
+
+    suite: str
+    number: int
+    seed: int
+    strengths: dict[str, float | None]
+    path: Path
+    without: tuple[str, ...] = ()
+
+    @cached_property
+    def drawn(self) -> dict[str, float]:
+        """Strengths, in the units of synthetic.strengths.KINDS."""
+        return {
+            name: (
+                KINDS[name].random_strength(strength_stream(self.seed, name))
+                if strength is None
+                else strength
+            )
+            for name, strength in self.strengths.items()
+        }
+
+    def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
+        """Return (the second half with the first's profile, what is planted in it)."""
+        manifest = read_frames(self.path)[0]
+        sensor, second = calibrated(self.path, None if self.strengths else self.seed)
+        frames = list(second)
+        for name, strength in self.drawn.items():
+            frames = self._planted(frames, sensor, name, strength)
+        captures, notes = divided(frames)
+        found = CaptureSet(
+            sensor=sensor,
+            captures=captures,
+            nuisances=manifest.nuisances,
+            uncertainty=manifest.uncertainty,
+            file=manifest.file,
+            notes=notes,
+        )
+        return found, {name: {"strength": s} for name, s in self.drawn.items()}
+
+    def _planted(
+        self, frames: list[Frame], sensor: Sensor, name: str, strength: float
+    ) -> list[Frame]:
+        captures = [frame.capture for frame in frames]
+        isos = [capture.iso for capture in captures if capture.iso is not None]
+        iso = isos[0] if isos else float(sensor.noise[0]["iso"])
+        levels = levels_of(sensor, iso, captures)
+        changed = []
+        for frame in frames:
+            one = frame.capture
+            raw = partial(planted, one, name, strength, levels, self.seed)
+            changed.append(replace(frame, capture=replace(one, raw=raw)))
+        return changed
+
+    def evidence(self, _: Sequence[str]) -> dict[str, float]:
+        """Nobody knows the density of real frames."""
+        return {}
+
+    def expected(self) -> dict[str, dict[str, float]]:
+        """Nobody knows what is in real frames besides."""
+        return {}

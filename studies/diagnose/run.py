@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Benchmark of the diagnosis: hidden effects, drawn by seed, and how many it names.
+
+    ./studies/run diagnose single --json single.jsonl
+
+A suite that was interrupted resumes where it stopped if --json names the same file."""
+
+import argparse
+import contextlib
+import json
+import math
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from multiprocessing import resource_tracker
+from pathlib import Path
+from typing import Any
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.interrupts import raised
+from cg2raw.short_messages import Parser
+from cg2raw.system import children_without_ctrl_c
+from studies.diagnose.scores import covered, half_points, score, table
+from studies.diagnose.suites import SUITES, AnyCase, cases
+
+# Threads of BLAS and OpenMP would only be in the way of the worker processes.
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+Limits = dict[str, Any]  # time_limit and pixels, as of diagnose
+
+
+def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
+    """Diagnose one case; return its record. What fails is recorded as "error".
+
+    limits : time_limit and pixels, as of diagnose."""
+    from cg2raw.diagnose import diagnose
+
+    record: dict[str, Any] = {
+        "suite": case.suite,
+        "number": case.number,
+        "seed": case.seed,
+        "alpha": alpha,
+        "hidden": list(case.strengths),
+        "strengths": case.strengths,
+        "strength": next(iter(case.strengths.values()), None),
+    }
+    start = time.perf_counter()
+    try:
+        captures, hidden = case.captures()
+        record["parameters"] = hidden
+        start = time.perf_counter()
+        found = diagnose(
+            captures,
+            alpha=alpha,
+            without=case.without,
+            threads=1,
+            details=False,
+            **{key: value for key, value in limits.items() if value is not None},
+        )
+    except Exception as error:  # one bad case must not end a night's bench
+        record["error"] = f"{type(error).__name__}: {error}"
+        return record
+    record.update(score(list(case.strengths), found))
+    record["intervals"] = covered(case.expected(), found)
+    record["nats_needed"] = nats_needed(alpha)
+    missed = [name for name in case.strengths if name not in record["named"]]
+    if missed and not case.without and case.suite != "unknown":
+        record["evidence"] = case.evidence(missed)
+    if case.suite == "closed-loop":
+        record.update(_again(captures, found, alpha))
+    record["seconds"] = time.perf_counter() - start
+    return record
+
+
+def nats_needed(alpha: float) -> float:
+    """Return what a name needs on the select frames: ln(names / alpha)."""
+    from cg2raw.diagnose.effects.catalogue import names
+
+    return math.log(len(names()) / alpha)
+
+
+def _again(captures: CaptureSet, found: Diagnosis, alpha: float) -> dict[str, Any]:
+    """Diagnose frames of the found profile by that profile: there must be no gap."""
+    from cg2raw import Sensor
+    from cg2raw.diagnose import diagnose
+    from diagnose.closed_loop import simulated
+
+    sensor = Sensor.from_json(found.profile_json)
+    second = diagnose(
+        simulated(captures, sensor), alpha=alpha, threads=1, details=False
+    )
+    return {
+        "again_verdict": second.verdict,
+        "again_named": [one.name for one in second.effects],
+        "again_unexplained": [one.name for one in second.unexplained],
+    }
+
+
+def _job(work: tuple[AnyCase, float, Limits]) -> dict[str, Any]:
+    case, alpha, limits = work
+    return run_case(case, alpha, **limits)
+
+
+def records_of(
+    wanted: Sequence[AnyCase], alpha: float, jobs: int, limits: Limits | None = None
+) -> Iterator[dict[str, Any]]:
+    """Yield the records of cases as they are done.
+
+    jobs : worker processes; 1 for this process."""
+    work = [(case, alpha, limits or {}) for case in wanted]
+    if jobs == 1 or len(work) < 2:
+        yield from map(_job, work)
+        return
+    for name in ONE_THREAD:
+        os.environ[name] = "1"
+    resource_tracker.ensure_running()  # which unblocks Ctrl-C when it starts
+    with raised(), contextlib.ExitStack() as end:
+        with children_without_ctrl_c():
+            pool = end.enter_context(multiprocessing.get_context("spawn").Pool(jobs))
+        yield from pool.imap_unordered(_job, work)
+
+
+def done_before(
+    path: Path | None, wanted: Sequence[AnyCase], alpha: float
+) -> list[dict[str, Any]]:
+    """Return the records in a file that are of these cases and did not fail."""
+    if path is None or not path.exists():
+        return []
+    keys = {(case.suite, case.number, case.seed): case for case in wanted}
+    kept = {}
+    for line in path.read_text().splitlines():
+        try:
+            one = json.loads(line)
+        except ValueError:
+            continue  # the line that an interruption cut
+        key = (one["suite"], one["number"], one["seed"])
+        case = keys.get(key) if "error" not in one else None
+        if case and one["hidden"] == list(case.strengths) and one["alpha"] == alpha:
+            kept[key] = one
+    return list(kept.values())
+
+
+def bench(
+    suite: str,
+    *,
+    count: int | None = None,
+    seed: int = 0,
+    jobs: int = 1,
+    effects: Sequence[str] = (),
+    alpha: float = 0.01,
+    path: Path | None = None,
+    progress: bool = False,
+    captures: str | os.PathLike[str] | None = None,
+    limits: Limits | None = None,
+) -> list[dict[str, Any]]:
+    """Run a suite; return the records of its cases, in their order.
+
+    count, effects, captures : as of suites.cases. path : JSON lines, appended as cases
+    end. limits : as of run_case; a time limit makes results depend on the machine."""
+    wanted = cases(suite, seed, count, effects, captures)
+    records = done_before(path, wanted, alpha)
+    numbers = {one["number"] for one in records}
+    left = [case for case in wanted if case.number not in numbers]
+    for one in records_of(left, alpha, jobs, limits):
+        records.append(one)
+        if path is not None:
+            with path.open("a") as file:
+                file.write(json.dumps(one) + "\n")
+        if progress:
+            hidden = "+".join(one["hidden"]) or "nothing"
+            said = one.get("error") or f"{one['outcome']}: {', '.join(one['named'])}"
+            print(f"{len(records)}/{len(wanted)} {hidden}: {said}", file=sys.stderr)
+    return sorted(records, key=lambda one: one["number"])
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = Parser(prog="studies/run diagnose", description=__doc__.splitlines()[0])
+    parser.add_argument("suite", choices=SUITES)
+    parser.add_argument("--cases", type=int, help="per effect, or in all")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=2, help="worker processes")
+    parser.add_argument("--effects", default="", help="NAME,... to hide")
+    parser.add_argument(
+        "--captures", metavar="PATH", help="captures.yaml or its folder, of real suites"
+    )
+    parser.add_argument("--pixels", type=int, help="of each frame that are fitted")
+    parser.add_argument("--time-limit", type=float, metavar="S", help="of each case")
+    parser.add_argument("--alpha", type=float, default=0.01)
+    parser.add_argument("--json", type=Path, help="file of records, one per line")
+    parser.add_argument("--quiet", action="store_true", help="no progress; table alone")
+    return parser.parse_args(argv)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one suite and print its table; 1 if a case failed, or for bad arguments."""
+    given = _arguments(argv)
+    try:
+        records = bench(
+            given.suite,
+            count=given.cases,
+            seed=given.seed,
+            jobs=max(given.jobs, 1),
+            effects=[name for name in given.effects.split(",") if name],
+            alpha=given.alpha,
+            path=given.json,
+            progress=not given.quiet,
+            captures=given.captures,
+            limits={"pixels": given.pixels, "time_limit": given.time_limit},
+        )
+    except (ValueError, OSError) as error:
+        print(f"diagnose: {error}", file=sys.stderr)
+        return 1
+    print(table(given.suite, records))
+    if given.suite == "power":
+        for name, strength in half_points(records).items():
+            print(f"half of {name} named at {strength:.4g}")
+    return int(any("error" in one for one in records))

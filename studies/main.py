@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The command of ./studies/run evidence."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from studies.cameras import FILES, NUS, Camera, known_camera, own_camera
+from studies.docs_page import update_page
+from studies.draws import JUDGE, LEARNED, RENDERS, Run, go_on
+from studies.figures.files import figures_of_results, figures_of_world, write_figures
+from studies.mitsuba_judge.folder import PATTERN, judge_frames
+from studies.places import LUXPY_VARIABLE, data_folder, files_hash, luxpy_folder
+from studies.protocol import PROTOCOL
+from studies.results import (
+    add,
+    fingerprint,
+    read_results,
+    set_aside,
+    use,
+    write_results,
+)
+from studies.sources.renders import read_renders
+from studies.tables_of_results import tables_by_study, together
+from studies.tasks.classical import classical
+from studies.tasks.colour import colour
+from studies.tasks.illuminant import need_torch
+from studies.world.shots import KINDS, World, load_world
+
+Study = Callable[[World, Camera, str], Any]  # world, camera, quick or full
+TABLES = "tables.md"
+
+
+def run_classical(world: World, camera: Camera, mode: str) -> Any:
+    """Return the errors of classical methods; None of a camera without grey cards."""
+    frames = world.protocol.classical.frames[mode]
+    return classical(world, camera, frames) if camera.id in NUS else None
+
+
+def run_colour(world: World, camera: Camera, mode: str) -> Any:
+    """Return study 0's errors by kind of scenes."""
+    frames = world.protocol.colour.frames[mode]
+    return {kind: colour(world, camera, kind, frames) for kind in KINDS}
+
+
+MEASURED: dict[str, Study] = {"classical": run_classical, "colour": run_colour}
+STUDIES = (*MEASURED, *LEARNED)
+HOURS = ("longer", "light_draws", "unet")
+NEED_TORCH = ("illuminant", "longer", "light_draws", "unet")
+
+
+def arguments(given: list[str] | None = None) -> argparse.Namespace:
+    """Return the command line."""
+    parser = argparse.ArgumentParser(
+        prog="evidence",
+        description="What training data by cg2raw is worth, on scenes of measured "
+        "spectra. Tables go to the terminal and, with every frame, to OUT.",
+    )
+    parser.add_argument(
+        "studies", nargs="*", metavar="STUDY", help=f"{', '.join(STUDIES)}; all"
+    )
+    modes = parser.add_mutually_exclusive_group()
+    for mode, about in (("quick", "few frames (default)"), ("full", "many frames")):
+        modes.add_argument(
+            f"--{mode}", dest="mode", action="store_const", const=mode, help=about
+        )
+    parser.add_argument(
+        "--cameras",
+        help=f"ids with commas, of {', '.join(FILES)} (default: protocol.toml's)",
+    )
+    add_places(parser)
+    parser.set_defaults(mode="quick")
+    found = parser.parse_args(given)
+    unknown = [name for name in found.studies if name not in STUDIES]
+    if unknown:
+        parser.error(f"study {unknown[0]} must be one of {', '.join(STUDIES)}")
+    if (found.ssf is None) != (found.sensor is None):
+        parser.error("--ssf and --sensor go together: sensitivities and profile")
+    if found.docs and found.mode != "full":
+        parser.error("--docs needs --full: no page has numbers of few frames")
+    return found
+
+
+def add_places(parser: argparse.ArgumentParser) -> None:
+    """Add the options of what is read from where, and written to where."""
+    parser.add_argument(
+        "--ssf", type=Path, help="sensitivities of a camera of your own (.csv, .json)"
+    )
+    parser.add_argument("--sensor", type=Path, help="that camera's profile (.json)")
+    parser.add_argument(
+        "--renders",
+        type=Path,
+        help="folder of rendered images that RAW is made of, in place of the world's",
+    )
+    parser.add_argument(
+        "--judge",
+        type=Path,
+        help="folder of mitsuba-judge: more test frames for scenes at night",
+    )
+    parser.add_argument("--data", type=Path, help="folder of camera data")
+    parser.add_argument(
+        "--luxpy", type=Path, help=f"folder of luxpy's data; or {LUXPY_VARIABLE}"
+    )
+    parser.add_argument(
+        "-o", "--out", type=Path, default=Path("out/study"), help="%(default)s"
+    )
+    parser.add_argument(
+        "--docs",
+        action="store_true",
+        help="with --full: put tables and figures into docs/evidence.md",
+    )
+
+
+def cameras(given: argparse.Namespace, data: Path, study: str) -> list[Camera]:
+    """Return the cameras that a command line names, or the protocol's of a study."""
+    if given.ssf is not None:
+        return [own_camera(given.ssf, given.sensor, data)]
+    if given.cameras is not None:
+        names = given.cameras.split(",")
+    else:
+        names = list(getattr(PROTOCOL, study).cameras[given.mode])
+    return [known_camera(name, data) for name in names]
+
+
+def asked(names: list[str], mode: str) -> list[str]:
+    """Return the studies of a command line; of all, those that can run here.
+
+    Those that take hours are among all in full mode alone."""
+    if set(names) & set(NEED_TORCH):
+        need_torch()
+    if names:
+        return names
+    found = [name for name in STUDIES if mode == "full" or name not in HOURS]
+    try:
+        need_torch()
+    except ValueError as error:
+        warn(f"left out: {error}")
+        return [name for name in found if name not in NEED_TORCH]
+    return found
+
+
+def prepared(given: argparse.Namespace, luxpy: Path | None) -> Run:
+    """Return the Run of a command line. Raises ValueError for data that are missing."""
+    if luxpy is None:
+        said = (
+            "no data files of luxpy: colour-science's reflectances and lamps stand for "
+            "IES TM-30's, by which the world was calibrated; --luxpy names the folder"
+        )
+        if given.docs:
+            raise ValueError(said)
+        warn(said)
+    world = load_world(luxpy, PROTOCOL)
+    expected = {**fingerprint(world), "mode": given.mode}
+    results, differs = read_results(given.out, expected)
+    if differs:
+        kept = set_aside(given.out)
+        warn(f"earlier results differ in {', '.join(differs)}: they are in {kept} now")
+    run = Run(world, given.mode, results, given.out, warn)
+    if given.renders is not None:
+        renders = read_renders(given.renders, PROTOCOL.scene)
+        run = replace(run, renders=renders)
+        note_use(run, RENDERS, renders.digest, given.renders)
+    if given.judge is not None:
+        run = replace(run, judge=partial(judge_frames, given.judge))
+        digest = files_hash(sorted(given.judge.glob(PATTERN)))
+        note_use(run, JUDGE, digest, given.judge)
+    return run
+
+
+def note_use(run: Run, what: str, digest: str, folder: Path) -> None:
+    """Note the hash of a folder that entries are made of."""
+    if use(run.results, what, digest):
+        warn(f"{folder}: has changed: earlier results of {what} are left out")
+
+
+def run(given: argparse.Namespace) -> str:
+    """Run the studies of a command line and return their tables. Raises ValueError."""
+    luxpy, data = luxpy_folder(given.luxpy), data_folder(given.data)
+    names = asked(given.studies, given.mode)
+    prepared_run = prepared(given, luxpy)
+    world, results = prepared_run.world, prepared_run.results
+    for name in names:
+        for camera in cameras(given, data, name):
+            if name in LEARNED:
+                go_on(prepared_run, name, camera)
+                continue
+            entry = MEASURED[name](world, camera, given.mode)
+            if entry is None:
+                warn(f"{name}: {camera.id} has no grey cards of NUS: left out")
+                continue
+            add(results, camera, name, entry)
+            write_results(given.out, results)
+    given.out.mkdir(parents=True, exist_ok=True)
+    found = tables_by_study(results, world.protocol.classical.within)
+    (given.out / TABLES).write_text(together(found))
+    shown = figures_of_world(prepared_run, cameras(given, data, "isp")[0], names)
+    write_figures(given.out, figures_of_results(results) | shown)
+    if given.docs:
+        update_page(found, given.out)
+    return together(found)
+
+
+def warn(message: str) -> None:
+    """Print one line on stderr."""
+    print(f"evidence: {message}", file=sys.stderr)
+
+
+def main(given: list[str] | None = None) -> int:
+    """Run the command; one line on stderr and exit 1 for data that are missing."""
+    try:
+        print(run(arguments(given)), end="")
+    except ValueError as error:
+        warn(str(error))
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The bench of the diagnosis: how it counts, and a sample of what it shows."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+
+import cg2raw.diagnose
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from studies.diagnose import run as command
+from studies.diagnose.dense import dense_names
+from studies.diagnose.run import bench
+from studies.diagnose.scores import bounds, half_points, score, table
+from studies.diagnose.suites import SUITES, Case, cases
+
+
+def verdict_of(names, verdict="identified", before=0.1, after=0.001):
+    """Return what the scores read of a Diagnosis; the first name gains most."""
+    effects = [
+        SimpleNamespace(name=name, gain_nats=100.0 - n) for n, name in enumerate(names)
+    ]
+    gap = SimpleNamespace(before=before, after=after, chi2_after=1.0)
+    return SimpleNamespace(
+        verdict=verdict,
+        effects=effects[::-1],
+        gap=gap,
+        unexplained=[],
+        seconds=1.0,
+        time_limit_reached=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("hidden", "names", "verdict", "outcome", "exact", "extra"),
+    [
+        (["prnu"], ["prnu"], "identified", "right", True, 0),
+        (["prnu"], ["prnu", "blur"], "identified", "right", False, 1),
+        (["prnu"], ["blur", "prnu"], "identified", "wrong", False, 1),
+        (["prnu"], ["blur"], "ambiguous", "unsure", False, 1),
+        (["prnu"], ["blur"], "identified, rest unexplained", "unsure", False, 1),
+        (["prnu"], [], "no gap", "missed", False, 0),
+        (["prnu"], [], "unknown structure", "unsure", False, 0),
+        ([], [], "no gap", "right", True, 0),
+        ([], ["blur"], "identified", "wrong", False, 1),
+        (["blur", "prnu"], ["prnu", "blur"], "identified", "right", True, 0),
+    ],
+)
+def test_outcomes(hidden, names, verdict, outcome, exact, extra):
+    one = score(hidden, verdict_of(names, verdict))
+    assert (one["outcome"], one["exact"], one["extra"]) == (outcome, exact, extra)
+    assert one["closed"] == pytest.approx(0.99)
+
+
+@pytest.mark.parametrize("suite", [s for s in SUITES if not s.startswith("real")])
+def test_cases_depend_on_seed_and_number_alone(suite):
+    some = cases(suite, 3, 2)
+    assert all(case in cases(suite, 3, 4) for case in some)
+    assert [case.seed for case in some] != [case.seed for case in cases(suite, 4, 2)]
+    names = {name for case in some for name in case.strengths}
+    known = dense_names() if suite.startswith("dense") else KINDS
+    assert names <= set(UNKNOWN_KINDS if suite == "unknown" else known)
+    assert len({case.seed for case in some}) == len(some)
+
+
+def test_single_goes_through_all_effects():
+    hidden = [name for case in cases("single", 0, 2) for name in case.strengths]
+    assert sorted(hidden) == sorted([*KINDS, *KINDS])
+    with pytest.raises(ValueError, match="effect 'fog' of suite single must be one of"):
+        cases("single", 0, 1, ["fog"])
+
+
+def test_a_bench_goes_on_where_it_stopped(tmp_path, monkeypatch):
+    seen = []
+
+    def diagnose(captures, **_):
+        seen.append(captures.sensor.id)
+        if len(seen) == 2:
+            raise ValueError("a bad case")
+        return verdict_of(["exposure"])
+
+    monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
+    path = tmp_path / "records.jsonl"
+    wanted = {"count": 1, "effects": ["exposure", "prnu", "blur"], "path": path}
+    records = bench("single", **wanted)
+    assert len(seen) == 3
+    assert records[1]["error"] == "ValueError: a bad case"
+    path.write_text("".join(path.read_text().splitlines(True)[:2]) + '{"cut')
+    again = bench("single", **wanted)
+    assert [one["number"] for one in again if "error" not in one] == [0, 1, 2]
+    assert len(seen) == 5  # the one that failed, and the one that was cut
+    text = table("single", records)
+    assert "failed: 1" in text and "named first: 50.00 % (asked: >= 96 %)" in text
+
+
+def test_command_prints_the_table(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(
+        cg2raw.diagnose,
+        "diagnose",
+        lambda *_, **__: verdict_of([], "no gap", 0.0, 0.0),
+        raising=False,
+    )
+    path = tmp_path / "none.jsonl"
+    argv = ["none", "--cases", "2", "--jobs", "1", "--json", str(path)]
+    assert command.main(argv) == 0
+    assert "false names: 0.00 % (asked: <= 0.5 %)" in capsys.readouterr().out
+    assert [json.loads(line)["number"] for line in path.open()] == [0, 1]
+
+
+def test_limits_reach_the_diagnosis_and_are_counted(monkeypatch):
+    given = []
+
+    def diagnose(captures, **options):
+        given.append(options)
+        found = verdict_of(["prnu"])
+        found.time_limit_reached = True
+        return found
+
+    monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
+    limits = {"time_limit": 5.0, "pixels": None}
+    records = bench("single", count=1, effects=["prnu"], limits=limits)
+    assert given[0]["time_limit"] == 5.0 and "pixels" not in given[0]
+    assert "ended by the time limit: 1" in table("single", records)
+
+
+def test_half_points_lie_between_what_is_seen_and_what_is_not():
+    records = [
+        {"hidden": ["prnu"], "strength": s, "outcome": "right" if s > 3 else "missed"}
+        for s in (1.0, 2.0, 3.0, 4.0, 5.0)
+    ]
+    assert half_points(records) == {"prnu": pytest.approx(12**0.5)}
+
+
+SAMPLE = {"single": 1, "none": 12, "pairs": 4, "unknown": 1, "nuisance-none": 4}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suite", SAMPLE)
+def test_a_sample_of_the_bench(suite):
+    records = bench(suite, count=SAMPLE[suite], seed=606, jobs=2)
+    print(table(suite, records))
+    assert [one["error"] for one in records if "error" in one] == []
+    values = {what.split(",")[0]: value for what, value, _ in bounds(suite, records)}
+    if suite.endswith("none"):
+        assert values["false names"] == 0
+    elif suite == "single":
+        assert values["named first"] >= 0.85
+        assert values["gap closed"] >= 0.9  # the 5th percentile
+    elif suite == "pairs":
+        assert values["exact set"] >= 0.5
+    else:
+        assert values["confidently misnamed"] == 0
+
+
+def test_evidence_is_what_the_frames_tell_of_an_effect():
+    """A tenth of the light is seen by anybody, row noise of a hundredth by nobody."""
+    strong, faint = (
+        Case("pairs", 0, 3, {"exposure": 0.1, "row_noise": 0.01}).evidence([name])[name]
+        for name in ("exposure", "row_noise")
+    )
+    assert strong > 1e4
+    assert abs(faint) < 5
+
+
+def test_the_table_says_what_was_missed_and_how_faint_it_was():
+    record = {
+        **score(["row_noise"], verdict_of([], "no gap")),
+        "hidden": ["row_noise"],
+        "number": 7,
+        "seconds": 1.0,
+        "evidence": {"row_noise": 3.21},
+    }
+    assert table("single", [record]).endswith(
+        "case 7: missed row_noise, 3.2 nats in what decides"
+    )
