@@ -10,7 +10,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from conftest import OIIOTOOLS, ROOT
+from conftest import OIIOTOOLS
 
 LIGHT = ("--sensor", "samsung-s20fe", "--illuminant", "D65")
 OLD = b"what was there before"
@@ -257,11 +257,6 @@ class Oiiotool(Target):
     def __init__(self, name):
         self.name = name
         self.tool, self.plugins = OIIOTOOLS[name]
-        if name == "oiio-wheel":  # a script of Python starts the program
-            found = (ROOT / ".venv").glob(
-                "lib/*/site-packages/OpenImageIO/bin/oiiotool"
-            )
-            self.tool = next(found, self.tool)
 
     def prepare(self, folder):
         images(folder)
