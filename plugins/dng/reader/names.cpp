@@ -2,7 +2,6 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file What the camera is called, and what Exif says of the shot.
-#include "exif_date.h"
 #include "reader/metadata_parts.h"
 
 #include <cmath>
@@ -27,14 +26,6 @@ std::optional<int> read_iso(const TiffTags& exif)
         if ((iso == 0 || iso == iso_elsewhere) && exif.has(wide))
             iso = exif.integers(wide, iso_count, iso_bounds).front();
     return iso > 0 ? std::optional<int>(int(iso)) : std::nullopt;
-}
-
-/// Exif says unknown by 0 or by a denominator of 0; what no shot can have is unknown
-/// too.
-std::optional<double> plausible(const TiffTags& exif, TiffTag tag)
-{
-    const auto value = exif.positive(tag);
-    return value && *value >= 1e-9 && *value <= 1e6 ? value : std::nullopt;
 }
 
 /// What CinemaDNG calls one; what no camera runs at is unknown.
@@ -97,12 +88,11 @@ void read_dng_names(const TiffTags& camera, const TiffTags& exif, DngMetadata& m
                         + " are missing or empty; one must name the camera: use"
                           " another DNG of this camera");
     Shot& shot = metadata.shot;
-    shot.exposure_time = plausible(exif, tag::exposure_time);
-    shot.f_number = plausible(exif, tag::f_number);
-    shot.focal_length = plausible(exif, tag::focal_length);
+    shot.exposure_time = exif.positive(tag::exposure_time);
+    shot.f_number = exif.positive(tag::f_number);
+    shot.focal_length = exif.positive(tag::focal_length);
     shot.iso = read_iso(exif);
-    const std::string date = exif.text(tag::date_time_original);
-    shot.date_time_original = is_exif_date(date) ? date : "";
+    shot.date_time_original = exif.text(tag::date_time_original);
     shot.artist = camera.text(tag::artist);
     shot.copyright = camera.text(tag::copyright);
     shot.description = camera.text(tag::image_description);
