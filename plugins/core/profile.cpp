@@ -73,6 +73,15 @@ void check_levels(const SensorProfile& profile, const std::string& file)
                      + std::to_string(profile.white_level) + " DN");
 }
 
+/// What the sum of a row may be off by: the sum of three rounded values, each by half
+/// of 1 / @p denominator at most, and D50 itself, of which makers publish three or four
+/// decimals that differ.
+double white_tolerance(double denominator)
+{
+    constexpr double of_d50 = 0.001;
+    return of_d50 + 3.0 * 0.5 / std::max(denominator, coarsest_denominator);
+}
+
 /// Balanced white must be that of the profile connection space.
 void check_forward_matrix(const Calibration& calibration, const std::string& file,
                           const std::string& index)
@@ -173,9 +182,9 @@ std::string light_source_name(int light_source)
     return std::to_string(light_source);
 }
 
-bool maps_white_to_d50(const Mat3& xyz_d50_from_camera)
+bool maps_white_to_d50(const Mat3& xyz_d50_from_camera, double denominator)
 {
-    constexpr double tolerance = 0.005; // of rounding, to 1/128 in some cameras
+    const double tolerance = white_tolerance(denominator);
     const Vec3 white = xyz_d50_from_camera * Vec3 { 1, 1, 1 };
     const Vec3 d50 = xyz_from_xy(d50_white);
     for (std::size_t i = 0; i < 3; ++i)
@@ -184,7 +193,7 @@ bool maps_white_to_d50(const Mat3& xyz_d50_from_camera)
     return true;
 }
 
-std::string white_text(const Mat3& xyz_d50_from_camera)
+std::string white_text(const Mat3& xyz_d50_from_camera, double denominator)
 {
     const auto text = [](const Vec3& xyz) {
         std::string words;
@@ -193,7 +202,8 @@ std::string white_text(const Mat3& xyz_d50_from_camera)
         return words;
     };
     return "maps white to XYZ" + text(xyz_d50_from_camera * Vec3 { 1, 1, 1 })
-        + "; it must be that of D50," + text(xyz_from_xy(d50_white)) + ", within 0.005";
+        + "; it must be that of D50," + text(xyz_from_xy(d50_white)) + ", within "
+        + number(std::round(1e5 * white_tolerance(denominator)) / 1e5);
 }
 
 void check(const SensorProfile& profile, const std::string& file)

@@ -100,6 +100,7 @@ WRONG = [
     ("forward_matrix_1", [1, 2, 3] * 3, "singular"),
     ("forward_matrix_1", M[:4], "9"),
     ("forward_matrix_1", [1, 0, 0, 0, 1, 0, 0, 0, 1], "D50, 0.9643 1 0.8251"),
+    ("forward_matrix_1", [0.9771, 0, 0, 0, 1, 0, 0, 0, 0.825], "within 0.01272"),
     ("illuminants", {}, "mean|neutrals"),
     ("illuminants", {"neutrals": [[0.5]]}, "2|R/G"),
     ("illuminants", {"neutrals": [[0.5, 0.0]]}, "0.01"),
@@ -247,6 +248,14 @@ def test_numbers_that_are_none_are_errors(field, number):
     value = number if field == "white_level" else f"[{', '.join([number] * 9)}]"
     with pytest.raises(ValueError, match=r"^inline.json: "):
         cg2raw.Sensor.from_json(text.replace('"HERE"', value), name="inline.json")
+
+
+def test_forward_matrices_may_be_rounded_to_128ths():
+    """Three values are off by 1.5 / 128 together; a profile has no denominators."""
+    diagonal = [0.9769, 0, 0, 0, 1, 0, 0, 0, 0.825]
+    text = cameras.profile_text(forward_matrix_1=diagonal, forward_matrix_2=diagonal)
+    found = cg2raw.Sensor.from_json(text, name="inline.json").calibrations
+    assert found[0]["xyz_d50_from_camera"][0, 0] == 0.9769
 
 
 FULL = {

@@ -143,18 +143,20 @@ Mat3 read_camera_from_reference(const TiffTags& camera, TiffTag camera_calibrati
     return balance;
 }
 
-/// ForwardMatrix, its rows scaled to the sums that take white to D50, as renderers do
-/// with those of all files; nothing if it cannot be.
+/// ForwardMatrix. If white misses D50 by more than rounding, its rows are scaled to the
+/// sums that take it there, as renderers do with those of all files; nothing if it
+/// cannot be.
 std::optional<Mat3> read_forward(const TiffTags& camera, TiffTag tag,
                                  DngMetadata& metadata)
 {
     const Mat3 forward = read_matrix(camera, tag);
-    if (maps_white_to_d50(forward))
+    const double denominator = camera.largest_denominator(tag);
+    if (maps_white_to_d50(forward, denominator))
         return forward;
     const Vec3 white = forward * Vec3 { 1, 1, 1 }, d50 = xyz_from_xy(d50_white);
     const bool has_scale = std::min({ white[0], white[1], white[2] }) > 0.0;
     metadata.notes.push_back(
-        text_of(tag) + " " + white_text(forward)
+        text_of(tag) + " " + white_text(forward, denominator)
         + (has_scale ? ": its rows are scaled to it" : ": it is not used"));
     if (!has_scale)
         return std::nullopt;

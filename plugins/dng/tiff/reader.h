@@ -113,6 +113,8 @@ public:
     /// The one number of a tag as a fraction, its parts above 0 and below 2^31; of an
     /// integer, over 1. Nothing if the file does not have the tag, or says no such one.
     std::optional<Fraction> fraction(TiffTag tag) const;
+    /// Of all values of a tag; 1 of integers, infinity of floating point.
+    double largest_denominator(TiffTag tag) const;
     /// Text up to its first NUL or, unterminated, to its end; without outer blanks,
     /// control characters and bytes that are no UTF-8. Empty if there is none.
     std::string text(TiffTag tag) const;

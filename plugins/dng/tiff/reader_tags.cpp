@@ -5,6 +5,7 @@
 #include "tiff/reader.h"
 #include "tiff/text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -102,6 +103,11 @@ bool holds_integers(std::uint16_t type)
         || type == type_ifd8;
 }
 
+bool is_rational(std::uint16_t type)
+{
+    return type == type_rational || type == type_srational;
+}
+
 bool holds_bytes(std::uint16_t type)
 {
     return type == type_byte || type == type_undefined;
@@ -173,7 +179,7 @@ std::optional<Fraction> TiffTags::fraction(TiffTag tag) const
     if (!has(tag))
         return std::nullopt;
     const TiffEntry& entry = required(tag, { 1, 16 });
-    const bool rational = entry.type == type_rational || entry.type == type_srational;
+    const bool rational = is_rational(entry.type);
     if (!rational && !holds_integers(entry.type))
         return std::nullopt;
     const auto values = raw_values(tag, entry);
@@ -186,6 +192,22 @@ std::optional<Fraction> TiffTags::fraction(TiffTag tag) const
     if (numerator == 0 || denominator == 0 || numerator > most || denominator > most)
         return std::nullopt;
     return Fraction { std::int32_t(numerator), std::int32_t(denominator) };
+}
+
+double TiffTags::largest_denominator(TiffTag tag) const
+{
+    const TiffEntry& entry = required(tag, { 1, 16 });
+    if (!is_rational(entry.type))
+        return holds_integers(entry.type) ? 1.0
+                                          : std::numeric_limits<double>::infinity();
+    const auto values = raw_values(tag, entry);
+    double largest = 1.0;
+    for (std::size_t at = 4; at < values.size(); at += 8) {
+        const auto bits = std::uint32_t(m_file.number(&values[at], 4));
+        const bool negative = entry.type == type_srational && std::int32_t(bits) < 0;
+        largest = std::max(largest, double(negative ? 0U - bits : bits));
+    }
+    return largest;
 }
 
 std::string TiffTags::text(TiffTag tag) const

@@ -67,12 +67,20 @@ struct Lamp {
 /// and '-', are alike. nullptr: none of @p lamps.
 const Lamp* lamp_named(const std::vector<Lamp>& lamps, std::string_view word);
 
+/// Of matrices whose values a file has as fractions: the least that cameras have.
+/// Source: DNGs of Android phones.
+constexpr double coarsest_denominator = 128.0;
+
 /// Whether a ForwardMatrix takes balanced white, (1, 1, 1), to the XYZ of D50, as the
-/// DNG specification, chapter 6, has it; up to rounding, 0.005.
-bool maps_white_to_d50(const Mat3& xyz_d50_from_camera);
+/// DNG specification, chapter 6, has it; up to the rounding of values over
+/// @p denominator. Where only decimals are known, as in a profile, they may be those of
+/// the coarsest.
+bool maps_white_to_d50(const Mat3& xyz_d50_from_camera,
+                       double denominator = coarsest_denominator);
 
 /// Of one that does not: "maps white to XYZ ...; it must be that of D50, ...".
-std::string white_text(const Mat3& xyz_d50_from_camera);
+std::string white_text(const Mat3& xyz_d50_from_camera,
+                       double denominator = coarsest_denominator);
 
 /// Temperature that raw converters give an EXIF LightSource code (A = 2850, D50 = 5000,
 /// D65 = 6500 K). Throws Error for a code without one.

@@ -103,8 +103,8 @@ TEST(DngReader, FoldsCalibrationInEitherOrderOfLights)
     EXPECT_DOUBLE_EQ(a.camera_from_xyz(1, 1), 209.0 / 128.0);
     EXPECT_DOUBLE_EQ(a.camera_from_xyz(2, 2), 80.0 * 124.0 / 128.0 / 128.0);
     EXPECT_EQ((*d65.xyz_d50_from_camera)(2, 2), 145.0 / 128.0);
-    // Of 128ths that do not sum to D50's white: 124 of them are its X.
-    EXPECT_NEAR((*a.xyz_d50_from_camera)(0, 0), 88.0 / 124.0 * 0.9643, 1e-4);
+    EXPECT_EQ((*a.xyz_d50_from_camera)(0, 0), 88.0 / 128.0);
+    EXPECT_FALSE(has_note(metadata.notes, "ForwardMatrix"));
     EXPECT_DOUBLE_EQ((*metadata.as_shot_neutral)[0], 61.0 / 129.0);
     EXPECT_DOUBLE_EQ((*metadata.as_shot_neutral)[2], 71.0 / 129.0);
 }
@@ -163,6 +163,33 @@ TEST(DngReader, ForwardMatrixIsBroughtToD50OrLeftOut)
     const DngMetadata without = read(ifd);
     EXPECT_FALSE(without.calibrations[0].xyz_d50_from_camera);
     EXPECT_TRUE(has_note(without.notes, "it is not used"));
+}
+
+/// Three values over d are off by 1.5 / d together, and D50 of few decimals by 0.001:
+/// rows of 0.9643 1 0.8251 are 123.4 128 105.6 of 128ths, 987.4 1024 844.9 of 1024ths.
+TEST(DngReader, ForwardMatrixMayBeRoundedToItsDenominator)
+{
+    struct {
+        std::int32_t denominator;
+        std::vector<std::int64_t> values;
+        bool is_rounded;
+    } const cases[] = {
+        { 128, { 88, 2, 35, 27, 87, 13, 0, -69, 174 }, true }, // 125 127 105
+        { 128, { 88, 2, 35, 27, 87, 12, 0, -69, 174 }, false }, // 125 126 105
+        { 1024, { 700, 200, 89, 230, 700, 96, 0, -500, 1345 }, true }, // 989 1026 845
+        { 1024, { 700, 200, 89, 230, 700, 97, 0, -500, 1345 }, false }, // 989 1027 845
+        { 10000, { 7000, 2000, 654, 3, 9990, 0, 0, 0, 8240 }, true }, // 9654 9993 8240
+        { 10000, { 7000, 2000, 655, 3, 9990, 0, 0, 0, 8240 }, false }, // 9655 9993 8240
+        { 1, { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, false },
+    };
+    for (const auto& [denominator, values, is_rounded] : cases) {
+        Ifd ifd = nexus_5x();
+        const auto found = read(ifd.signed_rationals(50964, values, denominator));
+        const Mat3& forward = *found.calibrations[0].xyz_d50_from_camera;
+        EXPECT_EQ(has_note(found.notes, "ForwardMatrix1"), !is_rounded) << denominator;
+        EXPECT_EQ(forward(0, 0) == double(values[0]) / denominator, is_rounded);
+        EXPECT_TRUE(maps_white_to_d50(forward, denominator));
+    }
 }
 
 TEST(DngReader, DefaultScaleIsTheShapeOfPixels)
@@ -366,6 +393,18 @@ TEST(DngReader, ExifUnknownsAreAbsent)
     EXPECT_FALSE(shot.exposure_time || shot.f_number || shot.focal_length || shot.iso);
     EXPECT_EQ(shot.date_time_original, "");
     EXPECT_EQ(shot.orientation, 1);
+}
+
+/// The bounds are those of the shots that are written: 1e-6 to 1e6.
+TEST(DngReader, ExifThatNoShotCanHaveIsAbsent)
+{
+    Ifd ifd = tiny_dng();
+    ifd.rationals(33434, { 1 }, 1250000).rationals(37386, { 1000001 }, 1);
+    ifd.rationals(33437, { 1 }, 1000000).text(36867, "2019-06-06 07:29:51");
+    const Shot shot = read(ifd).shot;
+    EXPECT_FALSE(shot.exposure_time || shot.focal_length);
+    EXPECT_EQ(shot.f_number, 1e-6);
+    EXPECT_EQ(shot.date_time_original, "");
 }
 
 TEST(DngReader, IsoAbove16BitsIsReadWhereExifPutsIt)
