@@ -110,8 +110,12 @@ std::optional<RawSpace> raw_space_of(const ImageSpec& spec,
     return space;
 }
 
+/// Floats have as many bits as "-d" asks for; whole numbers those of their file, of
+/// which a DPX has 10 or 12.
 void check_bits(const ImageSpec& spec, const SensorProfile& profile)
 {
+    if (levels_of(samples_of(spec)) != 0)
+        return;
     const int bits = spec.get_int_attribute("oiio:BitsPerSample", 0);
     if (bits > 8 && bits < 16 && bits != profile.bits)
         throw Error("a sensor of " + std::to_string(profile.bits) + " bits ("

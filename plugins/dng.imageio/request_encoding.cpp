@@ -68,15 +68,6 @@ void require_rec709_primaries(const ImageSpec& spec)
                                      rec709_of_config());
 }
 
-/// The type of the samples in the file that was read, as far as a host says it: what it
-/// states is the type to write. OpenEXR, whose every file has a screenWindowWidth, has
-/// floats.
-std::string samples_of(const ImageSpec& spec)
-{
-    const bool is_exr = spec.find_attribute("screenWindowWidth") != nullptr;
-    return is_exr ? "float" : std::string(spec.format.c_str());
-}
-
 StatedEncoding encoding_of(const ImageSpec& spec, bool is_raw)
 {
     const auto text = [&](const char* name) {
@@ -109,6 +100,12 @@ std::string color_space_of(const ImageSpec& spec)
 {
     return space_of_file(std::string(spec.get_string_attribute("oiio:ColorSpace")),
                          std::string(spec.get_string_attribute("colorInteropID")));
+}
+
+std::string samples_of(const ImageSpec& spec)
+{
+    const bool is_exr = spec.find_attribute("screenWindowWidth") != nullptr;
+    return is_exr ? "float" : std::string(spec.format.c_str());
 }
 
 Decoder decoder_of(const ImageSpec& spec, const Attributes& attributes,

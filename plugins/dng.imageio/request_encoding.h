@@ -13,6 +13,11 @@ namespace cg2raw {
 /// The name of the colour space that a host states; empty if it states none.
 std::string color_space_of(const OIIO::ImageSpec& spec);
 
+/// The type of the samples in the file that was read, as far as a host says it: what it
+/// states is the type to write. OpenEXR, whose every file has a screenWindowWidth, has
+/// floats.
+std::string samples_of(const OIIO::ImageSpec& spec);
+
 /// The way from the host's pixels of @p layer to light. @p is_raw: whether their colour
 /// space is a RAW space. Throws Error, with the remedy, for pixels that are neither RAW
 /// nor scene-linear Rec.709 then.
