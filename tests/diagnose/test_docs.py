@@ -39,6 +39,7 @@ def example(repository, tmp_path_factory):
     return folder, done
 
 
+@pytest.mark.slow
 def test_the_commands_run(example):
     _, done = example
     assert all(each.code == 0 for each in done.values()), done
@@ -63,6 +64,7 @@ def compare(shown, written, where):
         assert written == shown, where
 
 
+@pytest.mark.slow
 def test_the_verdict_is_the_page_s(example, repository):
     folder, _ = example
     (shown,) = re.findall(r"```json\n(.*?)```", text_of(repository), re.S)
@@ -94,6 +96,7 @@ def test_the_programs_run(example, repository, monkeypatch):
     assert (folder / "by_python/report.html").exists()
 
 
+@pytest.mark.slow
 def test_oiiotool_simulates_what_was_found(example, repository, system_oiiotool):
     folder, _ = example
     (command,) = re.findall(r"^    (oiiotool shot.*)", text_of(repository), re.M)

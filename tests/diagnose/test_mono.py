@@ -16,6 +16,7 @@ from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.inference.slow_part import high_pass
 from diagnose.planted import FULL_WELL, READ, capture_of
 from oracles import cameras
+from tiers import first_fast
 
 ISO, SHAPE = 100.0, (96, 128)
 SHADING = {"r2": -0.25, "r4": 0.05, "r6": 0.0, "tilt_x": 0.01, "tilt_y": 0.0}
@@ -26,9 +27,9 @@ COLORED |= {"lateral_chromatic_aberration"}
 # it (four standard errors of what is measured, relative).
 PLANTED = [
     ("exposure", {"gain": 0.05}, "gain", 0.02),
+    ("prnu", {"sigma": 0.01}, "sigma", 0.05),
     ("black_level", {"offset_00": -4e-4}, "offset_00", 0.05),
     ("dark_current", {"per_second": 2e-3}, "per_second", 0.02),
-    ("prnu", {"sigma": 0.01}, "sigma", 0.05),
     ("dsnu", {"sigma": 6e-4}, "sigma", 0.1),
     ("row_noise", {"sigma": 3e-4}, "sigma", 0.15),
     ("column_fixed_pattern", {"sigma": 3e-4}, "sigma", 0.25),
@@ -86,7 +87,7 @@ def test_nothing_is_named_where_nothing_is_hidden():
 
 @pytest.mark.parametrize(
     ("name", "parameters", "compared", "within"),
-    PLANTED,
+    first_fast(PLANTED, 2),
     ids=[planted[0] for planted in PLANTED],
 )
 def test_what_is_planted_is_named_first(name, parameters, compared, within):
@@ -102,6 +103,7 @@ def test_what_is_planted_is_named_first(name, parameters, compared, within):
     assert {effect["name"] for effect in repaired.effects} == set(names)
 
 
+@pytest.mark.slow
 def test_shading_is_named_within_its_intervals():
     """Four standard errors; the 95 % interval has two on each side."""
     found = found_in(sensor_of([{"name": "lens_shading", "parameters": SHADING}]))
@@ -113,7 +115,7 @@ def test_shading_is_named_within_its_intervals():
 
 @pytest.mark.parametrize(
     ("name", "beta", "factor"),
-    [("read_noise", "beta2", 1.6), ("shot_noise", "beta1", 1.3)],
+    first_fast([("read_noise", "beta2", 1.6), ("shot_noise", "beta1", 1.3)], 1),
 )
 def test_noise_of_the_one_site_is_named_and_repaired(name, beta, factor):
     true = {"beta1": 1 / FULL_WELL, "beta2": READ**2}[beta] * factor
@@ -123,6 +125,7 @@ def test_noise_of_the_one_site_is_named_and_repaired(name, beta, factor):
     assert row[beta] == pytest.approx([true], rel=0.05)
 
 
+@pytest.mark.slow
 def test_heavy_tails_are_named():
     shape = {"tukey_lambda": 0.14, "row_sigma": 0.0}
     shape |= {"outlier_fraction": 0.02, "outlier_variance_ratio": 16.0}
@@ -131,6 +134,7 @@ def test_heavy_tails_are_named():
     assert [effect.name for effect in found.effects] == ["heavy_tailed_noise"]
 
 
+@pytest.mark.slow
 def test_a_profile_with_its_effects_is_the_base():
     shaded = sensor_of([{"name": "lens_shading", "parameters": SHADING}])
     offset = {"name": "black_level", "parameters": {"offset_00": 5e-4}}
@@ -177,6 +181,7 @@ def test_a_map_is_of_single_pixels():
     )
 
 
+@pytest.mark.slow
 def test_a_real_ccd_goes_through(camera_data, tmp_path):
     """STL-1001E: header 2.06 e-/DN, read noise 13 e-, black level 1000 DN. Plain
     statistics of the frames: black level 993 DN, dark current 0.35 DN/s."""

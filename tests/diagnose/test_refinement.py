@@ -31,6 +31,7 @@ def refined(found, frames):
     return refine(found, frames)
 
 
+@pytest.mark.slow
 def test_every_planted_pattern_is_as_strong_as_it_was_planted(refined):
     of_profile = {
         effect["name"]: effect["parameters"]
@@ -45,6 +46,7 @@ def test_every_planted_pattern_is_as_strong_as_it_was_planted(refined):
     assert set(refined.likeliest) == set(PATTERNS) - {"dark_current"}
 
 
+@pytest.mark.slow
 def test_its_intervals_are_in_the_profile(refined):
     effects = json.loads(refined.updated_profile())["effects"]
     prnu = next(one for one in effects if one["name"] == "prnu")
@@ -52,10 +54,12 @@ def test_its_intervals_are_in_the_profile(refined):
     assert low < prnu["parameters"]["sigma"] < high < 1.1 * low
 
 
+@pytest.mark.slow
 def test_what_the_moments_measured_stays(found, refined):
     assert replace(refined, likeliest={}) == found
 
 
+@pytest.mark.slow
 def test_threads_change_nothing(found, frames, refined):
     assert refine(found, frames, threads=1).likeliest == refined.likeliest
 

@@ -10,16 +10,20 @@ from pathlib import Path
 
 import pytest
 
+from cg2raw import _core
+from cg2raw.cli import doctor as cli_doctor
+from cg2raw.oiio import hosts
+from conftest import OIIOTOOLS
+from python.commands import write_dng
+
 SYSTEM_TOOL = "/usr/bin/oiiotool"
+SEARCHED = ("OIIO_LIBRARY_PATH", "OPENIMAGEIO_PLUGIN_PATH", "LD_LIBRARY_PATH")
 
 
 def doctor(*options, **environment):
     """Run cg2raw doctor with nothing but @environment to find plugins by."""
     inherited = {
-        name: value
-        for name, value in os.environ.items()
-        if name
-        not in ("OIIO_LIBRARY_PATH", "OPENIMAGEIO_PLUGIN_PATH", "LD_LIBRARY_PATH")
+        name: value for name, value in os.environ.items() if name not in SEARCHED
     }
     inherited["PATH"] = "/usr/bin:/bin"
     return subprocess.run(
@@ -30,16 +34,26 @@ def doctor(*options, **environment):
     )
 
 
-def examine(host_path, **environment):
-    """Return doctor's report on one host, and its exit code."""
-    done = doctor("--json", **environment)
-    assert done.stderr == ""
-    hosts = {
-        host["path"]: host
-        for host in json.loads(done.stdout)["hosts"]
-        if host["kind"] == "oiiotool"
-    }
-    return hosts[host_path], done.returncode
+@pytest.fixture(scope="module")
+def version():
+    """Return the version of the system's OpenImageIO."""
+    return next(host.version for host in hosts.find_hosts() if host.path == SYSTEM_TOOL)
+
+
+@pytest.fixture
+def examine(plugin, version, monkeypatch):
+    """Return examine(**environment): doctor's report on the system's oiiotool, which
+    finds plugins by nothing else. One start of it, where a doctor makes ten."""
+
+    def examined(**environment):
+        for name in SEARCHED:
+            monkeypatch.delenv(name, raising=False)
+        for name, value in environment.items():
+            monkeypatch.setenv(name, str(value))
+        host = hosts.Host("oiiotool", SYSTEM_TOOL, version)
+        return cli_doctor.examine_host(host, _core.installed_profiles(), "")
+
+    return examined
 
 
 @pytest.fixture(scope="module")
@@ -65,42 +79,50 @@ def altered(plugin, tmp_path):
 
 
 def test_a_fitting_plugin_works(plugin):
-    host, code = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(plugin.parent))
-    assert host["works"] and code == 0
+    done = doctor("--json", OIIO_LIBRARY_PATH=str(plugin.parent))
+    assert (done.returncode, done.stderr) == (0, "")
+    [host] = [h for h in json.loads(done.stdout)["hosts"] if h["path"] == SYSTEM_TOOL]
+    assert host["kind"] == "oiiotool" and host["works"]
     assert host["plugin_api"] == 25 or not host["version"].startswith("2.4")
     assert [found["path"] for found in host["plugins"]] == [str(plugin)]
     assert host["plugins"][0]["loads"] and host["plugins"][0]["reason"] == ""
+    assert host["reader"] == "raw"
 
 
-def test_nothing_on_the_path_exits_1_and_names_the_remedy(plugin):
-    host, code = examine(SYSTEM_TOOL)
-    assert code == 1
+def test_nothing_on_the_path_exits_1(plugin):
+    done = doctor()
+    assert done.returncode == 1 and done.stderr == ""
+    assert f"{SYSTEM_TOOL}: OpenImageIO " in done.stdout
+    assert "reads     only the 8-bit preview of a DNG, without a word" in done.stdout
+
+
+def test_nothing_on_the_path_names_the_remedy(examine):
+    host = examine()
     assert not host["works"] and host["plugins"] == [] and host["search"] == []
     assert "export OIIO_LIBRARY_PATH=" in host["remedy"]
     assert "/lib/cg2raw/oiio" in host["remedy"]
 
 
-def test_a_folder_that_does_not_exist_is_said(plugin):
-    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH="/nowhere")
-    assert host["search"] == [
+def test_a_folder_that_does_not_exist_is_said(examine):
+    assert examine(OIIO_LIBRARY_PATH="/nowhere")["search"] == [
         {"variable": "OIIO_LIBRARY_PATH", "folder": "/nowhere", "exists": False}
     ]
 
 
-def test_a_plugin_of_another_abi_is_named(repository, plugin):
+def test_a_plugin_of_another_abi_is_named(repository, plugin, examine):
     wheel = repository / "build/wheel/lib/cg2raw/oiio"
     if not (wheel / plugin.name).exists():
         pytest.skip("no plugin for the wheel's OpenImageIO: run scripts/setup")
-    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=f"{wheel}:{plugin.parent}")
+    host = examine(OIIO_LIBRARY_PATH=f"{wheel}:{plugin.parent}")
     wrong, right = host["plugins"]
     assert wrong["plugin_api"] == 27 and not wrong["loads"]
     assert "plugin API 27" in wrong["reason"] and "wants 25" in wrong["reason"]
     assert right["loads"] and host["works"]
 
 
-def test_a_second_plugin_that_fits_is_said_to_come_after(plugin, altered):
+def test_a_second_plugin_that_fits_is_said_to_come_after(plugin, altered, examine):
     folder = altered(b"\x7fELF", b"\x7fELF")
-    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=f"{plugin.parent}:{folder}")
+    host = examine(OIIO_LIBRARY_PATH=f"{plugin.parent}:{folder}")
     assert [found["loads"] for found in host["plugins"]] == [True, False]
     assert host["plugins"][1]["reason"] == f"comes after {plugin}"
 
@@ -119,49 +141,49 @@ def test_a_second_plugin_that_fits_is_said_to_come_after(plugin, altered):
         (b"\x03\x00\x3e\x00", b"\x03\x00\xb7\x00", "is for aarch64, this machine is"),
     ],
 )
-def test_a_plugin_that_cannot_load_says_why(altered, old, new, reason):
-    host, code = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(altered(old, new)))
+def test_a_plugin_that_cannot_load_says_why(altered, examine, old, new, reason):
+    host = examine(OIIO_LIBRARY_PATH=altered(old, new))
     assert reason in host["plugins"][0]["reason"]
-    assert not host["works"] and code == 1
+    assert not host["works"]
     assert host["message"] and host["remedy"]
 
 
-def test_a_truncated_plugin_is_damaged(plugin, tmp_path):
+def test_a_truncated_plugin_is_damaged(plugin, examine, tmp_path):
     (tmp_path / plugin.name).write_bytes(plugin.read_bytes()[:5000])
-    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(tmp_path))
+    host = examine(OIIO_LIBRARY_PATH=tmp_path)
     assert "is damaged" in host["plugins"][0]["reason"]
 
 
-def test_it_lists_the_folders_and_ids_of_sensors(plugin, tmp_path):
-    done = doctor("--json", CG2RAW_PROFILE_PATH=str(tmp_path))
-    sensors = json.loads(done.stdout)["sensors"]
+def test_it_lists_the_folders_and_ids_of_sensors(monkeypatch, tmp_path):
+    monkeypatch.setenv("CG2RAW_PROFILE_PATH", str(tmp_path))
+    monkeypatch.setattr(hosts, "find_hosts", list)
+    sensors = cli_doctor.examine()["sensors"]
     assert sensors["folders"][0] == str(tmp_path)
     assert {"nikon-d40", "samsung-s20fe"} <= set(sensors["ids"])
 
 
-def test_the_text_report_is_for_people(plugin):
-    done = doctor(OIIO_LIBRARY_PATH=str(plugin.parent))
-    assert done.returncode == 0 and done.stderr == ""
-    assert f"{SYSTEM_TOOL}: OpenImageIO " in done.stdout
-    assert f"plugin    {plugin} loads" in done.stdout
-    assert "a 16x16 DNG: works" in done.stdout
-    assert "sensors: " in done.stdout
+def test_the_text_report_is_for_people(plugin, examine):
+    host = {**examine(OIIO_LIBRARY_PATH=plugin.parent), "reader": "raw"}
+    text = cli_doctor.as_text(
+        {"works": True, "hosts": [host], "sensors": {"folders": [], "ids": ["a"]}}
+    )
+    assert f"{SYSTEM_TOOL}: OpenImageIO " in text
+    assert f"plugin    {plugin} loads" in text
+    assert "a 16x16 DNG: works" in text and "by LibRaw, which develops" in text
+    assert "sensors: 1 (a)" in text
 
 
-def test_it_says_who_reads_a_dng(repository, plugin):
-    """LibRaw's reader keeps .dng; where there is none, ours saves from the preview."""
-    host, _ = examine(SYSTEM_TOOL, OIIO_LIBRARY_PATH=str(plugin.parent))
-    assert host["reader"] == "raw"
-    tool = repository / ".venv/bin/oiiotool"
-    wheel = repository / "build/wheel/lib/cg2raw/oiio"
-    if not tool.exists() or not (wheel / plugin.name).exists():
+def test_it_says_who_reads_a_dng(monkeypatch, tmp_path):
+    """Where there is no LibRaw, ours saves from the preview."""
+    tool, plugins = OIIOTOOLS["oiio-wheel"]
+    if not tool.exists() or not (plugins / "dng.imageio.so").exists():
         pytest.skip("no wheel's oiiotool with its plugin: run scripts/setup")
-    host, _ = examine(str(tool), OIIO_LIBRARY_PATH=str(wheel))
-    assert host["reader"] == "dng"
-    host, _ = examine(str(tool))
-    assert host["reader"] == "tiff" and not host["works"]
-    told = doctor().stdout
-    assert "reads     only the 8-bit preview of a DNG, without a word" in told
+    shot = str(write_dng(tmp_path / "shot.dng"))
+    for folder, reader in (("", "tiff"), (plugins, "dng")):
+        monkeypatch.setenv("OIIO_LIBRARY_PATH", str(folder))
+        monkeypatch.delenv("OPENIMAGEIO_PLUGIN_PATH", raising=False)
+        host = hosts.Host("oiiotool", str(tool), "3.2.2")
+        assert hosts.reader_of(host, shot) == reader
 
 
 def test_a_wrong_option_exits_2():

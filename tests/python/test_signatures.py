@@ -30,6 +30,7 @@ LINES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["3.10", "3.11"])
 def test_mypy_sees_a_wrong_keyword(tmp_path, repository, version):
     if importlib.util.find_spec("mypy") is None:

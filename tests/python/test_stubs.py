@@ -124,6 +124,7 @@ def test_error_is_a_value_error(stub):
     assert issubclass(_core.Error, ValueError)
 
 
+@pytest.mark.slow
 def test_mypy_is_clean(repository):
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("no mypy in this Python: run scripts/setup")
