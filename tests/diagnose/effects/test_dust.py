@@ -22,7 +22,6 @@ from diagnose.planted import (
     sensor_of,
     shot_by_registry,
 )
-from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "dust"
@@ -152,8 +151,9 @@ def test_what_is_no_dark_spot_leaves_no_map(sign):
     assert fitted(lit).values == pytest.approx([0.0], abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("density", "depth", "radius", "seed"), [(400, 0.1, 6, 1), slow(800, 0.05, 4, 2)]
+    ("density", "depth", "radius", "seed"), [(400, 0.1, 6, 1), (800, 0.05, 4, 2)]
 )
 def test_it_is_found_in_what_the_registry_simulates(density, depth, radius, seed):
     """Of 0.016 megapixels: 6 and 13 spots, some of which the edge cuts."""
@@ -175,10 +175,11 @@ def test_it_is_found_in_what_the_registry_simulates(density, depth, radius, seed
     assert expected - far - 2 < count < expected + far
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        slow("prnu", {"sigma": 0.01}),
+        ("prnu", {"sigma": 0.01}),
         ("lens_shading", {"r2": -0.2, "tilt_x": 0.03}),
     ],
 )

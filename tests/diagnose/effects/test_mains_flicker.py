@@ -72,6 +72,7 @@ def test_it_is_found_in_what_the_registry_simulates(amplitude, period, seed):
     }
 
 
+@pytest.mark.slow
 def test_row_noise_is_not_taken_for_it():
     captures = shot_by_registry(SENSOR, {"row_noise": {"sigma": 3e-4}})
     found = diagnose(captures, threads=1, details=False)

@@ -72,12 +72,13 @@ def test_it_is_found_in_what_the_registry_simulates(grid, seed):
         assert one.parameters[name].ci95 == (value, value), "found once, and exact"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        slow("prnu", {"sigma": 0.01}),
+        ("prnu", {"sigma": 0.01}),
         ("gr_gb_imbalance", {"gr": 0.01, "gb": -0.01}),
-        slow("hot_pixels", {"fraction": 0.003, "rate": 0.02}),
+        ("hot_pixels", {"fraction": 0.003, "rate": 0.02}),
     ],
 )
 def test_what_looks_alike_is_not_taken_for_it(name, values):
@@ -86,6 +87,7 @@ def test_what_looks_alike_is_not_taken_for_it(name, values):
     assert [one.name for one in found.effects] == [name]
 
 
+@pytest.mark.slow
 def test_what_a_profile_lists_is_corrected_on_the_grid_that_is_found():
     values = {"gain": -0.1, "pitch": 12.0, "row": 5.0, "column": 3.0}
     captures = shot_by_registry(SENSOR, {NAME: values}, 3)

@@ -14,7 +14,6 @@ from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.prediction import Prediction
 from diagnose.planted import sensor_of, shot_by_registry
-from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "random_telegraph_noise"
@@ -36,8 +35,9 @@ def test_its_density_integrates_to_one():
     assert white.ravel()[1:] == pytest.approx([3 / np.sqrt(26), 3.0], abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("fraction", "amplitude", "seed"), [slow(0.01, 0.006, 1), (0.003, 0.004, 2)]
+    ("fraction", "amplitude", "seed"), [(0.01, 0.006, 1), (0.003, 0.004, 2)]
 )
 def test_it_is_found_in_what_the_registry_simulates(fraction, amplitude, seed):
     """Steps of 10 and 7 read noises. Of the two darks that each split has, half the
@@ -58,11 +58,12 @@ def test_it_is_found_in_what_the_registry_simulates(fraction, amplitude, seed):
     assert set(entries) <= {NAME, "dsnu"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        slow("hot_pixels", {"fraction": 0.003, "rate": 0.005}),
-        slow("heavy_tailed_noise", {"outlier_fraction": 0.02}),
+        ("hot_pixels", {"fraction": 0.003, "rate": 0.005}),
+        ("heavy_tailed_noise", {"outlier_fraction": 0.02}),
         ("dsnu", {"sigma": 4e-4}),
     ],
 )

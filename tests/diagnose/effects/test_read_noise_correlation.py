@@ -79,9 +79,10 @@ def test_it_is_found_in_what_the_registry_simulates(coefficient, seed):
     assert low < entry["parameters"]["coefficient"] < high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values"),
-    [slow("noise_reduction", {"blend": 0.05}), ("blur", {"ring_1": 0.05})],
+    [("noise_reduction", {"blend": 0.05}), ("blur", {"ring_1": 0.05})],
 )
 def test_what_softens_is_not_taken_for_it(name, values):
     null = dict.fromkeys([p["name"] for p in registered()[name]["parameters"]], 0.0)
@@ -90,6 +91,7 @@ def test_what_softens_is_not_taken_for_it(name, values):
     assert [one.name for one in found.effects] == [name]
 
 
+@pytest.mark.slow
 def test_a_profile_that_lists_it_has_no_gap():
     values = {"coefficient": 0.2}
     captures = shot_by_registry(SENSOR, {NAME: values}, 3)
