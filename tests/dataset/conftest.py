@@ -2,7 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """What all tests of data sets need."""
 
+import json
+import shutil
+from dataclasses import asdict
+
 import pytest
+
+from cg2raw.io.atomic_file import create
+from cg2raw.short_messages import about
 
 pytest.importorskip("OpenImageIO", reason="OpenImageIO's wheel is not installed")
 pytest.importorskip("pyarrow", reason="pyarrow is not installed")
@@ -22,6 +29,38 @@ def images(tmp_path_factory):
     return folder_of_images(tmp_path_factory.mktemp("images"))
 
 
+@pytest.fixture(autouse=True)
+def no_workers(monkeypatch):
+    """Let this process make the images of a command that does not say --workers: the
+    start of one takes ten times as long as its images."""
+    from cg2raw.cli import dataset
+    from cg2raw.dataset import local
+
+    by_workers = local.results
+
+    def results(jobs, count, log):
+        return by_workers(jobs, count, log) if count else made_here(jobs, log)
+
+    monkeypatch.setattr(dataset, "usable_cores", lambda: 0)
+    monkeypatch.setattr(local, "results", results)
+
+
+def made_here(jobs, log):
+    """Yield what a worker answers, in JSON's types."""
+    from cg2raw.dataset.job import make
+    from cg2raw.dataset.target import Job
+
+    with create(log):
+        for job in jobs:
+            rows = []
+            copy = Job(**json.loads(json.dumps(asdict(job))))
+            try:
+                rows.append(make(copy, rows.append))
+            except (OSError, ValueError) as error:
+                raise OSError(about(job.out, error)) from None
+            yield from json.loads(json.dumps(rows))
+
+
 @pytest.fixture
 def image(tmp_path):
     """Return the path of an image in a folder of its own."""
@@ -30,11 +69,19 @@ def image(tmp_path):
     return write_image(tmp_path / "in/a.exr", scene())
 
 
-@pytest.fixture
-def out(image, tmp_path):
-    """Return the folder of a finished data set."""
-    from dataset.data_sets import OPTIONS
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory):
+    """Return the folder of a finished data set, to be copied."""
+    from dataset.data_sets import OPTIONS, scene, write_image
     from python.commands import run
 
-    assert run("dataset", image, tmp_path / "out", *OPTIONS).code == 0
-    return tmp_path / "out"
+    folder = tmp_path_factory.mktemp("finished")
+    image = write_image(folder / "in/a.exr", scene())
+    assert run("dataset", image, folder / "out", *OPTIONS).code == 0
+    return folder / "out"
+
+
+@pytest.fixture
+def out(image, finished, tmp_path):
+    """Return the folder of a finished data set of the image."""
+    return shutil.copytree(finished, tmp_path / "out")

@@ -29,7 +29,7 @@ def copy(images, tmp_path):
 
 def make(images, out, *options):
     """Make a data set that must succeed; return what was printed."""
-    done = run("dataset", images, out, *(options or OPTIONS), "--workers", "2")
+    done = run("dataset", images, out, *(options or OPTIONS))
     assert (done.code, done.err) == (0, ""), done
     return done.out
 
