@@ -34,6 +34,7 @@ FLOW = (
     "frame",
     "prediction",
     "dng",
+    "export",
     "plugin",
 )
 # Libraries and the folders that may include them.
@@ -89,7 +90,7 @@ PLUGINS = Path(__file__).resolve().parent.parent / "plugins"
 HEADERS = sorted((PLUGINS / "include" / "cg2raw").glob("*.h"))
 SOURCES = sorted(
     path
-    for folder in ("platform", "core", "effects", "dng", "dng.imageio")
+    for folder in ("platform", "core", "effects", "dng", "export", "dng.imageio")
     for path in (PLUGINS / folder).rglob("*")
     if path.suffix in (".cpp", ".h")
 )

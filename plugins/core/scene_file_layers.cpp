@@ -330,7 +330,7 @@ std::string by_channels(const std::vector<ScenePart>& parts, const SceneLayer& l
                     + has + rest);
     const SceneLayer& first = pictures[0];
     const std::string name = quoted(first.name.empty() ? unnamed : first.name);
-    const std::string add = hints.option + " " + name
+    const std::string add = hints.option(name)
         + (is_rgb(parts, first) ? "" : " (or " + by_channels(parts, first) + ")");
     if (pictures.size() == 1)
         throw Error("is its layer " + name + " the picture? Then add " + add + "; it "
@@ -367,8 +367,7 @@ SceneLayer asked_layer(const std::vector<ScenePart>& parts, const std::string& a
     // What a host puts in the place of a missing frame has no names.
     if (parts.size() == 1 && are_unnamed(parts[0].channels))
         return { "", 0, { 0, 1, 2 }, parts[0].channels.size() == 4 ? 3 : -1 };
-    throw Error(hints.option + " " + quoted(asked)
-                + ": no layer of that name has R, G and B; "
+    throw Error(hints.option(quoted(asked)) + ": no layer of that name has R, G and B; "
                 + (layers.empty() ? "none has" : names_of(layers) + " have"));
 }
 

@@ -5,7 +5,7 @@
 #include "failure.h"
 #include "frame_sink.h"
 #include "host_pixels.h"
-#include "request.h"
+#include "image_facts.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -97,9 +97,6 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
             throw Error(
                 "a DNG of ours holds one image: write each subimage to its own file "
                 "(oiiotool --subimage N, or -sisplit)");
-        if (spec.deep || spec.depth > 1)
-            throw Error("deep and volume images cannot become a DNG: flatten first "
-                        "(oiiotool --flatten)");
         // OpenImageIO divides by both when it writes an image.
         const bool tiled = spec.tile_width != 0 || spec.tile_height != 0;
         if (tiled && (spec.tile_width <= 0 || spec.tile_height <= 0))
@@ -112,12 +109,13 @@ bool DngOutput::open(const std::string& name, const ImageSpec& spec, OpenMode mo
 
 void DngOutput::start(const std::string& name)
 {
-    const Request request = request_of(m_spec, name);
-    m_layer = request.layer;
-    m_decoder = request.decoder;
-    m_spectral = request.spectral;
+    const Export decided = resolve(image_facts(m_spec, name), attribute_options(m_spec),
+                                   attribute_dialect());
+    m_layer = decided.layer;
+    m_decoder = decided.decoder;
+    m_spectral = decided.spectral;
     m_window.emplace(m_spec);
-    m_sink = frame_sink(name, request, m_window->size());
+    m_sink = frame_sink(name, decided, m_window->size());
     m_spec.format = TypeDesc::UINT16;
     m_window->each_margin([&](const HostPixels& black, Site at) {
         if (black.width > 0 && black.height > 0)

@@ -131,15 +131,15 @@ private:
 
 } // namespace
 
-std::unique_ptr<FrameSink> frame_sink(const std::string& name, const Request& request,
+std::unique_ptr<FrameSink> frame_sink(const std::string& name, const Export& decided,
                                       Size frame)
 {
-    Simulation simulation(request.profile, request.run, frame);
+    Simulation simulation(decided.profile, decided.run, frame);
     if (const std::string spectrum = simulation.spectrum(); !spectrum.empty())
         OIIO::debug("dng: " + name + ": the light's spectrum is that of " + spectrum
                     + "\n");
     auto writer = std::make_unique<DngWriter>(
-        name, describe(simulation, request.options, request.shot), request.options,
+        name, describe(simulation, decided.file, decided.shot), decided.file,
         in_thread_pool);
     if (simulation.needs_whole_frame())
         return std::make_unique<HeldFrame>(std::move(simulation), std::move(writer));

@@ -4,8 +4,8 @@
 /// @file Where the pixels of one file go: blocks in any order -> simulation -> DNG.
 #pragma once
 
+#include "cg2raw/export.h"
 #include "host_pixels.h"
-#include "request.h"
 
 #include <memory>
 
@@ -29,9 +29,9 @@ protected:
     Illegal m_illegal;
 };
 
-/// The file @p name of what is asked for. Pixels stream through it, row by row, unless
+/// The file @p name of an export. Pixels stream through it, row by row, unless
 /// an effect needs more of the frame than its pixel: they are held until finish() then.
-std::unique_ptr<FrameSink> frame_sink(const std::string& name, const Request& request,
+std::unique_ptr<FrameSink> frame_sink(const std::string& name, const Export& decided,
                                       Size frame);
 
 } // namespace cg2raw

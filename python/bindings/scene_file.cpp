@@ -22,7 +22,9 @@ void bind_scene_file(py::module_& m)
             std::vector<ScenePart> scene;
             for (const auto& [name, channels] : parts)
                 scene.push_back({ name, channels });
-            return beauty_layer(scene, asked, { option, false, data });
+            const auto typed
+                = [&](const std::string& name) { return option + " " + name; };
+            return beauty_layer(scene, asked, { typed, false, data });
         },
         "parts"_a, "asked"_a = "", "option"_a = "--layer",
         "data"_a = std::vector<std::string>(),

@@ -4,7 +4,6 @@
 """Noise differs from frame to frame of a shot, and is the same in the same frame."""
 
 import numpy as np
-import pytest
 
 import cg2raw
 from images import attributes, read_dn
@@ -62,21 +61,9 @@ def test_a_dng_is_raw_already(oiiotool, exr, tmp_path):
     assert converted.code == 1 and "develop it first" in converted.err
 
 
-@pytest.mark.parametrize("name", ["shot.dng", "comp_v012.dng"])
-def test_a_name_without_a_number_is_frame_0(oiiotool, exr, scene, tmp_path, name):
-    oiiotool(exr, *NOISY, "-o", tmp_path / name)
-    np.testing.assert_array_equal(read_dn(tmp_path / name), frame(scene, 0))
-
-
 def test_a_time_code_is_a_frame_number(oiiotool, exr, scene, tmp_path):
     code = ["--attrib:type=timecode", "smpte:TimeCode", "01:02:03:04"]
     out, numbered = tmp_path / "shot.dng", tmp_path / "shot.0007.dng"
     oiiotool(exr, *code, *NOISY, "-o", out, "-o", numbered)
     np.testing.assert_array_equal(read_dn(out), frame(scene, 1020304))
     np.testing.assert_array_equal(read_dn(numbered), frame(scene, 7))
-
-
-def test_the_attribute_comes_first(oiiotool, exr, scene, tmp_path):
-    out = tmp_path / "shot.0007.dng"
-    oiiotool(exr, *NOISY, *attributes(frame=0), "-o", out)
-    np.testing.assert_array_equal(read_dn(out), frame(scene, 0))

@@ -18,11 +18,6 @@ BASE = {"sensor": "samsung-s20fe", "illuminant": "D65"}
 S20 = attributes(**BASE)
 RENDERERS = {
     "Blender": ["ViewLayer.Combined.", "ViewLayer.Emit."],
-    "Cycles": ["Combined.", "Emit."],
-    "Arnold": ["", "diffuse."],
-    "Mantra": ["C.", "direct_diffuse."],
-    "Nuke": ["", "beauty_raw."],
-    "beauty": ["beauty.", "sss."],
     "last": ["albedo.", "rgba."],
 }
 

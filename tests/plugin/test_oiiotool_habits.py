@@ -107,13 +107,6 @@ def test_pixels_that_are_no_numbers(oiiotool, scene, tmp_path):
     assert "6 infinite" in done.stdout + done.stderr
 
 
-def test_the_input_s_own_compression_is_not_taken_over(oiiotool, scene, tmp_path):
-    exr = write_image(tmp_path / "in.exr", scene, {"compression": "zip"})
-    out = tmp_path / "shot.dng"
-    oiiotool(exr, *S20, "-o", out)
-    np.testing.assert_array_equal(read_dn(out), simulated(scene))
-
-
 def exif_of(program, path):
     """Return what exiftool reads of a file's Exif."""
     command = [program("exiftool"), "-j", "-n", path]
@@ -144,39 +137,10 @@ def test_exif_of_the_input_goes_into_the_file(oiiotool, exr, program, tmp_path):
     assert seen["Orientation"] == 6
 
 
-def test_exif_that_makes_no_sense_is_left_out(oiiotool, exr, program, tmp_path):
-    out = tmp_path / "shot.dng"
-    given = {"ExposureTime": "-1", "FNumber": "1e9", "DateTime": "yesterday"}
-    arguments = [word for pair in given.items() for word in ("--attrib", *pair)]
-    oiiotool(exr, *arguments, *S20, "-o", out)
-    assert not {"ExposureTime", "FNumber", "DateTimeOriginal"} & set(
-        exif_of(program, out)
-    )
-
-
-@pytest.mark.parametrize(
-    ("names", "words"),
-    [("X,Y,Z", "--chnames R,G,B"), ("N.x,N.y,N.z", "layers are data by their names")],
-)
-def test_channels_that_are_no_rgb_are_refused(oiiotool, exr, tmp_path, names, words):
-    out = tmp_path / "shot.dng"
-    done = oiiotool(exr, "--chnames", names, *S20, "-o", out, check=False)
-    assert done.returncode != 0
-    assert words in done.stdout + done.stderr
-    assert not out.exists()
-
-
 def test_channels_go_by_their_names(oiiotool, exr, scene, tmp_path):
     out = tmp_path / "shot.dng"
     oiiotool(exr, "--chnames", "B,G,R", *S20, "-o", out)
     np.testing.assert_array_equal(read_dn(out), simulated(scene[..., ::-1]))
-
-
-def test_channels_of_a_layer(oiiotool, exr, scene, tmp_path):
-    out = tmp_path / "shot.dng"
-    names = "diffuse.R,diffuse.G,diffuse.B"
-    oiiotool(exr, "--chnames", names, *S20, "-o", out)
-    np.testing.assert_array_equal(read_dn(out), simulated(scene))
 
 
 def test_primaries_that_the_file_states(oiiotool, scene, tmp_path):

@@ -66,36 +66,6 @@ def test_raw_route_knows_a_sensor_given_by_path(oiiotool, tmp_path, scene, repos
     assert read_dn(out).shape == (96, 128)
 
 
-CONTRADICTIONS = {
-    "sensor": (["samsung-s20fe", "D65"], {"sensor": "nikon-d40"}, "dng:sensor"),
-    "light": (["nikon-d40", "D65"], {"illuminant": "A"}, "dng:illuminant"),
-    "convention": (["nikon-d40", "D65"], {"convention": "paper"}, "dng:convention"),
-    "gain": (["nikon-d40", "D65"], {"gain": "0.5"}, "dng:gain"),
-    "unknown sensor": (["no-such", "D65"], {}, "no-such"),
-    "unknown light": (["nikon-d40", "dusk"], {}, "dusk"),
-}
-
-
-@pytest.mark.parametrize("name", CONTRADICTIONS)
-def test_contradictions_are_errors(oiiotool, exr, tmp_path, name):
-    (sensor, light), given, word = CONTRADICTIONS[name]
-    out = tmp_path / "shot.dng"
-    space = ["--iscolorspace", f"RAW - {sensor} - {light}"]
-    done = oiiotool(exr, *space, *attributes(**given), "-o", out, check=False)
-    assert done.returncode != 0
-    assert word in done.stdout + done.stderr
-    assert [p.name for p in tmp_path.iterdir()] == ["scene.exr"]
-
-
-@pytest.mark.parametrize("space", ["sRGB", "ACEScg", "acescg", "lin_ap0"])
-def test_other_colour_spaces_are_refused(oiiotool, exr, tmp_path, space):
-    out = tmp_path / "shot.dng"
-    done = oiiotool(exr, "--iscolorspace", space, *S20, "-o", out, check=False)
-    assert done.returncode != 0
-    assert "--tocolorspace" in done.stdout + done.stderr
-    assert not out.exists()
-
-
 def test_the_remedy_for_a_display_referred_image_works(oiiotool, tmp_path, scene):
     png = write_image(tmp_path / "display.png", np.clip(scene, 0, 1))
     out = tmp_path / "shot.dng"

@@ -116,34 +116,6 @@ def test_white_luminance_of_the_file_stands_in_for_exposure(
     assert np.array_equal(read_dn(tmp_path / "s.dng"), expected(spectra))
 
 
-WRONG = {
-    "no exposure": ({"exposure": None}, "which luminance is white"),
-    "no light": ({"illuminant": None}, "under which light"),
-    "no sensor": ({"sensor": None}, "which sensor"),
-    "no sensitivities": ({"sensor": "nikon-d40"}, "no spectral_sensitivities: make a"),
-    "exposure 0": ({"exposure": "0"}, "the luminance of white in cd/m2"),
-    "paper": ({"convention": "paper"}, "dng:convention paper has no meaning"),
-    "gain": ({"gain": "2"}, "dng:gain has no meaning: change dng:exposure"),
-    "highlights": ({"highlights": "1"}, "dng:highlights has no meaning"),
-}
-
-
-@pytest.mark.parametrize("case", WRONG)
-def test_what_does_not_go_together_is_one_error(oiiotool, tmp_path, spectra, case):
-    changes, message = WRONG[case]
-    asked = {k: v for k, v in {**ASKED, **changes}.items() if v is not None}
-    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
-    done = oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
-    assert message in done.stdout + done.stderr
-    assert not list(tmp_path.glob("*.dng"))
-
-
-def test_a_reflectance_is_no_light(oiiotool, tmp_path):
-    path = FICHET / "Ohta1997.exr"
-    done = oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "s.dng", check=False)
-    assert "is a reflectance (channels T.), not light" in done.stdout + done.stderr
-
-
 def test_exposure_is_for_spectra_alone(oiiotool, exr, tmp_path):
     done = oiiotool(exr, *attributes(**ASKED), "-o", tmp_path / "s.dng", check=False)
     assert "dng:exposure is the luminance of white" in done.stdout + done.stderr

@@ -63,21 +63,6 @@ def test_responses_that_a_file_states(oiiotool, tmp_path, spectra):
     assert not np.array_equal(found, expected(spectra))
 
 
-ESTIMATES = {
-    "estimate": "the image states no light's spectrum (--attrib illuminant",
-    "estimate:mean": "needs the whole image before its first row",
-}
-
-
-@pytest.mark.parametrize("word", ESTIMATES)
-def test_what_a_host_cannot_estimate(oiiotool, tmp_path, spectra, word):
-    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
-    asked = {**ASKED, "illuminant": word}
-    done = oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
-    assert ESTIMATES[word] in done.stdout + done.stderr
-    assert not list(tmp_path.glob("*.dng"))
-
-
 def test_pictures_have_no_light_to_estimate(oiiotool, exr, tmp_path):
     asked = {"sensor": "canon-600d", "illuminant": "estimate"}
     done = oiiotool(exr, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,7 +31,8 @@ struct SceneLayer {
 
 /// What else a host knows of a file, for messages.
 struct LayerHints {
-    std::string option; ///< "--layer", before the name
+    /// An option that names a layer: "--layer NAME".
+    std::function<std::string(const std::string& name)> option;
     bool other_parts = false; ///< the file has parts that are not among those given
     std::vector<std::string>
         data; ///< layers that start so are no pictures: Cryptomatte

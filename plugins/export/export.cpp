@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The order in which an export is decided, and the rules that fit in a few
+/// lines.
+#include "cg2raw/export.h"
+
+#include "cg2raw/dng_reader.h"
+#include "core/text.h"
+#include "rules.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cg2raw {
+namespace {
+
+void require_flat(const ImagePart& part)
+{
+    if (!part.is_flat)
+        throw Error("deep and volume images cannot become a DNG: flatten first "
+                    "(oiiotool --flatten)");
+}
+
+/// Reads what DNGs are read as: their mosaic, or one pixel of those that cannot be.
+void refuse_raw(const ImagePart& part)
+{
+    const std::string unreadable = part.metadata.text("raw:Unreadable");
+    const bool is_mosaic = part.names.channels.size() == 1
+        && !part.metadata.text("raw:FilterPattern").empty();
+    if (is_mosaic || !unreadable.empty())
+        throw Error(
+            raw_already
+            + (unreadable.empty() ? "" : "; and cannot be read: " + unreadable));
+}
+
+/// Layers that Cryptomatte says are its own.
+std::vector<std::string> cryptomatte_layers(const Metadata& metadata)
+{
+    std::vector<std::string> names;
+    constexpr std::string_view start = "cryptomatte/", end = "/name";
+    for (const auto& [name, value] : metadata.values())
+        if (name.size() > start.size() + end.size()
+            && name.compare(0, start.size(), start) == 0
+            && name.compare(name.size() - end.size(), end.size(), end) == 0)
+            names.push_back(metadata.text(name));
+    return names;
+}
+
+/// The channels to take.
+SceneLayer picture_layer(const Given& given)
+{
+    const std::vector<ImagePart>& parts = given.facts.parts;
+    // Hosts hand over one image of a file that may have several.
+    const double in_file = parts[0].metadata.number("oiio:subimages");
+    LayerHints hints { [&](const std::string& name) {
+                          return given.option("layer", name);
+                      },
+                       in_file > double(parts.size()),
+                       {} };
+    std::vector<ScenePart> names;
+    for (const ImagePart& part : parts) {
+        names.push_back(part.names);
+        for (std::string& name : cryptomatte_layers(part.metadata))
+            hints.data.push_back(std::move(name));
+    }
+    return beauty_layer(names, given.options.layer, hints);
+}
+
+std::int64_t frame_number(const Given& given, const ImagePart& part)
+{
+    if (given.options.frame)
+        return *given.options.frame;
+    if (const auto name = frame_name(given.facts.output_name))
+        return name->number;
+    if (const auto number = time_code_frame(part.metadata))
+        return *number;
+    const auto name = frame_name(given.facts.input_name);
+    return name ? name->number : 0;
+}
+
+/// The option, else what a file says as it does for all formats: "none" of oiiotool's
+/// --compression, or of an input that was not compressed, and "ljpeg-2d". Other words
+/// name codecs of other formats, as a rule the input's; the mosaic is compressed then.
+Compression compression(const Given& given, const ImagePart& part)
+{
+    if (given.options.compression)
+        return *given.options.compression;
+    const std::string said = lower_case(part.metadata.text("compression"));
+    if (said == "none")
+        return Compression::none;
+    return said == "ljpeg-2d" ? Compression::ljpeg_2d : Compression::ljpeg;
+}
+
+/// What the options say of one exposure.
+Run exposure(const Given& given)
+{
+    const ExportOptions& options = given.options;
+    if (options.noise && !options.iso)
+        throw Error(given.option("noise") + " is given without " + given.option("iso")
+                    + ": add " + given.option("iso", "NUMBER") + ", or leave "
+                    + given.option("noise") + " out");
+    Run run;
+    run.illuminant = options.illuminant;
+    run.iso = options.iso;
+    run.noise_model = options.noise;
+    run.seed = options.seed;
+    run.digital_gain = options.gain.value_or(1.0);
+    run.sample_digital_gain = options.sample_gain;
+    run.convention = options.convention.value_or(Convention::dng);
+    run.keep_highlights = options.highlights.value_or(true);
+    run.effects = options.effects;
+    return run;
+}
+
+/// All that needs no camera, but for the curve; the image is the part of its layer.
+Export decide_picture(const Given& given)
+{
+    const std::vector<ImagePart>& parts = given.facts.parts;
+    if (parts.size() == 1)
+        require_flat(parts[0]);
+    refuse_raw(parts[0]);
+    Export result;
+    result.bins = spectral_bins(given, parts[0]);
+    if (!result.bins) {
+        refuse_spectral_options(given, given.options.illuminant);
+        result.layer = picture_layer(given);
+    }
+    const ImagePart& part = parts[std::size_t(result.layer.part)];
+    require_flat(part);
+    result.run = exposure(given);
+    result.run.frame = frame_number(given, part);
+    result.shot = shot(given, part, result.run.frame);
+    result.file = given.options.file;
+    result.file.compression = compression(given, part);
+    return result;
+}
+
+/// What is done before pixels are RAW, and an option of it.
+std::string conversion_option(const Given& given)
+{
+    const ExportOptions& options = given.options;
+    if (options.convention)
+        return given.option("convention");
+    if (options.gain || options.sample_gain)
+        return given.option("gain");
+    return options.highlights ? given.option("highlights") : "";
+}
+
+/// The space of the pixels, if they already are RAW; contradictions are errors.
+std::optional<RawSpace> raw_space(const Given& given, const ImagePart& part,
+                                  const std::optional<SensorProfile>& sensor)
+{
+    auto sensors = installed_profiles();
+    if (sensor)
+        sensors.push_back(sensor->id);
+    const std::string name = color_space(part);
+    auto space = raw_space_from_name(name, sensors);
+    if (!space)
+        return std::nullopt;
+    const std::string pixels = "pixels already are \"" + name + "\"";
+    const auto refuse_other = [&](const char* option, const std::string& value) {
+        throw Error(pixels + ", but " + given.option(option) + " is " + value
+                    + ": leave " + given.option(option)
+                    + " out, or convert to its RAW space");
+    };
+    if (sensor && lower_case(sensor->id) != lower_case(space->sensor))
+        refuse_other("sensor", sensor->id);
+    const std::string& light = given.options.illuminant;
+    if (!light.empty() && lower_case(light) != lower_case(space->illuminant))
+        refuse_other("illuminant", light);
+    if (const std::string option = conversion_option(given); !option.empty())
+        throw Error(pixels + ": " + option
+                    + " belongs to the conversion, which has been done; leave it out");
+    return space;
+}
+
+/// Pixels that are no RAW need a sensor.
+void require_sensor(const Given& given)
+{
+    const ExportOptions& options = given.options;
+    if (!options.sensor.empty() || !options.reference.empty())
+        return;
+    const std::string raw = "\"RAW - <sensor> - <illuminant>\"";
+    throw Error(
+        "which sensor? Add " + given.option("sensor", "ID")
+        + " (cg2raw sensors lists them) or " + given.option("reference", "FILE.dng")
+        + (given.dialect.converts ? ", or convert with --tocolorspace " + raw : "")
+        + "; if its pixels are RAW already, --iscolorspace " + raw
+        + " in place of them");
+}
+
+/// A light, or a sensor that needs none; a RAW space, or a sensor that has one.
+void require_light(const Given& given, const Export& result)
+{
+    const bool mono = result.profile.cfa.is_mono();
+    if (!mono && result.run.illuminant.empty())
+        throw Error("under which light? Add " + given.option("illuminant", "WORD")
+                    + ": " + illuminant_grammar);
+    if (mono && result.run.camera_input)
+        throw Error(
+            "sensor " + result.profile.id
+            + " is monochrome and has no RAW colour space: leave the conversion "
+              "to it out and name the sensor by "
+            + given.option("sensor"));
+}
+
+/// The profile, neutral and shot of the DNG @p file; of @p sensor, if there is one,
+/// what a DNG does not say.
+void apply_reference(const std::string& file,
+                     const std::optional<SensorProfile>& sensor, Export& result)
+{
+    const DngMetadata metadata = read_dng_metadata(file);
+    const SensorProfile reference = profile_from_dng(metadata);
+    result.profile = sensor ? with_measurements(reference, *sensor, file) : reference;
+    result.run.as_shot = metadata.as_shot_neutral;
+    result.shot = merged(metadata.shot, result.shot);
+}
+
+/// What the exposure and what Exif say of it are the same.
+void agree_on_exposure(Export& result)
+{
+    result.run.exposure_time = result.shot.exposure_time;
+    if (result.run.iso)
+        result.shot.iso = int(std::lround(*result.run.iso));
+}
+
+void check_bits(const Given& given, const SensorProfile& profile)
+{
+    const int bits = given.facts.output_bits;
+    if (bits > 8 && bits < 16 && bits != profile.bits)
+        throw Error("a sensor of " + std::to_string(profile.bits) + " bits ("
+                    + profile.id + ") cannot write " + std::to_string(bits)
+                    + " bits: leave -d and bits out, or say uint16");
+}
+
+} // namespace
+
+Export resolve_picture(const ImageFacts& facts, const ExportOptions& options,
+                       const Dialect& dialect)
+{
+    const Given given { facts, options, dialect };
+    Export result = decide_picture(given);
+    if (result.bins)
+        throw Error("its channels are a spectrum, which a drawn camera does not see: "
+                    "take a sensor that has spectral_sensitivities, without --method");
+    decide_encoding(given, facts.parts[std::size_t(result.layer.part)], result);
+    agree_on_exposure(result);
+    return result;
+}
+
+Export resolve(const ImageFacts& facts, const ExportOptions& options,
+               const Dialect& dialect)
+{
+    const Given given { facts, options, dialect };
+    Export result = decide_picture(given);
+    const ImagePart& part = facts.parts[std::size_t(result.layer.part)];
+    std::optional<SensorProfile> sensor;
+    if (!options.sensor.empty())
+        sensor = load_profile(options.sensor);
+    if (const auto space
+        = result.bins ? std::nullopt : raw_space(given, part, sensor)) {
+        result.run.camera_input = true;
+        result.run.color_effects = false;
+        result.run.illuminant = space->illuminant;
+        if (!sensor)
+            sensor = load_profile(space->sensor);
+    } else {
+        require_sensor(given);
+    }
+    if (!result.bins)
+        decide_encoding(given, part, result);
+    if (options.reference.empty())
+        result.profile = *sensor;
+    else
+        apply_reference(options.reference, sensor, result);
+    require_light(given, result);
+    if (result.bins)
+        decide_spectrum(given, part, result);
+    agree_on_exposure(result);
+    check_bits(given, result.profile);
+    return result;
+}
+
+} // namespace cg2raw

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file The options of an export: one row is one option. Pages, messages and command
+/// lines are made of the table.
+#include "cg2raw/export.h"
+
+#include "core/text.h"
+#include "platform/numbers.h"
+
+#include <charconv>
+
+namespace cg2raw {
+namespace {
+
+/// The number that all of @p text is, in the C locale; NaN if it is none.
+double number_from(std::string_view text)
+{
+    if (!text.empty() && text.front() == '+')
+        text.remove_prefix(1);
+    return number_in(text);
+}
+
+std::string stripped(const std::string& text)
+{
+    constexpr const char* blanks = " \t\r\n\f\v";
+    const auto first = text.find_first_not_of(blanks);
+    return first == text.npos
+        ? ""
+        : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// An option's row, and the text that was given for it.
+struct Word {
+    const ExportOption& option;
+    const Dialect& dialect;
+    std::string text;
+
+    std::string name() const { return dialect.option(option.name, ""); }
+
+    [[noreturn]] void fail(const std::string& must) const
+    {
+        throw Error(name() + " \"" + text + "\" must be " + must);
+    }
+
+    double real(double low, double high) const
+    {
+        const double number = number_from(text);
+        if (!(number >= low && number <= high))
+            fail(option.allowed);
+        return number;
+    }
+
+    template <class Integer> Integer integer() const
+    {
+        Integer value = 0;
+        const char* const end = text.data() + text.size();
+        const auto result = std::from_chars(text.data(), end, value);
+        if (result.ec != std::errc() || result.ptr != end)
+            fail(option.allowed);
+        return value;
+    }
+
+    bool flag() const
+    {
+        const std::string word = lower_case(text);
+        if (word == "1" || word == "true" || word == "on" || word == "yes")
+            return true;
+        if (word == "0" || word == "false" || word == "off" || word == "no")
+            return false;
+        fail(option.allowed);
+    }
+
+    /// The result of @p parse, whose error gets this option's name.
+    template <class Parse> auto parsed(const Parse& parse) const
+    {
+        try {
+            return parse(lower_case(text));
+        } catch (const Error& error) {
+            throw Error(name() + ": " + error.what());
+        }
+    }
+
+    bool is(const char* word) const { return lower_case(text) == word; }
+};
+
+struct Row {
+    ExportOption option;
+    void (*set)(ExportOptions&, const Word&);
+};
+
+using Options = ExportOptions;
+constexpr const char* frame_numbers
+    = "a whole number from -9223372036854775808 to 9223372036854775807";
+
+const Row rows[] = {
+    { { "sensor", "text", "an id, or a path",
+        "a bundled sensor (`cg2raw sensors` lists them) or the path of a profile "
+        "(.json)" },
+      [](Options& o, const Word& w) { o.sensor = w.text; } },
+    { { "reference", "text", "a path",
+        "a DNG of the target camera, in place of a sensor: levels, CFA, matrices, "
+        "model and Exif are its own" },
+      [](Options& o, const Word& w) { o.reference = w.text; } },
+    { { "illuminant", "text", "a word", "the light: [see below](#illuminants)" },
+      [](Options& o, const Word& w) { o.illuminant = w.text; } },
+    { { "iso", "number", "an ISO from 1 to 10000000",
+        "adds the sensor's noise at this ISO, up to one stop beyond the measured ones "
+        "(of a sensor measured at one ISO, this one only); without it the file is "
+        "clean" },
+      [](Options& o, const Word& w) { o.iso = w.real(1.0, 1e7); } },
+    { { "noise", "word", "gaussian or physical",
+        "`physical`: Poisson photons, Tukey lambda read noise, row noise (Wei et al.), "
+        "if the profile has their parameters. Default: the profile's `noise_effects`, "
+        "else `gaussian`" },
+      [](Options& o, const Word& w) { o.noise = w.parsed(noise_model_from_name); } },
+    { { "seed", "integer", "a whole number from 0 to 18446744073709551615",
+        "default 0; the same seed gives the same bytes on any machine. From 2147483647 "
+        "on as `--attrib:type=string`" },
+      [](Options& o, const Word& w) { o.seed = w.integer<std::uint64_t>(); } },
+    { { "frame", "integer", frame_numbers,
+        "noise differs between frames, fixed patterns do not. Default: the number in "
+        "the output's name (`shot.0007.dng`, `render0007.dng`; not a version, as in "
+        "`comp_v002.dng`), else `smpte:TimeCode`, else, in `convert`, the number in "
+        "the input's name, else 0" },
+      [](Options& o, const Word& w) { o.frame = w.integer<std::int64_t>(); } },
+    { { "linearize", "word", "srgb",
+        "undo the curve of sRGB: [what the numbers "
+        "mean](#what-the-numbers-of-an-image-mean)" },
+      [](Options& o, const Word& w) {
+          if (!w.is("srgb"))
+              w.fail(w.option.allowed);
+          o.linearize = true;
+      } },
+    { { "layer", "text", "a name",
+        "which layer or part is the picture. Default: R, G, B without a layer, else "
+        "the layer `rgba`, `rgb`, `beauty`, `C`, `Ci` or `Combined`, alone or as in "
+        "`ViewLayer.Combined`. If this leaves a choice, an error lists the layers; "
+        "those that are data by their names (normals, ids, depth, Cryptomatte) come "
+        "last. A layer that is named may have the channels x, y, z or 0, 1, 2. A "
+        "picture without names of channels, such as `--missingfile black`, is R, G, B "
+        "whatever the layer" },
+      [](Options& o, const Word& w) { o.layer = w.text; } },
+    { { "exposure", "number", "the luminance of white in cd/m2, above 0",
+        "of a spectral image (channels `S0.550,0nm` ...), unless the file has "
+        "`whiteLuminance` ([spectral.md](spectral.md))" },
+      [](Options& o, const Word& w) { o.exposure = w.real(1e-6, 1e12); } },
+    { { "gain", "number", "0.001 to 1000, or sample",
+        "digital gain; multiplies the white balance before highlights are protected, "
+        "as in the paper, so that white stays white. `oiiotool --mulc` changes the "
+        "exposure" },
+      [](Options& o, const Word& w) {
+          o.sample_gain = w.is("sample");
+          if (!o.sample_gain)
+              o.gain = w.real(0.001, 1000.0);
+      } },
+    { { "convention", "word", "dng, paper, sensor or spectral",
+        "`dng` (default): the exact inverse of a DNG renderer. `paper`: comparable "
+        "with the published method. `sensor`: as a camera records light, with a hard "
+        "clip at white and noise on every pixel; `cg2raw diagnose` compares with it. "
+        "`spectral`: `sensor`, with colours by the sensor's spectral sensitivities "
+        "([spectral.md](spectral.md))" },
+      [](Options& o, const Word& w) {
+          o.convention = w.parsed(convention_from_name);
+      } },
+    { { "highlights", "flag", "0 or 1",
+        "1 (default) keeps white white, 0 does not; not with the conventions `sensor` "
+        "and `spectral`" },
+      [](Options& o, const Word& w) { o.highlights = w.flag(); } },
+    { { "matrices", "word", "camera or exact",
+        "`camera` (default): the sensor's own. `exact`: every reader recovers the "
+        "render" },
+      [](Options& o, const Word& w) {
+          o.file.matrices = w.parsed(matrices_from_name);
+      } },
+    { { "effects", "word", "profile or none", "of the sensor; default: `profile`" },
+      [](Options& o, const Word& w) {
+          if (!w.is("profile") && !w.is("none"))
+              w.fail(w.option.allowed);
+          o.effects = w.is("profile");
+      } },
+    { { "compression", "word", "ljpeg, ljpeg-2d or none",
+        "`ljpeg`: lossless. `ljpeg-2d`: a predictor for each tile, smaller, but "
+        "darktable does not open it. Default: `none` if `--compression none` is given "
+        "or the input is not compressed, else `ljpeg`" },
+      [](Options& o, const Word& w) {
+          o.compression = w.parsed(compression_from_name);
+      } },
+    { { "preview", "flag", "0 or 1",
+        "an 8-bit picture in the file. Default: 1, but 0 for frames of a shot" },
+      [](Options& o, const Word& w) { o.file.preview = w.flag(); } },
+    { { "crop", "word", "border or none",
+        "`border` (default): converters omit 2 pixels on each side, where demosaicing "
+        "lacks neighbours. `none`: they show all" },
+      [](Options& o, const Word& w) { o.file.crop = w.parsed(crop_from_name); } },
+    { { "tone_curve", "word", "camera or linear",
+        "`camera` (default): the reader's own" },
+      [](Options& o, const Word& w) {
+          o.file.tone_curve = w.parsed(tone_curve_from_name);
+      } },
+    { { "framerate", "text", "24, 23.976, 24000/1001 ...",
+        "makes the file a frame of a shot, CinemaDNG: [sequences.md](sequences.md). "
+        "Default: `FramesPerSecond`" },
+      [](Options& o, const Word& w) {
+          o.frame_rate = w.parsed(frame_rate_from_text);
+      } },
+    { { "timecode", "text", "hh:mm:ss:ff, or hh:mm:ss;ff",
+        "that of the frame `first_frame`. Default: `smpte:TimeCode`" },
+      [](Options& o, const Word& w) { o.time_code = w.parsed(time_code_from_text); } },
+    { { "first_frame", "integer", frame_numbers,
+        "the number of the shot's first frame" },
+      [](Options& o, const Word& w) { o.first_frame = w.integer<std::int64_t>(); } },
+    { { "reel", "text", "a name", "ReelName of a frame. Default: `reelName`" },
+      [](Options& o, const Word& w) { o.reel = w.text; } },
+    { { "camera_label", "text", "a name",
+        "CameraLabel of a frame. Default: `cameraLabel`" },
+      [](Options& o, const Word& w) { o.camera_label = w.text; } },
+    { { "shading", "word", "tagged or baked",
+        "lens shading: `tagged`, GainMaps undo it; `baked`, nothing does. Default: "
+        "`tagged`, but `baked` in frames of a shot" },
+      [](Options& o, const Word& w) { o.file.shading = w.parsed(shading_from_name); } },
+};
+
+} // namespace
+
+const std::vector<ExportOption>& export_options()
+{
+    static const std::vector<ExportOption> options = [] {
+        std::vector<ExportOption> all;
+        for (const Row& row : rows)
+            all.push_back(row.option);
+        return all;
+    }();
+    return options;
+}
+
+void ExportOptions::set(std::string_view name, const std::string& text,
+                        const Dialect& dialect)
+{
+    const std::string lower = lower_case(name);
+    std::string known;
+    for (const Row& row : rows) {
+        if (row.option.name == lower) {
+            row.set(*this, { row.option, dialect, stripped(text) });
+            return;
+        }
+        known += (known.empty() ? "" : ", ") + dialect.option(row.option.name, "");
+    }
+    throw Error(dialect.option(name, "") + " is unknown; known: " + known);
+}
+
+} // namespace cg2raw

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file What decides an export of an image whose channels are a spectrum.
+#include "rules.h"
+
+#include "core/text.h"
+
+namespace cg2raw {
+namespace {
+
+constexpr std::string_view estimate = "estimate";
+constexpr std::string_view by_statistic = "estimate:";
+
+bool starts_with(std::string_view text, std::string_view start)
+{
+    return lower_case(text.substr(0, start.size())) == start;
+}
+
+bool is_estimate(std::string_view word)
+{
+    return lower_case(word) == estimate || starts_with(word, by_statistic);
+}
+
+/// A text that a file states; not of its numbers.
+std::optional<std::string> stated_text(const Metadata& metadata,
+                                       const std::string& name)
+{
+    const Metadata::Value* const value = metadata.find(name);
+    const auto* const text = value ? std::get_if<std::string>(value) : nullptr;
+    return text ? std::optional(*text) : std::nullopt;
+}
+
+/// The luminance that is white, as an option or OpenEXR files say it.
+double white_luminance(const Given& given, const Metadata& metadata)
+{
+    if (given.options.exposure)
+        return *given.options.exposure;
+    for (const char* name : { "whiteLuminance", "openexr:whiteLuminance" })
+        if (const double stated = metadata.number(name); stated != 0.0)
+            return stated;
+    throw Error("its channels are a spectrum in W/(m2 sr nm): which luminance is "
+                "white? Add "
+                + given.option("exposure", "CD_PER_M2") + ", such as 100");
+}
+
+/// What belongs to RGB alone.
+void refuse_rgb_options(const Given& given)
+{
+    const ExportOptions& options = given.options;
+    const auto refuse = [&](const char* name, const std::string& remedy) {
+        throw Error("its channels are a spectrum, so that " + given.option(name)
+                    + " has no meaning: " + remedy);
+    };
+    if (options.convention && *options.convention != Convention::sensor
+        && *options.convention != Convention::spectral)
+        throw Error("its channels are a spectrum, so that "
+                    + given.option("convention", name_of(*options.convention))
+                    + " has no meaning: leave it out, or name the picture by "
+                    + given.option("layer"));
+    if (options.highlights.value_or(false))
+        refuse("highlights", "leave it out");
+    if (options.linearize)
+        refuse("linearize", "leave it out");
+    if (options.gain || options.sample_gain)
+        refuse("gain", "change " + given.option("exposure"));
+}
+
+/// The light's spectrum that the file states in its attribute "illuminant".
+Spectrum stated_light(const Given& given, const Metadata& metadata)
+{
+    for (const char* name : { "illuminant", "openexr:illuminant" }) {
+        const auto text = stated_text(metadata, name);
+        if (!text)
+            continue;
+        try {
+            return spectrum_from_text(*text);
+        } catch (const Error& error) {
+            throw Error("attribute illuminant, the light's spectrum: "
+                        + std::string(error.what()));
+        }
+    }
+    const std::string typed = given.dialect.converts ? "--attrib" : "attribute";
+    throw Error(given.option("illuminant") + " " + std::string(estimate)
+                + ": the image states no light's spectrum (" + typed
+                + " illuminant \"400nm:0.3;410nm:0.5;...\"); add it, or name the light"
+                + (given.facts.measured_light
+                       ? ", or estimate:mean (grey world), estimate:max (brightest)"
+                       : ""));
+}
+
+/// The light that the image itself says.
+Spectrum estimated_light(const Given& given, const Metadata& metadata,
+                         const std::string& word)
+{
+    if (!starts_with(word, by_statistic))
+        return stated_light(given, metadata);
+    if (!given.facts.measured_light)
+        throw Error(given.option("illuminant") + " " + word
+                    + " needs the whole image before its first row, which a host does "
+                      "not give: use cg2raw convert, or name the light");
+    return given.facts.measured_light(word);
+}
+
+} // namespace
+
+std::optional<SpectralChannels> spectral_bins(const Given& given, const ImagePart& part)
+{
+    if (!given.options.layer.empty())
+        return std::nullopt;
+    const auto wavelength = [&](const std::string& channel) -> std::optional<double> {
+        const double metres = part.metadata.number(channel + ".wavelength");
+        return metres == 0.0 ? std::nullopt : std::optional(metres);
+    };
+    const auto response = [&](const std::string& channel) {
+        return stated_text(part.metadata, channel);
+    };
+    return spectral_channels(part.names.channels, wavelength, response);
+}
+
+void decide_spectrum(const Given& given, const ImagePart& part, Export& result)
+{
+    refuse_rgb_options(given);
+    const SensorProfile& profile = result.profile;
+    if (!profile.spectral_sensitivities)
+        throw Error("its channels are a spectrum, and sensor " + profile.id
+                    + " has no spectral_sensitivities: make a profile with cg2raw "
+                      "profile --ssf, or take the RGB picture (oiiotool --ch R,G,B)");
+    Run& run = result.run;
+    const double white = white_luminance(given, part.metadata);
+    if (is_estimate(run.illuminant)) {
+        const Spectrum light = estimated_light(given, part.metadata, run.illuminant);
+        result.spectral.emplace(profile, light, *result.bins, white);
+        run.illuminant = neutral_word(profile, light);
+    } else {
+        const Illuminant light = illuminant(profile, run.illuminant, run.as_shot);
+        result.spectral.emplace(profile, spectrum_of(profile, light).power,
+                                *result.bins, white);
+        run.illuminant = seen_by_sensitivities(profile, run.illuminant);
+    }
+    run.camera_input = true;
+    run.convention = Convention::sensor;
+}
+
+void refuse_spectral_options(const Given& given, const std::string& illuminant)
+{
+    constexpr const char* no_spectrum = "and this one has no channels such as S0.550nm";
+    if (given.options.exposure)
+        throw Error(given.option("exposure")
+                    + " is the luminance of white of a spectral image, " + no_spectrum
+                    + ": leave it out");
+    if (is_estimate(illuminant))
+        throw Error(given.option("illuminant") + " " + illuminant
+                    + " is for spectral images, " + no_spectrum + ": name the light");
+}
+
+} // namespace cg2raw
