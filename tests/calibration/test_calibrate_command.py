@@ -18,13 +18,14 @@ EFFECTS = {"dsnu": {"sigma": 2 / RANGE}, "prnu": {"sigma": 0.01}}
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """Return a folder with my.json, frames.csv, darks/ and flats/ of .npy, all.npz."""
+    """Return a folder with my.json, frames.csv, biases/, darks/ and flats/ of .npy,
+    and all.npz."""
     folder = tmp_path_factory.mktemp("frames")
     sensor = sensor_of(EFFECTS, shape=(96, 128))
     (folder / "my.json").write_text(sensor_of(shape=(96, 128)).to_json())
     lines, stored = ["frame,exposure_s,temperature_c"], {}
     for frame in frames_of(sensor, biases=3, darks=3, flats=3):
-        place = folder / f"{frame.kind}s"
+        place = folder / ("biases" if not frame.exposure_time else f"{frame.kind}s")
         place.mkdir(exist_ok=True)
         stored[frame.name] = frame.pixels()
         np.save(place / f"{frame.name}.npy", stored[frame.name])
@@ -44,7 +45,7 @@ def command(files, *frames, **options):
 def test_a_profile_is_written_over_its_own(files, tmp_path):
     mine = tmp_path / "my.json"
     mine.write_bytes((files / "my.json").read_bytes())
-    done = command(files, files / "darks", files / "flats", sensor=mine, output=mine)
+    done = command(files, files / "biases", files / "flats", sensor=mine, output=mine)
     assert done.code == 0, done.err
     assert "temporal dark noise" in done.out and "e-/DN" in done.out
     profile = json.loads(mine.read_text())
@@ -53,9 +54,11 @@ def test_a_profile_is_written_over_its_own(files, tmp_path):
     assert "calibrate" in profile["sources"]["noise"]
 
 
-def test_an_npz_of_all_frames_gives_the_same(files):
-    first = command(files, files / "darks", files / "flats", output="-")
-    second = command(files, files / "all.npz", output="-")
+def test_an_npz_of_all_frames_gives_the_same(files, tmp_path):
+    shown = [*(files / "biases").iterdir(), *(files / "flats").iterdir()]
+    np.savez(tmp_path / "all.npz", **{path.stem: np.load(path) for path in shown})
+    first = command(files, files / "biases", files / "flats", output="-")
+    second = command(files, tmp_path / "all.npz", output="-")
     assert first.code == second.code == 0, first.err + second.err
     assert json.loads(first.out)["noise"] == json.loads(second.out)["noise"]
 
@@ -113,7 +116,7 @@ def test_what_is_wrong_is_said_in_one_line(files, tmp_path):
 def fits_files(files, folder, header_of):
     """Write the frames of a folder as FITS, with what header_of says of a number."""
     fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
-    for number, path in enumerate(sorted(files.glob("?[al]*s/*.npy"))):
+    for number, path in enumerate(sorted(files.glob("*s/*.npy"))):
         image = fits.PrimaryHDU(np.load(path))
         image.header.update(header_of(number))
         image.writeto(folder / f"{path.stem}.fits")
@@ -143,7 +146,7 @@ def test_frames_of_two_settings_are_refused(files, tmp_path, header_of, words):
 
 def test_what_the_reader_says_of_a_file_reaches_the_user(files, tmp_path):
     fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
-    for path in [*(files / "darks").iterdir(), *(files / "flats").iterdir()]:
+    for path in [*(files / "biases").iterdir(), *(files / "flats").iterdir()]:
         images = [fits.PrimaryHDU(), fits.ImageHDU(np.load(path) + np.uint16(7))]
         images[1].header.update({"PEDESTAL": -7, "EGAIN": 2 * GAIN})
         fits.HDUList([*images, fits.ImageHDU(np.load(path))]).writeto(
@@ -153,7 +156,7 @@ def test_what_the_reader_says_of_a_file_reaches_the_user(files, tmp_path):
     assert words in fails("calibrate", tmp_path, "-s", files / "my.json")
     done = command(files, tmp_path, image="1")
     assert done.code == 0, done.err
-    assert "dark-0.fit, dark-1.fit, dark-2.fit and 6 more: a PEDESTAL of 7" in done.out
+    assert "dark-0.fit, dark-1.fit, dark-2.fit and 3 more: a PEDESTAL of 7" in done.out
     assert f"headers say {2 * GAIN:g} electrons per DN (dark-0.fit the" in done.out
 
 

@@ -19,6 +19,7 @@ FILES = (
     "flat_23s_-5C",
 )
 BLACK, WHITE = 1000.0, 65535  # of its header
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
