@@ -13,3 +13,8 @@ def slow(*values):
 def first_fast(values, count):
     """Return values of pytest.mark.parametrize of which all but some are slow tests."""
     return [v if n < count else slow(v) for n, v in enumerate(values)]
+
+
+# Of the fixture oiiotool: the wheel's, and with --slow the system's, whose start takes
+# 0.3 CPU seconds.
+WHEEL_FAST = ["oiio-wheel", slow("oiio-system")]

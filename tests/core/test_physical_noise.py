@@ -9,6 +9,7 @@ from scipy import stats
 
 import cg2raw
 from oracles import cameras
+from tiers import slow
 
 SIDE = 1024  # a million pixels
 N = SIDE * SIDE
@@ -110,7 +111,7 @@ def test_tukey_lambda_quantiles_and_variance_are_scipys(tukey_lambda):
     expected = -np.sign(logistic) * scale * stats.tukeylambda.ppf(tail, tukey_lambda)
     seen = heavy_tails(tukey_lambda, height=64)
     # float32, and SciPy's own cancellation near lambda = 0.
-    assert seen == pytest.approx(expected, rel=1e-5, abs=1e-8)
+    assert (abs(seen - expected) <= np.maximum(1e-5 * abs(expected), 1e-8)).all()
 
 
 def test_uniforms_of_the_sites_are_uniform():
@@ -121,7 +122,7 @@ def test_uniforms_of_the_sites_are_uniform():
 @pytest.mark.parametrize(
     # Errors of the estimate, from 1e6 samples in subsets of 1e5: 4 standard errors.
     ("tukey_lambda", "tolerance"),
-    [(-0.1, 0.01), (0.14, 0.01)],
+    [(-0.1, 0.01), slow(0.14, 0.01)],
 )
 def test_a_planted_tukey_lambda_is_recovered(tukey_lambda, tolerance):
     dark = heavy_tails(tukey_lambda, seed=5)[:1000000].reshape(10, -1)

@@ -42,6 +42,7 @@ def test_the_shelf_holds_the_papers_ten_and_more():
     assert len(FIELDS) >= 18
 
 
+@pytest.mark.slow
 def test_same_tables_same_bytes(camera_data, tmp_path):
     script = SCRIPTS / "make_profiles.py"
     command = [sys.executable, script, "--data", camera_data, "--out", tmp_path]

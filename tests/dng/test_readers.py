@@ -117,7 +117,7 @@ def test_dcraw(case, program, tmp_path):
     np.testing.assert_allclose(
         np.array(multipliers, float), 1.0 / neutral_of(words), atol=2e-6
     )
-    said = dng_files.run("dcraw", "-v", "-w", "-c", path).stderr.decode()
+    said = dng_files.run("dcraw", "-v", "-w", "-h", "-c", path).stderr.decode()
     assert f"darkness {BLACK}, saturation {WHITE}," in said
 
 
@@ -132,13 +132,22 @@ def test_tifffile(case):
         assert page.is_tiled == (words[0] != "none")
 
 
-def test_oiiotool(case, program, tmp_path):
-    # Its raw reader: neither our plugin nor tiff claims reading .dng.
-    tool = program("oiiotool")
+@pytest.fixture(scope="module")
+def by_oiiotool(files, program, tmp_path_factory):
+    """Return the folder of what oiiotool's raw reader makes of all files, at once:
+    neither our plugin nor tiff claims reading .dng."""
+    folder = tmp_path_factory.mktemp("oiiotool")
+    words = []
+    for path, _ in files.values():
+        words += ["--iconfig", "raw:Demosaic", "none", path]  # of the next file alone
+        words += ["-o", folder / f"{path.stem}.tif", "--pop"]
+    dng_files.run(program("oiiotool"), *words)
+    return folder
+
+
+def test_oiiotool(case, by_oiiotool):
     _, path, mosaic = case
-    out = tmp_path / "dn.tif"
-    dng_files.run(tool, "--iconfig", "raw:Demosaic", "none", path, "-o", out)
-    dn = tifffile.imread(out)
+    dn = tifffile.imread(by_oiiotool / f"{path.stem}.tif")
     np.testing.assert_array_equal(dn, mosaic)
 
 

@@ -126,7 +126,7 @@ def little_memory():
 
 def test_too_little_memory_for_an_image(tmp_path):
     path = tmp_path / "large.npy.exr"
-    write_image(path, np.zeros((9000, 12000, 3), np.float16))
+    write_image(path, np.zeros((7000, 9000, 3), np.float16))
     old = tmp_path / "shot.dng"
     old.write_bytes(b"old")
     words = ("convert", path, "-o", old, *LIGHT, "--quiet")

@@ -160,6 +160,7 @@ def test_the_plugin_knows_the_unbounded_twin(monkeypatch, name):
         cg2raw.raw_space_from_name(name)
 
 
+@pytest.mark.slow
 def test_of_a_thousand_pairs_one_is_read(tmp_path, monkeypatch):
     output = tmp_path / "many.ocio"
     asked = ("--sensors", "samsung-s20fe,nikon-d40", "--illuminants", "sample:0-499")

@@ -15,6 +15,7 @@ from ocio.conversion import (
     system_python,
 )
 from python.commands import fails, run
+from tiers import slow
 
 PAIRS = [("samsung-s20fe", "A"), ("nikon-d40", "sample:0")]
 ASKED = ("--sensors", "samsung-s20fe,nikon-d40", "--illuminants", "A,sample:0")
@@ -139,7 +140,9 @@ def reach(config, rgb, space):
 
 
 @pytest.mark.parametrize("space", [SCENE, "ACEScg", "ACES2065-1"])
-@pytest.mark.parametrize("name", [*BUILT_IN, "default", "studio-config-latest"])
+@pytest.mark.parametrize(
+    "name", ["default", *map(slow, (*BUILT_IN, "studio-config-latest"))]
+)
 def test_the_bridge_between_the_references_is_right(tmp_path, name, space):
     merged = merge(f"ocio://{name}", tmp_path / "merged.ocio")
     rgb = pixels()

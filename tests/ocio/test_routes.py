@@ -11,6 +11,7 @@ from cg2raw import _core
 from cg2raw.cli import main
 from cg2raw_ocio.config import config_text, make_config
 from images import attributes, read_dn
+from tiers import WHEEL_FAST, first_fast
 
 # Bits of a sensor, and the share of words that may differ by 1.
 SHARES = {10: 0.0005, 12: 0.001, 14: 0.003}
@@ -56,7 +57,7 @@ def check(oiiotool, repository, folder, sensor, light, picture):
     assert share <= SHARES[bits]
 
 
-@pytest.mark.parametrize(("sensor", "light", "picture"), RUNS)
+@pytest.mark.parametrize(("sensor", "light", "picture"), first_fast(RUNS, 1))
 def test_both_routes(oiiotool, repository, tmp_path, sensor, light, picture):
     check(oiiotool, repository, tmp_path, sensor, light, picture)
 
@@ -86,6 +87,7 @@ def departed(repository, tmp_path):
     return path
 
 
+@pytest.mark.parametrize("oiiotool", WHEEL_FAST, indirect=True)
 def test_color_effects_are_not_applied_twice(oiiotool, repository, tmp_path, departed):
     """By the plugin and by cg2raw convert, of pixels in the sensor's RAW space."""
     scene = decoded(oiiotool, repository, tmp_path, "interior")

@@ -23,6 +23,7 @@ from ocio.test_spectral_config import (
     scene,
 )
 from python.commands import run
+from tiers import slow
 
 
 @pytest.fixture
@@ -84,7 +85,7 @@ def test_a_cube_is_the_core_at_its_nodes(tmp_path):
 SHARE = 0.03
 
 
-@pytest.mark.parametrize("picture", ["interior", "night_street"])
+@pytest.mark.parametrize("picture", ["interior", slow("night_street")])
 def test_both_routes_to_a_dng(oiiotool, repository, path, tmp_path, picture):
     image = repository / "tests" / "data" / f"{picture}.exr"
     by_ocio, direct = tmp_path / "ocio.dng", tmp_path / "direct.dng"

@@ -20,6 +20,7 @@ import cg2raw
 from conftest import OIIOTOOLS, oiiotool_runner
 from images import write_image
 from pages import run_commands, text_of, write_studio_config
+from tiers import WHEEL_FAST
 
 SCENE = (0.3, 0.2, 0.15)
 
@@ -38,7 +39,7 @@ def words_of(path):
         return raw.raw_image.copy()
 
 
-@pytest.mark.parametrize("tool", OIIOTOOLS)
+@pytest.mark.parametrize("tool", WHEEL_FAST)
 def test_oiiotool(tmp_path, render, tool):
     oiiotool_runner(tool)  # skips what is not there
     raw = cg2raw.Sensor("samsung-s20fe").simulate(
@@ -126,7 +127,7 @@ def test_ocio(tmp_path, render, tool):
     assert run_commands("ocio.md", tmp_path, tool) == 9
 
 
-@pytest.mark.parametrize("tool", OIIOTOOLS)
+@pytest.mark.parametrize("tool", WHEEL_FAST)
 def test_compositors(tmp_path, render, tool):
     """But for Blender's own config, which tests/ocio/test_blender.py merges."""
     oiiotool_runner(tool)  # skips what is not there

@@ -9,9 +9,11 @@ import shlex
 import subprocess
 
 import numpy as np
+import pytest
 
 from images import read_dn, write_image
 from python import commands
+from tiers import slow
 
 FRAMES = range(1001, 1241)
 COMMAND = re.compile(r"^    (?:.*\\\n)*.*$", re.MULTILINE)
@@ -25,6 +27,7 @@ def command_of(repository, program):
     return words[1:]
 
 
+@pytest.mark.parametrize("oiiotool", ["oiio-system", slow("oiio-wheel")], indirect=True)
 def test_both_ways_write_the_shot_and_ffmpeg_plays_it(
     oiiotool, repository, program, tmp_path, monkeypatch
 ):

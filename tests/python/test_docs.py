@@ -21,6 +21,7 @@ import cg2raw
 from cg2raw import _core, _public, calibration, dataset, diagnose, synthetic
 from cg2raw.cli import make_parser, subcommands
 from cg2raw.diagnose import diagnosis
+from tiers import slow
 
 ROOT = Path(__file__).resolve().parents[2]
 # tests/dataset/test_docs.py and tests/diagnose/test_docs.py run those whose programs
@@ -57,7 +58,11 @@ def test_pages_have_examples():
     assert {"README.md", "python.md"} <= {page.name for page in WITH_EXAMPLES}
 
 
-@pytest.mark.parametrize("page", WITH_EXAMPLES, ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    [slow(page) if page.name == "calibrate.md" else page for page in WITH_EXAMPLES],
+    ids=lambda page: page.name,
+)
 def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch, request):
     """In one namespace, in an empty folder, with the render that they speak of."""
     code = examples(page)

@@ -145,7 +145,7 @@ def check_moments(name, source, tmp_path, moments):
     return count
 
 
-@pytest.mark.parametrize("name", first_fast(NAMES, 2))
+@pytest.mark.parametrize("name", first_fast(NAMES, 1))
 def test_seven_moments_of_a_command(source, tmp_path, name):
     assert check_moments(name, source, tmp_path, 7) > 2
 

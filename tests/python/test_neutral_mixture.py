@@ -26,7 +26,7 @@ LAMPS = (0.3, [0.80, 0.35], [[16e-4, -6e-4], [-6e-4, 4e-4]])
 
 
 def test_planted_gaussians_are_found():
-    found = mixture_of(drawn([DAY, LAMPS], 1000))
+    found = mixture_of(drawn([DAY, LAMPS], 500))
     assert len(found) == 2
     for part, (share, mean, covariance) in zip(found, (DAY, LAMPS), strict=True):
         assert part["weight"] == pytest.approx(share, abs=0.01)
