@@ -12,7 +12,8 @@ def slow(*values):
 
 def first_fast(values, count):
     """Return values of pytest.mark.parametrize of which all but some are slow tests."""
-    return [v if n < count else slow(v) for n, v in enumerate(values)]
+    rows = [value if isinstance(value, tuple) else (value,) for value in values]
+    return [*values[:count], *(slow(*row) for row in rows[count:])]
 
 
 # Of the fixture oiiotool: the wheel's, and with --slow the system's, whose start takes

@@ -40,6 +40,7 @@ def test_most_fixed_patterns_have_to_be_stated(stated, calibrated):
     assert not is_calibrated(model, [BY_NAME["exposure"]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("loss", "found"), [(-0.3, True), (0.0, False)])
 def test_shading_that_no_lamp_has_is_there_from_the_start(loss, found):
     """Flats that nobody measured, of a lamp with a stain of 3 %."""

@@ -77,6 +77,7 @@ def test_parameters_gain_one_nat_each_by_chance():
     assert np.mean(gains) == pytest.approx(7, abs=3 * np.sqrt(14 / 12))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mapped", [False, True])
 def test_beside_maps_it_is_the_select_frames_that_screen(mapped):
     """The frames that maps were made of would have the noise of these again."""

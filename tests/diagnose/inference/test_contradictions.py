@@ -23,7 +23,6 @@ from diagnose.planted import SHAPE as FRAME
 from diagnose.planted import capture_of as planted_capture
 from diagnose.planted import frames_of as planted_frames
 from diagnose.planted import sensor_of as made
-from tiers import slow
 
 SHAPE = (96, 128)
 
@@ -48,14 +47,15 @@ def test_a_profile_that_is_right_is_not_contradicted():
     assert diagnosed().verdict == "no gap"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "said"),
     [
         ("prnu", {"sigma": 0.006}),
-        slow("dsnu", {"sigma": 3.5 / RANGE}),
-        slow("column_fixed_pattern", {"sigma": 0.1 / RANGE}),
-        slow("hot_pixels", {"fraction": 0.002, "rate": 4 / RANGE}),
-        slow("dark_current_nonuniformity", {"rate": 0.15 / RANGE, "log_sigma": 0.5}),
+        ("dsnu", {"sigma": 3.5 / RANGE}),
+        ("column_fixed_pattern", {"sigma": 0.1 / RANGE}),
+        ("hot_pixels", {"fraction": 0.002, "rate": 4 / RANGE}),
+        ("dark_current_nonuniformity", {"rate": 0.15 / RANGE, "log_sigma": 0.5}),
     ],
 )
 def test_the_one_that_a_profile_says_wrongly_is_named_alone(name, said):

@@ -117,6 +117,7 @@ def test_a_variance_does_not_see_what_lies_far_out(far):
     assert clipped_variance(values) == pytest.approx(1, rel=0.01)
 
 
+@pytest.mark.slow
 def test_all_departures_are_measured_at_once():
     start = started(frames_with(4))
     found = {term.name: term.values for term in start.model.terms}

@@ -132,6 +132,7 @@ def test_hot_pixels_widen_no_stated_law(seed):
     assert (found.law.rate, found.law.log_sigma) == (0.3, 1.41)
 
 
+@pytest.mark.slow
 def test_intervals_of_the_law_hold_it():
     """Of 12 sensors, 95 % intervals of three numbers each: 36, of which four may miss
     by chance in one run of 26."""

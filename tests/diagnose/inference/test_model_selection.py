@@ -48,6 +48,7 @@ def test_faint_row_noise_beside_a_shading_is_found(seed):
     assert step.evidence == pytest.approx(step.gain, abs=1)
 
 
+@pytest.mark.slow
 def test_noise_beside_a_shading_is_nothing():
     for seed in range(20, 26):
         groups = groups_of(seed)

@@ -98,7 +98,7 @@ def diagnosis():
 
 @pytest.fixture(scope="module")
 def figures(diagnosis):
-    return draw(diagnosis)
+    return worded(diagnosis)
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,19 @@ def folder(diagnosis, tmp_path_factory):
     return folder
 
 
+def worded(diagnosis):
+    """Return the figures with their words and without pictures, which take seconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("cg2raw.diagnose.report.plots", "cg2raw.io.plot"):
+            patch.setattr(f"{module}.drawn", lambda *_, **__: b"")
+        return draw(diagnosis)
+
+
 def page_of(diagnosis):
+    return Page(render(diagnosis, worded(diagnosis)))
+
+
+def drawn_page_of(diagnosis):
     return Page(render(diagnosis, draw(diagnosis)))
 
 
@@ -186,7 +198,14 @@ DRAWN = {
 }
 
 
-@pytest.mark.parametrize("start", DRAWN, ids=str)
+@pytest.mark.parametrize(
+    "start",
+    [
+        pytest.param(at, marks=SLOW if at[0] == "characteristics" else ())
+        for at in DRAWN
+    ],
+    ids=str,
+)
 def test_every_array_is_drawn(diagnosis, start, monkeypatch):
     draw_it, count = DRAWN[start]
     monkeypatch.setattr("cg2raw.io.figure.DPI", 40)  # as much to see, in less time
@@ -225,10 +244,8 @@ def test_an_interrupted_report_says_so_on_top(diagnosis, figures):
 
 
 def test_names_cannot_become_markup(diagnosis):
-    benign, hostile = (
-        page_of(named(diagnosis, lambda n, words=words: f"{words}{n}"))
-        for words in ("name ", HOSTILE)
-    )
+    benign = page_of(named(diagnosis, lambda n: f"name {n}"))
+    hostile = drawn_page_of(named(diagnosis, lambda n: f"{HOSTILE}{n}"))
     assert hostile.tags == benign.tags and len(hostile.tags) > 500
     assert HOSTILE in hostile.text
 
@@ -245,7 +262,7 @@ def named(diagnosis, text):
 def test_nothing_found_and_nothing_known(diagnosis):
     nan = float("nan")
     gap = Gap(nan, nan, nan, float("inf"), None, None, [], (nan, nan), None)
-    page = page_of(made_up_diagnosis(**EMPTY, gap=gap, seconds=nan))
+    page = drawn_page_of(made_up_diagnosis(**EMPTY, gap=gap, seconds=nan))
     assert not page.open and "unknown" in page.text
     assert not re.search(r"\b(nan|inf|None)\b", page.all_words)
 
@@ -256,7 +273,7 @@ def test_every_number_may_be_unknown(diagnosis):
             diagnosis = with_leaf(diagnosis, path, float("nan"))
         elif isinstance(value, np.ndarray):
             diagnosis = with_leaf(diagnosis, path, value * np.nan)
-    page = page_of(diagnosis)
+    page = drawn_page_of(diagnosis)
     assert not page.open and "unknown" in page.text
     assert not re.search(r"\b(nan|inf|None)\b", page.all_words)
 
@@ -313,9 +330,10 @@ def test_pictures_of_an_earlier_report_go_and_other_files_stay(diagnosis, tmp_pa
 
 @pytest.mark.parametrize("library", ["jinja2", "PIL"])
 def test_a_missing_library_is_named(diagnosis, tmp_path, monkeypatch, library):
+    few = made_up_diagnosis(**{**EMPTY, "pictures": diagnosis.pictures[:1]})
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(ValueError, match=r"cg2raw\[diagnose\]"):
-        write_report(diagnosis, tmp_path / "report")
+        write_report(few, tmp_path / "report")
     assert not (tmp_path / "report").exists()
 
 

@@ -8,12 +8,11 @@ from dataclasses import replace
 import pytest
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.report.figures import draw
 from cg2raw.diagnose.report.frame_images import frame
 from cg2raw.diagnose.report.page import render
 from diagnose.leaves import with_leaf
 from diagnose.made_up_diagnosis import made_up_diagnosis
-from diagnose.report.test_page import Page
+from diagnose.report.test_page import Page, worded
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +22,7 @@ def diagnosis():
 
 @pytest.fixture(scope="module")
 def figures(diagnosis):
-    return draw(diagnosis)
+    return worded(diagnosis)
 
 
 def test_a_parameter_without_a_unit_is_relative(diagnosis, figures):
