@@ -180,6 +180,7 @@ def set_of_darks(**terms):
     return shown_set(SENSOR, captures, 5, model=model_of(SENSOR, **terms))
 
 
+@pytest.mark.slow
 def test_effects_of_light_are_not_named_of_darks():
     """A map that grows with the charge of the dark current looks like PRNU."""
     found = run(set_of_darks(dark_current=[2e-3]), only=())

@@ -70,6 +70,7 @@ def test_frames_that_need_no_other_are_read_once(looked_at, monkeypatch):
     assert 0.9 * everything < look.after.pixels <= everything  # few are clipped
 
 
+@pytest.mark.slow
 def test_maps_are_made_by_batches_of_tiles(looked_at, monkeypatch):
     """All that learnt them is read for each, unless there is room to keep it."""
     model = model_of(SENSOR, prnu=[0.0])

@@ -205,6 +205,7 @@ def test_a_bias_has_no_time_to_gather_charge():
     assert (leaking.mean == predict(Model(SENSOR), frame).mean).all()
 
 
+@pytest.mark.slow
 def test_a_large_frame_is_kept_as_its_tiles():
     shape = (1000, 1400)
     scene = scene_of(2, shape)

@@ -35,6 +35,7 @@ from diagnose.planted import (
     on,
     sensor_of,
 )
+from tiers import slow
 
 SENSOR = sensor_of()
 BLACK_0 = sensor_of(black_level=[0.0] * 4)
@@ -164,7 +165,7 @@ def integrated(frame, row, drift):
     return np.logaddexp.reduce(total + prior) + np.log(step)
 
 
-@pytest.mark.parametrize(("row", "drift"), [(0.0, 0.4), (0.5, 0.4)])
+@pytest.mark.parametrize(("row", "drift"), [(0.0, 0.4), slow(0.5, 0.4)])
 def test_where_the_adc_cuts_offsets_are_integrated_out(row, drift):
     """A sixth of the pixels shows the offset only by being low; Laplace's method is as
     exact as for rows, to 0.01 nats a row."""

@@ -34,6 +34,7 @@ from diagnose.leaves import (
     with_strings,
 )
 from diagnose.made_up_diagnosis import made_up_diagnosis, pictures
+from tiers import slow
 
 EMPTY = {
     "effects": [], "tests_before": [], "tests_after": [], "unexplained": [],
@@ -200,10 +201,7 @@ DRAWN = {
 
 @pytest.mark.parametrize(
     "start",
-    [
-        pytest.param(at, marks=SLOW if at[0] == "characteristics" else ())
-        for at in DRAWN
-    ],
+    [slow(at) if at[0] == "characteristics" else pytest.param(at) for at in DRAWN],
     ids=str,
 )
 def test_every_array_is_drawn(diagnosis, start, monkeypatch):
