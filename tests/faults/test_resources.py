@@ -24,7 +24,7 @@ LIGHT = ("--sensor", "nikon-d40", "--illuminant", "D65")
 NO_SPACE, QUOTA, TOO_LARGE = "No space left", "Disk quota exceeded", "File too large"
 LONGEST = 2000  # letters of what is said
 # Bytes of address space: enough to start, not for 48 MP with all that they take.
-LITTLE = 900 << 20
+LITTLE = 600 << 20
 
 
 def command(*words, env=None, **keywords):
