@@ -120,6 +120,15 @@ def test_openexr_keeps_the_attributes(oiiotool, ours, exr, tmp_path):
         assert {name: kept[name] for name in names} == {n: said[n] for n in names}
 
 
+def test_resolutions_are_the_shape_of_pixels(oiiotool, exr, tmp_path):
+    """Where nothing states it; pixels are wide where few of them fill an inch."""
+    resolution = ["--attrib:type=float", "XResolution", 100]
+    resolution += ["--attrib:type=float", "YResolution", 200]
+    given, out = attributes(sensor="nikon-d40", illuminant="D65"), tmp_path / "a.dng"
+    oiiotool(exr, "--eraseattrib", "PixelAspectRatio", *resolution, *given, "-o", out)
+    assert cg2raw.read_dng_metadata(str(out)).shot["pixel_aspect"] == 2
+
+
 @pytest.mark.parametrize(
     ("said", "aspect"),
     [
