@@ -5,8 +5,11 @@
 import fcntl
 import shutil
 
+import numpy as np
 import pytest
+import rawpy
 
+import cg2raw
 from dataset.data_sets import (
     FILES,
     OPTIONS,
@@ -59,6 +62,34 @@ def test_folders_are_called_as_images_and_not_as_their_files(tmp_path):
     assert all((tmp_path / "out" / path).is_file() for path in found.values())
     folders = {name: path.rpartition("/")[0] for name, path in found.items()}
     assert folders == {name: name[:-4] for name in names}
+
+
+@pytest.mark.parametrize(
+    ("words", "curve"),
+    [("", True), ("--linearize srgb", True), ("--iscolorspace lin_rec709", False)],
+)
+def test_whole_numbers_are_what_is_said_of_them(tmp_path, words, curve):
+    """Where the file says nothing (a.tif); b.png states sRGB."""
+    codes = np.linspace(0, 250, 24 * 36 * 3).reshape(24, 36, 3).astype(np.uint8)
+    for name in ("a.tif", "b.png"):
+        write_image(tmp_path / "in" / name, codes, "uint8")
+    options = f"--sensors nikon-d40 --illuminants A --workers 1 {words}".split()
+    done = run("dataset", tmp_path / "in", tmp_path / "out", *options)
+    light = codes / 255.0
+    if curve:  # IEC 61966-2-1
+        power = ((light + 0.055) / 1.055) ** 2.4
+        light = np.where(light <= 0.04045, light / 12.92, power)
+    expected = cg2raw.Sensor("nikon-d40").simulate(light, illuminant="A")
+    made = {
+        row["input"]: tmp_path / "out" / row["path"] for row in rows(tmp_path / "out")
+    }
+    assert (done.code, set(made)) == (
+        (0, {"a.tif", "b.png"}) if words else (1, {"b.png"})
+    )
+    assert words or "a.tif: its whole numbers" in done.err and "--linearize" in done.err
+    for path in made.values():
+        with rawpy.imread(str(path)) as raw:
+            np.testing.assert_array_equal(raw.raw_image_visible, expected)
 
 
 def test_a_file_depends_on_no_other_image(images, tmp_path):

@@ -66,6 +66,34 @@ def test_the_manifest_outranks_the_file(tmp_path):
     assert (first.iso, first.exposure_time, first.illuminant) == (400, 3, "A")
 
 
+@pytest.mark.parametrize("word", ["srgb", "none", ""])
+def test_whole_numbers_of_a_scene_are_what_linearize_says(tmp_path, word):
+    oiio = pytest.importorskip("OpenImageIO")
+    height, width = files.SHAPE
+    codes = np.linspace(0, 255, height * width * 3).astype(np.uint8)
+    image = oiio.ImageOutput.create(str(tmp_path / "r.tif"))
+    image.open(str(tmp_path / "r.tif"), oiio.ImageSpec(width, height, 3, "uint8"))
+    image.write_image(codes.reshape(height, width, 3))
+    image.close()
+    files.frame(tmp_path, "a.npy", files.picture())
+    line = "{file: a.npy, kind: scene, scene: r.tif, illuminant: D65"
+    line += f", linearize: {word}}}" if word else "}"
+    captures = read_captures(files.manifest(tmp_path, [line]))
+    if not word:
+        with pytest.raises(
+            ValueError, match=r"add linearize: srgb if .* linearize: none"
+        ):
+            captures.captures[0].scene()
+        return
+    light = codes.reshape(height, width, 3) / 255.0
+    if word == "srgb":  # IEC 61966-2-1
+        power = ((light + 0.055) / 1.055) ** 2.4
+        light = np.where(light <= 0.04045, light / 12.92, power)
+    np.testing.assert_allclose(captures.captures[0].scene(), light, rtol=1e-6)
+    said = any("linearised by the curve" in note for note in captures.notes)
+    assert said == (word == "srgb")
+
+
 def test_a_gain_multiplies_the_scene(tmp_path):
     np.save(tmp_path / "r.npy", files.picture())
     files.frame(tmp_path, "a.npy", files.picture())
