@@ -154,7 +154,7 @@ std::optional<RawSpace> raw_space(const Given& given, const ImagePart& part,
     auto sensors = installed_profiles();
     if (sensor)
         sensors.push_back(sensor->id);
-    const std::string name = color_space(part);
+    const std::string name = color_space(given, part);
     auto space = raw_space_from_name(name, sensors);
     if (!space)
         return std::nullopt;
@@ -182,12 +182,11 @@ void require_sensor(const Given& given)
     if (!options.sensor.empty() || !options.reference.empty())
         return;
     const std::string raw = "\"RAW - <sensor> - <illuminant>\"";
-    throw Error(
-        "which sensor? Add " + given.option("sensor", "ID")
-        + " (cg2raw sensors lists them) or " + given.option("reference", "FILE.dng")
-        + (given.dialect.converts ? ", or convert with --tocolorspace " + raw : "")
-        + "; if its pixels are RAW already, --iscolorspace " + raw
-        + " in place of them");
+    throw Error("which sensor? If its pixels are RAW already, add --iscolorspace " + raw
+                + ", else " + given.option("sensor", "ID")
+                + " (cg2raw sensors lists them), "
+                + given.option("reference", "FILE.dng")
+                + (given.dialect.converts ? " or --tocolorspace " + raw : ""));
 }
 
 /// A light, or a sensor that needs none; a RAW space, or a sensor that has one.

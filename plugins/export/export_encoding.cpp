@@ -53,7 +53,7 @@ std::string to_rec709(const Dialect& dialect, bool is_stated)
 StatedEncoding stated_encoding(const Given& given, const ImagePart& part, bool is_raw)
 {
     StatedEncoding said;
-    said.space = color_space(part);
+    said.space = color_space(given, part);
     said.is_rec709 = is_rec709(given, said.space);
     said.is_raw = is_raw;
     said.samples = part.samples;
@@ -75,10 +75,13 @@ Alpha alpha(const ImagePart& part, const SceneLayer& layer)
 
 } // namespace
 
-std::string color_space(const ImagePart& part)
+std::string color_space(const Given& given, const ImagePart& part)
 {
-    return space_of_file(part.metadata.text("oiio:ColorSpace"),
-                         part.metadata.text("colorInteropID"));
+    std::string stated = part.metadata.text("oiio:ColorSpace");
+    // "Linear" too, which only OpenImageIO 2 states by itself.
+    if (!stated.empty() && given.facts.openimageio_version >= 30000)
+        return stated;
+    return space_of_file(stated, part.metadata.text("colorInteropID"));
 }
 
 void decide_encoding(const Given& given, const ImagePart& part, Export& result)

@@ -22,7 +22,7 @@ struct Given {
 };
 
 /// The name of the colour space that @p part states; empty if it states none.
-std::string color_space(const ImagePart& part);
+std::string color_space(const Given& given, const ImagePart& part);
 
 /// The curve that encodes the numbers of @p part, and thereby the decoder. Throws
 /// Error, with the remedy, for pixels that are neither RAW nor scene-linear Rec.709

@@ -345,6 +345,9 @@ const Decision decisions[] = {
                  openimageio_2),
       {},
       "sensor=nikon-d40 light=a camera=1" },
+    { image({ { "oiio:ColorSpace", "Linear" },
+              { "colorInteropID", "cg2raw:raw_nikon_d40_a" } }),
+      s20, "sensor=samsung-s20fe camera=0" },
     // Spectra
     { spectra(), canon,
       "bins=4 sensor=canon-600d camera=1 convention=sensor color_effects=1" },
@@ -422,7 +425,7 @@ const Refusal refusals[] = {
     { image(), s20_with({ { "colour", "red" } }),
       "dng:colour is unknown; known: dng:sensor, dng:reference" },
     // What is missing
-    { image(), {}, "which sensor? Add --attrib dng:sensor ID" },
+    { image(), {}, "which sensor? If its pixels are RAW already, add --iscolorspace" },
     { image(),
       { { "sensor", "nikon-d40" } },
       "under which light? Add --attrib dng:illuminant WORD: " },
