@@ -6,6 +6,7 @@ import numpy as np
 import PyOpenColorIO as ocio
 import pytest
 
+from cg2raw_ocio import names
 from ocio.conversion import (
     SCENE,
     camera,
@@ -182,6 +183,18 @@ def test_the_bridge_from_a_reference_that_is_not_aces(tmp_path, studio):
 def test_the_family_is_in_the_studios_words(tmp_path, studio):
     merged = merge(studio, tmp_path / "merged.ocio")
     assert merged.getColorSpace("raw_nikon_d40_a").getFamily() == "RAW|Nikon"
+
+
+def test_spaces_keep_their_interop_ids(tmp_path, studio):
+    """By which a file in one of them is known again."""
+    merged = merge(studio, tmp_path / "merged.ocio")
+    for sensor, light in PAIRS:
+        for name, _, interop_id in (
+            names.raw_space(sensor, light),
+            names.unbounded_space(sensor, light),
+        ):
+            assert merged.getColorSpace(name).getInteropID() == interop_id
+            assert merged.getColorSpace(interop_id).getName() == name
 
 
 def test_into_a_config_of_our_own(tmp_path):

@@ -11,6 +11,7 @@ import pytest
 
 import cg2raw
 from cg2raw import _core
+from cg2raw_ocio import names
 from cg2raw_ocio.spaces import TABLE_REMARK
 from ocio.conversion import (
     SCENE,
@@ -90,8 +91,12 @@ def test_spaces_have_no_twins_and_say_what_they_are(path):
     config = read(path)
     assert config.getInactiveColorSpaces() == ""
     everything = (ocio.SEARCH_REFERENCE_SPACE_ALL, ocio.COLORSPACE_ALL)
-    names = [space.getName() for space in config.getColorSpaces(*everything)]
-    assert not [name for name in names if "unbounded" in name]
+    spaces = [space.getName() for space in config.getColorSpaces(*everything)]
+    assert not [name for name in spaces if "unbounded" in name]
+    for pair in PAIRS:  # the interop ID is that of other conventions
+        name, _, interop_id = names.raw_space(*pair)
+        assert config.getColorSpace(name).getInteropID() == interop_id
+        assert config.getColorSpace(interop_id).getName() == name
     text = config.getColorSpace("RAW - canon-600d - FL2").getDescription()
     assert "convention spectral, by the spectrum of FL2" in text
     assert text.endswith(TABLE_REMARK)
