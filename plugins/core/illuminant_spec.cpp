@@ -69,12 +69,16 @@ IlluminantSpec kelvin_spec(std::string_view spec, const std::string& word)
     return { Kind::kelvin, kelvin };
 }
 
+constexpr std::uint32_t last_draw = 2147483647;
+
 IlluminantSpec drawn_spec(Kind kind, std::string_view spec,
                           const std::vector<std::string>& parts)
 {
     const double index = parts.size() == 2 ? number_in(parts[1]) : -1.0;
-    if (!(index >= 0.0 && index <= 2147483647.0 && index == std::floor(index)))
+    if (!(index >= 0.0 && index == std::floor(index)))
         fail(spec, "needs a whole number, as in " + parts[0] + ":7");
+    if (index > double(last_draw))
+        fail(spec, "is beyond the last draw, " + std::to_string(last_draw));
     return { kind, 0.0, 0.0, std::uint32_t(index) };
 }
 
@@ -116,8 +120,14 @@ void append_words(const std::string& word, std::vector<std::string>& words)
     }
     const auto first = parse_illuminant(draws + ":" + ends[0]).index;
     const auto last = parse_illuminant(draws + ":" + ends[1]).index;
-    if (last < first || last - first >= most_words)
-        fail(word, "must rise, over " + std::to_string(most_words) + " draws at most");
+    if (last < first)
+        fail(word,
+             "must rise, as " + draws + ":" + std::to_string(last) + "-"
+                 + std::to_string(first));
+    if (const std::uint32_t more = last - first; more >= most_words)
+        fail(word,
+             "names " + std::to_string(std::uint64_t(more) + 1)
+                 + " draws; a list has at most " + std::to_string(most_words));
     for (auto index = first; index <= last; ++index)
         words.push_back(draws + ":" + std::to_string(index));
 }

@@ -94,6 +94,19 @@ def test_a_list_with_a_word_that_does_not_parse_is_an_error(words):
         cg2raw.illuminant_list(words)
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("sample:9-0", "must rise, as sample:0-9;"),
+        ("sample:0-100000", "names 100001 draws; a list has at most 100000;"),
+        ("measured:0-2147483648", "is beyond the last draw, 2147483647;"),
+    ],
+)
+def test_a_range_of_draws_says_which_bound_it_breaks(words, said):
+    with pytest.raises(ValueError, match=said):
+        cg2raw.illuminant_list(words)
+
+
 def ratios(sensor, count, first=0):
     lights = [sensor.illuminant(f"sample:{i}") for i in range(first, first + count)]
     return np.array([light.neutral for light in lights])[:, [0, 2]]

@@ -43,6 +43,8 @@ if TYPE_CHECKING:  # only the work itself loads its modules
     from cg2raw.dataset.plan import Plan
     from cg2raw.dataset.run import Summary
 
+MOST_OF_IMAGE = 100000  # lights, and crops, of an image
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of cg2raw dataset."""
@@ -143,8 +145,15 @@ def add_files(group: argparse._ArgumentGroup) -> None:
 def positive(text: str) -> int:
     """Return a whole number above 0."""
     if not text.isdecimal() or int(text) < 1:
-        raise ValueError
+        raise argparse.ArgumentTypeError(f"{text}: must be a whole number of 1 or more")
     return int(text)
+
+
+def check_count(option: str, count: int) -> int:
+    """Return how many lights or crops an image gets. Raises ValueError."""
+    if not 1 <= count <= MOST_OF_IMAGE:
+        raise ValueError(f"{option} {count}: must be 1 to {MOST_OF_IMAGE}")
+    return count
 
 
 def seconds(text: str) -> float:
@@ -255,7 +264,7 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
         convention=arguments.convention,
         method=arguments.method,
         crop=crop_of(arguments),
-        patches=arguments.patches or 1,
+        patches=check_count("--patches", arguments.patches or 1),
         seed=arguments.seed,
         layer=arguments.layer,
         linearize=arguments.linearize,
@@ -268,9 +277,7 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
 def illuminants(words: str) -> int | tuple[str, ...]:
     """Return a number of drawn illuminants, or the words of a list."""
     if words.isdecimal():
-        if not 1 <= int(words) <= 100000:
-            raise ValueError(f"--illuminants {words}: must be 1 to 100000")
-        return int(words)
+        return check_count("--illuminants", int(words))
     found = [
         light
         for word in words.split(",")
@@ -298,6 +305,8 @@ def crop_of(arguments: argparse.Namespace) -> tuple[int, int] | None:
     if arguments.crop and arguments.patch_size:
         raise ValueError("--crop and --patch-size: give one of them")
     if arguments.patch_size:
+        if arguments.patch_size == 1:
+            raise ValueError("--patch-size 1: must be at least 2 pixels")
         size = f"{arguments.patch_size}x{arguments.patch_size}"
     elif arguments.crop:
         size = arguments.crop.lower()
