@@ -39,6 +39,20 @@ def png_of_no_size():
     )
 
 
+def test_images_smaller_than_the_cfa_are_listed(tmp_path):
+    write_image(tmp_path / "in/rows.exr", scene((5, 40)))
+    write_image(tmp_path / "in/six.exr", scene((6, 40)))
+    options = "--sensors nikon-d40,fujifilm-x-m1 --illuminants A".split()
+    done = run("dataset", tmp_path / "in", tmp_path / "out", *options)
+    assert done.code == 1
+    assert (
+        "rows.exr: 40x5 pixels: the CFA of fujifilm-x-m1 repeats after 6, and each "
+        "side must have as many; leave fujifilm-x-m1 out of --sensors"
+    ) in done.err
+    folders = {path.parent.name for path in (tmp_path / "out").glob("*/*.dng")}
+    assert folders == {"six"}
+
+
 @pytest.fixture
 def mixed(tmp_path, repository):
     """Return a folder of five good and eleven bad images."""

@@ -11,11 +11,12 @@ from typing import Any
 
 from cg2raw import RawFrame, __version__, _core, write_dng
 from cg2raw.arrays import FloatImage
+from cg2raw.cfa import repeat_of
 from cg2raw.dataset import journal, packed
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.methods import METHODS, Camera
 from cg2raw.dataset.plan import Plan, Variant
-from cg2raw.dataset.source import Source, read_source
+from cg2raw.dataset.source import Box, Source, read_source
 from cg2raw.dataset.target import (
     BadImage,
     Job,
@@ -105,6 +106,7 @@ def make_variants(
         ]
         shot = _core.Shot(**source.image.shot)
         seconds = plan.seconds(shot.exposure_time)
+        check_repeats(plan, crops)
     except (ValueError, OSError) as error:
         raise BadImage(reason_of(error, path)) from None
     target.start_journal(header)
@@ -114,6 +116,17 @@ def make_variants(
         box = crops[variant.patch]
         about = expected(header, order, variant) | {"crop": list(box)}
         make_variant(target, variant, source, about, of_image)
+
+
+def check_repeats(plan: Plan, crops: list[Box]) -> None:
+    """Raise ValueError for crops that are smaller than one repeat of a sensor's CFA."""
+    columns, rows = min((box[2:] for box in crops), key=min)
+    for id, camera in plan.cameras.items():
+        if min(columns, rows) < (least := repeat_of(camera.cfa)):
+            raise ValueError(
+                f"{columns}x{rows} pixels: the CFA of {id} repeats after {least}, and "
+                f"each side must have as many; leave {id} out of --sensors"
+            )
 
 
 def make_variant(
