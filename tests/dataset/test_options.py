@@ -4,6 +4,7 @@
 
 import pytest
 
+from dataset.data_sets import scene, write_image
 from python.commands import fails, run
 
 BAD = [
@@ -82,6 +83,24 @@ def test_two_images_that_would_have_one_folder_are_refused(tmp_path, other):
             "data set; rename one of them"
         )
     assert not (tmp_path / "out").exists()
+
+
+def test_images_that_differ_by_case_need_a_disk_that_tells_them(tmp_path, monkeypatch):
+    from cg2raw.dataset import run as module
+
+    for name in ("a.exr", "A.exr"):
+        write_image(tmp_path / "in" / name, scene())
+    words = [tmp_path / "in", tmp_path / "out", *"--illuminants A".split()]
+    words += ["--sensors", "nikon-d40"]
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "folds_case", lambda out: True)
+        message = fails("dataset", *words)
+        assert "A.exr and a.exr: would both be a/ in the data set" in message
+    assert run("dataset", *words).code == 0
+    assert len(list((tmp_path / "out").glob("[aA]/*.dng"))) == 2
+    assert not module.folds_case(tmp_path / "out")
+    (tmp_path / "out/.CG2RAW").symlink_to(".cg2raw")  # as a disk that folds has it
+    assert module.folds_case(tmp_path / "out")
 
 
 def test_all_sensors_leave_out_what_they_cannot(images, tmp_path):

@@ -81,11 +81,14 @@ def is_image(name: str) -> bool:
     return name.lower().endswith(ENDINGS) and not name.startswith(".")
 
 
-def check_apart(images: Iterable[str]) -> None:
-    """Raise ValueError if two images would have one folder."""
+def check_apart(images: Iterable[str], folds_case: bool = False) -> None:
+    """Raise ValueError if two images would have one folder.
+
+    folds_case : A.exr and a.exr would, too."""
     first: dict[str, str] = {}
     for image in images:
-        other = first.setdefault(folder_of(image), image)
+        folder = folder_of(image)
+        other = first.setdefault(folder.casefold() if folds_case else folder, image)
         if other != image:
             raise ValueError(
                 f"{other} and {image}: would both be {folder_of(image)}/ in the data "

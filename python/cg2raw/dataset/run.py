@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from cg2raw.dataset import journal, manifest, options
-from cg2raw.dataset.images import Images
+from cg2raw.dataset.images import Images, check_apart
 from cg2raw.dataset.journal import Row
 from cg2raw.dataset.kept_profiles import PLAN
 from cg2raw.dataset.plan import Plan
@@ -65,6 +65,8 @@ def make_dataset(
     os.makedirs(out, exist_ok=True)
     check_folder(out, plan)
     with locked(out, tell):
+        if folds_case(out):
+            check_apart((name for name, _ in images), folds_case=True)
         begin(out, plan, images)
         jobs = jobs_of(images, out, plan, verify)
         found = worked(out, jobs, workers, scheduler)
@@ -126,6 +128,14 @@ def locked(out: str, tell: Callable[[str], None] | None = None) -> Iterator[None
         except BlockingIOError:
             raise ValueError(f"{out}: is being written by another cg2raw") from None
         yield
+
+
+def folds_case(out: str) -> bool:
+    """Return whether a data set's file system takes names that differ by case for one,
+    as those of Windows and macOS do."""
+    known = os.path.join(out, journal.FOLDER)
+    other = os.path.join(out, journal.FOLDER.upper())
+    return os.path.exists(other) and os.path.samefile(known, other)
 
 
 def begin(out: str, plan: Plan, images: Images) -> None:
