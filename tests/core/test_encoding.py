@@ -109,6 +109,16 @@ def test_codes_are_the_curves_in_float32(name, levels):
         assert off.max() <= 2**-24 + 1e-15
 
 
+def test_floats_have_the_curve_in_float32_to_the_bit():
+    """Polynomials stand for the power of the curve, from 2^-5 to 2."""
+    first, last = np.array([0.03, 2.1], np.float32).view(np.uint32)
+    code = np.arange(first, last, 257, dtype=np.uint32)[:199998].view(np.float32)
+    assert code[-1] > 2
+    found = decoded(code.reshape(-1, 3)).ravel()
+    light = srgb_of_specification(code.astype(np.float64)).astype(np.float32)
+    np.testing.assert_array_equal(found, light)
+
+
 def test_floats_have_the_curve_too():
     code = np.array([-0.5, 0, 0.04, 0.0405, 0.3, 1, 7.5], np.float32)
     found = decoded(np.stack([code] * 3, -1))[:, 2]
