@@ -6,6 +6,8 @@
 
 #include "core/text.h"
 
+#include <algorithm>
+
 namespace cg2raw {
 namespace {
 
@@ -102,6 +104,12 @@ Spectrum estimated_light(const Given& given, const Metadata& metadata,
     return given.facts.measured_light(word);
 }
 
+bool are_unnamed(const std::vector<std::string>& channels)
+{
+    return std::all_of(channels.begin(), channels.end(),
+                       [](const std::string& name) { return name.empty(); });
+}
+
 } // namespace
 
 std::optional<SpectralChannels> spectral_bins(const Given& given, const ImagePart& part)
@@ -146,9 +154,14 @@ void refuse_spectral_options(const Given& given, const std::string& illuminant)
 {
     constexpr const char* no_spectrum = "and this one has no channels such as S0.550nm";
     if (given.options.exposure)
-        throw Error(given.option("exposure")
-                    + " is the luminance of white of a spectral image, " + no_spectrum
-                    + ": leave it out");
+        throw Error(
+            given.option("exposure")
+            + " is the luminance of white of a spectral image, "
+            + (are_unnamed(given.facts.parts.front().names.channels)
+                   ? "and the channels of this one have no names, as those of "
+                     "--missingfile black: add --chnames S0.550nm,... as the other "
+                     "frames have them, or leave it out"
+                   : no_spectrum + std::string(": leave it out")));
     if (is_estimate(illuminant))
         throw Error(given.option("illuminant") + " " + illuminant
                     + " is for spectral images, " + no_spectrum + ": name the light");

@@ -515,6 +515,8 @@ const Refusal refusals[] = {
       canon_with({ { "illuminant", "estimate" } }),
       "attribute illuminant, the light's spectrum: " },
     { image(), canon, "dng:exposure is the luminance of white of a spectral image" },
+    { image({}, "float", { "", "", "", "" }), canon,
+      "of --missingfile black: add --chnames S0.550nm,... as the other frames" },
     { image(), s20_with({ { "illuminant", "estimate" } }),
       "dng:illuminant estimate is for spectral images" },
     { image({}, "float", { "T.400nm", "T.500nm" }), canon, "is a reflectance" },
