@@ -15,25 +15,28 @@ from tiers import first_fast
 INDICES = (0, 7, 31, 99999, 2147483647)
 
 
-def as_shot_neutral(exiftool, path):
-    """Return the three numbers of a DNG's AsShotNeutral."""
-    command = [exiftool, "-j", "-n", "-AsShotNeutral", path]
+def as_shot_neutrals(oiiotool, exiftool, exr, folder, sensor, indices):
+    """Return the three numbers of AsShotNeutral in a DNG of each sample, written by
+    one oiiotool and read by one exiftool."""
+    words, paths = [], [folder / f"{index}.dng" for index in indices]
+    for index, path in zip(indices, paths, strict=True):
+        given = attributes(sensor=sensor, illuminant=f"sample:{index}", preview=0)
+        words += [*given, "-o", path]
+    oiiotool(exr, *words)
+    command = [exiftool, "-j", "-n", "-AsShotNeutral", *paths]
     said = subprocess.run(command, capture_output=True, check=True).stdout
-    return [float(word) for word in json.loads(said)[0]["AsShotNeutral"].split()]
+    return [list(map(float, one["AsShotNeutral"].split())) for one in json.loads(said)]
 
 
 @pytest.mark.parametrize("sensor", first_fast(cg2raw.installed_profiles(), 2))
 def test_a_sample_is_the_same_neutral_everywhere(
     oiiotool, program, exr, tmp_path, sensor
 ):
-    exiftool, out = program("exiftool"), tmp_path / "shot.dng"
-    written, expected = [], []
-    for index in INDICES:
-        given = attributes(sensor=sensor, illuminant=f"sample:{index}", preview=0)
-        oiiotool(exr, *given, "-o", out)
-        written.append(as_shot_neutral(exiftool, out))
-        light = cg2raw.Sensor(sensor).illuminant(f"sample:{index}")
-        expected.append(list(light.neutral))
+    lights = (cg2raw.Sensor(sensor).illuminant(f"sample:{n}") for n in INDICES)
+    expected = [list(light.neutral) for light in lights]
+    written = as_shot_neutrals(
+        oiiotool, program("exiftool"), exr, tmp_path, sensor, INDICES
+    )
     assert written == expected  # AsShotNeutral counts millionths: nothing is lost
     assert len(set(map(tuple, written))) == len(INDICES)
 
@@ -43,10 +46,10 @@ def test_a_sensor_without_neutrals_samples_the_same_lights(
 ):
     profile = json.loads(cg2raw.Sensor("nikon-d40").to_json())
     del profile["illuminants"]
-    path, out = tmp_path / "no-neutrals.json", tmp_path / "shot.dng"
+    path = tmp_path / "no-neutrals.json"
     path.write_text(json.dumps(profile))
-    for index in INDICES[:3]:
-        given = attributes(sensor=path, illuminant=f"sample:{index}", preview=0)
-        oiiotool(exr, *given, "-o", out)
-        light = cg2raw.Sensor(path).illuminant(f"sample:{index}")
-        assert as_shot_neutral(program("exiftool"), out) == list(light.neutral)
+    lights = (cg2raw.Sensor(path).illuminant(f"sample:{n}") for n in INDICES[:3])
+    expected = [list(light.neutral) for light in lights]
+    assert expected == as_shot_neutrals(
+        oiiotool, program("exiftool"), exr, tmp_path, path, INDICES[:3]
+    )

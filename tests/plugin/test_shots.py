@@ -92,11 +92,11 @@ OPTIONS = {
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_each_option_is_the_attribute(system_oiiotool, shot, name):
+def test_each_option_is_the_attribute(oiiotool, shot, name):
     given, words = OPTIONS[name]
     run = {"sensor": "gopro-hero6-black", "illuminant": "D50", "framerate": 24}
     exr, ours, theirs = (shot / n for n in ("shot.1001.exr", "a.dng", "b.dng"))
-    system_oiiotool(exr, *attributes(**run, frame=7, **given), "-o", theirs)
+    oiiotool(exr, *attributes(**run, frame=7, **given), "-o", theirs)
     words = [*words, "--sensor", run["sensor"], "--illuminant", "D50", "--frame", 7]
     done = commands.run("convert", exr, "-o", ours, *words, "--framerate", 24)
     assert done.code == 0, done.err

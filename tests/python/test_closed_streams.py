@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from images import write_image
+from tiers import slow
 
-CLOSED = [(0,), (1,), (2,), (1, 2), (0, 1, 2)]
+CLOSED = [(0, 1, 2), *(slow(closed) for closed in ((0,), (1,), (2,), (1, 2)))]
 
 
 def run(folder, command, closed):
