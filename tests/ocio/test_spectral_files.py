@@ -116,4 +116,4 @@ def test_pixels_in_the_space_are_not_converted_again(oiiotool, path, tmp_path):
     output = ("-o", tmp_path / "out.dng")
     done = oiiotool(source, *words, *output, env={"OCIO": str(path)}, check=False)
     assert done.returncode != 0
-    assert "belong to the conversion, which has been done" in done.stdout + done.stderr
+    assert "belongs to the conversion, which has been done" in done.stdout + done.stderr
