@@ -68,6 +68,7 @@ def test_the_least_angle_is_no_more_than_that_of_least_squares():
     assert means[0] < means[1]
 
 
+@pytest.mark.slow
 def test_the_page_has_what_the_command_prints(camera_data, repository, run_module):
     """The rows of one camera, to the digit."""
     words = ("--data", camera_data, "--cameras", "EOS_600D")

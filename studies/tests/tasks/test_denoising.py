@@ -116,6 +116,7 @@ def test_own_exposure_changes_upi_and_not_real(small, camera):
     assert not any("real" in each and OWN in each for each in seen)
 
 
+@pytest.mark.slow
 def test_a_run_has_each_condition_draw_and_frame(small, camera):
     own = study.test_frames(small, camera, "quick")
     tests = {"world": own, "judge": Frames(own.images[:2], own.neutrals[:2])}
