@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 namespace cg2raw {
 namespace {
@@ -205,6 +206,13 @@ SpectralResponse::SpectralResponse(const SensorProfile& profile, const Spectrum&
         throw Error("sensor " + profile.id + " sees nothing of "
                     + number(bins.wavelengths.front()) + " to "
                     + number(bins.wavelengths.back()) + " nm, the image's spectrum");
+}
+
+SpectralResponse SpectralResponse::of_bins_alone() const
+{
+    SpectralResponse alone = *this;
+    std::iota(alone.m_channels.begin(), alone.m_channels.end(), 0);
+    return alone;
 }
 
 void SpectralResponse::to_camera(const float* pixels, std::ptrdiff_t pixel_stride,

@@ -3,14 +3,12 @@
 
 #include "image_facts.h"
 
-#include "cg2raw/color.h"
+#include "color_config.h"
 
-#include <OpenImageIO/color.h>
 #include <OpenImageIO/strutil.h>
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 
 namespace cg2raw {
 namespace {
@@ -114,33 +112,6 @@ std::string text(const ParamValue& attribute, const Dialect& dialect,
     return attribute.get_string();
 }
 
-/// What the words "linear" and "scene_linear" stand for is the OCIO config's business;
-/// without one they are Rec.709.
-bool is_rec709([[maybe_unused]] const std::string& word)
-{
-#if OIIO_VERSION < 30000
-    if (!std::getenv("OCIO"))
-        return true;
-#endif
-    const OIIO::ColorConfig config;
-#if OIIO_VERSION >= 30000
-    if (OIIO::Strutil::iequals(word, "linear"))
-        return is_rec709_name(std::string(config.resolve(word)));
-#endif
-    const char* const role = config.getColorSpaceNameByRole("scene_linear");
-    return !role || is_rec709_name(role);
-}
-
-/// A space of the current config that is Rec.709, for the remedy of a message.
-std::string rec709()
-{
-    const OIIO::ColorConfig config;
-    for (int i = 0; i < config.getNumColorSpaces(); ++i)
-        if (is_rec709_name(config.getColorSpaceNameByIndex(i)))
-            return config.getColorSpaceNameByIndex(i);
-    return std::getenv("OCIO") ? "<the config's linear Rec.709 space>" : "linear";
-}
-
 constexpr std::string_view prefix = "dng:";
 
 std::string as_attribute(std::string_view name, std::string_view value)
@@ -179,7 +150,8 @@ ExportOptions attribute_options(const ImageSpec& spec)
 
 const Dialect& attribute_dialect()
 {
-    static const Dialect dialect { as_attribute, is_rec709, rec709, true };
+    static const Dialect dialect { as_attribute, is_rec709_word, rec709_space,
+                                   "--iscolorspace lin_rec709", true };
     return dialect;
 }
 

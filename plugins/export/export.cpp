@@ -47,26 +47,6 @@ std::vector<std::string> cryptomatte_layers(const Metadata& metadata)
     return names;
 }
 
-/// The channels to take.
-SceneLayer picture_layer(const Given& given)
-{
-    const std::vector<ImagePart>& parts = given.facts.parts;
-    // Hosts hand over one image of a file that may have several.
-    const double in_file = parts[0].metadata.number("oiio:subimages");
-    LayerHints hints { [&](const std::string& name) {
-                          return given.option("layer", name);
-                      },
-                       in_file > double(parts.size()),
-                       {} };
-    std::vector<ScenePart> names;
-    for (const ImagePart& part : parts) {
-        names.push_back(part.names);
-        for (std::string& name : cryptomatte_layers(part.metadata))
-            hints.data.push_back(std::move(name));
-    }
-    return beauty_layer(names, given.options.layer, hints);
-}
-
 std::int64_t frame_number(const Given& given, const ImagePart& part)
 {
     if (given.options.frame)
@@ -113,27 +93,27 @@ Run exposure(const Given& given)
     return run;
 }
 
-/// All that needs no camera, but for the curve; the image is the part of its layer.
-Export decide_picture(const Given& given)
+void require_picture(const ImageFacts& facts)
 {
-    const std::vector<ImagePart>& parts = given.facts.parts;
-    if (parts.size() == 1)
-        require_flat(parts[0]);
-    refuse_raw(parts[0]);
-    Export result;
-    result.bins = spectral_bins(given, parts[0]);
-    if (!result.bins) {
-        refuse_spectral_options(given, given.options.illuminant);
-        result.layer = picture_layer(given);
-    }
-    const ImagePart& part = parts[std::size_t(result.layer.part)];
-    require_flat(part);
+    if (facts.parts.size() == 1)
+        require_flat(facts.parts[0]);
+    refuse_raw(facts.parts[0]);
+}
+
+const ImagePart& part_of(const ImageFacts& facts, const Export& result)
+{
+    return facts.parts[std::size_t(result.layer.part)];
+}
+
+/// All that needs no camera, but for the curve, of an image whose layer is decided.
+void decide_frame(const Given& given, Export& result)
+{
+    const ImagePart& part = part_of(given.facts, result);
     result.run = exposure(given);
     result.run.frame = frame_number(given, part);
     result.shot = shot(given, part, result.run.frame);
     result.file = given.options.file;
     result.file.compression = compression(given, part);
-    return result;
 }
 
 /// What is done before pixels are RAW, and an option of it.
@@ -235,15 +215,37 @@ void check_bits(const Given& given, const SensorProfile& profile)
 
 } // namespace
 
+SceneLayer picture_layer(const ImageFacts& facts, const ExportOptions& options,
+                         const Dialect& dialect)
+{
+    require_picture(facts);
+    const std::vector<ImagePart>& parts = facts.parts;
+    // Hosts hand over one image of a file that may have several.
+    const double in_file = parts[0].metadata.number("oiio:subimages");
+    LayerHints hints { [&](const std::string& name) {
+                          return dialect.option("layer", name);
+                      },
+                       in_file > double(parts.size()),
+                       {} };
+    std::vector<ScenePart> names;
+    for (const ImagePart& part : parts) {
+        names.push_back(part.names);
+        for (std::string& name : cryptomatte_layers(part.metadata))
+            hints.data.push_back(std::move(name));
+    }
+    const SceneLayer layer = beauty_layer(names, options.layer, hints);
+    require_flat(parts[std::size_t(layer.part)]);
+    return layer;
+}
+
 Export resolve_picture(const ImageFacts& facts, const ExportOptions& options,
                        const Dialect& dialect)
 {
     const Given given { facts, options, dialect };
-    Export result = decide_picture(given);
-    if (result.bins)
-        throw Error("its channels are a spectrum, which a drawn camera does not see: "
-                    "take a sensor that has spectral_sensitivities, without --method");
-    decide_encoding(given, facts.parts[std::size_t(result.layer.part)], result);
+    Export result;
+    result.layer = picture_layer(facts, options, dialect);
+    decide_frame(given, result);
+    decide_encoding(given, part_of(facts, result), result);
     agree_on_exposure(result);
     return result;
 }
@@ -252,8 +254,15 @@ Export resolve(const ImageFacts& facts, const ExportOptions& options,
                const Dialect& dialect)
 {
     const Given given { facts, options, dialect };
-    Export result = decide_picture(given);
-    const ImagePart& part = facts.parts[std::size_t(result.layer.part)];
+    require_picture(facts);
+    Export result;
+    result.bins = spectral_bins(given, facts.parts[0]);
+    if (!result.bins) {
+        refuse_spectral_options(given, options.illuminant);
+        result.layer = picture_layer(facts, options, dialect);
+    }
+    decide_frame(given, result);
+    const ImagePart& part = part_of(facts, result);
     std::optional<SensorProfile> sensor;
     if (!options.sensor.empty())
         sensor = load_profile(options.sensor);

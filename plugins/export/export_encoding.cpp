@@ -90,10 +90,9 @@ void decide_encoding(const Given& given, const ImagePart& part, Export& result)
     const StatedEncoding said = stated_encoding(given, part, is_raw);
     const bool is_stated = !said.space.empty();
     const EncodingWords words { given.option("linearize", "srgb"),
-                                "--iscolorspace lin_rec709",
+                                given.dialect.is_linear,
                                 [&] { return to_rec709(given.dialect, is_stated); } };
-    const Undo undo = given.options.linearize ? Undo::srgb : Undo::none;
-    result.curve = curve_of(said, undo, words);
+    result.curve = curve_of(said, given.options.undo, words);
     if (!is_raw)
         require_rec709_primaries(given, part, said.space);
     result.decoder

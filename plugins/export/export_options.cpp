@@ -130,7 +130,7 @@ const Row rows[] = {
       [](Options& o, const Word& w) {
           if (!w.is("srgb"))
               w.fail(w.option.allowed);
-          o.linearize = true;
+          o.undo = Undo::srgb;
       } },
     { { "layer", "text", "a name",
         "which layer or part is the picture. Default: R, G, B without a layer, else "

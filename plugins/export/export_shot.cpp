@@ -89,37 +89,45 @@ double pixel_aspect(const Metadata& metadata)
 
 } // namespace
 
+Shot stated_shot(const Metadata& metadata, const std::optional<FrameRate>& rate)
+{
+    Shot shot;
+    shot.exposure_time = metadata.number("ExposureTime");
+    shot.f_number = metadata.number("FNumber");
+    shot.focal_length = metadata.number("Exif:FocalLength");
+    shot.date_time_original = metadata.text({ "Exif:DateTimeOriginal", "DateTime" });
+    shot.artist = metadata.text("Artist");
+    shot.copyright = metadata.text("Copyright");
+    shot.description = metadata.text("ImageDescription");
+    shot.lens_model = metadata.text("Exif:LensModel");
+    if (const double orientation = metadata.number("Orientation");
+        orientation >= 1.0 && orientation <= 8.0)
+        shot.orientation = int(orientation);
+    shot.pixel_aspect = pixel_aspect(metadata);
+    shot.frame_rate = rate ? rate : stated_rate(metadata);
+    shot.time_code = stated_code(metadata, shot.frame_rate);
+    shot.reel_name = metadata.text({ "reelName", "openexr:reelName" });
+    shot.camera_label = metadata.text({ "cameraLabel", "openexr:cameraLabel" });
+    return plausible(shot);
+}
+
 Shot shot(const Given& given, const ImagePart& part, std::int64_t frame)
 {
     const ExportOptions& options = given.options;
-    const Metadata& said = part.metadata;
     if (options.first_frame && !options.time_code)
         throw Error(given.option("first_frame") + " is given without "
                     + given.option("timecode") + ", which it is for: add "
                     + given.option("timecode", "01:00:00:00") + ", or leave it out");
-    Shot shot;
-    shot.exposure_time = said.number("ExposureTime");
-    shot.f_number = said.number("FNumber");
-    shot.focal_length = said.number("Exif:FocalLength");
-    shot.date_time_original = said.text({ "Exif:DateTimeOriginal", "DateTime" });
-    shot.artist = said.text("Artist");
-    shot.copyright = said.text("Copyright");
-    shot.description = said.text("ImageDescription");
-    shot.lens_model = said.text("Exif:LensModel");
-    if (const double orientation = said.number("Orientation");
-        orientation >= 1.0 && orientation <= 8.0)
-        shot.orientation = int(orientation);
-    shot.pixel_aspect = pixel_aspect(said);
-    shot.frame_rate = options.frame_rate ? options.frame_rate : stated_rate(said);
-    shot.time_code = options.time_code ? counted_code(given, shot.frame_rate, frame)
-                                       : stated_code(said, shot.frame_rate);
-    shot.reel_name = options.reel.empty()
-        ? said.text({ "reelName", "openexr:reelName" })
-        : options.reel;
-    shot.camera_label = options.camera_label.empty()
-        ? said.text({ "cameraLabel", "openexr:cameraLabel" })
-        : options.camera_label;
-    return plausible(shot);
+    Shot shot = stated_shot(part.metadata, options.frame_rate);
+    if (options.time_code)
+        shot.time_code = counted_code(given, shot.frame_rate, frame);
+    else if (shot.time_code && shot.frame_rate)
+        check(*shot.time_code, *shot.frame_rate);
+    if (!options.reel.empty())
+        shot.reel_name = options.reel;
+    if (!options.camera_label.empty())
+        shot.camera_label = options.camera_label;
+    return shot;
 }
 
 std::optional<std::int64_t> time_code_frame(const Metadata& metadata)

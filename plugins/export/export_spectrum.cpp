@@ -62,7 +62,7 @@ void refuse_rgb_options(const Given& given)
                     + given.option("layer"));
     if (options.highlights.value_or(false))
         refuse("highlights", "leave it out");
-    if (options.linearize)
+    if (options.undo == Undo::srgb)
         refuse("linearize", "leave it out");
     if (options.gain || options.sample_gain)
         refuse("gain", "change " + given.option("exposure"));
@@ -93,7 +93,7 @@ Spectrum stated_light(const Given& given, const Metadata& metadata)
 
 /// The light that the image itself says.
 Spectrum estimated_light(const Given& given, const Metadata& metadata,
-                         const std::string& word)
+                         const SpectralChannels& bins, const std::string& word)
 {
     if (!starts_with(word, by_statistic))
         return stated_light(given, metadata);
@@ -101,7 +101,7 @@ Spectrum estimated_light(const Given& given, const Metadata& metadata,
         throw Error(given.option("illuminant") + " " + word
                     + " needs the whole image before its first row, which a host does "
                       "not give: use cg2raw convert, or name the light");
-    return given.facts.measured_light(word);
+    return given.facts.measured_light(word, bins);
 }
 
 bool are_unnamed(const std::vector<std::string>& channels)
@@ -137,7 +137,8 @@ void decide_spectrum(const Given& given, const ImagePart& part, Export& result)
     Run& run = result.run;
     const double white = white_luminance(given, part.metadata);
     if (is_estimate(run.illuminant)) {
-        const Spectrum light = estimated_light(given, part.metadata, run.illuminant);
+        const Spectrum light
+            = estimated_light(given, part.metadata, *result.bins, run.illuminant);
         result.spectral.emplace(profile, light, *result.bins, white);
         run.illuminant = neutral_word(profile, light);
     } else {

@@ -4,6 +4,7 @@
 /// @file What the parts of the module share: array types and the parts themselves.
 #pragma once
 
+#include "cg2raw/dng_writer.h"
 #include "cg2raw/frame.h"
 
 #include <pybind11/numpy.h>
@@ -73,6 +74,11 @@ inline void interleave(const float* const planes[3], int width, float* rgb)
             rgb[3 * col + color] = planes[color][col];
 }
 
+/// Writes the DNG of a simulation's frame. @p drawn: the simulation made its DN.
+void write_frame(const std::string& path, const RawArray& raw,
+                 const Simulation& simulation, const DngOptions& options, Shot shot,
+                 int threads, bool drawn);
+
 void bind_color(py::module_& m);
 void bind_profile(py::module_& m);
 void bind_scene_file(py::module_& m);
@@ -86,5 +92,6 @@ void bind_normal_mixture(py::module_& m);
 void bind_normal_scores(py::module_& m);
 void bind_dng(py::module_& m);
 void bind_shot(py::module_& m);
+void bind_export(py::module_& m);
 
 } // namespace cg2raw::python

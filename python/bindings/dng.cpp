@@ -16,19 +16,9 @@ namespace {
 void write(const std::string& path, const RawArray& raw, const Simulation& simulation,
            const std::string& compression, std::optional<bool> preview,
            const std::string& matrices, const std::string& tone_curve, int threads,
-           const Shot& of_image, bool sync, bool drawn, const std::string& crop,
+           const Shot& shot, bool sync, bool drawn, const std::string& crop,
            const std::optional<std::string>& shading)
 {
-    const Size frame = simulation.frame();
-    if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
-        throw Error("raw must keep the shape that it was simulated with: ("
-                    + std::to_string(frame.height) + ", " + std::to_string(frame.width)
-                    + ")");
-    const auto* const end = raw.data() + raw.size();
-    if (raw.size() > 0
-        && *std::max_element(raw.data(), end) > simulation.profile().white_level)
-        throw Error("raw holds DN above the sensor's white level "
-                    + std::to_string(simulation.profile().white_level));
     DngOptions options { compression_from_name(compression), preview,
                          matrices_from_name(matrices),
                          tone_curve_from_name(tone_curve) };
@@ -36,21 +26,7 @@ void write(const std::string& path, const RawArray& raw, const Simulation& simul
     options.crop = crop_from_name(crop);
     if (shading)
         options.shading = shading_from_name(*shading);
-    Shot shot = of_image;
-    if (simulation.run().iso)
-        shot.iso = int(std::lround(*simulation.run().iso));
-    const Plane<const std::uint16_t> plane { raw.data(), frame.width, frame.height,
-                                             frame.width };
-    const py::gil_scoped_release release;
-    DngDescription description = describe(simulation, options, shot);
-    if (!drawn) { // the caller's DN: nobody knows how they were made
-        Origin& origin = description.origin;
-        origin.seed = std::nullopt;
-        origin.frame = std::nullopt;
-        origin.digital_gain = std::nullopt;
-        origin.convention.clear();
-    }
-    write_dng(path, plane, description, options, parallel_threads(threads));
+    write_frame(path, raw, simulation, options, shot, threads, drawn);
 }
 
 DngMetadata read(const std::string& path, const std::string& cfa)
@@ -212,6 +188,36 @@ void bind_metadata(py::module_& m)
 }
 
 } // namespace
+
+void write_frame(const std::string& path, const RawArray& raw,
+                 const Simulation& simulation, const DngOptions& options, Shot shot,
+                 int threads, bool drawn)
+{
+    const Size frame = simulation.frame();
+    if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
+        throw Error("raw must keep the shape that it was simulated with: ("
+                    + std::to_string(frame.height) + ", " + std::to_string(frame.width)
+                    + ")");
+    const auto* const end = raw.data() + raw.size();
+    if (raw.size() > 0
+        && *std::max_element(raw.data(), end) > simulation.profile().white_level)
+        throw Error("raw holds DN above the sensor's white level "
+                    + std::to_string(simulation.profile().white_level));
+    if (simulation.run().iso)
+        shot.iso = int(std::lround(*simulation.run().iso));
+    const Plane<const std::uint16_t> plane { raw.data(), frame.width, frame.height,
+                                             frame.width };
+    const py::gil_scoped_release release;
+    DngDescription description = describe(simulation, options, shot);
+    if (!drawn) { // the caller's DN: nobody knows how they were made
+        Origin& origin = description.origin;
+        origin.seed = std::nullopt;
+        origin.frame = std::nullopt;
+        origin.digital_gain = std::nullopt;
+        origin.convention.clear();
+    }
+    write_dng(path, plane, description, options, parallel_threads(threads));
+}
 
 void bind_dng(py::module_& m)
 {

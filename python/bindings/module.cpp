@@ -22,4 +22,5 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_normal_scores(m);
     cg2raw::python::bind_shot(m);
     cg2raw::python::bind_dng(m);
+    cg2raw::python::bind_export(m);
 }

@@ -66,25 +66,6 @@ void bind_shot(py::module_& m)
         .def_property_readonly(
             "time_code", [](const Shot& shot) { return text_or_none(shot.time_code); },
             "\"hh:mm:ss:ff\"; None: not known.");
-    m.def(
-        "frame_rate_text",
-        [](const std::string& text) { return text_of(frame_rate_from_text(text)); },
-        "text"_a,
-        "A frame rate in lowest terms: \"23.976\" is \"24000/1001\". Raises "
-        "ValueError.");
-    m.def(
-        "time_code_text",
-        [](const std::string& text) { return text_of(time_code_from_text(text)); },
-        "text"_a, "An SMPTE time code that is one. Raises ValueError.");
-    m.def(
-        "advanced_time_code",
-        [](const std::string& first, const std::string& rate, std::uint64_t frames) {
-            return text_of(advanced(time_code_from_text(first),
-                                    frame_rate_from_text(rate), frames));
-        },
-        "first"_a, "rate"_a, "frames"_a,
-        "The SMPTE time code some frames after the first. Raises ValueError for one "
-        "that is\nnone at the rate.");
 }
 
 } // namespace cg2raw::python

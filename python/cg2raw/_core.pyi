@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 # What python/bindings declares; tests/python/test_stubs.py compares the two.
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -209,10 +209,6 @@ class Shot:
     def frame_rate(self) -> str | None: ...
     @property
     def time_code(self) -> str | None: ...
-
-def frame_rate_text(text: str) -> str: ...
-def time_code_text(text: str) -> str: ...
-def advanced_time_code(first: str, rate: str, frames: int) -> str: ...
 
 class DngMetadata:
     @property
@@ -449,6 +445,68 @@ class FrameName:
 
 def frame_name(path: str) -> FrameName | None: ...
 def frame_from_time_code(text: str) -> int | None: ...
+def export_options() -> list[list[str]]: ...
+
+class Dialect:
+    def __init__(
+        self,
+        option: Callable[[str, str], str],
+        is_rec709: Callable[[str], bool],
+        rec709: str,
+        is_linear: str,
+    ) -> None: ...
+
+class ImageFacts:
+    def __init__(
+        self,
+        parts: Sequence[
+            tuple[str, Sequence[str], str, bool, Mapping[str, str | Sequence[float]]]
+        ],
+        input_name: str,
+        output_name: str,
+        openimageio_version: int,
+        place: int | None = None,
+        measured_light: Callable[[str, SpectralChannels], Sequence[tuple[float, float]]]
+        | None = None,
+    ) -> None: ...
+
+class ExportOptions:
+    def __init__(
+        self, given: Mapping[str, str], dialect: Dialect, undo: str = "none"
+    ) -> None: ...
+
+class Export:
+    @property
+    def layer(self) -> SceneLayer: ...
+    @property
+    def undone(self) -> str: ...
+    @property
+    def decoder(self) -> Decoder: ...
+    @property
+    def bins(self) -> SpectralChannels | None: ...
+    @property
+    def spectral(self) -> SpectralResponse | None: ...
+    @property
+    def shot(self) -> Shot: ...
+    @property
+    def run(self) -> dict[str, Any]: ...
+    def simulation(self, shape: Sequence[int]) -> Simulation: ...
+    def write(
+        self,
+        path: str,
+        raw: NDArray[np.uint16],
+        simulation: Simulation,
+        threads: int = 0,
+    ) -> None: ...
+
+def picture_layer(
+    facts: ImageFacts, options: ExportOptions, dialect: Dialect
+) -> SceneLayer: ...
+def stated_shot(facts: ImageFacts) -> Shot: ...
+def resolve(facts: ImageFacts, options: ExportOptions, dialect: Dialect) -> Export: ...
+def resolve_picture(
+    facts: ImageFacts, options: ExportOptions, dialect: Dialect
+) -> Export: ...
 def xyz_d50_from_srgb() -> NDArray[np.float64]: ...
 def profile_from_dngs(
     metadata: Sequence[DngMetadata], id: str = ""

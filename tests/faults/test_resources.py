@@ -11,10 +11,12 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 import cg2raw
 from cg2raw import _core
+from cg2raw.io import image_facts, image_file
 from conftest import mounted
 from dataset.data_sets import contents, scene, write_image
 from faults.injector import Injector, compiled
@@ -173,8 +175,10 @@ def values_of_the_core(folder):
     simulation = raw.simulation
     light = sensor.profile.illuminant("D65")
     metadata = cg2raw.read_dng_metadata(str(write_dng(folder / "shot.dng")))
-    layer = _core.beauty_layer([("", ["R", "G", "B"])], "")
-    return [sensor.profile, simulation, light, metadata, layer]
+    facts = image_facts.facts([oiio.ImageSpec(24, 16, 3, "float")])
+    options = _core.ExportOptions({}, image_file.COMMAND)
+    decided = _core.resolve_picture(facts, options, image_file.COMMAND)
+    return [sensor.profile, simulation, light, metadata, decided, decided.layer]
 
 
 def test_no_value_of_the_core_keeps_another_alive(tmp_path):

@@ -46,16 +46,11 @@ def test_an_input_that_is_not_compressed(compression_of, plain_exr):
     assert compression_of(plain_exr, "--compression", "ljpeg") == LOSSLESS_JPEG
 
 
-@pytest.mark.parametrize("asked", [None, "ljpeg", "ljpeg-2d", "none"])
-@pytest.mark.parametrize("compressed", [True, False])
-def test_convert_does_the_same(oiiotool, exr, plain_exr, tmp_path, asked, compressed):
-    path = exr if compressed else plain_exr
+def test_convert_does_the_same(oiiotool, plain_exr, tmp_path):
     ours, theirs = tmp_path / "ours.dng", tmp_path / "theirs.dng"
-    words = [] if asked is None else ["--compression", asked]
-    given = [] if asked is None else attributes(compression=asked)
-    base = ("--sensor", "samsung-s20fe", "--illuminant", "D65")
-    assert commands.run("convert", path, "-o", ours, *base, *words).code == 0
-    oiiotool(path, *BASE, *given, "-o", theirs)
+    words = ("--sensor", "samsung-s20fe", "--illuminant", "D65")
+    assert commands.run("convert", plain_exr, "-o", ours, *words).code == 0
+    oiiotool(plain_exr, *BASE, "-o", theirs)
     assert ours.read_bytes() == theirs.read_bytes()
 
 

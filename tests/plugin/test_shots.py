@@ -82,22 +82,3 @@ def test_what_the_image_says(oiiotool, tmp_path, scene):
     found = tags(tmp_path / "other.dng")
     assert found[FRAME_RATE] == (25, 1) and found[REEL_NAME] == "mine"
     assert found[TIME_CODES] == bytes([0, 0, 0, 2, 0, 0, 0, 0])
-
-
-OPTIONS = {
-    "preview": ({"preview": 1}, ["--preview"]),
-    "none": ({"compression": "none"}, ["--compression", "none"]),
-    "tagged": ({"shading": "tagged"}, ["--shading", "tagged"]),
-}
-
-
-@pytest.mark.parametrize("name", OPTIONS)
-def test_each_option_is_the_attribute(oiiotool, shot, name):
-    given, words = OPTIONS[name]
-    run = {"sensor": "gopro-hero6-black", "illuminant": "D50", "framerate": 24}
-    exr, ours, theirs = (shot / n for n in ("shot.1001.exr", "a.dng", "b.dng"))
-    oiiotool(exr, *attributes(**run, frame=7, **given), "-o", theirs)
-    words = [*words, "--sensor", run["sensor"], "--illuminant", "D50", "--frame", 7]
-    done = commands.run("convert", exr, "-o", ours, *words, "--framerate", 24)
-    assert done.code == 0, done.err
-    assert ours.read_bytes() == theirs.read_bytes()

@@ -78,9 +78,13 @@ def test_the_command_writes_the_same(tmp_path, profile, scene, oiiotool):
 
     exr = write_image(tmp_path / "a.exr", scene, {"ExposureTime": SECONDS})
     request = Request(
-        sensor=cg2raw.Sensor(profile),
-        run={"illuminant": "2856K", "convention": "sensor", "seed": 3},
-        frame=2,
+        {
+            "sensor": str(profile),
+            "illuminant": "2856K",
+            "convention": "sensor",
+            "seed": "3",
+            "frame": "2",
+        }
     )
     convert(exr, tmp_path / "command.dng", request)
     oiiotool(exr, *words_of(profile), "-o", tmp_path / "plugin.dng")

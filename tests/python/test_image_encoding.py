@@ -11,7 +11,7 @@ import pytest
 import tifffile
 from PIL import ImageCms
 
-from cg2raw.io.image_file import check_rec709, read_image
+from cg2raw.io.image_file import read_image
 from dataset.data_sets import scene, write_image
 
 CODES = np.arange(0, 252, dtype=np.uint8).reshape(7, 12, 3)
@@ -51,9 +51,8 @@ def test_integers_that_say_nothing_are_what_is_asked_for(tmp_path, ending, kind)
     for undo in ("srgb", "stated-or-srgb"):
         image = read_image(path, undo=undo)
         assert image.undone == "srgb" and np.array_equal(image.pixels, light)
-    for use in (read, lambda path: check_rec709(read_image(path))):
-        with pytest.raises(ValueError, match=r"a\.\w+: its whole .*--linearize"):
-            use(path)
+    with pytest.raises(ValueError, match=r"a\.\w+: its whole .*--linearize"):
+        read(path)
     linear = read_image(path, undo="stated", space="lin_rec709")
     assert np.array_equal(linear.pixels, (CODES / 255).astype(np.float32))
 
@@ -68,11 +67,9 @@ def test_a_space_that_the_caller_states_outweighs_a_profile(tmp_path):
 def test_a_raw_space_is_no_light(tmp_path):
     path = write_image(tmp_path / "a.exr", np.abs(scene()), "float")
     space = "RAW - nikon-d40 - A"
-    assert read_image(path, space=space).space == space
-    with pytest.raises(ValueError, match="RAW - nikon-d40 - A"):
-        read_image(path, undo="stated", space=space)
-    with pytest.raises(ValueError, match="no curve to undo"):
-        read_image(path, undo="srgb", space=space)
+    for undo in ("stated", "srgb"):
+        with pytest.raises(ValueError, match="RAW - nikon-d40 - A"):
+            read_image(path, undo=undo, space=space)
 
 
 def test_linear_integers_are_scaled(tmp_path):

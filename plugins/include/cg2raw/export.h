@@ -57,9 +57,10 @@ struct ImageFacts {
     std::optional<std::int64_t> place;
     int output_bits = 0; ///< that the host wants of a sample; 0: no matter
     int openimageio_version; ///< OIIO_VERSION
-    /// The light that "estimate:mean" finds in the whole image; empty: the host does
-    /// not have all of it.
-    std::function<Spectrum(const std::string& word)> measured_light {};
+    /// The light that a word such as "estimate:mean" finds in bins of the whole image;
+    /// empty: the host does not have all of it.
+    std::function<Spectrum(const std::string& word, const SpectralChannels& bins)>
+        measured_light {};
 };
 
 /// How messages name what their reader can change, and what OpenColorIO's current
@@ -72,6 +73,7 @@ struct Dialect {
     std::function<bool(const std::string& word)> is_rec709;
     /// A space that is scene-linear Rec.709.
     std::function<std::string()> rec709;
+    std::string is_linear; ///< what says that pixels are: "--iscolorspace lin_rec709"
     bool converts = false; ///< the same command has --tocolorspace
 };
 
@@ -96,7 +98,7 @@ struct ExportOptions {
     std::optional<NoiseModel> noise;
     std::optional<Compression> compression;
     bool sample_gain = false;
-    bool linearize = false; ///< undo the curve of sRGB
+    Undo undo = Undo::none; ///< linearize: the curve of sRGB
     std::uint64_t seed = 0;
     std::optional<std::int64_t> frame;
     std::optional<FrameRate> frame_rate;
@@ -124,6 +126,15 @@ struct Export {
     Shot shot {};
 };
 
+/// The layer of a file that is its picture, or that an option names. Throws Error.
+SceneLayer picture_layer(const ImageFacts& facts, const ExportOptions& options,
+                         const Dialect& dialect);
+
+/// What an image states of its exposure and of its place in a shot. @p rate: of which
+/// its time code is; none: as it is stated.
+Shot stated_shot(const Metadata& metadata,
+                 const std::optional<FrameRate>& rate = std::nullopt);
+
 /// Decides all of an export. The frame number is the option's, else that in the
 /// output's name, else the time code, else that in the input's name, else 0. Throws
 /// Error for a value out of range, a contradiction, channels that are no picture, or a
@@ -131,7 +142,8 @@ struct Export {
 Export resolve(const ImageFacts& facts, const ExportOptions& options,
                const Dialect& dialect);
 
-/// The same for a camera that is drawn elsewhere: all but its profile, light and gains.
+/// The same without a camera: the picture, even where there is a spectrum, its frame
+/// number and its shot.
 Export resolve_picture(const ImageFacts& facts, const ExportOptions& options,
                        const Dialect& dialect);
 

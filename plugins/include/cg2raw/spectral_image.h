@@ -60,6 +60,9 @@ public:
     void to_camera(const float* pixels, std::ptrdiff_t pixel_stride, int width,
                    float* rgb) const;
 
+    /// The same of pixels that hold the bins alone.
+    SpectralResponse of_bins_alone() const;
+
     /// Per bin: what camera R, G, B get of a radiance of 1 W/(m2 sr nm).
     const std::vector<Vec3>& per_bin() const { return m_per_bin; }
     /// Per bin: how many nm it stands for, and how many of them the sensor's

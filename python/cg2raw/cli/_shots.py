@@ -9,14 +9,17 @@ import argparse
 import os
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 from cg2raw import _core
 from cg2raw.cli._outputs import check_apart, check_folder, outputs_of
 from cg2raw.io import frame_files
 from cg2raw.io.frame_files import Shot
 from cg2raw.short_messages import words_of
+
+if TYPE_CHECKING:  # only a conversion loads its modules
+    from cg2raw.conversion import Request
 
 CODE = re.compile(r"\d\d:\d\d:\d\d[:;]\d\d")  # a time code, in messages
 
@@ -44,24 +47,25 @@ def add_shot(group: argparse._ArgumentGroup) -> None:
 class Frames:
     """What is to be done.
 
-    files : inputs in order. said : {input: fields of write_dng's shot}. faults : (file
-    or shot, the line that says what is wrong), of what cannot be done."""
+    files : inputs in order. places : {input: frames from the first of its shot}, where
+    a time code counts them. faults : (file or shot, the line that says what is wrong),
+    of what cannot be done."""
 
     files: list[str]
-    said: dict[str, dict[str, Any]] = field(default_factory=dict)
+    places: dict[str, int] = field(default_factory=dict)
     faults: list[tuple[str, str]] = field(default_factory=list)
 
 
-def frames_asked(arguments: argparse.Namespace) -> Frames:
+def resolve_inputs(arguments: argparse.Namespace, request: "Request") -> Frames:
     """Return the Frames of a command line. Raises ValueError, OSError."""
-    labels = labels_of(arguments)
     files = frame_files.expanded(arguments.inputs)
     wanted = None
     if arguments.frames is not None:
         wanted = named("--frames", frame_files.frame_list, arguments.frames)
     patterns = any(frame_files.is_pattern(word) for word in arguments.inputs)
-    if wanted is None and not (patterns or arguments.framerate or arguments.timecode):
-        return Frames(files, dict.fromkeys(files, labels))
+    is_shot = patterns or {"framerate", "timecode"} & request.options.keys()
+    if wanted is None and not is_shot:
+        return Frames(files)
     shots = frame_files.shots_of(files, wanted)
     others = [path for path in files if _core.frame_name(path) is None]
     if wanted is not None and (others or not shots):
@@ -77,10 +81,9 @@ def frames_asked(arguments: argparse.Namespace) -> Frames:
     frames.faults = [
         (what, f"{what}: {text}") for shot in shots for what, text in shot.faults()
     ]
-    rate = check_headers(frames, arguments)
-    codes = time_codes(arguments.timecode, rate, shots, others)
-    for path in frames.files:
-        frames.said[path] = {**labels, **codes.get(path, {})}
+    if "timecode" in request.options:
+        frames.places = places_in(shots, others)
+    check_headers(frames, request)
     return frames
 
 
@@ -92,28 +95,18 @@ def named(option: str, parse: Any, words: str) -> Any:
         raise ValueError(f"{option}: {error}") from None
 
 
-def labels_of(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return what all frames say alike. Raises ValueError."""
-    labels: dict[str, Any] = {}
-    if arguments.framerate is not None:
-        labels["frame_rate"] = named(
-            "--framerate", _core.frame_rate_text, arguments.framerate
-        )
-    if arguments.reel is not None:
-        labels["reel_name"] = arguments.reel
-    if arguments.camera_label is not None:
-        labels["camera_label"] = arguments.camera_label
-    return labels
+def check_headers(frames: Frames, request: "Request") -> None:
+    """Take out those of @frames that cannot be read, or not as the options say.
 
+    Raises ValueError for two frame rates."""
+    from cg2raw.conversion import stated_shot
 
-def check_headers(frames: Frames, arguments: argparse.Namespace) -> str:
-    """Return the rate of all @frames, perhaps empty, and take out those that cannot be
-    read or lack --layer. Raises ValueError for two rates."""
     rates: dict[str, list[str]] = {}
     bad: dict[str, list[tuple[str, str]]] = {}  # alike but for path and time code
     for path in frames.files:
         try:
-            rate = checked_rate(path, arguments)
+            own = replace(request, place=frames.places.get(path))
+            rate = stated_shot(path, own).frame_rate or ""
         except (ValueError, OSError) as error:
             text = words_of(error)
             text = text if path in text else f"{path}: {text}"
@@ -127,8 +120,6 @@ def check_headers(frames: Frames, arguments: argparse.Namespace) -> str:
         frames.faults.append((path, text + also(group)))
         lost = {path for path, _ in group}
         frames.files = [path for path in frames.files if path not in lost]
-    if arguments.framerate is not None:
-        return str(_core.frame_rate_text(arguments.framerate))
     if len(rates) > 1:
         raise ValueError(
             "the files have different frame rates, "
@@ -137,23 +128,6 @@ def check_headers(frames: Frames, arguments: argparse.Namespace) -> str:
             )
             + ": say --framerate, or convert them apart"
         )
-    return next(iter(rates), "")
-
-
-def checked_rate(path: str, arguments: argparse.Namespace) -> str:
-    """Return the frame rate in a file's header. Raises ValueError, OSError.
-
-    The file must have --layer, and its time code be one at its rate or --framerate."""
-    from cg2raw.io.image_file import stated_shot
-
-    said = stated_shot(path, arguments.layer)
-    stated = str(said["frame_rate"])
-    if arguments.framerate is not None:
-        said["frame_rate"] = arguments.framerate
-    shot = _core.Shot(**said)
-    if shot.time_code and shot.frame_rate and arguments.timecode is None:
-        _core.advanced_time_code(shot.time_code, shot.frame_rate, 0)
-    return stated
 
 
 def also(files: Sequence[Any]) -> str:
@@ -161,26 +135,12 @@ def also(files: Sequence[Any]) -> str:
     return f" (and {len(files) - 1} more files)" if len(files) > 1 else ""
 
 
-def time_codes(
-    first: str | None, rate: str, shots: Iterable[Shot], others: Iterable[str]
-) -> dict[str, dict[str, str]]:
-    """Return {file: {"time_code"}}: by its number from the first of its shot; others by
-    their place. Raises ValueError."""
-    if first is None:
-        return {}
-    if not rate:
-        raise ValueError(
-            f"--timecode {first}: counts how many frames a second? Add --framerate 24, "
-            "or whatever it is"
-        )
-    named("--timecode", lambda word: _core.advanced_time_code(word, rate, 0), first)
+def places_in(shots: Iterable[Shot], others: Iterable[str]) -> dict[str, int]:
+    """Return {file: frames from the first of its shot}; others by their order."""
     places = {path: n for n, path in enumerate(others)}
     for shot in shots:
         places |= {path: n - shot.first for n, path in shot.files.items()}
-    return {
-        path: {"time_code": _core.advanced_time_code(first, rate, place)}
-        for path, place in places.items()
-    }
+    return places
 
 
 def outputs_of_shot(files: Sequence[str], output: str) -> list[str]:

@@ -46,7 +46,7 @@ from cg2raw.cli._methods import add_convention, add_method
 from cg2raw.cli._numbers import frame_number, number, whole
 from cg2raw.cli._outputs import each_file
 from cg2raw.cli._pictures import add_encoding
-from cg2raw.cli._shots import add_shot, frames_asked, outputs_of_shot
+from cg2raw.cli._shots import add_shot, outputs_of_shot, resolve_inputs
 from cg2raw.system import usable_cores
 
 if TYPE_CHECKING:  # only a conversion loads its modules
@@ -54,7 +54,17 @@ if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.upi import Upi
 
 MOST_WORKERS = 16  # if nothing is asked for
-WRITING = ("matrices", "compression", "preview", "tone_curve", "crop", "shading")
+# Options of the core, by their names on the command line.
+OPTIONS = {
+    name: name
+    for name in (
+        *("sensor", "reference", "illuminant", "iso", "noise", "seed", "gain", "layer"),
+        *("convention", "highlights", "effects", "linearize", "matrices", "preview"),
+        *("compression", "tone_curve", "crop", "shading", "framerate", "timecode"),
+        *("reel", "camera_label"),
+    )
+} | {"white_luminance": "exposure"}
+PREFIX = "dng:"  # of an attribute of oiiotool
 WORTH_SAYING = 0.001  # of the energy of spectra, outside the sensitivities
 
 
@@ -63,6 +73,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("inputs", nargs="+", metavar="IN", help="scene-linear images, or patterns")
     add("-o", "--output", required=True, metavar="OUT", help="a .dng, or a folder")
+    add(
+        "--attrib",
+        nargs=2,
+        action="append",
+        default=[],
+        metavar=("dng:NAME", "VALUE"),
+        help="an option by its name for oiiotool: docs/oiiotool.md lists them",
+    )
     add("--workers", type=workers, metavar="N", help="files at a time; default: cores")
     add("--json", action="store_true", help="the report as JSON, for programs")
     add("--quiet", action="store_true", help="no report, no progress; errors only")
@@ -180,18 +198,20 @@ def run(arguments: argparse.Namespace) -> int:
     from cg2raw import conversion
 
     request = request_of(arguments)
-    asked = frames_asked(arguments)
-    files = asked.files
+    inputs = resolve_inputs(arguments, request)
+    files = inputs.files
     outputs = outputs_of_shot(files, arguments.output)
     frames = frames_of(arguments, outputs)
     alike: dict[int, list[str]] = {}
     count = workers_for(len(files), arguments.workers)
 
     def work(path: str, output: str) -> dict[str, Any]:
+        number = frames[output]
+        of_frame = {} if number is None else {"frame": str(number)}
         own = replace(
             request,
-            frame=frames[output],
-            shot=asked.said[path],
+            options={**request.options, **of_frame},
+            place=inputs.places.get(path),
             threads=0 if count == 1 else 1,
         )
         report = conversion.convert(path, output, own)
@@ -200,7 +220,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     pairs = list(zip(files, outputs, strict=True))
     code = each_file(
-        "convert", pairs, work, arguments, "converting", line_of, asked.faults, count
+        "convert", pairs, work, arguments, "converting", line_of, inputs.faults, count
     )
     if arguments.iso is not None and not arguments.quiet:
         tell_alike(alike)
@@ -239,45 +259,42 @@ def tell_alike(frames: dict[int, list[str]]) -> None:
 
 def request_of(arguments: argparse.Namespace) -> "Request":
     """Return the Request of a command line. Raises ValueError."""
-    from cg2raw.conversion import Request
+    from cg2raw import _core
+    from cg2raw.conversion import DIALECT, Request
     from cg2raw.sensor import Sensor
 
     upi = upi_of(arguments) if check_method(arguments) else None
-    sensor = None
-    if arguments.sensor and not upi:
-        sensor = Sensor(arguments.sensor)
+    options = options_of(arguments)
+    _core.ExportOptions(options, DIALECT)  # raises for bad values, once for all files
+    if "sensor" in options and not upi:
+        Sensor(options["sensor"])  # likewise
     return Request(
-        sensor=sensor,
-        reference=arguments.reference,
-        run=run_of(arguments),
-        layer=arguments.layer,
+        options=options,
         exposure=arguments.exposure,
-        white=arguments.white_luminance,
-        linearize=arguments.linearize,
         space=arguments.iscolorspace,
         upi=upi,
-        writing={
-            name: getattr(arguments, name)
-            for name in WRITING
-            if getattr(arguments, name) is not None
-        },
     )
 
 
-def run_of(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return those fields of a Run that a command line asks for."""
-    is_upi = arguments.method == "upi"
-    given = {
-        "illuminant": arguments.illuminant,
-        "convention": arguments.convention,
-        "digital_gain": None if is_upi else arguments.gain,
-        "highlights": arguments.highlights,
-        "iso": arguments.iso,
-        "noise": None if arguments.noise == "upi" else arguments.noise,
-        "seed": arguments.seed,
-        "effects": arguments.effects == "profile",
+def options_of(arguments: argparse.Namespace) -> dict[str, str]:
+    """Return the core's options of a command line, as texts. Raises ValueError."""
+    given = {OPTIONS[name]: getattr(arguments, name) for name in OPTIONS}
+    if arguments.method == "upi":  # which draws these itself
+        given |= {"sensor": None, "gain": None}
+        given |= {"noise": None if arguments.noise == "upi" else arguments.noise}
+    options = {
+        name: text_of(value) for name, value in given.items() if value is not None
     }
-    return {name: value for name, value in given.items() if value is not None}
+    for name, value in arguments.attrib:
+        if not name.lower().startswith(PREFIX):
+            raise ValueError(f"--attrib {name}: its name must begin with {PREFIX}")
+        options[name[len(PREFIX) :].lower()] = value
+    return options
+
+
+def text_of(value: str | float | bool) -> str:
+    """Return the value of an option as a text."""
+    return str(int(value)) if isinstance(value, bool) else str(value)
 
 
 def check_method(arguments: argparse.Namespace) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from cg2raw import RawFrame, __version__, _core, write_dng
+from cg2raw import RawFrame, __version__, write_dng
 from cg2raw.arrays import FloatImage
 from cg2raw.cfa import repeat_of
 from cg2raw.dataset import journal, packed
@@ -104,7 +104,7 @@ def make_variants(
             plan.crop_at(target.job.image, patch, width, height)
             for patch in range(plan.patches)
         ]
-        shot = _core.Shot(**source.image.shot)
+        shot = source.image.shot
         seconds = plan.seconds(shot.exposure_time)
         check_repeats(plan, crops)
     except (ValueError, OSError) as error:

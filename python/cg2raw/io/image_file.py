@@ -3,8 +3,8 @@
 """Renders and pictures of any format that OpenImageIO reads: one reader for all."""
 
 import contextlib
-from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.arrays import FloatImage
-from cg2raw.io import dwa, image_spaces
+from cg2raw.io import dwa, image_facts
 from cg2raw.io.atomic_file import FilePath, utf8_path
-from cg2raw.io.image_spaces import COMMAND, Remedies
 from cg2raw.oiio.openimageio import one_line, openimageio
 from cg2raw.system import check_readable
 
@@ -29,27 +28,27 @@ RAW_ENDINGS = (
 ROWS = 256  # that are read at a time; the most that EXR compresses together (DWAB)
 
 
+def typed(name: str, value: str) -> str:
+    """Return an option as it is typed on a command line."""
+    return f"--{name} {value}".rstrip()
+
+
+COMMAND = image_facts.dialect(typed)
+
+
 @dataclass(frozen=True)
 class Image:
     """The picture in a file, and what the file says of it.
 
-    pixels : (H, W, 3) float32, or float16 where that was asked for, R, G, B of the
-    whole display window; black where the file has no data. space : the name of the
-    pixels' colour space; may be empty. chromaticities : x, y of red, green, blue and
-    white, if the file has them. shot : Exif, as write_dng takes it. undone : the curve
-    that was undone, "srgb" or "g2.2", empty if there was none. encoding : what the file
-    says of it, where no curve was looked for."""
+    pixels : (H, W, 3) float32, R, G, B of the whole display window; black where the
+    file has no data. undone : the curve that was undone, "srgb" or "g2.2", empty if
+    there was none."""
 
     path: str
     pixels: NDArray[np.floating[Any]]
-    space: str
-    chromaticities: tuple[float, ...] | None = None
-    shot: dict[str, Any] = field(default_factory=dict)
+    shot: _core.Shot
     undone: str = ""
-    encoding: _core.StatedEncoding | None = None
     layer: str = ""  # empty: unnamed R, G, B
-    time_code: str = ""  # SMPTE, hh:mm:ss:ff
-    compression: str = ""  # as OpenImageIO calls it: "zip", "none"
 
 
 @contextlib.contextmanager
@@ -74,52 +73,76 @@ def opened(path: FilePath) -> Generator[Any]:
 def read_image(
     path: FilePath,
     layer: str | None = None,
-    undo: str | None = None,
+    undo: str = "stated",
     space: str | None = None,
+    dialect: _core.Dialect = COMMAND,
     keep_half: bool = False,
-    remedies: Remedies = COMMAND,
 ) -> Image:
-    """Return the Image at @path, over black.
+    """Return the Image at @path, scene-linear Rec.709 over black.
 
     layer : the name of one in a layered or multi-part file; None for the picture by the
     conventions of renderers (beauty_layer in scene_file.h).
-    undo : which curves of pictures are undone. None: none, and check_rec709 says if
-    there is one; else a word of Undo in encoding.h, and a file whose pixels are not
-    scene-linear Rec.709 then (or RAW, by "srgb") is an error that names the remedies.
+    undo : which curves of pictures are undone: a word of Undo in encoding.h.
     space : the name of the pixels' colour space, if the file errs.
-    keep_half : pixels that are half floats in the file remain float16: reading those of
-    a compressed EXR takes half the time then.
-    Raises ValueError saying what is wrong with the file, OSError."""
-    path = str(path)
+    Raises ValueError saying what is wrong with the file, and what to do in the words of
+    @dialect; OSError. keep_half : as of read_picture."""
+    options = _core.ExportOptions({"layer": layer or ""}, dialect, undo)
     with opened(path) as source:
-        chosen, spec = chosen_layer(path, source, layer)
-        if space is not None:
-            image_spaces.state(spec, space)
-        chromaticities = spec.getattribute("chromaticities")
-        curve = None
-        try:
-            said = image_spaces.encoding_of(spec, takes_raw=undo == "srgb")
-            if undo is not None:
-                curve = image_spaces.curve_of(said, undo, remedies)
-                check_primaries_of(said, chromaticities)
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
-        decoder = image_spaces.decoder_of(spec, chosen, curve)
-        channels = chosen.channels + [chosen.alpha] * decoder.needs_alpha
-        pixels = read_pixels(path, source, spec, channels, decoder, keep_half)
-    undone = curve.name if curve else ""
+        picture, spec = resolved(
+            path,
+            source,
+            lambda facts: _core.resolve_picture(facts, options, dialect),
+            space,
+        )
+        pixels = read_picture(path, source, spec, picture, keep_half)
     return Image(
-        path=path,
+        path=str(path),
         pixels=pixels,
-        space="" if undone else said.space,
-        chromaticities=tuple(chromaticities) if chromaticities else None,
-        shot=shot_of(spec),
-        undone=undone,
-        encoding=said if undo is None else None,
-        layer=chosen.name,
-        time_code=spec.get_string_attribute("smpte:TimeCode"),
-        compression=spec.get_string_attribute("compression"),
+        shot=picture.shot,
+        undone=picture.undone,
+        layer=picture.layer.name,
     )
+
+
+def resolved(
+    path: FilePath,
+    source: Any,
+    rule: Callable[[_core.ImageFacts], _core.Export],
+    space: str | None = None,
+    **known: Any,
+) -> tuple[_core.Export, Any]:
+    """Return (what @rule decides of a file, the ImageSpec of its picture).
+
+    source : at the part of the picture then. space : as of read_image. known : more
+    facts. Raises ValueError."""
+    specs = specs_of(source)
+    if space is not None:
+        for spec in specs:
+            image_facts.state(spec, space)
+    try:
+        decided = rule(image_facts.facts(specs, str(path), **known))
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    spec = specs[decided.layer.part]
+    check_size(path, spec)
+    source.seek_subimage(decided.layer.part, 0)
+    return decided, spec
+
+
+def read_picture(
+    path: FilePath,
+    source: Any,
+    spec: Any,
+    picture: _core.Export,
+    keep_half: bool = False,
+) -> NDArray[np.floating[Any]]:
+    """Return the pixels of Image, of what is decided of a file.
+
+    keep_half : pixels that are half floats in the file remain float16: reading those of
+    a compressed EXR takes half the time then."""
+    layer, decoder = picture.layer, picture.decoder
+    channels = layer.channels + [layer.alpha] * decoder.needs_alpha
+    return read_pixels(path, source, spec, channels, decoder, keep_half)
 
 
 def read_plane(path: FilePath) -> FloatImage:
@@ -134,56 +157,22 @@ def image_size(path: FilePath, layer: str | None = None) -> tuple[int, int]:
     """Return (H, W) of the picture at @path, by the headers; layer : as of read_image.
 
     Raises ValueError, OSError."""
+    options = _core.ExportOptions({"layer": layer or ""}, COMMAND)
     with opened(path) as source:
-        _, spec = chosen_layer(path, source, layer)
-        return spec.full_height, spec.full_width
+        specs = specs_of(source)
+        try:
+            found = _core.picture_layer(image_facts.facts(specs), options, COMMAND)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+    spec = specs[found.part]
+    check_size(path, spec)
+    return spec.full_height, spec.full_width
 
 
 def has_integers(path: FilePath) -> bool:
     """Return whether a file has whole numbers, which a curve may encode."""
     with opened(path) as source:
-        return image_spaces.is_integer(source.spec())
-
-
-def check_rec709(image: Image) -> None:
-    """Raise ValueError unless an Image is scene-linear Rec.709, and says so."""
-    if image.encoding is None:  # it was checked when it was read
-        return
-    try:
-        image_spaces.curve_of(image.encoding, "none", COMMAND)
-        check_primaries_of(image.encoding, image.chromaticities)
-    except ValueError as error:
-        raise ValueError(f"{image.path}: {error}") from None
-
-
-def check_primaries_of(
-    said: _core.StatedEncoding, chromaticities: Sequence[float] | None
-) -> None:
-    """Raise ValueError for primaries that are not those of the stated encoding."""
-    if chromaticities:
-        image_spaces.check_primaries(chromaticities, said.space)
-
-
-def chosen_layer(
-    path: FilePath, source: Any, layer: str | None
-) -> tuple[_core.SceneLayer, Any]:
-    """Return (SceneLayer, ImageSpec) of the picture; @source is at its part."""
-    specs = specs_of(source)
-    try:
-        if len(specs) == 1:
-            check_flat(specs[0])
-        names = [(part_name(spec), spec.channelnames) for spec in specs]
-        if names[0][1] == ("Y",) and specs[0].get_string_attribute("raw:FilterPattern"):
-            raise ValueError(_core.raw_already)  # a DNG's mosaic in another format
-        data = [name for spec in specs for name in cryptomatte_names(spec)]
-        chosen = _core.beauty_layer(names, layer or "", data=data)
-        spec = specs[chosen.part]
-        check_flat(spec)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    check_size(path, spec)
-    source.seek_subimage(chosen.part, 0)
-    return chosen, spec
+        return _core.levels_of(str(source.spec().format)) != 0
 
 
 def specs_of(source: Any) -> list[Any]:
@@ -192,20 +181,6 @@ def specs_of(source: Any) -> list[Any]:
     while source.seek_subimage(len(specs), 0):
         specs.append(source.spec())
     return specs
-
-
-def part_name(spec: Any) -> str:
-    """Return the name of a part of a multi-part OpenEXR file; may be empty."""
-    return str(spec.get_string_attribute("oiio:subimagename"))
-
-
-def cryptomatte_names(spec: Any) -> list[str]:
-    """Return the names that layers of a Cryptomatte start with."""
-    return [
-        str(said.value)
-        for said in spec.extra_attribs
-        if said.name.startswith("cryptomatte/") and said.name.endswith("/name")
-    ]
 
 
 def check_flat(spec: Any) -> None:
@@ -306,63 +281,3 @@ def read_rows(
     pixels = np.reshape(pixels, (count, spec.width, most - least))
     in_order = list(channels) == list(range(least, most))
     return pixels if in_order else pixels[..., [c - least for c in channels]]
-
-
-def shot_of(spec: Any) -> dict[str, Any]:
-    """Return the Exif of an image, and its place in a shot, as write_dng takes it."""
-    text, number = spec.get_string_attribute, spec.get_float_attribute
-    date = text("Exif:DateTimeOriginal") or text("DateTime")
-    return {
-        "exposure_time": number("ExposureTime"),
-        "f_number": number("FNumber"),
-        "focal_length": number("Exif:FocalLength"),
-        "date_time_original": date,
-        "artist": text("Artist"),
-        "copyright": text("Copyright"),
-        "description": text("ImageDescription"),
-        "lens_model": text("Exif:LensModel"),
-        "orientation": spec.get_int_attribute("Orientation", 1),
-        "pixel_aspect": pixel_aspect_of(spec),
-        "frame_rate": frame_rate_of(spec),
-        "time_code": time_code_of(spec),
-        "reel_name": text("reelName") or text("openexr:reelName"),
-        "camera_label": text("cameraLabel") or text("openexr:cameraLabel"),
-    }
-
-
-def pixel_aspect_of(spec: Any) -> float:
-    """Return width over height of an image's pixels; 0 if it says nothing of it."""
-    number = spec.get_float_attribute
-    # Pixels per length: the wider they are, the fewer.
-    x, y = float(number("XResolution")), float(number("YResolution"))
-    return float(number("PixelAspectRatio")) or (y / x if x else 0.0)
-
-
-def frame_rate_of(spec: Any) -> str:
-    """Return the frames per second that an image says, empty if it says nothing that
-    makes sense."""
-    try:
-        return _core.frame_rate_text(spec.get_string_attribute("FramesPerSecond"))
-    except ValueError:
-        return ""
-
-
-def time_code_of(spec: Any) -> int | str:
-    """Return the SMPTE time code of an image, packed or a text; empty: none."""
-    code = spec.getattribute("smpte:TimeCode")
-    if isinstance(code, tuple):
-        return int(code[0])
-    try:
-        return _core.time_code_text(str(code)) if code else ""
-    except ValueError:
-        return ""
-
-
-def stated_shot(path: FilePath, layer: str | None = None) -> dict[str, Any]:
-    """Return what the header of a file says, as shot_of does.
-
-    layer : as of read_image; that it is there is checked only if it is not None.
-    Raises ValueError, OSError."""
-    with opened(path) as source:
-        spec = source.spec() if layer is None else chosen_layer(path, source, layer)[1]
-        return shot_of(spec)

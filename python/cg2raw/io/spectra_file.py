@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.arrays import FloatImage
+from cg2raw.io import image_facts
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.io.image_file import (
     Image,
     check_flat,
     check_size,
     opened,
-    shot_of,
     visible_rows,
 )
 from cg2raw.oiio.openimageio import openimageio
@@ -34,7 +34,7 @@ class SpectraFile:
     path: str
     spec: Any  # OpenImageIO's ImageSpec
     bins: _core.SpectralChannels
-    white: float | None
+    white: float | None = None
 
     @property
     def light(self) -> Rows | None:
@@ -69,9 +69,8 @@ class SpectraFile:
 
     def image(self, pixels: FloatImage) -> Image:
         """Return the Image of pixels that were made of the spectra."""
-        text = self.spec.get_string_attribute
-        said = {"time_code": text("smpte:TimeCode"), "compression": text("compression")}
-        return Image(self.path, pixels, "", shot=shot_of(self.spec), **said)
+        shot = _core.stated_shot(image_facts.facts([self.spec]))
+        return Image(self.path, pixels, shot)
 
     def empty(self, depth: int) -> FloatImage:
         """Return (H, W, depth) zeros of the display window. Raises ValueError."""
@@ -110,8 +109,8 @@ def is_text(value: Any) -> bool:
 
 def read_camera(
     file: SpectraFile, response: _core.SpectralResponse
-) -> tuple[Image, float]:
-    """Return (Image of camera RGB, the share of energy that the sensor does not see).
+) -> tuple[FloatImage, float]:
+    """Return ((H, W, 3) camera RGB, the share of energy that the sensor does not see).
 
     A few rows of spectra are held at a time. The share is of all pixels and bins whose
     wavelengths the sensitivities do not reach; nan where a pixel is not finite.
@@ -123,7 +122,7 @@ def read_camera(
         sums += part.sum(axis=(0, 1), dtype=np.float64)
     of_bins, reached = sums @ response.widths
     unseen = float(1.0 - reached / of_bins) if of_bins > 0 else 0.0
-    return file.image(pixels), unseen
+    return pixels, unseen
 
 
 def read_spectra(file: SpectraFile) -> Image:

@@ -9,11 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import FloatImage
-from cg2raw.io import image_file, npy_file
-from cg2raw.io.image_spaces import REC709, Remedies
+from cg2raw.io import image_facts, image_file, npy_file
 
 Mask = NDArray[np.bool_]
-MANIFEST = Remedies("linearize: srgb", "linearize: none")  # of the manifest
+
+
+def typed(name: str, value: str) -> str:
+    """Return an option as the manifest has it."""
+    return f"{name}: {value}" if value else name
+
+
+MANIFEST = image_facts.dialect(typed, is_linear="linearize: none")
 
 
 def uniform(color: tuple[float, ...], gain: float) -> Callable[[], FloatImage]:
@@ -56,8 +62,8 @@ def read_scene(path: str, gain: float, linearize: str | None = None) -> FloatIma
         rgb = image_file.read_image(
             path,
             undo=linearize if linearize == "srgb" else "stated",
-            space=REC709 if linearize == "none" else None,
-            remedies=MANIFEST,
+            space=image_facts.REC709 if linearize == "none" else None,
+            dialect=MANIFEST,
         ).pixels
     check_finite(path, rgb)
     rgb *= np.float32(gain)
