@@ -1,25 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Write docs/profile.md and python/cg2raw/profile/schema_1.json: what a profile is."""
+"""Write docs/profile.md, and the attributes of a profile in the stub of the core."""
 
 import argparse
 import json
 import sys
 from pathlib import Path
 
-from profile_schema import schema
+from cg2raw import _core
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/profile.md"
-SCHEMA = "python/cg2raw/profile/schema_1.json"
+STUB = "python/cg2raw/_core.pyi"
+BEGIN, END = "    # begin: fields, by scripts/profile_page.py\n", "    # end\n"
 INTRO = """# The profile of a sensor
 
 A sensor is one JSON file: give its path where a sensor is asked for, or put it into a
 folder that `CG2RAW_PROFILE_PATH` names. `cg2raw profile` makes one of a camera's files,
 `cg2raw calibrate` ([calibrate.md](calibrate.md)) measures its noise, and
-`cg2raw diagnose` adds what is missing. This page and the JSON Schema
-(`python/cg2raw/profile/schema_1.json`) are written by `scripts/profile_page.py`.
+`cg2raw diagnose` adds what is missing.
 
 Editors that know JSON Schema complete fields and mark errors with it:
 
@@ -85,7 +85,7 @@ def value_words(field):
 
 def page():
     """Return the page's text."""
-    whole = schema()
+    whole = json.loads(_core.profile_schema())
     rows = ["| field | needed | value | |", "|---|---|---|---|"]
     for name, field in whole["properties"].items():
         cells = (f"`{name}`", needed(name, whole), value_words(field))
@@ -95,13 +95,23 @@ def page():
     return "\n\n".join([INTRO.rstrip(), "\n".join(rows), named, OUTRO.rstrip()]) + "\n"
 
 
+def stub():
+    """Return the text of the stub, with the attributes of a profile."""
+    properties = "".join(
+        f"    @property\n    def {name}(self) -> {type_}: ...\n"
+        for name, type_ in _core.profile_fields
+    )
+    before, begin, rest = (ROOT / STUB).read_text().partition(BEGIN)
+    return before + begin + properties + END + rest.partition(END)[2]
+
+
 def main():
-    """Write or check the page and the schema; return the exit code."""
+    """Write or check the page and the stub; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--check", action="store_true", help="write nothing")
     parser.add_argument("root", nargs="?", default=ROOT, type=Path)
     arguments = parser.parse_args()
-    texts = {PAGE: page(), SCHEMA: json.dumps(schema(), indent=1) + "\n"}
+    texts = {PAGE: page(), STUB: stub()}
     old = []
     for name, text in texts.items():
         path = arguments.root / name

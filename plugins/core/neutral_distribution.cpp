@@ -15,7 +15,6 @@ namespace {
 /// A draw is compared with each side. Neutrals by the million have a hull of some
 /// hundred.
 constexpr std::size_t most_hull_points = 1000;
-constexpr std::size_t most_gaussians = 16;
 
 double cross(const std::array<double, 2>& o, const std::array<double, 2>& a,
              const std::array<double, 2>& b)
@@ -103,10 +102,10 @@ void check_mixture(const NeutralDistribution& lights, const std::string& file)
 {
     if (lights.mixture.empty())
         return;
-    if (lights.mixture.size() > most_gaussians)
+    if (lights.mixture.size() > most_neutral_gaussians)
         fail(file,
              "mixture has " + std::to_string(lights.mixture.size())
-                 + " Gaussians; at most " + std::to_string(most_gaussians));
+                 + " Gaussians; at most " + std::to_string(most_neutral_gaussians));
     double sum = 0.0;
     for (const NeutralGaussian& gaussian : lights.mixture) {
         if (!(gaussian.weight > 0.0 && gaussian.weight <= 1.0))

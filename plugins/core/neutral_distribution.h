@@ -10,6 +10,9 @@
 
 namespace cg2raw {
 
+/// Of a mixture.
+constexpr int most_neutral_gaussians = 16;
+
 /// Throws Error, led by @p file, for neutrals, or a distribution of them, that no draw
 /// can be made of.
 void check_neutrals(const SensorProfile& profile, const std::string& file);

@@ -135,7 +135,7 @@ void check_noise(const SensorProfile& profile, const std::string& file)
     double last_iso = 0.0;
     for (const NoiseAtIso& row : profile.noise) {
         const std::string at = file + ": noise at iso " + number(row.iso);
-        if (!(row.iso > last_iso) || !(row.iso <= 1e7))
+        if (!(row.iso > last_iso) || !(row.iso <= most_noise_iso))
             fail(at, "iso must be positive, rise from row to row, and stay below 1e7");
         last_iso = row.iso;
         check_betas(row, profile.cfa.sites(), at);

@@ -8,6 +8,9 @@
 
 namespace cg2raw {
 
+/// Of a profile's noise; no camera has more.
+constexpr double most_noise_iso = 1e7;
+
 /// Throws Error if the profile's noise, or what is to draw it, is not within its
 /// bounds; @p file leads the message.
 void check_noise(const SensorProfile& profile, const std::string& file);

@@ -6,6 +6,7 @@
 #include "cfa.h"
 #include "neutral_distribution.h"
 #include "noise_table.h"
+#include "profile_json.h"
 #include "profile_lamps.h"
 #include "text.h"
 
@@ -52,10 +53,8 @@ constexpr LightSource light_sources[] = {
 
 void check_levels(const SensorProfile& profile, const std::string& file)
 {
-    if (profile.bits < 8 || profile.bits > 16)
-        fail(file, "bits " + std::to_string(profile.bits) + " must be 8 to 16");
     const int top = (1 << profile.bits) - 1;
-    if (profile.white_level < 1 || profile.white_level > top)
+    if (profile.white_level > top)
         fail(file,
              "white_level " + std::to_string(profile.white_level) + " DN must be 1 to "
                  + std::to_string(top) + " DN, the most of "
@@ -160,16 +159,21 @@ Kelvin light_source_temperature(int light_source)
                 + " is no EXIF LightSource with a temperature");
 }
 
-int light_source_from_name(std::string_view name)
+std::vector<std::string> light_source_names()
 {
     std::vector<std::string> names;
-    for (const LightSource& light : light_sources) {
+    for (const LightSource& light : light_sources)
+        names.emplace_back(light.name);
+    return names;
+}
+
+int light_source_from_name(std::string_view name)
+{
+    for (const LightSource& light : light_sources)
         if (lower_case(light.name) == lower_case(name))
             return light.code;
-        names.emplace_back(light.name);
-    }
     throw Error("calibration illuminant \"" + std::string(name) + "\" must be one of "
-                + joined(names));
+                + joined(light_source_names()));
 }
 
 std::string light_source_name(int light_source)
@@ -208,11 +212,7 @@ std::string white_text(const Mat3& xyz_d50_from_camera, double denominator)
 
 void check(const SensorProfile& profile, const std::string& file)
 {
-    if (profile.width < 2 || profile.height < 2 || profile.width > 65535
-        || profile.height > 65535)
-        fail(file,
-             "width and height " + std::to_string(profile.width) + " x "
-                 + std::to_string(profile.height) + " must be 2 to 65535 pixels");
+    check_fields(profile, file);
     try {
         check_cfa(profile.cfa);
     } catch (const Error& error) {

@@ -1,236 +1,274 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-/// @file The JSON of a sensor profile, schema 1, read strictly.
+/// @file The JSON of a sensor profile, schema 1: read strictly, written, and described.
 #include "cg2raw/profile.h"
 
-#include "effect_names.h"
-#include "profile_json_fields.h"
-#include "profile_json_spectral.h"
-#include "profile_lamps.h"
+#include "profile_field_rules.h"
+#include "profile_json.h"
 #include "profile_syntax.h"
-
-#include <algorithm>
 
 namespace cg2raw {
 namespace {
 
-Mat3 matrix(Fields& fields, const std::string& field)
+void refuse_of_mono(Fields& fields, const std::string& name)
 {
-    const auto values = fields.reals(field, 9);
-    Mat3 result {};
-    std::copy(values.begin(), values.end(), result.m.begin());
-    return result;
+    if (fields.has(name))
+        fields.fail(name,
+                    "has no meaning with cfa mono, which tells no colours apart: leave "
+                    "it out");
 }
 
-std::vector<Calibration> calibrations(Fields& fields)
+// Reading.
+
+/// @p Value : T, or an optional one.
+template <class Value, class T>
+void read_field(Fields& fields, const CfaPattern& cfa, const char* name, Value& value,
+                const Rule<T>& rule)
 {
-    std::vector<Calibration> result;
-    for (const std::string number : { "_1", "_2" }) {
-        const bool given = number == "_1" || fields.has("color_matrix" + number);
-        if (!given && fields.has("calibration_illuminant" + number))
-            fields.fail("calibration_illuminant" + number,
-                        "is there without its matrix");
-        if (!given && fields.has("forward_matrix" + number))
-            fields.fail("forward_matrix" + number, "is there without its color_matrix");
-        if (!given)
+    if (rule.need == Need::of_colors && cfa.is_mono())
+        refuse_of_mono(fields, name);
+    else if (rule.need == Need::always || fields.has(name))
+        value = rule.read(fields, name);
+}
+
+const std::string light_field = "calibration_illuminant_",
+                  matrix_field = "color_matrix_", forward_field = "forward_matrix_";
+
+void read_field(Fields& fields, const CfaPattern& cfa, const char* /*name*/,
+                std::vector<Calibration>& calibrations, const ColorMatrices& /*rule*/)
+{
+    for (const std::string n : { "1", "2" }) {
+        if (cfa.is_mono()) {
+            for (const std::string& field :
+                 { light_field, matrix_field, forward_field })
+                refuse_of_mono(fields, field + n);
             continue;
+        }
+        if (n == "2" && !fields.has(matrix_field + n)) {
+            if (fields.has(light_field + n))
+                fields.fail(light_field + n, "is there without its matrix");
+            if (fields.has(forward_field + n))
+                fields.fail(forward_field + n, "is there without its color_matrix");
+            continue;
+        }
         Calibration calibration {};
-        const std::string light = fields.text("calibration_illuminant" + number);
-        try {
-            calibration.light_source = light_source_from_name(light);
-        } catch (const Error& error) {
-            fields.fail("calibration_illuminant" + number, error.what());
-        }
-        calibration.camera_from_xyz = matrix(fields, "color_matrix" + number);
-        if (fields.has("forward_matrix" + number))
-            calibration.xyz_d50_from_camera = matrix(fields, "forward_matrix" + number);
-        result.push_back(calibration);
+        calibration.light_source = light_name().read(fields, light_field + n);
+        calibration.camera_from_xyz = matrix().read(fields, matrix_field + n);
+        if (fields.has(forward_field + n))
+            calibration.xyz_d50_from_camera = matrix().read(fields, forward_field + n);
+        calibrations.push_back(calibration);
     }
-    return result;
-}
-
-/// What speaks of colours has no meaning for one channel.
-void refuse_colors(Fields& fields)
-{
-    for (const std::string field :
-         { "calibration_illuminant_1", "color_matrix_1", "forward_matrix_1",
-           "calibration_illuminant_2", "color_matrix_2", "forward_matrix_2", "lamps",
-           "illuminants" })
-        if (fields.has(field))
-            fields.fail(field,
-                        "has no meaning with cfa mono, which tells no colours apart: "
-                        "leave it out");
-}
-
-std::array<double, 3> covariance(Fields& fields)
-{
-    const auto rows = fields.pairs("covariance");
-    if (rows.size() != 2)
-        fields.fail("covariance", "must be [[rr, rb], [rb, bb]]");
-    return { rows[0][0], rows[0][1], rows[1][1] };
-}
-
-NeutralGaussian neutral_gaussian(Fields fields)
-{
-    const auto mean = fields.reals("mean", 2);
-    const NeutralGaussian result { fields.real("weight"),
-                                   { mean[0], mean[1] },
-                                   covariance(fields) };
-    fields.done();
-    return result;
-}
-
-NeutralDistribution illuminants(Fields fields)
-{
-    NeutralDistribution result;
-    if (fields.has("neutrals")) {
-        result = distribution_of(fields.pairs("neutrals"));
-    } else {
-        const auto mean = fields.reals("mean", 2);
-        result.mean = { mean[0], mean[1] };
-        result.covariance = covariance(fields);
-        result.hull = distribution_of(fields.pairs("hull")).hull;
-        if (result.hull.empty())
-            fields.fail("hull", "must hold at least 3 points that are not on a line");
-        if (fields.has("mixture"))
-            for (Fields& gaussian : fields.objects("mixture"))
-                result.mixture.push_back(neutral_gaussian(std::move(gaussian)));
-    }
-    fields.done();
-    return result;
-}
-
-/// calibrations and illuminants; a monochrome sensor has neither.
-void read_colors(Fields& fields, SensorProfile& profile)
-{
-    if (profile.cfa.is_mono()) {
-        refuse_colors(fields);
-        return;
-    }
-    profile.calibrations = calibrations(fields);
-    if (fields.has("lamps"))
-        profile.lamps = lamps_from_json(fields.objects("lamps"));
-    if (fields.has("illuminants"))
-        profile.illuminants = illuminants(fields.object("illuminants"));
-}
-
-std::optional<NoiseShape> noise_shape(Fields& row)
-{
-    const bool lambda = row.has("tukey_lambda"), sigma = row.has("row_sigma");
-    const bool fraction = row.has("outlier_fraction"),
-               ratio = row.has("outlier_variance_ratio");
-    if (!lambda && !sigma && !fraction && !ratio)
-        return std::nullopt;
-    NoiseShape shape { row.real("tukey_lambda"), row.real("row_sigma") };
-    if (fraction || ratio)
-        shape.outliers = Outliers { row.real("outlier_fraction"),
-                                    row.real("outlier_variance_ratio") };
-    return shape;
-}
-
-std::optional<NoiseEffects> noise_effects(Fields& fields)
-{
-    if (!fields.has("noise_effects"))
-        return std::nullopt;
-    const std::vector<std::string> names = fields.texts("noise_effects");
-    try {
-        return noise_effects_from_names(names);
-    } catch (const Error& error) {
-        fields.fail("noise_effects", error.what());
-    }
-}
-
-std::vector<NoiseAtIso> noise(Fields& fields, const CfaPattern& cfa)
-{
-    std::vector<NoiseAtIso> result;
-    if (!fields.has("noise"))
-        return result;
-    for (Fields& row : fields.objects("noise")) {
-        result.push_back({ row.real("iso"), row.per_site("beta1", cfa),
-                           row.per_site("beta2", cfa), noise_shape(row) });
-        row.done();
-    }
-    return result;
-}
-
-std::vector<EffectSetting> effect_settings(Fields& fields)
-{
-    std::vector<EffectSetting> result;
-    if (!fields.has("effects"))
-        return result;
-    for (Fields& row : fields.objects("effects")) {
-        EffectSetting setting { row.text("name"), {}, "" };
-        try {
-            check_effect_name(setting.name);
-        } catch (const Error& error) {
-            row.fail("name", error.what());
-        }
-        if (row.has("parameters")) {
-            Fields parameters = row.object("parameters");
-            for (const auto& [name, value] : parameters.json().members())
-                setting.parameters[name] = parameters.real(name);
-        }
-        for (const char* extra : { "ci95", "evidence" })
-            if (row.has(extra))
-                setting.evidence += (setting.evidence.empty() ? "{\"" : ", \"")
-                    + std::string(extra) + "\": " + row.at(extra, "").dump(true);
-        if (!setting.evidence.empty())
-            setting.evidence += "}";
-        row.done();
-        result.push_back(setting);
-    }
-    return result;
-}
-
-std::vector<std::pair<std::string, std::string>> sources(Fields fields)
-{
-    std::vector<std::pair<std::string, std::string>> result;
-    for (const auto& [name, value] : fields.json().members())
-        result.emplace_back(name, fields.text(name));
-    return result;
 }
 
 SensorProfile profile_from(Fields fields)
 {
-    SensorProfile profile {};
-    if (fields.integer("schema") != profile_schema)
+    if (fields.integer("schema") != profile_version)
         fields.fail("schema", "must be 1, the only one that this version reads");
-    profile.id = fields.text("id");
-    if (const std::string fault = sensor_id_fault(profile.id); !fault.empty())
-        fields.fail("id", fault);
-    profile.make = fields.text("make");
-    profile.model = fields.text("model");
-    profile.unique_camera_model = fields.text("unique_camera_model");
-    profile.sources = sources(fields.object("sources"));
-    const std::string cfa = fields.text("cfa");
-    try {
-        profile.cfa = cfa_from_name(cfa);
-    } catch (const Error& error) {
-        fields.fail("", error.what());
-    }
-    profile.width = fields.integer("width");
-    profile.height = fields.integer("height");
-    profile.bits = fields.integer("bits");
-    profile.black_level = fields.per_site("black_level", profile.cfa);
-    profile.white_level = fields.integer("white_level");
-    read_colors(fields, profile);
-    if (fields.has("spectral_sensitivities"))
-        profile.spectral_sensitivities = sensitivities_from_json(
-            fields.object("spectral_sensitivities"), profile.cfa);
-    if (fields.has("digital_gain")) {
-        Fields gain = fields.object("digital_gain");
-        profile.digital_gain = DigitalGain { gain.real("mean"), gain.real("sigma") };
-        gain.done();
-    }
-    profile.noise = noise(fields, profile.cfa);
-    profile.noise_effects = noise_effects(fields);
-    profile.effects = effect_settings(fields);
+    SensorProfile profile {};
+#define CG2RAW_FIELD(type, name, rule, meaning)                                        \
+    read_field(fields, profile.cfa, #name, profile.name, rule);
+#include "cg2raw/profile_fields.def"
+#undef CG2RAW_FIELD
     fields.done();
     return profile;
 }
 
+// Writing.
+
+template <class T>
+void write_field(JsonTree& json, const char* name, const T& value, const Rule<T>& rule)
+{
+    if (JsonTree written = rule.json(value); !written.is_null())
+        json.set(name, std::move(written));
+}
+
+template <class T>
+void write_field(JsonTree& json, const char* name, const std::optional<T>& value,
+                 const Rule<T>& rule)
+{
+    if (value)
+        write_field(json, name, *value, rule);
+}
+
+void write_field(JsonTree& json, const char* /*name*/,
+                 const std::vector<Calibration>& calibrations,
+                 const ColorMatrices& /*rule*/)
+{
+    for (std::size_t i = 0; i < calibrations.size(); ++i) {
+        const auto& [light, matrix, forward] = calibrations[i];
+        const std::string n = std::to_string(i + 1);
+        json.set(light_field + n, light_source_name(light));
+        json.set(matrix_field + n, matrix.m);
+        if (forward)
+            json.set(forward_field + n, forward->m);
+    }
+}
+
+JsonTree json_of(const SensorProfile& profile)
+{
+    JsonTree json = JsonTree::object().with("schema", profile_version);
+#define CG2RAW_FIELD(type, name, rule, meaning)                                        \
+    write_field(json, #name, profile.name, rule);
+#include "cg2raw/profile_fields.def"
+#undef CG2RAW_FIELD
+    return json;
+}
+
+// Checking.
+
+template <class T>
+void check_field(const std::string& file, const char* name, const T& value,
+                 const Rule<T>& rule)
+{
+    if (const std::string fault = rule.fault ? rule.fault(value) : ""; !fault.empty())
+        throw Error(file + ": " + name + " " + fault);
+}
+
+template <class T>
+void check_field(const std::string& file, const char* name,
+                 const std::optional<T>& value, const Rule<T>& rule)
+{
+    if (value)
+        check_field(file, name, *value, rule);
+}
+
+void check_field(const std::string& /*file*/, const char* /*name*/,
+                 const std::vector<Calibration>& /*value*/,
+                 const ColorMatrices& /*rule*/)
+{
+}
+
+// Describing.
+
+/// The schema's properties, and of which there must be one.
+struct Properties {
+    JsonTree all = JsonTree::object();
+    JsonTree::Array required;
+    std::vector<std::string> of_colors; ///< which a monochrome sensor has not
+
+    void add(const std::string& name, const char* meaning, const JsonTree& schema)
+    {
+        JsonTree described = JsonTree::object().with("description", meaning);
+        described.update(schema);
+        all.set(name, std::move(described));
+    }
+};
+
+template <class T>
+void describe_field(Properties& properties, const char* name, const char* meaning,
+                    const Rule<T>& rule)
+{
+    properties.add(name, meaning, rule.schema());
+    if (rule.need == Need::always)
+        properties.required.emplace_back(name);
+    if (rule.need == Need::of_colors)
+        properties.of_colors.emplace_back(name);
+}
+
+void describe_field(Properties& properties, const char* /*name*/,
+                    const char* /*meaning*/, const ColorMatrices& /*rule*/)
+{
+    const JsonTree light = light_name().schema(), numbers = matrix().schema();
+    properties.add(light_field + "1", "The light of color_matrix_1.", light);
+    properties.add(matrix_field + "1",
+                   "Camera RGB from CIE XYZ, 9 numbers row by row (DNG ColorMatrix1).",
+                   numbers);
+    properties.add(
+        forward_field + "1",
+        "CIE XYZ under D50 from white-balanced camera RGB (DNG ForwardMatrix1).",
+        numbers);
+    properties.add(light_field + "2",
+                   "The light of color_matrix_2; of another temperature.", light);
+    properties.add(
+        matrix_field + "2",
+        "As color_matrix_1; matrices are interpolated between the two lights.",
+        numbers);
+    properties.add(forward_field + "2", "As forward_matrix_1.", numbers);
+    for (const std::string& field : { light_field, matrix_field, forward_field })
+        for (const char* n : { "1", "2" })
+            properties.of_colors.push_back(field + n);
+}
+
+/// What depends on the CFA: the counts of numbers, and matrices.
+JsonTree::Array rules_by_cfa(const std::vector<std::string>& of_colors)
+{
+    const auto object = [](const char* name, JsonTree value) {
+        return JsonTree::object().with(name, std::move(value));
+    };
+    const auto requiring = [&](const std::vector<std::string>& names) {
+        return object("required", names);
+    };
+    JsonTree::Array rules;
+    for (const auto& [pattern, counts] : cfa_patterns()) {
+        JsonTree::Array per_site { schema_of_type("number") };
+        for (const int count : counts)
+            per_site.push_back(schema_of_type("array")
+                                   .with("minItems", count)
+                                   .with("maxItems", count));
+        const JsonTree sites = object("anyOf", per_site);
+        const JsonTree row
+            = object("properties", object("beta1", sites).with("beta2", sites));
+        JsonTree then
+            = object("properties",
+                     object("black_level", sites).with("noise", object("items", row)));
+        if (pattern == mono_pattern()) {
+            JsonTree::Array none;
+            for (const std::string& name : of_colors)
+                none.push_back(requiring({ name }));
+            then.set("not", object("anyOf", none));
+        } else {
+            then.set("required", std::vector { light_field + "1", matrix_field + "1" });
+        }
+        const JsonTree cfa
+            = schema_of_type("string").with("pattern", "^(?:" + pattern + ")$");
+        rules.push_back(object("if",
+                               object("properties", object("cfa", cfa))
+                                   .with("required", JsonTree::Array { "cfa" }))
+                            .with("then", then));
+    }
+    return rules;
+}
+
 } // namespace
+
+JsonTree profile_schema(JsonTree effects)
+{
+    Properties properties;
+    properties.add("schema", "Version of this format: 1.",
+                   JsonTree::object().with("const", profile_version));
+    properties.required.emplace_back("schema");
+    const SensorProfile profile {};
+#define CG2RAW_FIELD(type, name, rule, meaning)                                        \
+    describe_field(properties, #name, meaning, rule);
+#include "cg2raw/profile_fields.def"
+#undef CG2RAW_FIELD
+    JsonTree settings = *properties.all.find("effects");
+    settings.set("items", std::move(effects));
+    properties.all.set("effects", std::move(settings));
+    const auto needs
+        = [](const std::string& name) { return JsonTree::Array { name + "2" }; };
+    JsonTree schema
+        = JsonTree::object()
+              .with("$schema", "https://json-schema.org/draft/2020-12/schema")
+              .with("title", "cg2raw sensor profile");
+    schema.update(schema_of_object(properties.all, properties.required));
+    schema.set("dependentRequired",
+               JsonTree::object()
+                   .with(light_field + "2", needs(matrix_field))
+                   .with(matrix_field + "2", needs(light_field))
+                   .with(forward_field + "2", needs(matrix_field)));
+    schema.set("allOf", rules_by_cfa(properties.of_colors));
+    return schema;
+}
+
+void check_fields(const SensorProfile& profile, const std::string& file)
+{
+#define CG2RAW_FIELD(type, name, rule, meaning)                                        \
+    check_field(file, #name, profile.name, rule);
+#include "cg2raw/profile_fields.def"
+#undef CG2RAW_FIELD
+}
 
 SensorProfile parse_profile(std::string_view text, const std::string& file)
 {
@@ -239,6 +277,17 @@ SensorProfile parse_profile(std::string_view text, const std::string& file)
     SensorProfile profile = profile_from({ json, file, "" });
     check(profile, file);
     return profile;
+}
+
+std::string to_json(const SensorProfile& profile)
+{
+    try {
+        return json_of(profile).dump() + "\n";
+    } catch (const Error& error) {
+        throw Error("sensor " + profile.id
+                    + " cannot be written as JSON: " + error.what()
+                    + "; its texts must be UTF-8, and evidence the text of an object");
+    }
 }
 
 } // namespace cg2raw

@@ -12,7 +12,7 @@ namespace cg2raw {
 namespace {
 
 constexpr std::string_view prefix = "lamp:";
-constexpr double least_power = 1e-9, most_power = 1e9; ///< relative
+constexpr double least_power = 1e-9; ///< relative
 
 /// A name as all its spellings: the alias of a colour space has '_' for '.' and '-'.
 std::string folded(std::string_view name)
@@ -24,46 +24,24 @@ std::string folded(std::string_view name)
     return result;
 }
 
-int light_source_of(Fields& row)
-{
-    const std::string field = "calibration_illuminant";
-    const std::string other = light_source_name(other_light_source);
-    const std::string name = row.has(field) ? row.text(field) : other;
-    if (name == other)
-        return other_light_source;
-    try {
-        return light_source_from_name(name);
-    } catch (const Error& error) {
-        row.fail(field, std::string(error.what()) + ", " + other);
-    }
-}
-
-Spectrum power_of(Fields fields)
-{
-    Spectrum power { fields.reals("wavelengths", 0), fields.reals("values", 0) };
-    if (power.values.size() != power.wavelengths.size())
-        fields.fail("values",
-                    "has " + std::to_string(power.values.size())
-                        + " numbers; it needs one per wavelength, "
-                        + std::to_string(power.wavelengths.size()));
-    fields.done();
-    return power;
-}
-
 /// Wavelengths rise, and there is light in the visible range, nowhere less than none.
 void check_power(const Lamp& lamp, const std::string& file)
 {
     const std::string start = file + ": lamps: power of " + lamp.name;
     const auto& [nm, values] = *lamp.power;
+    if (values.size() != nm.size())
+        throw Error(start + " has " + std::to_string(values.size())
+                    + " values; it needs one per wavelength, "
+                    + std::to_string(nm.size()));
     for (std::size_t i = 1; i < nm.size(); ++i)
         if (!(nm[i] > nm[i - 1]))
             throw Error(start + ": wavelength " + number(nm[i]) + " nm comes after "
                         + number(nm[i - 1]) + " nm; they must rise");
     double total = 0.0;
     for (std::size_t i = 0; i < nm.size(); ++i) {
-        if (!(values[i] >= 0.0 && values[i] <= most_power))
+        if (!(values[i] >= 0.0 && values[i] <= most_lamp_power))
             throw Error(start + ": " + number(values[i]) + " must be 0 to "
-                        + number(most_power));
+                        + number(most_lamp_power));
         total += nm[i] > visible_from && nm[i] < visible_to ? values[i] : 0.0;
     }
     if (!(total > least_power))
@@ -81,41 +59,6 @@ const Lamp* lamp_named(const std::vector<Lamp>& lamps, std::string_view word)
         return folded(lamp.name) == folded(word);
     });
     return found == lamps.end() ? nullptr : &*found;
-}
-
-std::vector<Lamp> lamps_from_json(std::vector<Fields> rows)
-{
-    std::vector<Lamp> result;
-    for (Fields& row : rows) {
-        Lamp lamp { row.text("name"), {}, {} };
-        const std::vector<double> neutral = row.reals("neutral", 2);
-        std::copy(neutral.begin(), neutral.end(), lamp.neutral.begin());
-        lamp.calibration.light_source = light_source_of(row);
-        const std::vector<double> matrix = row.reals("color_matrix", 9);
-        std::copy(matrix.begin(), matrix.end(),
-                  lamp.calibration.camera_from_xyz.m.begin());
-        if (row.has("power"))
-            lamp.power = power_of(row.object("power"));
-        row.done();
-        result.push_back(lamp);
-    }
-    return result;
-}
-
-JsonTree json_of(const Lamp& lamp)
-{
-    JsonTree json = JsonTree::object()
-                        .with("name", lamp.name)
-                        .with("calibration_illuminant",
-                              light_source_name(lamp.calibration.light_source))
-                        .with("neutral", lamp.neutral)
-                        .with("color_matrix", lamp.calibration.camera_from_xyz.m);
-    if (lamp.power)
-        json.set("power",
-                 JsonTree::object()
-                     .with("wavelengths", lamp.power->wavelengths)
-                     .with("values", lamp.power->values));
-    return json;
 }
 
 void check_lamps(const std::vector<Lamp>& lamps, const std::string& file)

@@ -13,7 +13,7 @@
 namespace cg2raw {
 
 /// The field "schema" of the profiles that are read and written.
-constexpr int profile_schema = 1;
+constexpr int profile_version = 1;
 
 /// A profile has some thousand numbers; a text beyond any of these is no profile. They
 /// bound the reader's time, memory and stack whatever the text.

@@ -3,7 +3,7 @@
 
 #include "bindings.h"
 #include "constructor.h"
-#include "profile_dicts.h"
+#include "profile_values.h"
 
 #include "cg2raw/dng_reader.h"
 #include "cg2raw/effect.h"
@@ -24,14 +24,6 @@ py::list effects_of(const std::optional<std::string>& cfa)
         if (has_effect(pattern, effect))
             list.append(dict_of(effect, parameters_of(effect, pattern, "profile")));
     }
-    return list;
-}
-
-template <class T> py::list dicts_of(const std::vector<T>& values)
-{
-    py::list list;
-    for (const T& value : values)
-        list.append(dict_of(value));
     return list;
 }
 
@@ -144,6 +136,8 @@ void bind_search(py::module_& m)
     m.def("installed_profiles", &installed_profiles,
           "Ids of all profiles found, sorted.");
     m.def("profile_folders", &profile_folders, "Folders that are searched, in order.");
+    m.def("profile_schema", &profile_schema,
+          "The JSON Schema of a profile, with the effects of the registry.");
     m.def("sensor_id_from_name", &sensor_id_from_name, "name"_a,
           "A camera's name as an id: lower case, words joined by '-'.");
     m.def("current_effect_name", &current_effect_name, "name"_a,
@@ -223,7 +217,7 @@ void bind_numbers(py::class_<SensorProfile>& c)
         .def(
             "noise_at",
             [](const SensorProfile& p, double iso) {
-                return dict_of(noise_at(p, iso));
+                return python_of(noise_at(p, iso));
             },
             "iso"_a,
             "{\"iso\", \"beta1\", \"beta2\"} per CFA site: variance(x) = beta1 x + "
@@ -235,56 +229,22 @@ void bind_numbers(py::class_<SensorProfile>& c)
             "calibrated ISOs; raises\nValueError farther out.");
 }
 
-void bind_fields(py::class_<SensorProfile>& c)
+/// The attributes of a profile are its fields; profile_fields lists them with their
+/// types, of which scripts/profile_page.py makes the stub.
+void bind_fields(py::module_& m, py::class_<SensorProfile>& c)
 {
-    using Profile = SensorProfile;
+    py::list fields;
+#define CG2RAW_FIELD(type, name, rule, meaning)                                        \
+    c.def_property_readonly(                                                           \
+        #name, [](const SensorProfile& p) { return python_of(p.name); },               \
+        (std::string(meaning) + python_type<type>.parts).c_str());                     \
+    fields.append(py::make_tuple(#name, python_type<type>.word));
+#include "cg2raw/profile_fields.def"
+#undef CG2RAW_FIELD
+    m.attr("profile_fields") = py::tuple(fields);
     c.def_property_readonly(
-         "calibrations", [](const Profile& p) { return dicts_of(p.calibrations); },
-         "None if monochrome, else one or two {\"light_source\", \"camera_from_xyz\", "
-         "\"xyz_d50_from_camera\"}:\nname of the light, (3, 3) ColorMatrix, (3, 3) "
-         "ForwardMatrix or None.")
-        .def_property_readonly(
-            "lamps", [](const Profile& p) { return dicts_of(p.lamps); },
-            "{\"name\", \"light_source\", \"neutral\", \"has_power\", "
-            "\"camera_from_xyz\"} "
-            "per lamp with a\nmatrix of its own: its illuminant word, EXIF name or "
-            "\"other\", (R/G, B/G), whether its\nspectrum is known, (3, 3) "
-            "ColorMatrix.")
-        .def_property_readonly(
-            "spectral_sensitivities",
-            [](const Profile& p) { return dict_of(p.spectral_sensitivities); },
-            "{\"wavelengths\", \"rgb\", \"unit\", \"scale\"} as measured, or None: "
-            "(n,) nm, rising;\n(n, 3), alike in all columns if monochrome; "
-            "\"energy\" or \"photon\", what they are\na response to; what 1 stands for "
-            "in the measurement's own unit.")
-        .def_property_readonly(
-            "illuminants", [](const Profile& p) { return dict_of(p.illuminants); },
-            "{\"neutrals\", \"mean\", \"covariance\", \"hull\", \"mixture\"} in (R/G, "
-            "B/G):\nas measured, may be empty; (2, 2), divisor N - 1; "
-            "counter-clockwise, empty if fewer\nthan 3 neutrals are distinct; "
-            "Gaussians "
-            "{\"weight\", \"mean\", \"covariance\"} that\nstand for neutrals that are "
-            "not "
-            "listed.")
-        .def_property_readonly(
-            "noise", [](const Profile& p) { return dicts_of(p.noise); },
-            "{\"iso\", \"beta1\", \"beta2\"} per calibrated ISO, rising; empty: not "
-            "measured.")
-        .def_property_readonly(
-            "noise_effects",
-            [](const Profile& p) {
-                const auto [of_light, of_readout]
-                    = p.noise_effects.value_or(NoiseEffects {});
-                return std::vector { of_light, of_readout };
-            },
-            "What draws the noise of an ISO unless a run differs: shot_noise or\n"
-            "poisson_shot_noise, and read_noise or heavy_tailed_noise.")
-        .def_property_readonly(
-            "effects", [](const Profile& p) { return dicts_of(p.effects); },
-            "{\"name\", \"parameters\", \"evidence\"} per effect, in order.")
-        .def_property_readonly(
-            "digital_gain", [](const Profile& p) { return dict_of(p.digital_gain); },
-            "{\"mean\", \"sigma\"} of the drawn digital gain, or None.");
+        "neutrals", [](const SensorProfile& p) { return p.illuminants.neutrals; },
+        "Measured neutrals, (R/G, B/G) each.");
 }
 
 } // namespace
@@ -299,27 +259,7 @@ void bind_profile(py::module_& m)
             return parse_profile(json, file);
         },
         "json"_a, "file"_a = "profile", "As parse_profile, for pickle.");
-    c.def_readonly("id", &SensorProfile::id, "Name among profiles: nikon-d40.")
-        .def_readonly("make", &SensorProfile::make, "Maker, as in Exif.")
-        .def_readonly("model", &SensorProfile::model, "Model, as in Exif.")
-        .def_readonly("unique_camera_model", &SensorProfile::unique_camera_model,
-                      "Model that raw converters look up, DNG UniqueCameraModel.")
-        .def_readonly("sources", &SensorProfile::sources,
-                      "(field, where its numbers are from) each.")
-        .def_property_readonly(
-            "cfa", [](const SensorProfile& p) { return name_of(p.cfa); },
-            "Filters of the repeat from the top-left active pixel on: RGGB; MONO: "
-            "none.")
-        .def_readonly("width", &SensorProfile::width, "Of the active area, pixels.")
-        .def_readonly("height", &SensorProfile::height, "Of the active area, pixels.")
-        .def_readonly("bits", &SensorProfile::bits, "Of a DN, 8 to 16.")
-        .def_readonly("black_level", &SensorProfile::black_level,
-                      "Mean DN without light, per CFA site.")
-        .def_readonly("white_level", &SensorProfile::white_level, "DN at saturation.")
-        .def_property_readonly(
-            "neutrals", [](const SensorProfile& p) { return p.illuminants.neutrals; },
-            "Measured neutrals, (R/G, B/G) each.");
-    bind_fields(c);
+    bind_fields(m, c);
     bind_numbers(c);
     bind_search(m);
 }

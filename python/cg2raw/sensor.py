@@ -37,8 +37,12 @@ from cg2raw.raw_frame import RawFrame
 if TYPE_CHECKING:  # type checkers bring it along
     from typing_extensions import Unpack
 
+    Fields = _core.SensorProfile  # what Sensor.__getattr__ finds
+else:
+    Fields = object
 
-class Sensor:
+
+class Sensor(Fields):
     """One camera sensor. It is not altered: a changed profile is another sensor.
 
     id_or_path : id of an installed profile, or the path of one (.json).
@@ -50,28 +54,6 @@ class Sensor:
 
     __slots__ = ("_profile",)
     _profile: _core.SensorProfile
-
-    # What __getattr__ finds in the profile, for type checkers.
-    id: str
-    make: str
-    model: str
-    unique_camera_model: str
-    cfa: str
-    width: int
-    height: int
-    bits: int
-    black_level: list[float]
-    white_level: int
-    neutrals: list[list[float]]
-    sources: list[tuple[str, str]]
-    calibrations: list[dict[str, Any]]
-    lamps: list[dict[str, Any]]
-    spectral_sensitivities: dict[str, Any] | None
-    illuminants: dict[str, Any]
-    noise: list[dict[str, Any]]
-    noise_effects: list[str]
-    effects: list[dict[str, Any]]
-    digital_gain: dict[str, float] | None
 
     def __init__(self, id_or_path: str | os.PathLike[str]) -> None:
         self._profile = _core.load_profile(path_text(id_or_path))

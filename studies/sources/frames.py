@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What every source returns, and the words in which cg2raw takes a neutral."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +32,7 @@ def words_of(neutrals: Array) -> list[str]:
     return [f"neutral:{red:.6f}:{blue:.6f}" for red, _, blue in neutrals]
 
 
-def framed(pairs: Iterable[tuple[Image, Array]]) -> Frames:
+def framed(pairs: Iterable[tuple[Image, Array | Sequence[float]]]) -> Frames:
     """Return the Frames of images and their neutrals (3,)."""
     images, neutrals = zip(*pairs, strict=True)
     return Frames(list(images), np.array(neutrals))

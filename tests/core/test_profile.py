@@ -84,7 +84,7 @@ WRONG = [
     ("black_level", [512, 512, 512, -1], "0.*white_level"),
     ("black_level", [512, 512, 512, 16383], "white_level 16383"),
     ("black_level", [512, 512, 512, "512"], "number"),
-    ("white_level", 0, "1 to 16383"),
+    ("white_level", 0, "1 to 65535"),
     ("white_level", 16384, "1 to 16383"),
     ("white_level", 1e4 + 0.5, "whole number"),
     ("calibration_illuminant_1", "E", "A.*D65"),

@@ -113,6 +113,10 @@ struct Effect {
 
 /// All effects, in stage order, then by name.
 const std::vector<Effect>& all_effects();
+
+/// The JSON Schema of a profile (profile.h), in which its effects are those of the
+/// registry.
+std::string profile_schema();
 /// What an effect of this name is called now; the name itself if it was never another.
 std::string_view current_effect_name(std::string_view name);
 /// Throws Error that lists the names, or says the new name of one that was renamed.

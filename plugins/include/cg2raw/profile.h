@@ -88,6 +88,8 @@ Kelvin light_source_temperature(int light_source);
 /// EXIF LightSource of "A", "D50", "D55", "D65", "D75" ... Throws Error on other words.
 int light_source_from_name(std::string_view name);
 std::string light_source_name(int light_source);
+/// Those that light_source_from_name() takes.
+std::vector<std::string> light_source_names();
 
 /// One of the Gaussians that a sensor's neutrals are a mixture of.
 struct NeutralGaussian {
@@ -162,25 +164,14 @@ struct DigitalGain {
     double mean, sigma;
 };
 
+/// (field, where it is from) each.
+using TextsByField = std::vector<std::pair<std::string, std::string>>;
+
+/// Its members are the fields of its JSON: profile_fields.def says what each is.
 struct SensorProfile {
-    std::string id, make, model, unique_camera_model;
-    std::vector<std::pair<std::string, std::string>>
-        sources; ///< field, where it is from
-    CfaPattern cfa;
-    int width, height; ///< active area
-    int bits;
-    std::vector<double> black_level; ///< DN, one per CFA site
-    int white_level; ///< DN
-    /// One or two, in either order; none of a monochrome sensor, which has no neutrals
-    /// either.
-    std::vector<Calibration> calibrations;
-    std::vector<Lamp> lamps; ///< whose own matrix is used under them
-    std::optional<SpectralSensitivities> spectral_sensitivities; ///< as measured
-    NeutralDistribution illuminants;
-    std::optional<DigitalGain> digital_gain;
-    std::vector<NoiseAtIso> noise; ///< by rising ISO; empty: not measured
-    std::optional<NoiseEffects> noise_effects; ///< none: Gaussian, unless a run differs
-    std::vector<EffectSetting> effects;
+#define CG2RAW_FIELD(type, name, rule, meaning) type name {};
+#include "cg2raw/profile_fields.def"
+#undef CG2RAW_FIELD
 };
 
 /// Files are named by ids, and a file's name has 255 bytes at most.

@@ -20,13 +20,11 @@ import json
 import shutil
 import sys
 from collections.abc import Mapping, Sequence
-from importlib import resources
 from typing import Any, TextIO
 
 from cg2raw import _core
 from cg2raw.system import has_folder
 
-SCHEMA = "schema_1.json"  # beside the modules of cg2raw.profile
 COLUMNS = 120  # where there is no terminal
 
 
@@ -50,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the list or one sensor; return 1 if a profile does not load."""
     word = arguments.word
     if arguments.schema:
-        print(resources.files("cg2raw.profile").joinpath(SCHEMA).read_text(), end="")
+        print(_core.profile_schema(), end="")
         return 0
     if word is not None and is_one(word):
         return run_one(arguments)

@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from cg2raw import _core
 from cg2raw.cfa import is_mono, sites_of
 from cg2raw.profile.sensitivity_text import sensitivity_fields
 from cg2raw.profile.summary import iso_words, neutral_words
@@ -58,21 +59,30 @@ def wrapped(label: str, text: str, columns: int) -> list[str]:
 
 def fields_of(sensor: Summary, encoding: str) -> list[tuple[str, str]]:
     """Return [(field, text), ...] of everything but the sources."""
-    simple = ("id", "make", "model", "unique_camera_model", "cfa", "width", "height")
     black = per_site(sensor["black_level"], sensor["cfa"], 6)
-    return [
-        *((name, str(sensor[name])) for name in simple),
-        ("bits", str(sensor["bits"])),
-        ("black_level", f"{black} DN"),
-        ("white_level", f"{sensor['white_level']} DN"),
-        *calibration_fields(sensor["calibrations"]),
-        *((f"lamps {lamp['name']}", lamp_words(lamp)) for lamp in sensor["lamps"]),
-        *sensitivity_fields(sensor["spectral_sensitivities"], encoding),
-        ("illuminants", neutrals_of(sensor)),
-        ("digital_gain", gain_words(sensor["digital_gain"])),
-        *noise_fields(sensor["noise"], sensor["cfa"]),
-        *(("effects", effect_words(effect)) for effect in sensor["effects"]),
-    ]
+    lamps = [(f"lamps {lamp['name']}", lamp_words(lamp)) for lamp in sensor["lamps"]]
+    texts = {
+        "sources": [],
+        "black_level": [("black_level", f"{black} DN")],
+        "white_level": [("white_level", f"{sensor['white_level']} DN")],
+        "calibrations": calibration_fields(sensor["calibrations"]),
+        "lamps": lamps,
+        "spectral_sensitivities": sensitivity_fields(
+            sensor["spectral_sensitivities"], encoding
+        ),
+        "illuminants": [("illuminants", neutrals_of(sensor))],
+        "digital_gain": [("digital_gain", gain_words(sensor["digital_gain"]))],
+        "noise": noise_fields(sensor["noise"], sensor["cfa"]),
+        "noise_effects": [],  # with the noise
+        "effects": [("effects", effect_words(effect)) for effect in sensor["effects"]],
+    }
+    found = []
+    for name, _ in _core.profile_fields:
+        if name in texts:
+            found += texts[name]
+        elif sensor[name] is not None:
+            found.append((name, f"{sensor[name]}"))
+    return found
 
 
 def neutrals_of(sensor: Summary) -> str:

@@ -5,6 +5,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from cg2raw import _core
 from cg2raw.cfa import sites_of
 from cg2raw.profile.camera_name import camera_name
@@ -18,49 +20,23 @@ def summary(profile: _core.SensorProfile) -> dict[str, Any]:
 
     Units: DN, K, (R/G, B/G); noise x in 0..1 above black."""
     return {
-        "id": profile.id,
-        "make": profile.make,
-        "model": profile.model,
+        **{name: plain(getattr(profile, name)) for name, _ in _core.profile_fields},
         "camera": camera_name(profile.make, profile.model),
-        "unique_camera_model": profile.unique_camera_model,
-        "cfa": profile.cfa,
-        "width": profile.width,
-        "height": profile.height,
-        "bits": profile.bits,
-        "black_level": list(profile.black_level),
-        "white_level": profile.white_level,
-        "calibrations": [calibration_of(c) for c in profile.calibrations],
-        "lamps": [lamp_of(lamp) for lamp in profile.lamps],
-        "spectral_sensitivities": sensitivities_of(profile.spectral_sensitivities),
         "illuminants": illuminants_of(profile),
-        "digital_gain": profile.digital_gain,
         "noise": {**noise_of(profile.noise), "effects": profile.noise_effects},
-        "effects": profile.effects,
         "sources": dict(profile.sources),
     }
 
 
-def calibration_of(calibration: Mapping[str, Any]) -> dict[str, Any]:
-    """Return one calibration in JSON's types."""
-    forward = calibration["xyz_d50_from_camera"]
-    return {
-        "light_source": calibration["light_source"],
-        "camera_from_xyz": calibration["camera_from_xyz"].tolist(),
-        "xyz_d50_from_camera": None if forward is None else forward.tolist(),
-    }
-
-
-def lamp_of(lamp: Mapping[str, Any]) -> dict[str, Any]:
-    """Return one lamp in JSON's types."""
-    matrix = lamp["camera_from_xyz"].tolist()
-    return {**lamp, "neutral": list(lamp["neutral"]), "camera_from_xyz": matrix}
-
-
-def sensitivities_of(table: Mapping[str, Any] | None) -> dict[str, Any] | None:
-    """Return spectral sensitivities in JSON's types; None if there are none."""
-    if table is None:
-        return None
-    return {**table, **{k: table[k].tolist() for k in ("wavelengths", "rgb")}}
+def plain(value: Any) -> Any:
+    """Return a value in JSON's types: lists in the place of tuples and arrays."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, dict):
+        return {name: plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(part) for part in value]
+    return value
 
 
 def illuminants_of(profile: _core.SensorProfile) -> dict[str, Any]:

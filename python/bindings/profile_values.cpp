@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 
-#include "profile_dicts.h"
+#include "profile_values.h"
 
 namespace cg2raw::python {
 namespace {
@@ -15,7 +15,7 @@ py::array_t<double> square_of(const std::array<double, 3>& covariance)
 
 } // namespace
 
-py::dict dict_of(const NoiseAtIso& noise)
+py::dict python_of(const NoiseAtIso& noise)
 {
     py::dict dict("iso"_a = noise.iso, "beta1"_a = noise.beta1,
                   "beta2"_a = noise.beta2);
@@ -30,7 +30,7 @@ py::dict dict_of(const NoiseAtIso& noise)
     return dict;
 }
 
-py::dict dict_of(const Calibration& calibration)
+py::dict python_of(const Calibration& calibration)
 {
     const auto& forward = calibration.xyz_d50_from_camera;
     return py::dict("light_source"_a = light_source_name(calibration.light_source),
@@ -39,23 +39,21 @@ py::dict dict_of(const Calibration& calibration)
                     = forward ? py::object(array_of(*forward)) : py::none());
 }
 
-py::object dict_of(const std::optional<SpectralSensitivities>& sensitivities)
+py::dict python_of(const SpectralSensitivities& sensitivities)
 {
-    if (!sensitivities)
-        return py::none();
-    const auto& rgb = sensitivities->rgb;
+    const auto& rgb = sensitivities.rgb;
     py::array_t<double> values({ py::ssize_t(rgb.size()), py::ssize_t(3) });
     auto to = values.mutable_unchecked<2>();
     for (std::size_t i = 0; i < rgb.size(); ++i)
         for (std::size_t channel : { 0, 1, 2 })
             to(py::ssize_t(i), py::ssize_t(channel)) = rgb[i][channel];
     return py::dict("wavelengths"_a = py::array_t<double>(
-                        py::ssize_t(rgb.size()), sensitivities->wavelengths.data()),
-                    "rgb"_a = values, "unit"_a = name_of(sensitivities->unit),
-                    "scale"_a = sensitivities->scale);
+                        py::ssize_t(rgb.size()), sensitivities.wavelengths.data()),
+                    "rgb"_a = values, "unit"_a = name_of(sensitivities.unit),
+                    "scale"_a = sensitivities.scale);
 }
 
-py::dict dict_of(const NeutralDistribution& lights)
+py::dict python_of(const NeutralDistribution& lights)
 {
     py::list mixture;
     for (const NeutralGaussian& gaussian : lights.mixture)
@@ -66,7 +64,7 @@ py::dict dict_of(const NeutralDistribution& lights)
                     "hull"_a = lights.hull, "mixture"_a = mixture);
 }
 
-py::dict dict_of(const Lamp& lamp)
+py::dict python_of(const Lamp& lamp)
 {
     const auto& [light_source, camera_from_xyz, forward] = lamp.calibration;
     return py::dict("name"_a = lamp.name,
@@ -75,14 +73,18 @@ py::dict dict_of(const Lamp& lamp)
                     "camera_from_xyz"_a = array_of(camera_from_xyz));
 }
 
-py::object dict_of(const std::optional<DigitalGain>& gain)
+py::dict python_of(const DigitalGain& gain)
 {
-    if (!gain)
-        return py::none();
-    return py::dict("mean"_a = gain->mean, "sigma"_a = gain->sigma);
+    return py::dict("mean"_a = gain.mean, "sigma"_a = gain.sigma);
 }
 
-py::dict dict_of(const EffectSetting& setting)
+std::vector<std::string> python_of(const std::optional<NoiseEffects>& effects)
+{
+    const auto [of_light, of_readout] = effects.value_or(NoiseEffects {});
+    return { of_light, of_readout };
+}
+
+py::dict python_of(const EffectSetting& setting)
 {
     return py::dict("name"_a = setting.name, "parameters"_a = setting.parameters,
                     "evidence"_a = setting.evidence);
