@@ -87,6 +87,8 @@ WRONG = [
     ("white_level", 0, "1 to 65535"),
     ("white_level", 16384, "1 to 16383"),
     ("white_level", 1e4 + 0.5, "whole number"),
+    ("base_iso", 0, "base_iso 0 must be at least 1"),
+    ("base_iso", "100", "number"),
     ("calibration_illuminant_1", "E", "A.*D65"),
     ("calibration_illuminant_2", "A", "differ"),
     ("calibration_illuminant_2", None, "missing"),
@@ -261,6 +263,7 @@ def test_forward_matrices_may_be_rounded_to_128ths():
 FULL = {
     "cfa": "BGGR",
     "black_level": [500.25, 501, 502, 503],
+    "base_iso": 64,
     "forward_matrix_1": [0.7, 0.2, 0.064, 0.28, 0.8, -0.08, 0.02, -0.1, 0.905],
     "forward_matrix_2": [0.72, 0.2, 0.044, 0.28, 0.8, -0.08, 0.02, -0.1, 0.905],
     "digital_gain": {"mean": 0.8, "sigma": 0.1},
