@@ -22,7 +22,7 @@ import numpy as np
 from studies.bench import processes
 from studies.bench.dataset import paper_arguments, paper_raw
 from studies.bench.peers import writers
-from studies.bench.processes import FLOOR, FOLDER, HEIGHT, OIIOTOOLS, PEER, WIDTH
+from studies.bench.processes import FLOOR, FOLDER, HEIGHT, OIIOTOOLS, WIDTH
 
 SENSOR, LIGHT, ISO = "samsung-s20fe", "2856K", 3200
 SIZES = (1, 3, 12, 48)  # MP
@@ -57,8 +57,10 @@ def timed(action):
 
 
 def rows_of(group, results, megapixels, peer=None):
-    """Return Rows of {name: [(seconds, CPU seconds, peak MB, file MB)]}; @megapixels :
-    of each name, or of all."""
+    """Return Rows of {name: [(seconds, CPU seconds, peak MB, file MB)]}.
+
+    megapixels : of each name, or of all. peer : the name that all are compared with, or
+    what gives it for a name."""
     medians = {
         name: [statistics.median(column) for column in zip(*values, strict=True)]
         for name, values in results.items()
@@ -69,8 +71,9 @@ def rows_of(group, results, megapixels, peer=None):
         count = megapixels[name] if isinstance(megapixels, dict) else megapixels
         row = Row(group, name, seconds, cpu, count, peak, size)
         if peer:
-            row.ratio = seconds / medians[peer][0]
-            row.cpu_ratio = cpu / medians[peer][1]
+            other = medians[peer(name) if callable(peer) else peer]
+            row.ratio = seconds / other[0]
+            row.cpu_ratio = cpu / other[1]
         rows.append(row)
     return rows
 
@@ -103,7 +106,7 @@ def hosts(rounds):
             for name, values in found.items()
         }
         group = f"oiiotool {processes.version_of(oiiotool)}"
-        rows += rows_of(group, results, WIDTH * HEIGHT / 1e6, PEER)
+        rows += rows_of(group, results, WIDTH * HEIGHT / 1e6, processes.peer_of)
     return rows
 
 
