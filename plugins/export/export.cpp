@@ -164,7 +164,8 @@ void require_sensor(const Given& given)
     const std::string raw = "\"RAW - <sensor> - <illuminant>\"";
     throw Error("which sensor? If its pixels are RAW already, add --iscolorspace " + raw
                 + ", else " + given.option("sensor", "ID")
-                + " (cg2raw sensors lists them), "
+                + " (cg2raw sensors lists them)"
+                + (given.dialect.converts ? ", " : " or ")
                 + given.option("reference", "FILE.dng")
                 + (given.dialect.converts ? " or --tocolorspace " + raw : ""));
 }

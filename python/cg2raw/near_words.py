@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""What a mistyped sensor or illuminant was probably meant to be, and other hints.
+"""What a mistyped sensor, illuminant or option was probably meant to be.
 
 The core knows which words there are; every message of it is read as a _core.Error,
 whose text has a hint added here, wherever it is shown."""
@@ -42,6 +42,8 @@ ILLUMINANT = re.compile(
     r'unknown illuminant "(.*?)"; it may be: ' + re.escape(_core.illuminant_grammar),
     re.S,
 )
+# Of an export, as _core.ExportOptions says it in a command's words.
+OPTION = re.compile(r"(--\S+) is unknown; known: (--.*)", re.S)
 
 
 def bare(word: str) -> str:
@@ -93,7 +95,13 @@ def did_you_mean(words: Sequence[str]) -> str:
 
 def with_suggestion(message: str) -> str:
     """Return a message of the core with the words that may have been meant."""
-    return ILLUMINANT.sub(_illuminant_words, SENSOR.sub(_sensor_words, message))
+    for pattern, words in (
+        (SENSOR, _sensor_words),
+        (ILLUMINANT, _illuminant_words),
+        (OPTION, _option_words),
+    ):
+        message = pattern.sub(words, message)
+    return message
 
 
 def one_line(message: str) -> str:
@@ -124,6 +132,12 @@ def _illuminant_words(found: re.Match[str]) -> str:
     near = near_illuminants(found[1])
     hint = did_you_mean(near) if near else f"it may be: {_core.illuminant_grammar}"
     return f"unknown illuminant {word}; {hint}"
+
+
+def _option_words(found: re.Match[str]) -> str:
+    near = _close(found[1], found[2].split(", "))
+    hint = f"; {did_you_mean(near)} known" if near else "; known"
+    return f"{found[1]} is unknown{hint}: {found[2]}"
 
 
 def _near_daylights(number: int) -> list[str]:

@@ -285,6 +285,7 @@ BAD = [
     (["--sensor", "nikon-d40", "--method", "upi", "--gain", "sample"], 1, "--gain"),
     ([*BASE, "--attrib", "dng:iso", "many"], 1, '--iso "many" must be an ISO'),
     ([*BASE, "--attrib", "dng:colour", "red"], 1, "--colour is unknown; known: --s"),
+    ([*BASE, "--attrib", "dng:shadng", "baked"], 1, "did you mean --shading? known:"),
     ([*BASE, "--attrib", "iso", "800"], 1, "--attrib iso: its name must begin with"),
     ([*BASE, "--iso", "many"], 2, "from 1 to"),
     ([*BASE, "--gain", "0"], 2, "0.001 to 1000"),
