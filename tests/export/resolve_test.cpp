@@ -427,6 +427,9 @@ const Refusal refusals[] = {
     { image(), s20_with({ { "timecode", "1h" } }), "hh:mm:ss:ff" },
     { image(), s20_with({ { "colour", "red" } }),
       "dng:colour is unknown; known: dng:sensor, dng:reference" },
+    { image({ { "oiio:ColorSpace", "RAW - nikon-d40 - D65" } }),
+      { { "reference", "/nowhere/x.dng" } },
+      "/nowhere/x.dng" },
     // What is missing
     { image(), {}, "which sensor? If its pixels are RAW already, add --iscolorspace" },
     { image(),

@@ -80,17 +80,6 @@ def test_alpha_is_ignored(oiiotool, scene, tmp_path):
     np.testing.assert_array_equal(read_dn(out), simulated(scene))
 
 
-@pytest.mark.parametrize("channels", [1, 2, 5])
-def test_other_channel_counts_are_refused(oiiotool, tmp_path, channels):
-    exr = write_image(tmp_path / "in.exr", np.ones((32, 32, channels), np.float32))
-    out = tmp_path / "shot.dng"
-    names = ",".join(f"c{number}" for number in range(channels))
-    done = oiiotool(exr, "--chnames", names, *S20, "-o", out, check=False)
-    assert done.returncode != 0
-    assert "has the channels c0" in done.stdout + done.stderr
-    assert not out.exists()
-
-
 def test_pixels_that_are_no_numbers(oiiotool, scene, tmp_path):
     pixels = scene.copy()
     pixels[5, 5] = np.nan
@@ -135,12 +124,6 @@ def test_exif_of_the_input_goes_into_the_file(oiiotool, exr, program, tmp_path):
     assert seen["DateTimeOriginal"] == given["DateTime"]
     assert seen["Artist"] == given["Artist"]
     assert seen["Orientation"] == 6
-
-
-def test_channels_go_by_their_names(oiiotool, exr, scene, tmp_path):
-    out = tmp_path / "shot.dng"
-    oiiotool(exr, "--chnames", "B,G,R", *S20, "-o", out)
-    np.testing.assert_array_equal(read_dn(out), simulated(scene[..., ::-1]))
 
 
 def test_primaries_that_the_file_states(oiiotool, scene, tmp_path):

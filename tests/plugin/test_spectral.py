@@ -53,17 +53,6 @@ def test_other_channels_and_their_order_do_not_matter(oiiotool, tmp_path, spectr
     assert np.array_equal(read_dn(tmp_path / "s.dng"), expected(spectra))
 
 
-def test_wavelengths_in_attributes(oiiotool, tmp_path, spectra):
-    names = [f"wl{i:02}" for i in range(len(CENTRES))]
-    metres = zip(names, CENTRES * 1e-9, strict=True)
-    said = [(f"{name}.wavelength", metre) for name, metre in metres]
-    path = write_spectra(tmp_path / "s.exr", spectra, names, said=said)
-    oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "s.dng")
-    found, wanted = read_dn(tmp_path / "s.dng"), expected(spectra)
-    # Attributes are single precision: 380 nm may be 380.00001 nm.
-    assert np.abs(found.astype(int) - wanted.astype(int)).max() <= 1
-
-
 def test_effects_of_the_whole_frame_take_spectra_too(oiiotool, tmp_path, spectra):
     known = {effect["name"]: effect["parameters"] for effect in cg2raw.effects()}
     values = {p["name"]: p["null"] for p in known["blur"]} | {"ring_1": 0.2}
@@ -103,34 +92,6 @@ def illuminated(sensor):
     from cg2raw.profile.illuminant_spectra import illuminant_spectrum
 
     return illuminant_spectrum("D65") @ sensor.spectral_sensitivities["rgb"]
-
-
-def test_white_luminance_of_the_file_stands_in_for_exposure(
-    oiiotool, tmp_path, spectra
-):
-    names = [name_of(nm) for nm in CENTRES]
-    said = [("whiteLuminance", WHITE)]
-    path = write_spectra(tmp_path / "s.exr", spectra, names, said=said)
-    asked = {name: value for name, value in ASKED.items() if name != "exposure"}
-    oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng")
-    assert np.array_equal(read_dn(tmp_path / "s.dng"), expected(spectra))
-
-
-def test_exposure_is_for_spectra_alone(oiiotool, exr, tmp_path):
-    done = oiiotool(exr, *attributes(**ASKED), "-o", tmp_path / "s.dng", check=False)
-    assert "dng:exposure is the luminance of white" in done.stdout + done.stderr
-
-
-def test_a_named_layer_is_taken_instead(oiiotool, tmp_path, spectra):
-    names = [f"preview.{c}" for c in "RGB"] + [name_of(nm) for nm in CENTRES]
-    rgb = np.full((*spectra.shape[:2], 3), 0.25, np.float32)
-    path = write_spectra(
-        tmp_path / "s.exr", np.concatenate([rgb, spectra], axis=2), names
-    )
-    asked = {"sensor": "canon-600d", "illuminant": "D65", "layer": "preview"}
-    oiiotool(path, *attributes(**asked), "-o", tmp_path / "s.dng")
-    wanted = cg2raw.Sensor("canon-600d").simulate(rgb, illuminant="D65")
-    assert np.array_equal(read_dn(tmp_path / "s.dng"), wanted)
 
 
 def test_the_command_writes_the_same_bytes(oiiotool, tmp_path, spectra):

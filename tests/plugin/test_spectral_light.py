@@ -5,7 +5,6 @@
 import json
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 
 import cg2raw
@@ -15,7 +14,6 @@ from dng import dng_files
 from images import attributes, read_dn
 from python import commands
 from spectral_files import (
-    ASKED,
     CENTRES,
     FICHET,
     WHITE,
@@ -63,15 +61,6 @@ def test_responses_that_a_file_states(oiiotool, tmp_path, spectra):
     assert not np.array_equal(found, expected(spectra))
 
 
-def test_pictures_have_no_light_to_estimate(oiiotool, exr, tmp_path):
-    asked = {"sensor": "canon-600d", "illuminant": "estimate"}
-    done = oiiotool(exr, *attributes(**asked), "-o", tmp_path / "s.dng", check=False)
-    assert "dng:illuminant estimate is for spectral images" in done.stdout + done.stderr
-    words = ["--sensor", "canon-600d", "--illuminant", "estimate:max"]
-    line = commands.fails("convert", exr, "-o", tmp_path / "b.dng", *words)
-    assert "--illuminant estimate:max is for spectral images" in line
-
-
 def test_the_command_estimates_by_all_pixels(tmp_path, spectra):
     path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
     for word in ("estimate:mean", "estimate:max"):
@@ -85,37 +74,6 @@ def test_the_command_estimates_by_all_pixels(tmp_path, spectra):
             cg2raw.Sensor("canon-600d"), spectra, CENTRES, illuminant=word, white=WHITE
         )
         assert np.array_equal(read_dn(tmp_path / "b.dng"), wanted)
-
-
-def test_a_light_that_is_no_spectrum_matters_to_estimate_alone(oiiotool, tmp_path):
-    spectra = np.full((24, 32, len(CENTRES)), 0.5, np.float32)
-    names, said = [name_of(nm) for nm in CENTRES], [("illuminant", "tungsten")]
-    path = write_spectra(tmp_path / "s.exr", spectra, names, said=said)
-    check_command(oiiotool, path, tmp_path)
-    words = ["--sensor", "canon-600d", "--illuminant", "estimate"]
-    words += ["--white-luminance", WHITE]
-    line = commands.fails("convert", path, "-o", tmp_path / "c.dng", *words)
-    message = 'attribute illuminant, the light\'s spectrum: spectrum "tungsten" must be'
-    assert f"{path}: {message}" in line
-    asked = {**ASKED, "illuminant": "estimate"}
-    done = oiiotool(path, *attributes(**asked), "-o", tmp_path / "d.dng", check=False)
-    assert message in done.stdout + done.stderr
-
-
-def test_deep_spectra_are_refused(oiiotool, tmp_path):
-    names = [name_of(nm) for nm in CENTRES]
-    spec = oiio.ImageSpec(8, 8, len(names), "float")
-    spec.channelnames, spec.deep = tuple(names), True
-    deep = oiio.DeepData()
-    deep.init(64, len(names), ["float"] * len(names), names)
-    path = tmp_path / "deep.exr"
-    file = oiio.ImageOutput.create(str(path))
-    assert file.open(str(path), spec) and file.write_deep_image(deep) and file.close()
-    words = ["--sensor", "canon-600d", "--illuminant", "A", "--white-luminance", 9]
-    line = commands.fails("convert", path, "-o", tmp_path / "c.dng", *words)
-    assert "flatten first (oiiotool --flatten)" in line
-    done = oiiotool(path, *attributes(**ASKED), "-o", tmp_path / "d.dng", check=False)
-    assert "flatten first" in done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,10 @@ OPTIONS = {
     "sampled gain": (["--gain", "sample"], {"gain": "sample"}),
     "no highlights": (["--no-highlights"], {"highlights": 0}),
     "frame": (["--iso", 800, "--frame", 5], {"ISO": 800, "frame": 5}),
+    "noise": (
+        ["--iso", 800, "--noise", "gaussian"],
+        {"iso": 800, "noise": "gaussian"},
+    ),
     "no effects": (
         ["--iso", 800, "--effects", "none"],
         {"iso": 800, "effects": "none"},
@@ -110,22 +114,6 @@ def test_an_attribute_comes_before_the_option(exr, tmp_path):
     assert commands.run("convert", exr, "-o", ours, *BASE, *words).code == 0
     assert commands.run("convert", exr, "-o", same, *BASE, "--crop", "none").code == 0
     assert ours.read_bytes() == same.read_bytes()
-
-
-@pytest.mark.parametrize("noise", [None, "gaussian", "physical"])
-def test_noise_is_drawn_as_the_profile_says(exr, scene, tmp_path, noise):
-    """Unless the command does."""
-    profile = json.loads(cg2raw.Sensor("canon-70d").to_json())
-    profile["noise_effects"] = ["poisson_shot_noise", "heavy_tailed_noise"]
-    path, ours, theirs = (tmp_path / n for n in ("x.json", "ours.dng", "theirs.dng"))
-    path.write_text(json.dumps(profile))
-    words = ["--sensor", path, "--illuminant", "D65", "--iso", 800]
-    words += ["--noise", noise] if noise else []
-    assert commands.run("convert", exr, "-o", ours, *words).code == 0
-    drawn = noise or "physical"
-    raw = cg2raw.Sensor(path).simulate(scene, illuminant="D65", iso=800, noise=drawn)
-    cg2raw.write_dng(theirs, raw, shot=read_image(exr).shot)
-    assert ours.read_bytes() == theirs.read_bytes()
 
 
 SAID = {
@@ -300,18 +288,6 @@ def test_errors_are_one_line_and_leave_nothing(exr, tmp_path, words, code, said)
     out = tmp_path / "shot.dng"
     assert said in commands.fails("convert", exr, "-o", out, *words, code=code)
     assert [path.name for path in tmp_path.iterdir()] == ["scene.exr"]
-
-
-@pytest.mark.parametrize("channels", [1, 2, 5])
-def test_images_that_are_not_rgb(tmp_path, channels):
-    spec = oiio.ImageSpec(8, 8, channels, "float")
-    spec.channelnames = [f"c{number}" for number in range(channels)]
-    exr = str(tmp_path / "x.exr")
-    file = oiio.ImageOutput.create(exr)
-    assert file.open(exr, spec) and file.write_image(np.ones((8, 8, channels)))
-    assert file.close()
-    line = commands.fails("convert", exr, "-o", tmp_path / "x.dng", *BASE)
-    assert f"{exr}: needs R, G and B" in line and "has the channels c0" in line
 
 
 def test_other_primaries_and_spaces_are_refused(tmp_path, scene):
