@@ -9,7 +9,6 @@ import PyOpenColorIO as ocio
 
 from cg2raw import _core
 from cg2raw.cfa import is_mono
-from cg2raw.profile.camera_name import camera_name
 
 from . import chain, color_effects, names, spectral_chain
 
@@ -142,7 +141,7 @@ def seen_by(profile: _core.SensorProfile, illuminant: str, exposure: Exposure) -
     light = profile.illuminant(illuminant)
     red, _, blue = light.neutral
     text = (
-        f"{camera_name(profile.make, profile.model)} under {light.spec} "
+        f"{_core.camera_name(profile.make, profile.model)} under {light.spec} "
         f"({light.cct:.0f} K, Duv {light.duv:+.4f}; neutral R/G {red:.4f}, "
         f"B/G {blue:.4f}), convention {exposure.convention}"
     )

@@ -4,7 +4,7 @@
 
 import pytest
 
-from cg2raw.profile.camera_name import camera_name
+from cg2raw._core import camera_name
 from cg2raw.profile.spectral import profile_from_ssf
 from python.spectra import SENSOR, three_lobes
 

@@ -78,12 +78,19 @@ std::string checked_id(const std::string& given, const DngMetadata& metadata)
 
 std::string camera_name(const DngMetadata& metadata)
 {
-    if (!metadata.unique_camera_model.empty())
-        return metadata.unique_camera_model;
-    const std::string make = metadata.make.substr(0, metadata.make.find(' '));
-    const bool said = sensor_id_from_name(metadata.model.substr(0, make.size()))
-        == sensor_id_from_name(make);
-    return said ? metadata.model : make + " " + metadata.model;
+    return metadata.unique_camera_model.empty()
+        ? camera_name(metadata.make, metadata.model)
+        : metadata.unique_camera_model;
+}
+
+std::string camera_name(const std::string& make, const std::string& model)
+{
+    const std::size_t begin = std::min(make.find_first_not_of(' '), make.size());
+    const std::string brand = make.substr(begin, make.find(' ', begin) - begin);
+    const std::string first = model.substr(0, model.find_first_of(" -_", brand.size()));
+    if (sensor_id_from_name(first) == sensor_id_from_name(brand))
+        return model;
+    return brand.empty() || model.empty() ? brand + model : brand + " " + model;
 }
 
 std::string names_of_files(const std::vector<DngMetadata>& files)

@@ -10,7 +10,7 @@ namespace cg2raw {
 
 using Notes = std::vector<std::string>;
 
-/// What people call the camera: make and model, the make not said twice.
+/// As raw converters look it up, or camera_name() of its make and model.
 std::string camera_name(const DngMetadata& metadata);
 /// "a.dng", or "12 DNGs, a.dng to z.dng": names without folders, fit for JSON.
 std::string names_of_files(const std::vector<DngMetadata>& files);

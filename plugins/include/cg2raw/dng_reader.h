@@ -110,5 +110,8 @@ ProfileOfDngs profile_from_dngs(const std::vector<DngMetadata>& files,
 /// "gopro-hero6-black"; cut to longest_sensor_id. Empty if the name has no ASCII letter
 /// or digit.
 std::string sensor_id_from_name(std::string_view name);
+/// What people call a camera: the first word of its make, then its model, which may
+/// begin with that word already, in either case.
+std::string camera_name(const std::string& make, const std::string& model);
 
 } // namespace cg2raw

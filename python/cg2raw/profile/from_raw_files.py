@@ -12,7 +12,6 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.io import libraw
 from cg2raw.io.raw_header import RawHeader
-from cg2raw.profile.camera_name import camera_name
 
 REMEDY = "convert it with Adobe DNG Converter or dnglab, then give the DNG"
 NOTE = (
@@ -57,7 +56,7 @@ def profile_from_raw_files(
                 )
     notes = [NOTE]
     black, neutrals = black_of(files, notes), neutrals_of(files, notes)
-    name = camera_name(first.make, first.model)
+    name = _core.camera_name(first.make, first.model)
     height, width = first.shape
     white, matrix = first.white_level, first.camera_from_xyz
     assert white is not None and matrix is not None  # read() has them

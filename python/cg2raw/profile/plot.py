@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cg2raw._core import SensorProfile
+from cg2raw import _core
 from cg2raw.cfa import is_mono
 from cg2raw.io.figure import BLACK, BLUE, GREEN, RED, SKY
-from cg2raw.profile.camera_name import camera_name
 from cg2raw.profile.plot_sensitivities import draw_sensitivities
 from cg2raw.profile.spectral_file import Array
 from cg2raw.profile.summary import kelvin_words
@@ -26,7 +25,7 @@ APART = 34  # pixels between labelled temperatures
 MARGIN = 0.35  # of the data's extent, around it; the locus may leave the picture
 
 
-def plot_png(profile: SensorProfile, cct: Sequence[float] | None = None) -> bytes:
+def plot_png(profile: _core.SensorProfile, cct: Sequence[float] | None = None) -> bytes:
     """Return the PNG of a SensorProfile's illuminants; same profile, same bytes.
 
     Shows the neutrals, the ellipses of 1, 2 and 3 standard deviations of their
@@ -46,7 +45,7 @@ def plot_png(profile: SensorProfile, cct: Sequence[float] | None = None) -> byte
         return drawing(profile, cct)
 
 
-def drawing(profile: SensorProfile, cct: Sequence[float] | None) -> bytes:
+def drawing(profile: _core.SensorProfile, cct: Sequence[float] | None) -> bytes:
     """Return the PNG; arguments as above."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -67,7 +66,7 @@ def drawing(profile: SensorProfile, cct: Sequence[float] | None) -> bytes:
 
 
 def draw_illuminants(
-    axes: "Axes", profile: SensorProfile, cct: Sequence[float] | None
+    axes: "Axes", profile: _core.SensorProfile, cct: Sequence[float] | None
 ) -> None:
     """Draw neutrals, samples and the locus in the plane of R/G and B/G."""
     samples = drawn(profile)
@@ -82,7 +81,7 @@ def draw_illuminants(
     axes.legend(loc="upper right", fontsize=9, framealpha=0.9)
 
 
-def title(profile: SensorProfile, cct: Sequence[float] | None) -> str:
+def title(profile: _core.SensorProfile, cct: Sequence[float] | None) -> str:
     """Return two lines: which sensor, and how much is known."""
     count = len(profile.illuminants["neutrals"])
     known = (
@@ -92,11 +91,11 @@ def title(profile: SensorProfile, cct: Sequence[float] | None) -> str:
     )
     known = known if count or profile.illuminants["hull"] else "no neutrals"
     span = f", {kelvin_words(cct)}" if cct else ""
-    camera = camera_name(profile.make, profile.model)
+    camera = _core.camera_name(profile.make, profile.model)
     return f"{profile.id} ({camera})\n{known}{span}".replace("$", r"\$")
 
 
-def drawn(profile: SensorProfile) -> Array:
+def drawn(profile: _core.SensorProfile) -> Array:
     """Return (n, 2) samples; none if the profile has nothing to draw from."""
     try:
         lights = [profile.illuminant(f"sample:{n}").neutral for n in range(SAMPLES)]
@@ -105,7 +104,7 @@ def drawn(profile: SensorProfile) -> Array:
     return np.array(lights)[:, [0, 2]]
 
 
-def draw_lights(axes: "Axes", profile: SensorProfile, samples: Array) -> None:
+def draw_lights(axes: "Axes", profile: _core.SensorProfile, samples: Array) -> None:
     """Draw hull, ellipses, neutrals and samples."""
     lights = profile.illuminants
     if len(samples):
@@ -140,7 +139,7 @@ def draw_ellipses(axes: "Axes", lights: Mapping[str, Any]) -> None:
     axes.plot(*lights["mean"], "+", color=RED, markersize=11, zorder=6)
 
 
-def neutral_at(profile: SensorProfile, kelvin: float) -> tuple[float, float]:
+def neutral_at(profile: _core.SensorProfile, kelvin: float) -> tuple[float, float]:
     """Return (R/G, B/G) of a Planckian light, nan where the sensor does not see it."""
     try:
         neutral = profile.illuminant(f"{kelvin:.6f}K").neutral
@@ -149,7 +148,7 @@ def neutral_at(profile: SensorProfile, kelvin: float) -> tuple[float, float]:
     return neutral[0], neutral[2]
 
 
-def draw_locus(axes: "Axes", profile: SensorProfile) -> Array:
+def draw_locus(axes: "Axes", profile: _core.SensorProfile) -> Array:
     """Draw the Planckian locus as this sensor sees it; return its (n, 2) points."""
     points = np.array([neutral_at(profile, 1e6 / mired) for mired in LOCUS])
     axes.plot(*points.T, color=BLACK, linewidth=1.3, zorder=4, label="Planckian locus")
@@ -157,7 +156,7 @@ def draw_locus(axes: "Axes", profile: SensorProfile) -> Array:
 
 
 def set_limits(
-    axes: "Axes", profile: SensorProfile, samples: Array, locus: Array
+    axes: "Axes", profile: _core.SensorProfile, samples: Array, locus: Array
 ) -> None:
     """Frame what was measured and drawn; without either, the whole locus."""
     lights = profile.illuminants
@@ -171,7 +170,7 @@ def set_limits(
     axes.set_ylim(max(0, low[1] - room[1]), high[1] + room[1])
 
 
-def label_ticks(axes: "Axes", profile: SensorProfile) -> None:
+def label_ticks(axes: "Axes", profile: _core.SensorProfile) -> None:
     """Label temperatures on the locus where they are in the picture and apart."""
     axes.figure.canvas.draw()  # settles the layout, so that pixels can be compared
     box = axes.get_window_extent()

@@ -16,7 +16,6 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.cfa import is_mono
 from cg2raw.io.atomic_file import FilePath
-from cg2raw.profile.camera_name import camera_name
 from cg2raw.profile.illuminant_spectra import REAL_LIGHTS, illuminant_spectrum
 from cg2raw.profile.lamps import check_lamp_names, lamp_field, lamp_name
 from cg2raw.profile.matrix_fit import color_matrix, fit_xyz_d50_from_camera
@@ -152,7 +151,7 @@ def profile_from_ssf(
     black = np.ravel(np.array(black_level)).tolist()
     sites = 1 if mono else 4
     profile["black_level"] = black * sites if len(black) == 1 else black
-    camera = camera_name(profile["make"], profile["model"])
+    camera = _core.camera_name(profile["make"], profile["model"])
     names = {"id": id or _id_of(camera), "unique_camera_model": camera}
     if mono:
         return _mono_profile({"schema": 1, **names, **profile}, measured, lamps)

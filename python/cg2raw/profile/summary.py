@@ -9,7 +9,6 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.cfa import sites_of
-from cg2raw.profile.camera_name import camera_name
 
 LEAST_CCT, MOST_CCT = 1e6 / 600, 1e6 / 10  # K, where Robertson's table ends
 STOP = 2.0  # noise is interpolated up to one stop beyond the calibrated ISOs
@@ -21,7 +20,7 @@ def summary(profile: _core.SensorProfile) -> dict[str, Any]:
     Units: DN, K, (R/G, B/G); noise x in 0..1 above black."""
     return {
         **{name: plain(getattr(profile, name)) for name, _ in _core.profile_fields},
-        "camera": camera_name(profile.make, profile.model),
+        "camera": _core.camera_name(profile.make, profile.model),
         "illuminants": illuminants_of(profile),
         "noise": {**noise_of(profile.noise), "effects": profile.noise_effects},
         "sources": dict(profile.sources),
