@@ -209,7 +209,7 @@ def lamp_with(**power):
 @pytest.mark.parametrize(
     ("power", "message"),
     [
-        ({"values": [1, 1]}, "has 2 numbers; it needs one per wavelength, 3"),
+        ({"values": [1, 1]}, "has 2 values; it needs one per wavelength, 3"),
         ({"wavelengths": [400, 600, 500]}, "power of x: .* they must rise"),
         ({"values": [1, -1, 1]}, "power of x: -1 must be 0 to"),
         ({"values": [0, 0, 0]}, "power of x is nowhere above 0"),
