@@ -78,7 +78,7 @@ def test_the_profile_has_what_was_planted_and_nothing_else():
 def test_a_sensor_without_effects_gets_none():
     sensor = sensor_of()
     profile = json.loads(calibrate(sensor, frames_of(sensor)).updated_profile())
-    assert profile.get("effects", []) == []
+    assert profile["effects"] == []
 
 
 def test_rows_of_noise_that_say_their_shape_keep_it():
@@ -90,7 +90,7 @@ def test_rows_of_noise_that_say_their_shape_keep_it():
     found = calibrate(sensor, frames_of(sensor, darks=0))
     profile = json.loads(found.updated_profile())
     new, old = profile["noise"]
-    assert "effects" not in profile or profile["effects"] == []
+    assert profile["effects"] == []
     assert new["row_sigma"] * RANGE == pytest.approx(1.0, rel=0.1)
     both = np.hypot(READ, 1.0)
     assert np.sqrt(new["beta2"][1]) * RANGE == pytest.approx(both, rel=0.02)

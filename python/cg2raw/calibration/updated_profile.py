@@ -12,6 +12,7 @@ from cg2raw import _core
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.profile_effects import Found, effects_found
+from cg2raw.io.json_text import formatted
 from cg2raw.sensor import Sensor
 
 SOURCE = "cg2raw calibrate, photon transfer (EMVA 1288 R4.0)"
@@ -42,7 +43,10 @@ def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]
             settings[name] = setting(name, values, known[name], frames)
     profile["effects"] = list(settings.values())
     text = json.dumps(profile, indent=2)
-    return Sensor.from_json(text, "the calibrated profile").profile.to_json(), notes
+    text = Sensor.from_json(text, "the calibrated profile").profile.to_json()
+    if not settings:  # frames that show none say so, where a profile leaves it out
+        text = formatted({**json.loads(text), "effects": []})
+    return text, notes
 
 
 def levels_of(found: Measurements, has_structure: bool) -> list[float]:
