@@ -257,7 +257,8 @@ Export resolve(const ImageFacts& facts, const ExportOptions& options,
     const Given given { facts, options, dialect };
     require_picture(facts);
     Export result;
-    result.bins = spectral_bins(given, facts.parts[0]);
+    if (options.layer.empty()) // a picture beside the spectrum has a name
+        result.bins = spectral_bins(facts.parts[0]);
     if (!result.bins) {
         refuse_spectral_options(given, options.illuminant);
         result.layer = picture_layer(facts, options, dialect);

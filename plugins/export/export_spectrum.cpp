@@ -112,10 +112,8 @@ bool are_unnamed(const std::vector<std::string>& channels)
 
 } // namespace
 
-std::optional<SpectralChannels> spectral_bins(const Given& given, const ImagePart& part)
+std::optional<SpectralChannels> spectral_bins(const ImagePart& part)
 {
-    if (!given.options.layer.empty())
-        return std::nullopt;
     const auto wavelength = [&](const std::string& channel) -> std::optional<double> {
         const double metres = part.metadata.number(channel + ".wavelength");
         return metres == 0.0 ? std::nullopt : std::optional(metres);

@@ -37,10 +37,6 @@ Shot shot(const Given& given, const ImagePart& part, std::int64_t frame);
 /// The frame number that the time code of an image is.
 std::optional<std::int64_t> time_code_frame(const Metadata& metadata);
 
-/// The bins of a spectrum among the channels, unless a layer is named.
-std::optional<SpectralChannels> spectral_bins(const Given& given,
-                                              const ImagePart& part);
-
 /// Makes pixels the light that the sensor's channels see, and white what its
 /// sensitivities make of the light that is named; "estimate" is the one that the file
 /// states. Throws Error for what has no meaning for spectra, and for a sensor without

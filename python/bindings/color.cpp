@@ -51,9 +51,6 @@ void bind_color(py::module_& m)
           "Whether a colour space's name is known to mean scene-linear Rec.709.");
     m.def("is_rec709_primaries", &is_rec709_primaries, "chromaticities"_a,
           "Whether x, y of red, green, blue and white (8 numbers) are Rec.709's.");
-    m.def("require_rec709_primaries", &require_rec709_primaries, "chromaticities"_a,
-          "space"_a, "openimageio_version"_a, "rec709"_a,
-          "Raise Error for an image of other primaries whose space nobody stated.");
     py::class_<Rng> rng(m, "Rng",
                         "Random numbers that are pure functions of (seed, purpose, "
                         "frame) and n.");

@@ -4,19 +4,9 @@
 #include "cg2raw/encoding.h"
 
 #include "bindings.h"
-#include "constructor.h"
 
 namespace cg2raw::python {
 namespace {
-
-Alpha alpha_from_name(const std::string& name)
-{
-    if (name == "associated" || name == "unassociated")
-        return name == "associated" ? Alpha::associated : Alpha::unassociated;
-    if (name != "none")
-        throw Error("alpha \"" + name + "\" must be none, associated or unassociated");
-    return Alpha::none;
-}
 
 /// (height, width, 3) light of (height, width, 3 or 4) numbers of a file.
 FloatArray decoded(const Decoder& decoder, const FloatArray& pixels)
@@ -40,44 +30,12 @@ FloatArray decoded(const Decoder& decoder, const FloatArray& pixels)
     return light;
 }
 
-StatedEncoding stated(std::string space, bool is_rec709, bool is_raw,
-                      std::string samples, std::string icc_profile,
-                      std::string transfer, double gamma)
-{
-    return { std::move(space),       is_rec709,           is_raw, std::move(samples),
-             std::move(icc_profile), std::move(transfer), gamma };
-}
-
 } // namespace
 
 void bind_encoding(py::module_& m)
 {
-    py::class_<StatedEncoding> said(m, "StatedEncoding",
-                                    "What a file, or its user, says of its encoding.");
-    def_constructor(said, &stated, "space"_a, "is_rec709"_a, "is_raw"_a, "samples"_a,
-                    "icc_profile"_a = "", "transfer"_a = "", "gamma"_a = 0.0);
-    said.def_readonly("space", &StatedEncoding::space);
-    py::class_<Curve>(m, "Curve", "From light to the numbers of a file.")
-        .def_property_readonly("name", &Curve::name, "srgb, g2.2, or nothing.");
-    m.def(
-        "curve_of",
-        [](const StatedEncoding& encoding, const std::string& undo,
-           const std::string& linearize, const std::string& is_linear,
-           const std::string& convert) {
-            return curve_of(encoding, undo_from_name(undo),
-                            { linearize, is_linear, [&] { return convert; } });
-        },
-        "said"_a, "undo"_a, "linearize"_a, "is_linear"_a, "convert"_a,
-        "Return the Curve to undo: none, srgb, stated or stated-or-srgb; the others "
-        "are\nremedies, for messages. Raises Error.");
-    py::class_<Decoder> decoder(m, "Decoder", "Numbers of a file -> light over black.");
-    def_constructor(
-        decoder,
-        +[](const std::optional<Curve>& curve, const std::string& alpha, int levels) {
-            return Decoder(curve.value_or(Curve {}), alpha_from_name(alpha), levels);
-        },
-        "curve"_a, "alpha"_a, "levels"_a);
-    decoder.def_property_readonly("is_identity", &Decoder::is_identity)
+    py::class_<Decoder>(m, "Decoder", "Numbers of a file -> light over black.")
+        .def_property_readonly("is_identity", &Decoder::is_identity)
         .def_property_readonly("needs_alpha", &Decoder::needs_alpha)
         .def("decode", &decoded, "pixels"_a,
              "(H, W, 3) float32 light of (H, W, 3 or 4) numbers; alpha comes last.");

@@ -151,6 +151,11 @@ void bind_export(py::module_& m)
     m.def("picture_layer", &picture_layer, "facts"_a, "options"_a, "dialect"_a,
           "The SceneLayer that is the picture of a file. Raises Error.");
     m.def(
+        "spectral_bins",
+        [](const ImageFacts& image) { return spectral_bins(image.parts.front()); },
+        "facts"_a,
+        "The SpectralChannels of the first image of a file, or None. Raises Error.");
+    m.def(
         "stated_shot",
         [](const ImageFacts& image) {
             return stated_shot(image.parts.front().metadata);

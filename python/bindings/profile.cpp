@@ -122,9 +122,6 @@ void bind_illuminant(py::module_& m)
             return raw_space_interop_id({ sensor, illuminant });
         },
         "sensor"_a, "illuminant"_a, "Its interop ID: the alias, in a namespace.");
-    m.def("space_of_file", &space_of_file, "space"_a, "interop_id"_a,
-          "The colour space of a file: space, unless it is only what OpenImageIO 2\n"
-          "says of any EXR and the interop ID is of a RAW space.");
 }
 
 void bind_search(py::module_& m)

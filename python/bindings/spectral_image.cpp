@@ -67,17 +67,6 @@ py::array_t<double> array_of(const std::vector<std::array<double, n>>& bins)
                                bins.front().data());
 }
 
-/// What an image says of its channels.
-template <class Value>
-std::function<std::optional<Value>(const std::string&)>
-lookup(const std::map<std::string, Value>& stated)
-{
-    return [&](const std::string& name) {
-        const auto found = stated.find(name);
-        return found == stated.end() ? std::nullopt : std::optional(found->second);
-    };
-}
-
 } // namespace
 
 void bind_spectral_image(py::module_& m)
@@ -87,19 +76,6 @@ void bind_spectral_image(py::module_& m)
                       "Indices of the image's channels, by rising wavelength.")
         .def_readonly("wavelengths", &SpectralChannels::wavelengths,
                       "Centres of their bins, nm.");
-    m.def(
-        "spectral_channels",
-        [](const std::vector<std::string>& names,
-           const std::map<std::string, double>& stated,
-           const std::map<std::string, std::string>& responses) {
-            return spectral_channels(names, lookup(stated), lookup(responses));
-        },
-        "names"_a, "stated"_a = std::map<std::string, double> {},
-        "responses"_a = std::map<std::string, std::string> {},
-        "The SpectralChannels among an image's channels (\"S0.550,0nm\"), or None.\n\n"
-        "stated : {channel: wavelength in m}, as files of Ocean say it in "
-        "attributes.\nresponses : {channel: \"550nm:0.3;...\"}, its spectral "
-        "response.\nRaises ValueError.");
     py::class_<SpectralResponse> response(m, "SpectralResponse",
                                           "Camera RGB (white 1) of spectral radiance.");
     def_constructor(

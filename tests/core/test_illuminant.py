@@ -322,11 +322,3 @@ def test_interop_ids_of_raw_spaces_are_known_again():
     assert known == "cg2raw:raw_nikon_d40_sample_7"
     for name in (known, known.removeprefix("cg2raw:"), known.upper()):
         assert tuple(cg2raw.raw_space_from_name(name)) == ("nikon-d40", "sample:7")
-
-
-@pytest.mark.parametrize("space", ["", "Linear"])  # what OpenImageIO 2 says of any EXR
-def test_an_interop_id_counts_where_no_space_is_stated(space):
-    known = "cg2raw:raw_nikon_d40_d65"
-    assert cg2raw._core.space_of_file(space, known) == known
-    assert cg2raw._core.space_of_file(space, "lin_ap1_scene") == space
-    assert cg2raw._core.space_of_file("lin_rec709", known) == "lin_rec709"

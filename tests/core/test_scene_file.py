@@ -5,6 +5,7 @@
 import pytest
 
 from cg2raw import _core
+from core.facts import facts, picture, picture_layer
 
 RGBA = ["R", "G", "B", "A"]
 
@@ -73,7 +74,7 @@ PICTURES = {
 @pytest.mark.parametrize("name", PICTURES)
 def test_the_picture_by_convention(name):
     parts, expected, places = PICTURES[name]
-    found = _core.beauty_layer(parts)
+    found = picture_layer(parts)
     assert found.name == expected
     channels = parts[found.part][1]
     letters = "".join(
@@ -103,7 +104,7 @@ ASKED = [
 
 @pytest.mark.parametrize(("parts", "asked", "places"), ASKED, ids=str)
 def test_the_layer_that_is_asked_for(parts, asked, places):
-    found = _core.beauty_layer(parts, asked)
+    found = picture_layer(parts, asked)
     assert (found.part, *found.channels) == places
 
 
@@ -146,7 +147,7 @@ REFUSED = [
 @pytest.mark.parametrize(("parts", "asked", "said"), REFUSED, ids=str)
 def test_files_without_one_picture_get_one_line(parts, asked, said):
     with pytest.raises(ValueError, match=said) as error:
-        _core.beauty_layer(parts, asked)
+        picture_layer(parts, asked)
     assert "\n" not in str(error.value)
 
 
@@ -157,22 +158,22 @@ LIGHT = ["spec", "composition", "ViewLayer.Env", "pink", "nebula", "zinc", "idle
 @pytest.mark.parametrize("name", [*DATA, *LIGHT])
 def test_layers_of_data_are_not_suggested(name):
     with pytest.raises(ValueError, match="--layer") as error:
-        _core.beauty_layer([("", layer(name) + layer("a") + layer("b"))])
+        picture_layer([("", layer(name) + layer("a") + layer("b"))])
     assert ("data: " in str(error.value)) == (name in DATA)
 
 
 def test_a_cryptomatte_is_known_by_the_name_that_the_file_states():
     parts = [("", layer("asset00") + layer("key") + ["Z"])]
     with pytest.raises(ValueError, match=r"Then add --layer key.*data: asset00$"):
-        _core.beauty_layer(parts, data=["Asset"])
+        picture_layer(parts, stated={"cryptomatte/1/name": "Asset"})
 
 
 def test_many_channels_are_counted_not_listed():
     names = [name for i in range(5000) for name in layer(f"l{i}", "RGB")]
     with pytest.raises(ValueError, match="and 14960 more$") as error:
-        _core.beauty_layer([("", names)])
+        picture_layer([("", names)])
     assert len(str(error.value)) < 2000
-    assert _core.beauty_layer([("", names)], "l4999").channels[0] == 3 * 4999
+    assert picture_layer([("", names)], "l4999").channels[0] == 3 * 4999
 
 
 FRAMES = {
@@ -230,11 +231,18 @@ TIME_CODES = {
 
 @pytest.mark.parametrize("text", TIME_CODES)
 def test_time_codes_are_frame_numbers(text):
-    assert _core.frame_from_time_code(text) == TIME_CODES[text]
+    image = facts([("", "RGB")], {"smpte:TimeCode": text})
+    assert picture(image).run["frame"] == (TIME_CODES[text] or 0)
 
 
 ACESCG = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
 REC709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
+
+
+def check_primaries(primaries, space, version):
+    """Raise ValueError for an image of other primaries whose space nobody stated."""
+    stated = {"chromaticities": primaries, "oiio:ColorSpace": space}
+    picture(facts([("", "RGB")], stated, version=version))
 
 
 @pytest.mark.parametrize(
@@ -256,17 +264,17 @@ REC709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
     ],
 )
 def test_a_stated_space_outweighs_leftover_primaries(space, version, believed):
-    _core.require_rec709_primaries(REC709, space, version, "lin_rec709")
+    check_primaries(REC709, space, version)
     if believed:
-        _core.require_rec709_primaries(ACESCG, space, version, "lin_rec709")
+        check_primaries(ACESCG, space, version)
         return
     with pytest.raises(ValueError, match="ACEScg.*--iscolorspace ACEScg --tocolorsp"):
-        _core.require_rec709_primaries(ACESCG, space, version, "lin_rec709")
+        check_primaries(ACESCG, space, version)
 
 
 def test_unknown_primaries_are_not_named():
     other = (0.7, 0.3, 0.2, 0.8, 0.1, 0.1, 0.31, 0.33)
     with pytest.raises(ValueError, match="are unknown.*--iscolorspace NAME"):
-        _core.require_rec709_primaries(other, "", 30202, "lin_rec709")
+        check_primaries(other, "", 30202)
     with pytest.raises(ValueError, match="--eraseattrib chromaticities"):
-        _core.require_rec709_primaries(ACESCG, "lin_rec709", 30021, "lin_rec709")
+        check_primaries(ACESCG, "lin_rec709", 30021)

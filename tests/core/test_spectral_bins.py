@@ -8,6 +8,7 @@ import pytest
 import cg2raw
 from cg2raw import _core
 from cg2raw.spectra import camera_from_spectra, simulate_spectra
+from core.facts import spectral_bins
 
 CENTRES = np.arange(400.0, 701.0, 20.0)
 NAMES = [f"S0.{nm:.0f}nm" for nm in CENTRES]
@@ -20,7 +21,7 @@ def text_of(rows):
 
 def per_bin(responses=None, names=NAMES):
     """Camera RGB of a radiance of 1 in each bin, by stated responses or by boxes."""
-    bins = _core.spectral_channels(names, {}, responses or {})
+    bins = spectral_bins(names, {}, responses or {})
     light = SENSOR.illuminant("D65")
     return _core.SpectralResponse(SENSOR.profile, light, bins, 100.0)
 

@@ -130,6 +130,9 @@ struct Export {
 SceneLayer picture_layer(const ImageFacts& facts, const ExportOptions& options,
                          const Dialect& dialect);
 
+/// The bins of a spectrum among the channels of an image. Throws Error.
+std::optional<SpectralChannels> spectral_bins(const ImagePart& part);
+
 /// What an image states of its exposure and of its place in a shot. @p rate: of which
 /// its time code is; none: as it is stated.
 Shot stated_shot(const Metadata& metadata,

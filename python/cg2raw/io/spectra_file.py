@@ -85,13 +85,8 @@ def spectra_in(path: FilePath) -> SpectraFile | None:
     Raises ValueError, OSError."""
     with opened(path) as source:
         spec = source.spec()
-    names = spec.channelnames
-    said = {name: spec.getattribute(f"{name}.wavelength") for name in names}
-    stated = {name: float(metres) for name, metres in said.items() if metres}
-    texts = {name: spec.getattribute(name) for name in names}
-    responses = {name: text for name, text in texts.items() if is_text(text)}
     try:
-        bins = _core.spectral_channels(names, stated, responses)
+        bins = _core.spectral_bins(image_facts.facts([spec]))
         if bins is None:
             return None
         check_flat(spec)
