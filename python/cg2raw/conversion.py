@@ -95,15 +95,22 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
 
 
 def decide(
-    path: FilePath, output: FilePath, request: Request, source: Any
+    path: FilePath,
+    output: FilePath,
+    request: Request,
+    source: Any,
+    by_header: bool = False,
 ) -> tuple[_core.Export, Any]:
     """Return (all that decides the DNG of a file, the ImageSpec of its picture).
 
-    source : of the file. Raises ValueError."""
+    source : of the file. by_header : a light that all pixels make is not measured.
+    Raises ValueError."""
     options = _core.ExportOptions(request.options, DIALECT)
     rule = _core.resolve_picture if request.upi else _core.resolve
 
     def measured_light(word: str, bins: _core.SpectralChannels) -> Rows:
+        if by_header:
+            return [(nm, 1.0) for nm in bins.wavelengths]
         file = SpectraFile(str(path), source.spec(), bins)
         return estimated_light(word, None, bins.wavelengths, file.statistic)
 
@@ -124,7 +131,7 @@ def stated_shot(path: FilePath, request: Request) -> _core.Shot:
     Its picture must be there, and be what the options say. Raises ValueError,
     OSError."""
     with image_file.opened(path) as source:
-        decided, _ = decide(path, "", request, source)
+        decided, _ = decide(path, "", request, source, by_header=True)
         return decided.shot
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import cg2raw
 from cg2raw import _core
+from cg2raw.io.spectra_file import SpectraFile
 from cg2raw.spectra import simulate_spectra
 from dng import dng_files
 from images import attributes, read_dn
@@ -100,3 +101,23 @@ def test_the_spectrum_that_is_taken_is_said(oiiotool, exr, tmp_path, word, spect
     plain = commands.run("convert", exr, "-o", tmp_path / "c.dng", *words, "--json")
     (file,) = json.loads(plain.out)["files"]
     assert file["illuminant"]["spectrum"] is None
+
+
+def test_the_headers_of_a_shot_are_read_without_its_pixels(
+    tmp_path, spectra, monkeypatch
+):
+    names = [name_of(nm) for nm in CENTRES]
+    for number in (1, 2):
+        write_spectra(tmp_path / f"s.{number}.exr", spectra, names)
+    reads = []
+    statistic = SpectraFile.statistic
+    monkeypatch.setattr(
+        SpectraFile,
+        "statistic",
+        lambda file, how: reads.append(file.path) or statistic(file, how),
+    )
+    words = ["--sensor", "canon-600d", "--illuminant", "estimate:mean"]
+    words += ["--white-luminance", WHITE, "--framerate", 24]
+    done = commands.run("convert", tmp_path / "s.#.exr", "-o", tmp_path / "raw", *words)
+    assert done.code == 0, done.err
+    assert sorted(reads) == [str(tmp_path / f"s.{number}.exr") for number in (1, 2)]
