@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from cg2raw.arrays import RawImage
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import candidates
@@ -30,7 +29,7 @@ from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.synthetic_camera import stream
-from diagnose.closed_loop import scene_of, simulated
+from diagnose.closed_loop import by_registry, simulated
 from studies.diagnose.dense_strengths import (
     SHAPES,
     Parameters,
@@ -120,7 +119,9 @@ class DenseCase:
     @cached_property
     def _true_captures(self) -> CaptureSet:
         plan = with_repeats(simulate_captures(self.bare, {}, seed=self.seed))
-        truth: CaptureSet = simulated(plan, self.sensor({}), partial(_drawn, self.seed))
+        truth: CaptureSet = simulated(
+            plan, self.sensor({}), partial(by_registry, seed=self.seed)
+        )
         return truth
 
     def evidence(self, names: Sequence[str]) -> dict[str, float]:
@@ -200,19 +201,3 @@ def with_repeats(plan: CaptureSet) -> CaptureSet:
         if not capture.shows.image:
             captures.append(replace(capture, name=f"{capture.name}_again"))
     return replace(plan, captures=captures)
-
-
-def _drawn(seed: int, sensor: Sensor, capture: Capture, number: int) -> RawImage:
-    """Return a frame as Sensor.simulate draws it, of one sensor by the seed."""
-    return np.asarray(
-        sensor.simulate(
-            scene_of(capture),
-            illuminant=capture.illuminant,
-            iso=capture.iso,
-            exposure_time=capture.exposure_time,
-            convention="sensor",
-            frame=number,
-            seed=seed,
-            threads=1,
-        )
-    )

@@ -47,7 +47,9 @@ def scene_of(capture: Capture) -> FloatImage:
     return np.broadcast_to(scene.astype(np.float32), (*capture.shape, 3)).copy()
 
 
-def by_registry(sensor: Sensor, capture: Capture, number: int) -> RawImage:
+def by_registry(
+    sensor: Sensor, capture: Capture, number: int, seed: int = 0
+) -> RawImage:
     """Return a frame as Sensor.simulate draws it."""
     return np.asarray(
         sensor.simulate(
@@ -57,6 +59,7 @@ def by_registry(sensor: Sensor, capture: Capture, number: int) -> RawImage:
             exposure_time=capture.exposure_time,
             convention="sensor",
             frame=number,
+            seed=seed,
             threads=1,
         )
     )
