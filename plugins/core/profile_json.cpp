@@ -32,31 +32,33 @@ void read_field(Fields& fields, const CfaPattern& cfa, const char* name, Value& 
         value = rule.read(fields, name);
 }
 
-const std::string light_field = "calibration_illuminant_",
-                  matrix_field = "color_matrix_", forward_field = "forward_matrix_";
+/// Functions, since of a text that is made while a plugin is loaded nobody catches
+/// exceptions.
+std::string light_field(const std::string& n) { return "calibration_illuminant_" + n; }
+std::string matrix_field(const std::string& n) { return "color_matrix_" + n; }
+std::string forward_field(const std::string& n) { return "forward_matrix_" + n; }
 
 void read_field(Fields& fields, const CfaPattern& cfa, const char* /*name*/,
                 std::vector<Calibration>& calibrations, const ColorMatrices& /*rule*/)
 {
     for (const std::string n : { "1", "2" }) {
         if (cfa.is_mono()) {
-            for (const std::string& field :
-                 { light_field, matrix_field, forward_field })
-                refuse_of_mono(fields, field + n);
+            for (const auto& field : { light_field, matrix_field, forward_field })
+                refuse_of_mono(fields, field(n));
             continue;
         }
-        if (n == "2" && !fields.has(matrix_field + n)) {
-            if (fields.has(light_field + n))
-                fields.fail(light_field + n, "is there without its matrix");
-            if (fields.has(forward_field + n))
-                fields.fail(forward_field + n, "is there without its color_matrix");
+        if (n == "2" && !fields.has(matrix_field(n))) {
+            if (fields.has(light_field(n)))
+                fields.fail(light_field(n), "is there without its matrix");
+            if (fields.has(forward_field(n)))
+                fields.fail(forward_field(n), "is there without its color_matrix");
             continue;
         }
         Calibration calibration {};
-        calibration.light_source = light_name().read(fields, light_field + n);
-        calibration.camera_from_xyz = matrix().read(fields, matrix_field + n);
-        if (fields.has(forward_field + n))
-            calibration.xyz_d50_from_camera = matrix().read(fields, forward_field + n);
+        calibration.light_source = light_name().read(fields, light_field(n));
+        calibration.camera_from_xyz = matrix().read(fields, matrix_field(n));
+        if (fields.has(forward_field(n)))
+            calibration.xyz_d50_from_camera = matrix().read(fields, forward_field(n));
         calibrations.push_back(calibration);
     }
 }
@@ -98,10 +100,10 @@ void write_field(JsonTree& json, const char* /*name*/,
     for (std::size_t i = 0; i < calibrations.size(); ++i) {
         const auto& [light, matrix, forward] = calibrations[i];
         const std::string n = std::to_string(i + 1);
-        json.set(light_field + n, light_source_name(light));
-        json.set(matrix_field + n, matrix.m);
+        json.set(light_field(n), light_source_name(light));
+        json.set(matrix_field(n), matrix.m);
         if (forward)
-            json.set(forward_field + n, forward->m);
+            json.set(forward_field(n), forward->m);
     }
 }
 
@@ -170,24 +172,24 @@ void describe_field(Properties& properties, const char* /*name*/,
                     const char* /*meaning*/, const ColorMatrices& /*rule*/)
 {
     const JsonTree light = light_name().schema(), numbers = matrix().schema();
-    properties.add(light_field + "1", "The light of color_matrix_1.", light);
-    properties.add(matrix_field + "1",
+    properties.add(light_field("1"), "The light of color_matrix_1.", light);
+    properties.add(matrix_field("1"),
                    "Camera RGB from CIE XYZ, 9 numbers row by row (DNG ColorMatrix1).",
                    numbers);
     properties.add(
-        forward_field + "1",
+        forward_field("1"),
         "CIE XYZ under D50 from white-balanced camera RGB (DNG ForwardMatrix1).",
         numbers);
-    properties.add(light_field + "2",
+    properties.add(light_field("2"),
                    "The light of color_matrix_2; of another temperature.", light);
     properties.add(
-        matrix_field + "2",
+        matrix_field("2"),
         "As color_matrix_1; matrices are interpolated between the two lights.",
         numbers);
-    properties.add(forward_field + "2", "As forward_matrix_1.", numbers);
-    for (const std::string& field : { light_field, matrix_field, forward_field })
+    properties.add(forward_field("2"), "As forward_matrix_1.", numbers);
+    for (const auto& field : { light_field, matrix_field, forward_field })
         for (const char* n : { "1", "2" })
-            properties.of_colors.push_back(field + n);
+            properties.of_colors.push_back(field(n));
 }
 
 /// What depends on the CFA: the counts of numbers, and matrices.
@@ -218,7 +220,7 @@ JsonTree::Array rules_by_cfa(const std::vector<std::string>& of_colors)
                 none.push_back(requiring({ name }));
             then.set("not", object("anyOf", none));
         } else {
-            then.set("required", std::vector { light_field + "1", matrix_field + "1" });
+            then.set("required", std::vector { light_field("1"), matrix_field("1") });
         }
         const JsonTree cfa
             = schema_of_type("string").with("pattern", "^(?:" + pattern + ")$");
@@ -246,8 +248,7 @@ JsonTree profile_schema(JsonTree effects)
     JsonTree settings = *properties.all.find("effects");
     settings.set("items", std::move(effects));
     properties.all.set("effects", std::move(settings));
-    const auto needs
-        = [](const std::string& name) { return JsonTree::Array { name + "2" }; };
+    const auto needs = [](const std::string& name) { return JsonTree::Array { name }; };
     JsonTree schema
         = JsonTree::object()
               .with("$schema", "https://json-schema.org/draft/2020-12/schema")
@@ -255,9 +256,9 @@ JsonTree profile_schema(JsonTree effects)
     schema.update(schema_of_object(properties.all, properties.required));
     schema.set("dependentRequired",
                JsonTree::object()
-                   .with(light_field + "2", needs(matrix_field))
-                   .with(matrix_field + "2", needs(light_field))
-                   .with(forward_field + "2", needs(matrix_field)));
+                   .with(light_field("2"), needs(matrix_field("2")))
+                   .with(matrix_field("2"), needs(light_field("2")))
+                   .with(forward_field("2"), needs(matrix_field("2"))));
     schema.set("allOf", rules_by_cfa(properties.of_colors));
     return schema;
 }
