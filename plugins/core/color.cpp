@@ -33,12 +33,6 @@ Vec3 operator*(const Mat3& a, const Vec3& v)
 
 Mat3 diagonal(const Vec3& v) { return { { v[0], 0, 0, 0, v[1], 0, 0, 0, v[2] } }; }
 
-Mat3 transposed(const Mat3& a)
-{
-    return { { a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5],
-               a.m[8] } };
-}
-
 Mat3 inverse(const Mat3& a)
 {
     Mat3 adjugate {};

@@ -49,8 +49,6 @@ void bind_color(py::module_& m)
         "(3, 3) float64: the same, adapted to D50 by Bradford.");
     m.def("is_rec709_name", &is_rec709_name, "space"_a,
           "Whether a colour space's name is known to mean scene-linear Rec.709.");
-    m.def("is_rec709_primaries", &is_rec709_primaries, "chromaticities"_a,
-          "Whether x, y of red, green, blue and white (8 numbers) are Rec.709's.");
     py::class_<Rng> rng(m, "Rng",
                         "Random numbers that are pure functions of (seed, purpose, "
                         "frame) and n.");

@@ -39,7 +39,6 @@ constexpr Chromaticity d65_white { 0.3127, 0.3290 };
 Mat3 operator*(const Mat3& a, const Mat3& b);
 Vec3 operator*(const Mat3& a, const Vec3& v);
 Mat3 diagonal(const Vec3& v);
-Mat3 transposed(const Mat3& a);
 /// Throws Error if the matrix is singular or not finite.
 Mat3 inverse(const Mat3& a);
 /// Each row divided by its sum, so that (1, 1, 1) maps to itself. Throws Error on a sum
