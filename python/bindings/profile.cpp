@@ -135,9 +135,10 @@ void bind_search(py::module_& m)
     m.def("profile_folders", &profile_folders, "Folders that are searched, in order.");
     m.def("profile_schema", &profile_schema,
           "The JSON Schema of a profile, with the effects of the registry.");
-    m.def("camera_name", &camera_name, "make"_a, "model"_a,
-          "What people call a camera: the first word of its make, then its model, which "
-          "may\nbegin with that word already.");
+    m.def(
+        "camera_name", &camera_name, "make"_a, "model"_a,
+        "What people call a camera: the first word of its make, then its model, which "
+        "may\nbegin with that word already.");
     m.def("sensor_id_from_name", &sensor_id_from_name, "name"_a,
           "A camera's name as an id: lower case, words joined by '-'.");
     m.def("current_effect_name", &current_effect_name, "name"_a,
