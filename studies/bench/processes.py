@@ -67,7 +67,7 @@ def config_of(name):
     return FOLDER / "bench.ocio" if name == ocio.WHOLE else None
 
 
-def peer_of(name):
+def peer_command(name):
     """Return the command that a command is compared with, of the same config."""
     return PEER + WITH_CONFIG if name.endswith(WITH_CONFIG) else PEER
 
@@ -128,7 +128,7 @@ def print_table(results):
         f"{'CPU s':>7}{'peak MB':>9}{'file MB':>9}"
     )
     for name, (seconds, peak, cpu, size) in medians.items():
-        peer = peer_of(name)
+        peer = peer_command(name)
         ratio = seconds / medians[peer][0]
         # What a quiet machine would show: the quickest rounds alone.
         least = min(results[name])[0] / min(results[peer])[0]

@@ -106,7 +106,7 @@ def hosts(rounds):
             for name, values in found.items()
         }
         group = f"oiiotool {processes.version_of(oiiotool)}"
-        rows += rows_of(group, results, WIDTH * HEIGHT / 1e6, processes.peer_of)
+        rows += rows_of(group, results, WIDTH * HEIGHT / 1e6, processes.peer_command)
     return rows
 
 

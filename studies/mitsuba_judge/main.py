@@ -5,11 +5,11 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
+from studies.arguments import whole
 from studies.cameras import FILES, Camera, known_camera
 from studies.mitsuba_judge.folder import Settings
 from studies.mitsuba_judge.report import contact_sheet, grain
@@ -51,21 +51,6 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     add("--data", type=Path, help="folder of camera data")
     add("--luxpy", type=Path, help=f"folder of luxpy's data; or {LUXPY_VARIABLE}")
     return parser.parse_args(given)
-
-
-def whole(least: int) -> Callable[[str], int]:
-    """Return a reader of whole numbers from @least on."""
-
-    def read(text: str) -> int:
-        try:
-            number = int(text)
-        except ValueError:
-            number = least - 1
-        if number < least:
-            raise argparse.ArgumentTypeError(f"{text!r} is no whole number >= {least}")
-        return number
-
-    return read
 
 
 def run(given: argparse.Namespace) -> None:

@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 
+from ..arguments import whole
 from .choices.scenes import COUNT, kind_and_layout
 from .folder import Folder, Refused, Settings, name
 from .run import render, terminable
@@ -42,21 +43,6 @@ def parser():
     add("--statistics", action="store_true", help="measure how FOLDER's frames differ")
     add("--contact-sheet", metavar="PNG", help="write a picture of FOLDER's frames")
     return made
-
-
-def whole(least):
-    """Return a reader of whole numbers from @least on."""
-
-    def read(text):
-        try:
-            number = int(text)
-        except ValueError:
-            number = least - 1
-        if number < least:
-            raise argparse.ArgumentTypeError(f"{text!r} is no whole number >= {least}")
-        return number
-
-    return read
 
 
 def chosen(options):

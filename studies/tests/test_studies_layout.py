@@ -10,6 +10,7 @@ import pytest
 # A room is a module, those whose names go on from its own (tables_illuminant), or a
 # package with all in it that is no room of its own.
 ROOMS = (
+    "arguments",
     "protocol",
     "places",
     "spectra",
