@@ -15,13 +15,6 @@
 namespace cg2raw {
 namespace {
 
-void require_flat(const ImagePart& part)
-{
-    if (!part.is_flat)
-        throw Error("deep and volume images cannot become a DNG: flatten first "
-                    "(oiiotool --flatten)");
-}
-
 /// Reads what DNGs are read as: their mosaic, or one pixel of those that cannot be.
 void refuse_raw(const ImagePart& part)
 {
@@ -216,6 +209,13 @@ void check_bits(const Given& given, const SensorProfile& profile)
 
 } // namespace
 
+void require_flat(const ImagePart& part)
+{
+    if (!part.is_flat)
+        throw Error("deep and volume images cannot become a DNG: flatten first "
+                    "(oiiotool --flatten)");
+}
+
 SceneLayer picture_layer(const ImageFacts& facts, const ExportOptions& options,
                          const Dialect& dialect)
 {
@@ -257,7 +257,7 @@ Export resolve(const ImageFacts& facts, const ExportOptions& options,
     const Given given { facts, options, dialect };
     require_picture(facts);
     Export result;
-    if (options.layer.empty()) // a picture beside the spectrum has a name
+    if (options.layer.empty()) // a layer that is named is a picture
         result.bins = spectral_bins(facts.parts[0]);
     if (!result.bins) {
         refuse_spectral_options(given, options.illuminant);

@@ -38,9 +38,8 @@ double white_luminance(const Given& given, const Metadata& metadata)
 {
     if (given.options.exposure)
         return *given.options.exposure;
-    for (const char* name : { "whiteLuminance", "openexr:whiteLuminance" })
-        if (const double stated = metadata.number(name); stated != 0.0)
-            return stated;
+    if (const auto stated = stated_white(metadata))
+        return *stated;
     throw Error("its channels are a spectrum in W/(m2 sr nm): which luminance is "
                 "white? Add "
                 + given.option("exposure", "CD_PER_M2") + ", such as 100");
@@ -68,20 +67,8 @@ void refuse_rgb_options(const Given& given)
         refuse("gain", "change " + given.option("exposure"));
 }
 
-/// The light's spectrum that the file states in its attribute "illuminant".
-Spectrum stated_light(const Given& given, const Metadata& metadata)
+[[noreturn]] void fail_without_light(const Given& given)
 {
-    for (const char* name : { "illuminant", "openexr:illuminant" }) {
-        const auto text = stated_text(metadata, name);
-        if (!text)
-            continue;
-        try {
-            return spectrum_from_text(*text);
-        } catch (const Error& error) {
-            throw Error("attribute illuminant, the light's spectrum: "
-                        + std::string(error.what()));
-        }
-    }
     const std::string typed = given.dialect.converts ? "--attrib" : "attribute";
     throw Error(given.option("illuminant") + " " + std::string(estimate)
                 + ": the image states no light's spectrum (" + typed
@@ -95,8 +82,11 @@ Spectrum stated_light(const Given& given, const Metadata& metadata)
 Spectrum estimated_light(const Given& given, const Metadata& metadata,
                          const SpectralChannels& bins, const std::string& word)
 {
-    if (!starts_with(word, by_statistic))
-        return stated_light(given, metadata);
+    if (!starts_with(word, by_statistic)) {
+        if (auto light = stated_light(metadata))
+            return *light;
+        fail_without_light(given);
+    }
     if (!given.facts.measured_light)
         throw Error(given.option("illuminant") + " " + word
                     + " needs the whole image before its first row, which a host does "
@@ -121,7 +111,34 @@ std::optional<SpectralChannels> spectral_bins(const ImagePart& part)
     const auto response = [&](const std::string& channel) {
         return stated_text(part.metadata, channel);
     };
-    return spectral_channels(part.names.channels, wavelength, response);
+    auto bins = spectral_channels(part.names.channels, wavelength, response);
+    if (bins)
+        require_flat(part);
+    return bins;
+}
+
+std::optional<Spectrum> stated_light(const Metadata& metadata)
+{
+    for (const char* name : { "illuminant", "openexr:illuminant" }) {
+        const auto text = stated_text(metadata, name);
+        if (!text)
+            continue;
+        try {
+            return spectrum_from_text(*text);
+        } catch (const Error& error) {
+            throw Error("attribute illuminant, the light's spectrum: "
+                        + std::string(error.what()));
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<double> stated_white(const Metadata& metadata)
+{
+    for (const char* name : { "whiteLuminance", "openexr:whiteLuminance" })
+        if (const double stated = metadata.number(name); stated != 0.0)
+            return stated;
+    return std::nullopt;
 }
 
 void decide_spectrum(const Given& given, const ImagePart& part, Export& result)

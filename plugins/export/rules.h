@@ -21,6 +21,9 @@ struct Given {
     }
 };
 
+/// Throws Error for a deep image, or a volume.
+void require_flat(const ImagePart& part);
+
 /// The name of the colour space that @p part states; empty if it states none.
 std::string color_space(const Given& given, const ImagePart& part);
 

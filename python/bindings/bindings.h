@@ -25,6 +25,10 @@ inline py::array_t<double> array_of(const Mat3& matrix)
     return py::array_t<double>({ 3, 3 }, matrix.m.data());
 }
 
+/// A spectrum in Python: wavelengths in nm and values.
+using Rows = std::vector<std::pair<double, double>>;
+Rows rows_of(const Spectrum& spectrum);
+
 /// What has a text, or None.
 template <class T>
 std::optional<std::string> text_or_none(const std::optional<T>& value)

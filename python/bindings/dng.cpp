@@ -86,11 +86,6 @@ py::list list_of(const std::vector<GainMapAt>& maps)
 
 void bind_profiles(py::module_& m)
 {
-    m.def("with_measurements", &with_measurements, "reference"_a, "measured"_a,
-          "file"_a,
-          "The profile of a reference DNG with what only a measured profile knows:\n"
-          "illuminants, digital gain, effects, and noise if it has any.\n\n"
-          "Raises ValueError if the two are not of one camera; file names the DNG.");
     m.def("profile_from_dng", &profile_from_dng, "metadata"_a,
           "The sensor profile that one reference DNG amounts to.");
     m.def(

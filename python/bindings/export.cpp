@@ -11,7 +11,6 @@
 namespace cg2raw::python {
 namespace {
 
-using Rows = std::vector<std::pair<double, double>>;
 using Stated = std::map<std::string, Metadata::Value>;
 /// Of one image of a file: its name, channels, type of samples, whether it is flat, and
 /// what it states.
@@ -161,6 +160,23 @@ void bind_export(py::module_& m)
             return stated_shot(image.parts.front().metadata);
         },
         "facts"_a, "What the first image of a file says of its exposure and its shot.");
+    m.def(
+        "stated_light",
+        [](const ImageFacts& image) -> std::optional<Rows> {
+            const auto light = stated_light(image.parts.front().metadata);
+            return light ? std::optional(rows_of(*light)) : std::nullopt;
+        },
+        "facts"_a,
+        "[(nm, power)] of the light that the first image of a file states, or None.\n"
+        "Raises Error for a text that is no spectrum.");
+    m.def(
+        "stated_white",
+        [](const ImageFacts& image) {
+            return stated_white(image.parts.front().metadata);
+        },
+        "facts"_a,
+        "The luminance of white, cd/m2, that the first image of a file states, or "
+        "None.");
     m.def("resolve", &resolve, "facts"_a, "options"_a, "dialect"_a,
           "Decide all of an export. Raises Error.");
     m.def("resolve_picture", &resolve_picture, "facts"_a, "options"_a, "dialect"_a,

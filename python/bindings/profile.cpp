@@ -218,7 +218,7 @@ void bind_numbers(py::class_<SensorProfile>& c)
         .def(
             "noise_at",
             [](const SensorProfile& p, double iso) {
-                return python_of(noise_at(p, iso));
+                return to_python(noise_at(p, iso));
             },
             "iso"_a,
             "{\"iso\", \"beta1\", \"beta2\"} per CFA site: variance(x) = beta1 x + "
@@ -237,7 +237,7 @@ void bind_fields(py::module_& m, py::class_<SensorProfile>& c)
     py::list fields;
 #define CG2RAW_FIELD(type, name, rule, meaning)                                        \
     c.def_property_readonly(                                                           \
-        #name, [](const SensorProfile& p) { return python_of(p.name); },               \
+        #name, [](const SensorProfile& p) { return to_python(p.name); },               \
         (std::string(meaning) + python_type<type>.parts).c_str());                     \
     fields.append(py::make_tuple(#name, python_type<type>.word));
 #include "cg2raw/profile_fields.def"

@@ -15,7 +15,7 @@ py::array_t<double> square_of(const std::array<double, 3>& covariance)
 
 } // namespace
 
-py::dict python_of(const NoiseAtIso& noise)
+py::dict to_python(const NoiseAtIso& noise)
 {
     py::dict dict("iso"_a = noise.iso, "beta1"_a = noise.beta1,
                   "beta2"_a = noise.beta2);
@@ -30,7 +30,7 @@ py::dict python_of(const NoiseAtIso& noise)
     return dict;
 }
 
-py::dict python_of(const Calibration& calibration)
+py::dict to_python(const Calibration& calibration)
 {
     const auto& forward = calibration.xyz_d50_from_camera;
     return py::dict("light_source"_a = light_source_name(calibration.light_source),
@@ -39,7 +39,7 @@ py::dict python_of(const Calibration& calibration)
                     = forward ? py::object(array_of(*forward)) : py::none());
 }
 
-py::dict python_of(const SpectralSensitivities& sensitivities)
+py::dict to_python(const SpectralSensitivities& sensitivities)
 {
     const auto& rgb = sensitivities.rgb;
     py::array_t<double> values({ py::ssize_t(rgb.size()), py::ssize_t(3) });
@@ -53,7 +53,7 @@ py::dict python_of(const SpectralSensitivities& sensitivities)
                     "scale"_a = sensitivities.scale);
 }
 
-py::dict python_of(const NeutralDistribution& lights)
+py::dict to_python(const NeutralDistribution& lights)
 {
     py::list mixture;
     for (const NeutralGaussian& gaussian : lights.mixture)
@@ -64,7 +64,7 @@ py::dict python_of(const NeutralDistribution& lights)
                     "hull"_a = lights.hull, "mixture"_a = mixture);
 }
 
-py::dict python_of(const Lamp& lamp)
+py::dict to_python(const Lamp& lamp)
 {
     const auto& [light_source, camera_from_xyz, forward] = lamp.calibration;
     return py::dict("name"_a = lamp.name,
@@ -73,18 +73,18 @@ py::dict python_of(const Lamp& lamp)
                     "camera_from_xyz"_a = array_of(camera_from_xyz));
 }
 
-py::dict python_of(const DigitalGain& gain)
+py::dict to_python(const DigitalGain& gain)
 {
     return py::dict("mean"_a = gain.mean, "sigma"_a = gain.sigma);
 }
 
-std::vector<std::string> python_of(const std::optional<NoiseEffects>& effects)
+std::vector<std::string> to_python(const std::optional<NoiseEffects>& effects)
 {
     const auto [of_light, of_readout] = effects.value_or(NoiseEffects {});
     return { of_light, of_readout };
 }
 
-py::dict python_of(const EffectSetting& setting)
+py::dict to_python(const EffectSetting& setting)
 {
     return py::dict("name"_a = setting.name, "parameters"_a = setting.parameters,
                     "evidence"_a = setting.evidence);

@@ -15,37 +15,37 @@
 namespace cg2raw::python {
 
 /// What pybind11 converts is left to it.
-template <class T> const T& python_of(const T& value) { return value; }
-inline std::string python_of(const CfaPattern& cfa) { return name_of(cfa); }
-py::dict python_of(const NoiseAtIso& noise);
-py::dict python_of(const Calibration& calibration);
-py::dict python_of(const SpectralSensitivities& sensitivities);
-py::dict python_of(const NeutralDistribution& lights);
-py::dict python_of(const Lamp& lamp);
-py::dict python_of(const DigitalGain& gain);
-py::dict python_of(const EffectSetting& setting);
+template <class T> const T& to_python(const T& value) { return value; }
+inline std::string to_python(const CfaPattern& cfa) { return name_of(cfa); }
+py::dict to_python(const NoiseAtIso& noise);
+py::dict to_python(const Calibration& calibration);
+py::dict to_python(const SpectralSensitivities& sensitivities);
+py::dict to_python(const NeutralDistribution& lights);
+py::dict to_python(const Lamp& lamp);
+py::dict to_python(const DigitalGain& gain);
+py::dict to_python(const EffectSetting& setting);
 /// Those of most profiles, where it names none.
-std::vector<std::string> python_of(const std::optional<NoiseEffects>& effects);
+std::vector<std::string> to_python(const std::optional<NoiseEffects>& effects);
 
-template <class T> py::object python_of(const std::optional<T>& value)
+template <class T> py::object to_python(const std::optional<T>& value)
 {
     if (!value)
         return py::none();
     if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
         return py::cast(*value);
     else
-        return python_of(*value);
+        return to_python(*value);
 }
-inline const std::vector<double>& python_of(const std::vector<double>& values)
+inline const std::vector<double>& to_python(const std::vector<double>& values)
 {
     return values;
 }
-inline const TextsByField& python_of(const TextsByField& texts) { return texts; }
-template <class T> py::list python_of(const std::vector<T>& values)
+inline const TextsByField& to_python(const TextsByField& texts) { return texts; }
+template <class T> py::list to_python(const std::vector<T>& values)
 {
     py::list list;
     for (const T& value : values)
-        list.append(python_of(value));
+        list.append(to_python(value));
     return list;
 }
 

@@ -12,8 +12,6 @@
 namespace cg2raw::python {
 namespace {
 
-/// An Illuminant, or rows of wavelength in nm and power.
-using Rows = std::vector<std::pair<double, double>>;
 using Light = std::variant<Illuminant, Rows>;
 /// Centres of boxes in nm, or the bins of an image.
 using Bins = std::variant<SpectralChannels, std::vector<double>>;
@@ -69,6 +67,14 @@ py::array_t<double> array_of(const std::vector<std::array<double, n>>& bins)
 
 } // namespace
 
+Rows rows_of(const Spectrum& spectrum)
+{
+    Rows rows;
+    for (std::size_t i = 0; i < spectrum.values.size(); ++i)
+        rows.emplace_back(spectrum.wavelengths[i], spectrum.values[i]);
+    return rows;
+}
+
 void bind_spectral_image(py::module_& m)
 {
     py::class_<SpectralChannels>(m, "SpectralChannels")
@@ -104,13 +110,7 @@ void bind_spectral_image(py::module_& m)
         "The word neutral: of a light, [(nm, power)], as the sensitivities see it.");
     m.def(
         "spectrum_from_text",
-        [](const std::string& text) {
-            const Spectrum spectrum = spectrum_from_text(text);
-            Rows rows;
-            for (std::size_t i = 0; i < spectrum.values.size(); ++i)
-                rows.emplace_back(spectrum.wavelengths[i], spectrum.values[i]);
-            return rows;
-        },
+        [](const std::string& text) { return rows_of(spectrum_from_text(text)); },
         "text"_a,
         "[(nm, value)] of \"550nm:0.3;560nm:0.4;\", as spectral images state lights. "
         "Raises\nValueError.");

@@ -38,7 +38,7 @@ DIALECT = image_facts.dialect(typed)
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of every image.
+    """What every image is converted by.
 
     options : {name: text}, of _core.export_options()."""
 

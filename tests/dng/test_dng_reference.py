@@ -10,6 +10,7 @@ import rawpy
 
 import cg2raw
 from cg2raw import _core
+from core.facts import DIALECT, facts
 from dng import dng_files
 from oracles import cameras
 
@@ -91,12 +92,13 @@ def test_a_written_file_gives_its_sensor_back(cfa, by_site, tmp_path):
         )
 
 
-def test_measurements_of_another_cfa_do_not_fit():
+def test_measurements_of_another_cfa_do_not_fit(tmp_path):
     """Of one model by name, but its noise is of 4 sites and the mosaic of 36."""
-    fields = json.loads(_core.load_profile("nikon-d850").to_json())
-    x_trans = json.loads(_core.load_profile("fujifilm-x-m1").to_json())
-    x_trans["model"] = fields["model"]
-    reference = _core.parse_profile(json.dumps(x_trans), "reference")
-    measured = _core.load_profile("nikon-d850")
-    with pytest.raises(ValueError, match="^f.dng: .*36 values each"):
-        _core.with_measurements(reference, measured, "f.dng")
+    path = tmp_path / "f.dng"
+    model = dng_files.fields_of("nikon-d850")["model"]
+    x_trans = dng_files.sensor("fujifilm-x-m1", model=model)
+    dng_files.write(path, x_trans, shape=(60, 96))
+    given = {"reference": str(path), "sensor": "nikon-d850", "illuminant": "D65"}
+    options = _core.ExportOptions(given, DIALECT)
+    with pytest.raises(ValueError, match=f"^{path}: .*36 values each"):
+        _core.resolve(facts([("", "RGB")]), options, DIALECT)

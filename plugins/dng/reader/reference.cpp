@@ -58,6 +58,7 @@ SensorProfile with_measurements(SensorProfile reference, const SensorProfile& me
     reference.lamps = measured.lamps;
     reference.spectral_sensitivities = measured.spectral_sensitivities;
     reference.digital_gain = measured.digital_gain;
+    reference.base_iso = measured.base_iso;
     reference.effects = measured.effects;
     if (!measured.noise.empty())
         reference.noise = measured.noise;

@@ -130,8 +130,16 @@ struct Export {
 SceneLayer picture_layer(const ImageFacts& facts, const ExportOptions& options,
                          const Dialect& dialect);
 
-/// The bins of a spectrum among the channels of an image. Throws Error.
+/// The bins of a spectrum among the channels of an image. Throws Error, also if it is
+/// not flat.
 std::optional<SpectralChannels> spectral_bins(const ImagePart& part);
+
+/// The light's spectrum that an image states in its attribute "illuminant". Throws
+/// Error for a text that is none.
+std::optional<Spectrum> stated_light(const Metadata& metadata);
+
+/// The luminance of white that an image states, cd/m2.
+std::optional<double> stated_white(const Metadata& metadata);
 
 /// What an image states of its exposure and of its place in a shot. @p rate: of which
 /// its time code is; none: as it is stated.

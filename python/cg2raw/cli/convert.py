@@ -264,7 +264,7 @@ def request_of(arguments: argparse.Namespace) -> "Request":
     from cg2raw.sensor import Sensor
 
     upi = upi_of(arguments) if check_method(arguments) else None
-    options = options_of(arguments)
+    options = core_options(arguments)
     _core.ExportOptions(options, DIALECT)  # raises for bad values, once for all files
     if "sensor" in options and not upi:
         Sensor(options["sensor"])  # likewise
@@ -276,14 +276,14 @@ def request_of(arguments: argparse.Namespace) -> "Request":
     )
 
 
-def options_of(arguments: argparse.Namespace) -> dict[str, str]:
+def core_options(arguments: argparse.Namespace) -> dict[str, str]:
     """Return the core's options of a command line, as texts. Raises ValueError."""
     given = {OPTIONS[name]: getattr(arguments, name) for name in OPTIONS}
     if arguments.method == "upi":  # which draws these itself
         given |= {"sensor": None, "gain": None}
         given |= {"noise": None if arguments.noise == "upi" else arguments.noise}
     options = {
-        name: text_of(value) for name, value in given.items() if value is not None
+        name: option_text(value) for name, value in given.items() if value is not None
     }
     for name, value in arguments.attrib:
         if not name.lower().startswith(PREFIX):
@@ -292,7 +292,7 @@ def options_of(arguments: argparse.Namespace) -> dict[str, str]:
     return options
 
 
-def text_of(value: str | float | bool) -> str:
+def option_text(value: str | float | bool) -> str:
     """Return the value of an option as a text."""
     return str(int(value)) if isinstance(value, bool) else str(value)
 

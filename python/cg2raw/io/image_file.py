@@ -183,15 +183,6 @@ def specs_of(source: Any) -> list[Any]:
     return specs
 
 
-def check_flat(spec: Any) -> None:
-    """Raise ValueError for an image that is not flat."""
-    if spec.deep or spec.depth > 1:
-        raise ValueError(
-            "deep and volume images cannot become a DNG: flatten first "
-            "(oiiotool --flatten)"
-        )
-
-
 def check_size(path: FilePath, spec: Any) -> None:
     """Raise ValueError for a size that no RAW file has."""
     least, most = SIDES

@@ -15,7 +15,6 @@ from cg2raw.io import image_facts
 from cg2raw.io.atomic_file import FilePath
 from cg2raw.io.image_file import (
     Image,
-    check_flat,
     check_size,
     opened,
     visible_rows,
@@ -41,16 +40,7 @@ class SpectraFile:
         """Return the spectrum that an attribute "illuminant" states, None if none does.
 
         Raises ValueError."""
-        words = ("illuminant", "openexr:illuminant")
-        texts = [text for text in map(self.spec.getattribute, words) if is_text(text)]
-        if not texts:
-            return None
-        try:
-            return _core.spectrum_from_text(texts[0])
-        except ValueError as error:
-            raise ValueError(
-                f"attribute illuminant, the light's spectrum: {error}"
-            ) from None
+        return _core.stated_light(image_facts.facts([self.spec]))
 
     def rows(self) -> Iterator[tuple[slice, slice, FloatImage]]:
         """Yield (rows, cols, (h, w, N) spectra) of the display window.
@@ -85,21 +75,14 @@ def spectra_in(path: FilePath) -> SpectraFile | None:
     Raises ValueError, OSError."""
     with opened(path) as source:
         spec = source.spec()
+    facts = image_facts.facts([spec])
     try:
-        bins = _core.spectral_bins(image_facts.facts([spec]))
-        if bins is None:
-            return None
-        check_flat(spec)
+        bins = _core.spectral_bins(facts)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
-    whites = map(spec.getattribute, ("whiteLuminance", "openexr:whiteLuminance"))
-    white = next((float(value) for value in whites if value), None)
-    return SpectraFile(str(path), spec, bins, white)
-
-
-def is_text(value: Any) -> bool:
-    """Return whether an attribute's value is a text."""
-    return isinstance(value, str)
+    if bins is None:
+        return None
+    return SpectraFile(str(path), spec, bins, _core.stated_white(facts))
 
 
 def read_camera(
