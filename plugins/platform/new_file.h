@@ -24,7 +24,12 @@ public:
     /// no files without a name. Throws Error: missing or unwritable folder; @p path is
     /// no regular file, or read-only, or its links lead in a circle, or on Windows
     /// nowhere.
-    NewFile(const std::string& path, bool sync, bool unnamed);
+    explicit NewFile(const std::string& path, bool sync = true, bool unnamed = true);
+    /// As the first, at @p name in the open folder @p folder; on Windows, which opens
+    /// none, @p name is the file's path. A link of that name is replaced, and not
+    /// followed. Errors name @p path.
+    NewFile(int folder, const std::string& name, const std::string& path,
+            bool sync = true, bool unnamed = true);
     ~NewFile();
 
     /// All of @p size bytes at @p offset, or the system's reason.

@@ -6,6 +6,7 @@
 
 #include "cg2raw/types.h"
 #include "platform/link_target_posix.h"
+#include "platform/paths.h"
 #include "platform/temporary_name.h"
 
 #include <cerrno>
@@ -28,8 +29,8 @@ struct NewFile::State {
 
     ~State() { discard(); } // also where the constructor of NewFile throws
 
-    void open_folder(const std::string& target);
-    void find_older();
+    void open(int from, const std::string& target, bool replaces_links, bool unnamed);
+    void find_older(bool replaces_links);
     void open_unnamed();
     template <typename Make> bool make_temporary(const Make& make);
     void open_named();
@@ -101,17 +102,19 @@ int sync_file(int file)
 NewFile::NewFile(const std::string& path, bool sync, bool unnamed)
     : m_state(new State { path, sync })
 {
+    check_path(path);
     const std::optional<std::string> target = link_target(path);
     if (!target)
         m_state->fail("create", ELOOP);
-    m_state->open_folder(*target);
-    m_state->find_older();
-    if (unnamed)
-        m_state->open_unnamed();
-    if (m_state->file < 0)
-        m_state->open_named();
-    m_state->leave_streams();
-    m_state->keep_mode();
+    m_state->open(AT_FDCWD, *target, false, unnamed);
+}
+
+NewFile::NewFile(int folder, const std::string& name, const std::string& path,
+                 bool sync, bool unnamed)
+    : m_state(new State { path, sync })
+{
+    check_path(name);
+    m_state->open(folder, name, true, unnamed);
 }
 
 NewFile::~NewFile() = default;
@@ -166,20 +169,29 @@ void NewFile::publish()
         state.sync_folder();
 }
 
-/// @p target : where the file is to be, links resolved.
-void NewFile::State::open_folder(const std::string& target)
+/// @p target : where the file is to be, seen from the open folder @p from.
+void NewFile::State::open(int from, const std::string& target, bool replaces_links,
+                          bool unnamed)
 {
     name = target.substr(target.rfind('/') + 1);
-    folder = ::open(folder_of(target).c_str(), by_place);
+    folder = ::openat(from, folder_of(target).c_str(), by_place);
     if (folder < 0)
         fail("create");
+    find_older(replaces_links);
+    if (unnamed)
+        open_unnamed();
+    if (file < 0)
+        open_named();
+    leave_streams();
+    keep_mode();
 }
 
-void NewFile::State::find_older()
+void NewFile::State::find_older(bool replaces_links)
 {
     struct stat status;
     const char* older = name.empty() ? "." : name.c_str();
-    if (::fstatat(folder, older, &status, AT_SYMLINK_NOFOLLOW) != 0)
+    if (::fstatat(folder, older, &status, AT_SYMLINK_NOFOLLOW) != 0
+        || (replaces_links && S_ISLNK(status.st_mode)))
         return;
     if (!S_ISREG(status.st_mode))
         throw Error(path + ": is not a regular file: choose another name");

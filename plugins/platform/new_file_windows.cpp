@@ -21,7 +21,8 @@ struct NewFile::State {
     std::wstring temporary {};
     HANDLE file = INVALID_HANDLE_VALUE;
 
-    void open();
+    void open(bool replaces_links);
+    void open_temporary();
     bool goes_with_process(bool goes) const;
     void discard() noexcept;
     [[noreturn]] void fail(const std::string& what,
@@ -38,6 +39,7 @@ std::error_code system_error(DWORD error)
 /// A path from the root that Windows takes as it is, of any length.
 std::wstring whole_path(const std::string& path)
 {
+    check_path(path);
     const std::wstring given = path_of(path).wstring();
     const DWORD size = ::GetFullPathNameW(given.c_str(), 0, nullptr, nullptr);
     std::wstring whole(size, L'\0');
@@ -89,22 +91,13 @@ DWORD piece(std::size_t size) { return DWORD(std::min<std::size_t>(size, 1u << 3
 NewFile::NewFile(const std::string& path, bool sync, bool)
     : m_state(new State { path, whole_path(path), sync })
 {
-    State& state = *m_state;
-    DWORD found = ::GetFileAttributesW(state.target.c_str());
-    if (found != INVALID_FILE_ATTRIBUTES && (found & FILE_ATTRIBUTE_REPARSE_POINT)) {
-        const std::wstring real = link_target(state.target);
-        if (real.empty())
-            state.fail("create");
-        state.target = real;
-        found = ::GetFileAttributesW(state.target.c_str());
-    }
-    const bool is_device = state.target.rfind(LR"(\\.\)", 0) == 0; // as NUL
-    const bool is_there = found != INVALID_FILE_ATTRIBUTES;
-    if (is_device || (is_there && (found & FILE_ATTRIBUTE_DIRECTORY)))
-        throw Error(path + ": is not a regular file: choose another name");
-    if (is_there && (found & FILE_ATTRIBUTE_READONLY))
-        state.fail("replace", ERROR_ACCESS_DENIED);
-    state.open();
+    m_state->open(false);
+}
+
+NewFile::NewFile(int, const std::string& name, const std::string& path, bool sync, bool)
+    : m_state(new State { path, whole_path(name), sync })
+{
+    m_state->open(true);
 }
 
 NewFile::~NewFile() { m_state->discard(); }
@@ -160,7 +153,28 @@ void NewFile::publish()
     state.temporary.clear();
 }
 
-void NewFile::State::open()
+void NewFile::State::open(bool replaces_links)
+{
+    DWORD found = ::GetFileAttributesW(target.c_str());
+    const bool is_link
+        = found != INVALID_FILE_ATTRIBUTES && (found & FILE_ATTRIBUTE_REPARSE_POINT);
+    if (is_link && !replaces_links) {
+        const std::wstring real = link_target(target);
+        if (real.empty())
+            fail("create");
+        target = real;
+        found = ::GetFileAttributesW(target.c_str());
+    }
+    const bool is_device = target.rfind(LR"(\\.\)", 0) == 0; // as NUL
+    const bool is_there = found != INVALID_FILE_ATTRIBUTES;
+    if (is_device || (is_there && (found & FILE_ATTRIBUTE_DIRECTORY)))
+        throw Error(path + ": is not a regular file: choose another name");
+    if (is_there && (found & FILE_ATTRIBUTE_READONLY))
+        fail("replace", ERROR_ACCESS_DENIED);
+    open_temporary();
+}
+
+void NewFile::State::open_temporary()
 {
     std::wstring name;
     int tries = 0;

@@ -4,6 +4,8 @@
 /// @file Paths: UTF-8 in all that is ours, the system's own for the standard library.
 #pragma once
 
+#include "cg2raw/types.h"
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,6 +16,14 @@ namespace cg2raw {
 inline std::filesystem::path path_of(const std::string& utf8)
 {
     return std::filesystem::u8path(utf8);
+}
+
+/// Throws Error for a path with a NUL character: the system would take it for a shorter
+/// one.
+inline void check_path(const std::string& path)
+{
+    if (path.find('\0') != std::string::npos)
+        throw Error(path + ": the name holds a NUL character: choose another");
 }
 
 inline std::string utf8_of(const std::filesystem::path& path)

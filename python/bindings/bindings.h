@@ -97,5 +97,6 @@ void bind_normal_scores(py::module_& m);
 void bind_dng(py::module_& m);
 void bind_shot(py::module_& m);
 void bind_export(py::module_& m);
+void bind_file(py::module_& m);
 
 } // namespace cg2raw::python

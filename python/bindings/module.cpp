@@ -23,4 +23,5 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_shot(m);
     cg2raw::python::bind_dng(m);
     cg2raw::python::bind_export(m);
+    cg2raw::python::bind_file(m);
 }

@@ -472,6 +472,9 @@ def resolve(facts: ImageFacts, options: ExportOptions, dialect: Dialect) -> Expo
 def resolve_picture(
     facts: ImageFacts, options: ExportOptions, dialect: Dialect
 ) -> Export: ...
+def write_file(
+    path: bytes, data: bytes, folder: int | None = None, name: bytes = b""
+) -> None: ...
 def xyz_d50_from_srgb() -> NDArray[np.float64]: ...
 def profile_from_dngs(
     metadata: Sequence[DngMetadata], id: str = ""

@@ -30,8 +30,6 @@ else:
 OPEN_FILES = "/proc/self/fd"
 # What is said of a lock that another process has: flock(2), msvcrt.locking.
 LOCKED = (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)
-# What file systems without them say of permissions or of putting a file on the disk.
-LACKING = (errno.ENOTSUP, errno.ENOSYS)
 PR_SET_PDEATHSIG = 1  # Source: Linux, prctl(2)
 
 
@@ -49,15 +47,6 @@ def usable_cores() -> int:
     if sys.platform == "linux":
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def open_without_links(path: str | os.PathLike[str], flags: int) -> int:
-    """Return a descriptor of the file at @path, as os.open. A link raises OSError."""
-    if sys.platform != "win32":
-        return os.open(path, flags | os.O_NOFOLLOW, 0o666)
-    if os.path.islink(path):
-        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), os.fspath(path))
-    return os.open(path, flags | os.O_BINARY, 0o666)
 
 
 def check_readable(path: str | os.PathLike[str]) -> None:
@@ -151,18 +140,16 @@ class Folder:
                 )
                 raise
 
-    def open(self, name: str, flags: int, mode: int = 0o666) -> int:
+    def open(self, name: str, flags: int) -> int:
         """Return a descriptor of a regular file, as os.open. Raises OSError."""
         at, where = self._at(name)
-        may_be_link = not flags & os.O_EXCL  # which tells of a link as of a file
-        if may_be_link and self.handle < 0:
+        if self.handle < 0:
             self._refuse_link(name)
         try:
-            handle = os.open(where, flags | OPEN_FILE, mode, dir_fd=at)
+            handle = os.open(where, flags | OPEN_FILE, 0o666, dir_fd=at)
         except OSError:
             with naming(self.path_of(name)):
-                if may_be_link:
-                    self._refuse_link(name)
+                self._refuse_link(name)
                 raise
         if stat.S_ISREG(os.fstat(handle).st_mode):
             return handle
@@ -236,31 +223,6 @@ def lock(handle: int) -> bool:
     return True
 
 
-def set_mode(handle: int, mode: int) -> None:
-    """Give an open file permissions, where the system and its file system have them."""
-    if sys.platform == "win32" or stat.S_IMODE(os.fstat(handle).st_mode) == mode:
-        return
-    try:
-        os.fchmod(handle, mode)
-    except OSError as error:
-        if error.errno not in (errno.EPERM, *LACKING):
-            raise
-
-
-def sync(handle: int) -> None:
-    """Put a file on the disk; what has none, such as a pipe, stays as it is."""
-    if sys.platform == "darwin":  # its fsync() leaves bytes in the drive's cache
-        with contextlib.suppress(OSError):
-            fcntl.fcntl(handle, fcntl.F_FULLFSYNC)
-            return
-    try:
-        os.fsync(handle)
-    except OSError as error:
-        no_disk = errno.EBADF if sys.platform == "win32" else errno.EINVAL
-        if error.errno not in (no_disk, *LACKING):
-            raise
-
-
 def sync_folder(folder: str) -> None:
     """Make names in a folder outlast a loss of power, where the system can."""
     if sys.platform == "win32":
@@ -268,7 +230,10 @@ def sync_folder(folder: str) -> None:
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         try:
-            sync(handle)
+            if sys.platform == "darwin":  # its fsync() leaves it in the drive's cache
+                fcntl.fcntl(handle, fcntl.F_FULLFSYNC)
+            else:
+                os.fsync(handle)
         finally:
             os.close(handle)
 

@@ -184,7 +184,7 @@ def test_a_journal_that_is_no_file_is_one_line(image, out):
 def test_a_kill_while_the_plan_is_written_is_no_obstacle(image, tmp_path):
     out = tmp_path / "out"
     (out / ".cg2raw").mkdir(parents=True)
-    (out / ".dataset.json.a1b2c3d_").write_text('{"cg2raw": ')
+    (out / ".dataset.json.cg2raw-0123456789abcdef").write_text('{"cg2raw": ')
     assert resume(image, out) == 0
     assert not list(out.glob(".dataset*"))
 

@@ -96,8 +96,7 @@ def test_a_quota_is_said(source, tmp_path, name):
     (tmp_path / "out").mkdir()
     library = compiled(tmp_path)
     injector = Injector(library, tmp_path / "out", tmp_path)
-    call = "pwrite" if name == "convert" else "write"
-    faults = injector.environment(call, 122, sticky=True)  # EDQUOT
+    faults = injector.environment("pwrite", 122, sticky=True)  # EDQUOT
     done = command(name, *words_of(name, source, tmp_path / "out"), env=faults)
     assert QUOTA in said(done, name) and injector.fired
     if name != "dataset":

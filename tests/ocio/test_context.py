@@ -198,15 +198,15 @@ def test_a_write_that_fails_leaves_the_old_pair(path, tmp_path, monkeypatch):
     from cg2raw.io import atomic_file
 
     before = {file.name: file.read_bytes() for file in tmp_path.rglob("*.[co]*")}
-    count, write_all = [0], atomic_file.write_all
+    count, write_in = [0], atomic_file.write_in
 
-    def full(file, name, data):
+    def full(folder, name, data, path):
         count[0] += 1
         if count[0] == 2:
-            raise OSError(f"{name}: cannot be written: No space left on device")
-        write_all(file, name, data)
+            raise OSError(f"{path}: cannot write: No space left on device")
+        write_in(folder, name, data, path)
 
-    monkeypatch.setattr(atomic_file, "write_all", full)
+    monkeypatch.setattr(atomic_file, "write_in", full)
     asked = ("--sensors", "sony-a57", "--illuminants", "D50", "--context")
     assert "No space left" in fails("ocio", *asked, "-o", path)
     after = {file.name: file.read_bytes() for file in tmp_path.rglob("*.[co]*")}

@@ -57,17 +57,6 @@ def test_a_bare_name_is_none(word):
     assert not system.has_folder(word)
 
 
-def test_a_link_is_not_opened(tmp_path):
-    (tmp_path / "real").write_bytes(b"old")
-    (tmp_path / "link").symlink_to(tmp_path / "real")
-    with pytest.raises(OSError):
-        system.open_without_links(tmp_path / "link", os.O_WRONLY | os.O_TRUNC)
-    assert (tmp_path / "real").read_bytes() == b"old"
-    handle = system.open_without_links(tmp_path / "real", os.O_RDONLY)
-    assert os.read(handle, 9) == b"old"
-    os.close(handle)
-
-
 @pytest.fixture
 def tree(tmp_path):
     """Return a folder a/b with files, and links from it to another one."""
@@ -175,13 +164,6 @@ def test_a_locked_file_is_refused_to_another_process_until_it_is_closed(tmp_path
         system.lock(stream.fileno())
         assert other() != 0
     assert other() == 0
-
-
-def test_a_pipe_has_no_disk():
-    read, write = os.pipe()
-    system.sync(write)
-    os.close(read)
-    os.close(write)
 
 
 def test_a_process_of_another_parent_ends():

@@ -11,19 +11,11 @@ namespace {
 /// Offsets of classic TIFF have 32 bits.
 constexpr std::uint64_t tiff_limit = 0xffffffff;
 
-/// @p path, which the system would take for a shorter one if it had a NUL character.
-const std::string& whole(const std::string& path)
-{
-    if (path.find('\0') != std::string::npos)
-        throw Error(path + ": the name holds a NUL character: choose another");
-    return path;
-}
-
 } // namespace
 
 AtomicFile::AtomicFile(std::string path, bool sync, bool unnamed)
     : m_path(std::move(path))
-    , m_file(whole(m_path), sync, unnamed)
+    , m_file(m_path, sync, unnamed)
 {
 }
 

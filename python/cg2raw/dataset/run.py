@@ -24,8 +24,8 @@ from cg2raw.system import Folder, lock, sync_file_system
 
 STOPPED = "stopped; run the same command again to resume"
 NO_LOCKS = "its file system has no locks: see that no other cg2raw writes there"
-# What write_in leaves where it was killed.
-LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.[a-z0-9_]{{8}}")
+# What write_in leaves where it was killed and the file system has no unnamed files.
+LEFTOVER = re.compile(rf"\.{re.escape(PLAN)}\.cg2raw-[0-9a-f]{{16}}")
 
 
 @dataclass

@@ -1,26 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Atomic files: they appear whole or not at all."""
+"""Atomic files: they appear whole or not at all, by one call of the core, which no
+signal cuts in two."""
 
 import contextlib
 import os
-import secrets
 import shutil
-import stat
-import string
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import BinaryIO, Protocol
+from typing import Any, BinaryIO, Protocol
 
+from cg2raw import _core
 from cg2raw.core_arguments import check_utf8, has_surrogates
 from cg2raw.interrupts import held, tidied
-from cg2raw.system import Folder, open_without_links, set_mode, sync, sync_folder
+from cg2raw.system import Folder, sync_folder
 
 FilePath = str | os.PathLike[str]
-
-TRIES = 100  # names for a temporary file
-LETTERS = string.ascii_lowercase + string.digits  # of such a name
 
 
 @contextlib.contextmanager
@@ -48,25 +44,31 @@ class Files(Protocol):
 
 
 def write_atomically(path: FilePath, data: bytes) -> None:
-    """Write bytes to @path: a temporary file beside it takes its place when complete.
+    """Write bytes to @path, where they appear whole or not at all.
 
     A symbolic link stays one, and what it leads to is written, there already or not;
     what is no regular file, such as /dev/stdout, is written to as it is. A file that is
     there keeps its permissions. Raises OSError naming @path, also for a circle of
     links; an existing file is then as it was."""
-    target = os.path.realpath(path)
-    if os.path.isdir(target):
-        raise OSError(f"{path}: is a folder")
-    if os.path.islink(target):
-        raise OSError(f"{path}: cannot be written: its links lead in a circle")
-    if os.path.exists(target) and not os.path.isfile(target):
-        write_all(path, path, data)
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
+        with failing(path), open(path, "wb") as stream:
+            stream.write(data)
         return
-    folder, name = os.path.split(target)
-    with failing(path):
-        opened = Folder(folder)
-    with opened:
-        write_in(opened, name, data, path)
+    _write(path, data)
+
+
+def write_in(folder: Folder, name: str, data: bytes, path: FilePath) -> None:
+    """Write bytes to a name in a Folder, as write_atomically; a link of that name is
+    replaced. Raises OSError naming @path."""
+    place = folder.path_of(name) if folder.handle < 0 else name
+    _write(path, data, folder.handle, os.fsencode(place))
+
+
+def _write(path: FilePath, data: bytes, *place: Any) -> None:
+    try:
+        _core.write_file(os.fsencode(path), data, *place)
+    except ValueError as error:
+        raise OSError(str(error)) from None
 
 
 @held()
@@ -85,60 +87,6 @@ def write_with_folder(path: FilePath, data: bytes) -> None:
             with contextlib.suppress(OSError):  # what others have put there stays
                 os.rmdir(folder)
         raise
-
-
-@held()
-def write_in(folder: Folder, name: str, data: bytes, path: FilePath) -> None:
-    """Write bytes to a name in a Folder, as write_atomically; a link of that name is
-    replaced. Raises OSError naming @path."""
-    with failing(path):
-        handle, part = new_file(folder, name)
-    try:
-        write_all(handle, path, data)
-        with failing(path):
-            folder.replace(part, folder, name)
-    except BaseException:
-        # Not there any more if the last call was interrupted after its work.
-        with contextlib.suppress(FileNotFoundError):
-            folder.remove(part)
-        raise
-    sync_folder(folder.path)
-
-
-def new_file(folder: Folder, name: str) -> tuple[int, str]:
-    """Return (descriptor, name) of a new file that is to take the place of @name.
-
-    It has the permissions of a file there, or those of any new one; its name is one
-    that nobody can foresee. Raises OSError."""
-    mode = mode_in(folder, name)
-    for tries_left in reversed(range(TRIES)):
-        ending = "".join(secrets.choice(LETTERS) for _ in range(8))
-        part = f".{name[:32]}.{ending}"
-        try:
-            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL
-            handle = folder.open(part, flags, 0o666 if mode is None else mode)
-        except FileExistsError:
-            if not tries_left:
-                raise
-            continue
-        break
-    try:
-        if mode is not None:
-            set_mode(handle, mode)
-    except BaseException:
-        os.close(handle)
-        folder.remove(part)
-        raise
-    return handle, part
-
-
-def mode_in(folder: Folder, name: str) -> int | None:
-    """Return the permissions of a file in a folder, None if there is none."""
-    try:
-        status = folder.status(name)
-    except FileNotFoundError:
-        return None
-    return status.st_mode & 0o777 if stat.S_ISREG(status.st_mode) else None
 
 
 def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -> None:
@@ -166,8 +114,9 @@ def write_folder(path: FilePath, files: Files, is_ours: Callable[[str], bool]) -
                 os.mkdir(fresh)  # with the permissions of any new folder, or the old
                 if os.path.isdir(target):
                     shutil.copymode(target, fresh)
+                folder = undo.enter_context(Folder(fresh))
             for name, data in files.items():
-                write_all(os.path.join(fresh, name), path, data)
+                write_in(folder, name, data, path)
         except BaseException:
             remove_tree(part)
             raise
@@ -226,16 +175,6 @@ def move_back(path: FilePath, target: str, old: str) -> None:
         ) from None
 
 
-def write_all(file: FilePath | int, path: FilePath, data: bytes) -> None:
-    """Write @data to @file, a path or descriptor, and close it; messages name @path.
-
-    It is on the disk then."""
-    with failing(path), open(file, "wb") as stream:
-        stream.write(data)
-        stream.flush()
-        sync(stream.fileno())
-
-
 @contextlib.contextmanager
 def failing(path: FilePath) -> Iterator[None]:
     """Name @path in what the system says of a call that fails."""
@@ -252,5 +191,4 @@ def create(path: FilePath) -> BinaryIO:
     followed. Raises OSError."""
     with contextlib.suppress(FileNotFoundError):
         os.unlink(path)
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-    return open(open_without_links(path, flags), "wb")
+    return open(path, "xb")
