@@ -1,25 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Write docs/effects.md, the page of the effects, from their registry.
-
-    python scripts/effects_page.py [--check] [PAGE]
-
-With --check nothing is written: exits with 1 if the page is not what it would be.
-"""
-
-import argparse
-import sys
-from pathlib import Path
+"""docs/effects.md, the page of the effects, from their registry."""
 
 import cg2raw
 from cg2raw.cli.effects import OPTIONAL, PATTERNS
 from cg2raw.diagnose.effects import catalogue
 
-ROOT = Path(__file__).resolve().parent.parent
 INTRO = """\
 # Effects
 
-`scripts/effects_page.py` writes this page from the registry; `cg2raw effects` and
+`scripts/generate.py` writes this page from the registry; `cg2raw effects` and
 `cg2raw effects NAME` print the same; `cg2raw effects --json` prints it for programs.
 
 An effect is one physical departure of a camera from an ideal one. A profile switches it
@@ -110,19 +100,6 @@ def page():
     return "\n\n".join(parts) + "\n"
 
 
-def main():
-    """Write or check the page; return the exit code."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--check", action="store_true", help="write nothing")
-    parser.add_argument("page", nargs="?", default=ROOT / "docs/effects.md", type=Path)
-    arguments = parser.parse_args()
-    if not arguments.check:
-        arguments.page.write_text(page())
-    elif not arguments.page.exists() or arguments.page.read_text() != page():
-        print(f"{arguments.page} is not up to date: run scripts/effects_page.py")
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def texts(root):
+    """Return {path: text} of what is written below a root."""
+    return {"docs/effects.md": page()}

@@ -1,25 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Write docs/man/, a manual page of cg2raw and of each of its commands, from their
-parsers.
-
-    python scripts/man_pages.py [--check] [FOLDER]
-
-With --check nothing is written: exits with 1 if the pages are not what they would be.
-"""
+"""docs/man: a manual page of cg2raw and of each of its commands, from their parsers."""
 
 import argparse
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 from cg2raw import __version__
 from cg2raw.cli import make_parser
 
-FOLDER = Path(__file__).resolve().parent.parent / "docs" / "man"
+FOLDER = "docs/man"
 LICENCE = '.\\" SPDX-License-Identifier: Apache-2.0\n.\\" Copyright Contributors to'
-HEAD = LICENCE + ' the cg2raw Project.\n.\\" scripts/man_pages.py writes this page.\n'
+HEAD = LICENCE + ' the cg2raw Project.\n.\\" scripts/generate.py writes this page.\n'
 NOT_OPTIONS = ("positional arguments", "options")  # titles that argparse itself gives
 
 
@@ -132,33 +125,12 @@ def main_page(
     return page + options(parser)
 
 
-def pages() -> dict[str, str]:
-    """Return {file name: text} of all pages."""
+def texts(root: Path) -> dict[str, str | None]:
+    """Return {path: text} of what is written below a root; None of what goes."""
     parser = make_parser()
     commands = commands_of(parser)
-    made = {f"cg2raw-{name}.1": command_page(name, commands[name]) for name in commands}
-    return {"cg2raw.1": main_page(parser, commands), **made}
-
-
-def main() -> int:
-    """Write the pages, or check those that are there."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n\n")[0])
-    parser.add_argument("folder", nargs="?", type=Path, default=FOLDER)
-    parser.add_argument("--check", action="store_true")
-    arguments = parser.parse_args()
-    made, folder = pages(), arguments.folder
-    found = {path.name: path.read_text() for path in folder.glob("*.1")}
-    if arguments.check:
-        if found != made:
-            print(f"{folder} is not up to date: run scripts/man_pages.py")
-        return int(found != made)
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in found.keys() - made.keys():
-        (folder / name).unlink()
-    for name, text in made.items():
-        (folder / name).write_text(text)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    found = (root / FOLDER).glob("*.1")
+    made = dict.fromkeys(path.relative_to(root).as_posix() for path in found)
+    for name, command in commands.items():
+        made[f"{FOLDER}/cg2raw-{name}.1"] = command_page(name, command)
+    return made | {f"{FOLDER}/cg2raw.1": main_page(parser, commands)}

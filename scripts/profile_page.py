@@ -1,19 +1,13 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Write docs/profile.md, and the attributes of a profile in the stub of the core."""
+"""docs/profile.md, and the attributes of a profile in the stub of the core."""
 
-import argparse
 import json
-import sys
-from pathlib import Path
 
 from cg2raw import _core
 
-ROOT = Path(__file__).resolve().parent.parent
-PAGE = "docs/profile.md"
 STUB = "python/cg2raw/_core.pyi"
-BEGIN, END = "    # begin: fields, by scripts/profile_page.py\n", "    # end\n"
+BEGIN, END = "    # begin: fields, by scripts/generate.py\n", "    # end\n"
 INTRO = """# The profile of a sensor
 
 A sensor is one JSON file: give its path where a sensor is asked for, or put it into a
@@ -95,35 +89,16 @@ def page():
     return "\n\n".join([INTRO.rstrip(), "\n".join(rows), named, OUTRO.rstrip()]) + "\n"
 
 
-def stub():
+def stub(before):
     """Return the text of the stub, with the attributes of a profile."""
     properties = "".join(
         f"    @property\n    def {name}(self) -> {type_}: ...\n"
         for name, type_ in _core.profile_fields
     )
-    before, begin, rest = (ROOT / STUB).read_text().partition(BEGIN)
+    before, begin, rest = before.partition(BEGIN)
     return before + begin + properties + END + rest.partition(END)[2]
 
 
-def main():
-    """Write or check the page and the stub; return the exit code."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--check", action="store_true", help="write nothing")
-    parser.add_argument("root", nargs="?", default=ROOT, type=Path)
-    arguments = parser.parse_args()
-    texts = {PAGE: page(), STUB: stub()}
-    old = []
-    for name, text in texts.items():
-        path = arguments.root / name
-        if not arguments.check:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
-        elif not path.exists() or path.read_text() != text:
-            old.append(name)
-    for name in old:
-        print(f"{name} is not up to date: run scripts/profile_page.py")
-    return 1 if old else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def texts(root):
+    """Return {path: text} of what is written below a root."""
+    return {"docs/profile.md": page(), STUB: stub((root / STUB).read_text())}

@@ -231,7 +231,7 @@ void bind_numbers(py::class_<SensorProfile>& c)
 }
 
 /// The attributes of a profile are its fields; profile_fields lists them with their
-/// types, of which scripts/profile_page.py makes the stub.
+/// types, of which scripts/generate.py makes the stub.
 void bind_fields(py::module_& m, py::class_<SensorProfile>& c)
 {
     py::list fields;

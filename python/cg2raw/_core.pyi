@@ -39,7 +39,7 @@ class Illuminant:
 
 class SensorProfile:
     def __init__(self, json: str, file: str = "profile") -> None: ...
-    # begin: fields, by scripts/profile_page.py
+    # begin: fields, by scripts/generate.py
     @property
     def id(self) -> str: ...
     @property

@@ -79,29 +79,45 @@ def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch, request):
         assert cg2raw.read_dng_metadata(str(written)).bits >= 8
 
 
-# Pages that scripts write, or a table of: by which, and words of them.
-WRITTEN = {
-    "effects.md": ("scripts/effects_page.py", "of the amplifiers"),
-    "oiiotool.md": ("scripts/attributes_table.py", "an ISO from 1 to 10000000"),
+# What scripts/generate.py writes, or a part of: words of that.
+GENERATED = {
+    "docs/effects.md": "of the amplifiers",
+    "docs/oiiotool.md": "an ISO from 1 to 10000000",
+    "docs/profile.md": "list of objects",
+    "docs/man/cg2raw-convert.1": ".SH SYNOPSIS",
+    "python/cg2raw/_core.pyi": "def base_iso(self)",
 }
 
 
-def write_page(script, *arguments):
-    command = [sys.executable, ROOT / script, *arguments]
+def generated(*arguments):
+    command = [sys.executable, ROOT / "scripts/generate.py", *arguments]
     return subprocess.run(command, capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("name", WRITTEN)
-def test_a_written_page_is_up_to_date_or_told(tmp_path, name):
-    (script, words), page = WRITTEN[name], tmp_path / name
-    right = (ROOT / "docs" / name).read_text()
-    done = write_page(script, "--check")
+def test_generated_files_are_up_to_date():
+    done = generated("--check")
     assert done.returncode == 0, done.stdout + done.stderr
-    page.write_text(right.replace(words, "other words"))
-    done = write_page(script, "--check", page)
-    assert done.returncode == 1 and f"run {script}" in done.stdout + done.stderr
-    assert write_page(script, page).returncode == 0
-    assert page.read_text() == right
+
+
+def test_generated_files_that_are_stale_are_named_and_mended(tmp_path):
+    right = {name: (ROOT / name).read_text() for name in GENERATED}
+    for name, text in right.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    assert generated(tmp_path).returncode == 0  # what is not there is written
+    assert generated("--check", tmp_path).returncode == 0
+    for name, words in GENERATED.items():
+        assert words in right[name]
+        (tmp_path / name).write_text(right[name].replace(words, "other words"))
+    gone = "docs/man/cg2raw-gone.1"
+    (tmp_path / gone).write_text("of a command that is no more")
+    done = generated("--check", tmp_path)
+    told = {f"{name} is not up to date: run scripts/generate.py" for name in right}
+    told |= {f"{gone} is not up to date: run scripts/generate.py"}
+    assert (done.returncode, set(done.stdout.splitlines())) == (1, told)
+    assert generated(tmp_path).returncode == 0
+    assert {name: (tmp_path / name).read_text() for name in right} == right
+    assert not (tmp_path / gone).exists()
 
 
 def test_every_effect_has_its_section():

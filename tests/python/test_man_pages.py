@@ -1,35 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Manual pages: one of each command, up to date, and man prints them."""
+"""Manual pages: one of each command, and man prints them."""
 
 import subprocess
-import sys
 
 import pytest
 
 from cg2raw.cli import make_parser, subcommands
 
 PAGES = ["cg2raw", *(f"cg2raw-{name}" for name in subcommands())]
-
-
-def test_the_pages_are_those_of_the_commands(repository):
-    script = repository / "scripts" / "man_pages.py"
-    done = subprocess.run(
-        [sys.executable, script, "--check"], capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    found = {path.stem for path in (repository / "docs" / "man").iterdir()}
-    assert found == set(PAGES)
-
-
-def test_a_stale_page_is_told(repository, tmp_path):
-    script = repository / "scripts" / "man_pages.py"
-    assert subprocess.run([sys.executable, script, tmp_path]).returncode == 0
-    (tmp_path / "cg2raw-gone.1").write_text("of a command that is no more")
-    check = [sys.executable, script, "--check", tmp_path]
-    assert subprocess.run(check, capture_output=True).returncode == 1
-    assert subprocess.run([sys.executable, script, tmp_path]).returncode == 0
-    assert subprocess.run(check, capture_output=True).returncode == 0
 
 
 @pytest.mark.parametrize("name", PAGES)

@@ -5,8 +5,6 @@ one refuses the other refuses, but for what fields are to each other."""
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import jsonschema
@@ -39,16 +37,6 @@ def is_read(profile):
 
 def test_the_schema_is_one():
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
-
-
-def test_page_and_stub_are_up_to_date(tmp_path):
-    script = [sys.executable, ROOT / "scripts/profile_page.py"]
-    done = subprocess.run([*script, "--check"], capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    done = subprocess.run(
-        [*script, "--check", tmp_path], capture_output=True, text=True
-    )
-    assert done.returncode == 1 and "run scripts/profile_page.py" in done.stdout
 
 
 def test_the_command_prints_it():
