@@ -8,6 +8,7 @@ import pytest
 
 import cg2raw
 from images import attributes, read_dn
+from python.commands import run
 
 RAW = "RAW - samsung-s20fe - 2856K"
 GAINS = (0.6, 0.9, 0.35)  # a stand-in for the chain of a sensor
@@ -99,6 +100,20 @@ def test_linear_is_what_the_version_says(oiiotool, config, exr, tmp_path):
     if role == "ACEScg" and oiiotool.name == "oiio-system":
         assert done.returncode != 0
         assert '--tocolorspace "lin_rec709"' in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("word", ["linear", "scene_linear"])
+def test_the_command_takes_words_as_its_openimageio(
+    config, exr, tmp_path, monkeypatch, word
+):
+    path, role = config
+    monkeypatch.setenv("OCIO", str(path))
+    light = ("--sensor", "samsung-s20fe", "--illuminant", "D65")
+    words = (exr, "--iscolorspace", word, "-o", tmp_path / "shot.dng", *light)
+    done = run("convert", *words)
+    is_rec709 = word == "linear" or role == "lin_rec709"
+    assert (done.code == 0) == is_rec709, done.err
+    assert is_rec709 or "--tocolorspace lin_rec709" in done.err
 
 
 def test_an_ocio_config_that_cannot_be_read(oiiotool, exr, tmp_path):

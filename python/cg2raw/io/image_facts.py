@@ -30,9 +30,11 @@ def dialect(
 
 
 def is_rec709(word: str) -> bool:
-    """Return whether linear or scene_linear is; OCIO's config knows."""
-    role = openimageio().ColorConfig().getColorSpaceNameByRole("scene_linear")
-    return not role or _core.is_rec709_name(role)
+    """Return whether linear, the name of a space, or scene_linear, a role, is: OCIO's
+    config knows."""
+    config = openimageio().ColorConfig()
+    role = config.getColorSpaceNameByRole("scene_linear") or REC709
+    return _core.is_rec709_name(config.resolve(word) if word == "linear" else role)
 
 
 def facts(
