@@ -8,12 +8,14 @@ import sys
 
 import pytest
 
+from cg2raw import system
+
 ARRAYS, PAGES = 50, 2048  # of 8 MiB each
 PROGRAM = f"""
 import resource
 import sys
 import numpy as np
-from cg2raw.cli._memory import keep_freed_memory
+from cg2raw.system import keep_freed_memory
 
 if sys.argv[1] == "keep":
     keep_freed_memory()
@@ -39,8 +41,6 @@ def test_pages_that_were_freed_are_taken_again():
 
 
 def test_other_libraries_stay_as_they_are(monkeypatch):
-    from cg2raw.cli import _memory
-
-    monkeypatch.setattr(_memory.platform, "libc_ver", lambda: ("", ""))
-    monkeypatch.setattr(_memory.ctypes, "CDLL", None)  # would fail
-    _memory.keep_freed_memory()
+    monkeypatch.setattr(platform, "libc_ver", lambda: ("", ""))
+    monkeypatch.setattr(system.ctypes, "CDLL", None)  # would fail
+    system.keep_freed_memory()

@@ -9,11 +9,10 @@ darks by exposure: noise, offsets, dark current. Then what flats show above them
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import cut_share, read_darks
 from cg2raw.calibration.defects import defects_of
 from cg2raw.calibration.flats import above_darks, read_flats
@@ -26,13 +25,34 @@ from cg2raw.calibration.frames import (
     in_steps,
     scan,
 )
+from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.notes import notes_on
 from cg2raw.calibration.parts import check_one_chain
 from cg2raw.calibration.repeats import Todo
 from cg2raw.calibration.robust import CENSORED_TO
 from cg2raw.calibration.screening import screened
 from cg2raw.calibration.sites import sites_of
+from cg2raw.calibration.updated_profile import updated_profile
 from cg2raw.sensor import Sensor
+
+
+@dataclass(frozen=True)
+class Calibration(Measurements):
+    """What calibrate found; see Measurements for its fields."""
+
+    def updated_profile(self, sensor: Sensor | None = None) -> str:
+        """Return the JSON of a sensor's profile with what was measured.
+
+        sensor : in place of the one that was calibrated. The black level, the row of
+        noise at the frames' ISO and effects that stand out are replaced; effects that
+        were looked for and do not are taken out; all else stays.
+        Raises ValueError naming field, value and bound."""
+        return updated_profile(self, sensor or self.sensor)[0]
+
+    def profile_notes(self) -> list[str]:
+        """Return what stands out and cannot be written into a profile."""
+        return updated_profile(self, self.sensor)[1]
+
 
 Progress = Callable[[str, float], None]
 

@@ -17,8 +17,7 @@ from scipy.ndimage import uniform_filter
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Measured, root_of
 from cg2raw.calibration.photon_transfer import TransferPoints
-from cg2raw.calibration.profiles import profiles_of
-from cg2raw.calibration.robust import CUT, MAD, Array, clipped_moments
+from cg2raw.calibration.robust import CUT, MAD, Array, clipped_moments, profiles_of
 from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
 
 WINDOW = 15  # px of one site, across; wider structure is shading

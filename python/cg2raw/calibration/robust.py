@@ -107,3 +107,20 @@ def line_means(plane: Array, keep: Array, axis: int) -> tuple[Array, float, Arra
     sums = np.where(keep, plane, 0).sum(axis, dtype=np.float64)
     per_mean = 1 / float(np.mean(1 / counts[filled])) if filled.any() else 1.0
     return sums / np.maximum(counts, 1), per_mean, filled
+
+
+def profiles_of(image: Array) -> tuple[Array, Array]:
+    """Return (2, W) columns in the upper and the lower half of an (H, W) map, and
+    (2, H) rows in its left and right half: medians, once those of the other lines are
+    taken off, which dust in less than half of a line does not move."""
+    columns, rows = (
+        np.array([_medians(half) for half in np.split(one, [len(one) // 2])], float)
+        for one in (image, image.T)
+    )
+    return columns, rows
+
+
+def _medians(image: Array) -> Array:
+    """Return (w,) medians of the columns of an (h, w) map, less those of its rows."""
+    found: Array = np.median(image - np.median(image, 1, keepdims=True), 0)
+    return found

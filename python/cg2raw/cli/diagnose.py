@@ -27,7 +27,7 @@ import re
 import sys
 from typing import TYPE_CHECKING, Any
 
-from cg2raw.cli._memory import keep_freed_memory
+from cg2raw.system import keep_freed_memory
 
 if TYPE_CHECKING:  # only the work itself loads its modules
     from cg2raw.diagnose.captures.capture import CaptureSet

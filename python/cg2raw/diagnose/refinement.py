@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.calibration import Calibration
+from cg2raw.calibration.calibrate import Calibration
 from cg2raw.calibration.frames import UniformFrame
 from cg2raw.calibration.measured import Measured
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet

@@ -34,8 +34,7 @@ from cg2raw.io.fits_sections import (
     placed_on_sensor,
     size_of,
 )
-from cg2raw.io.raw_header import Area, Levels, RawFile, RawHeader
-from cg2raw.io.whole_dn import whole_dn
+from cg2raw.io.raw_header import Area, Levels, RawFile, RawHeader, whole_dn
 
 ENDINGS = (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fits.fz")
 EXPOSURES = ("EXPTIME", "EXPOSURE")  # s; the first that is there counts

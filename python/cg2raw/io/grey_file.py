@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from cg2raw.arrays import RawImage
 from cg2raw.io import image_file
 from cg2raw.io.libraw import exif_tags
-from cg2raw.io.raw_header import Area, RawFile, RawHeader
-from cg2raw.io.whole_dn import whole_dn
+from cg2raw.io.raw_header import Area, RawFile, RawHeader, whole_dn
 from cg2raw.oiio.openimageio import one_line
 from cg2raw.system import check_readable
 

@@ -6,12 +6,15 @@
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
 from cg2raw.sensor import Sensor
+
+MOST_DN = 65535
 
 
 class Levels(NamedTuple):
@@ -113,3 +116,22 @@ class RawFile:
                 f"{self.header.path}: was changed while it was read; start again"
             )
         return plane
+
+
+def whole_dn(
+    path: str, plane: NDArray[Any], pedestal: float = 0.0
+) -> NDArray[np.float64]:
+    """Return pixels less a pedestal. Raises ValueError for the first that is no DN."""
+    without = plane.astype(np.float64) - pedestal
+    with np.errstate(invalid="ignore"):
+        wrong = ~((without >= 0) & (without <= MOST_DN) & (without == np.rint(without)))
+    if wrong.any():
+        row, col = np.argwhere(wrong)[0]
+        less = f" without its PEDESTAL of {pedestal:g} DN" if pedestal else ""
+        raise ValueError(
+            f"{path}: {np.count_nonzero(wrong)} pixels are no DN, the first in stored "
+            f"row {row}, column {col}: {without[row, col]:g}{less}; must be whole "
+            f"numbers, 0 to {MOST_DN}: give the frame as the camera took it, not "
+            "calibrated"
+        )
+    return without

@@ -11,7 +11,6 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.cfa import is_mono
 from cg2raw.io.figure import BLACK, BLUE, GREEN, RED, SKY
-from cg2raw.profile.plot_sensitivities import draw_sensitivities
 from cg2raw.profile.spectral_file import Array
 from cg2raw.profile.summary import kelvin_words
 
@@ -23,6 +22,8 @@ LOCUS = np.linspace(1e6 / 15000, 1e6 / 2000, 400)  # mired: even steps of colour
 TICKS = (2000, 2500, 3000, 3500, 4000, 5000, 6500, 8000, 10000, 15000)  # K
 APART = 34  # pixels between labelled temperatures
 MARGIN = 0.35  # of the data's extent, around it; the locus may leave the picture
+CURVES = {"R": RED, "G": GREEN, "B": BLUE}
+RESPONSE_TO = {"energy": "radiant energy", "photon": "a photon"}
 
 
 def plot_png(profile: _core.SensorProfile, cct: Sequence[float] | None = None) -> bytes:
@@ -203,3 +204,26 @@ def label_tick(
         zorder=8,
         path_effects=[withStroke(linewidth=2.5, foreground="white")],
     )
+
+
+def draw_sensitivities(axes: "Axes", sensitivities: Mapping[str, Any]) -> None:
+    """Draw the curves of R, G and B, or the one of a monochrome sensor.
+
+    sensitivities : SensorProfile.spectral_sensitivities."""
+    rgb = np.array(sensitivities["rgb"])
+    wavelengths = sensitivities["wavelengths"]
+    if np.ptp(rgb, axis=1).any():
+        for (name, color), curve in zip(CURVES.items(), rgb.T, strict=True):
+            axes.plot(wavelengths, curve, color=color, linewidth=1.6, label=name)
+        axes.legend(loc="upper right", fontsize=9, framealpha=0.9)
+    else:
+        axes.plot(wavelengths, rgb[:, 0], color="black", linewidth=1.6)
+    axes.axhline(0.0, color="0.6", linewidth=0.6)
+    axes.set(
+        xlabel="wavelength, nm",
+        ylabel=f"response to {RESPONSE_TO[sensitivities['unit']]}",
+        xlim=(wavelengths[0], wavelengths[-1]),
+    )
+    axes.set_title("spectral sensitivities", fontsize=11)
+    axes.grid(color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)

@@ -6,9 +6,10 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from cg2raw import _core
 from cg2raw.cfa import is_mono, sites_of
-from cg2raw.profile.sensitivity_text import sensitivity_fields
 from cg2raw.profile.summary import iso_words, neutral_words
 
 Summary = Mapping[str, Any]  # as summary() makes it
@@ -16,6 +17,11 @@ Summary = Mapping[str, Any]  # as summary() makes it
 LEVELS = ("cfa", "width", "height", "bits", "black_level", "white_level")
 NO_NOISE = "none: cg2raw calibrate measures it from darks and flats"
 FIELD = 26  # columns of a field's name
+STEP = 10.0  # nm, of a character of a curve
+BLOCKS = (
+    "\u2581\u2582\u2583\u2584\u2585\u2586\u2587\u2588"  # an eighth to a whole block
+)
+PLAIN_BLOCKS = "_.:-=+*#"  # where a terminal has none
 
 
 def details(sensor: Summary, columns: int, encoding: str = "utf-8") -> list[str]:
@@ -164,3 +170,49 @@ def effect_words(effect: Mapping[str, Any]) -> str:
     """Return the name of an effect with its parameters."""
     parameters = sorted(effect["parameters"].items())
     return " ".join([effect["name"], *(f"{name}={v:g}" for name, v in parameters)])
+
+
+def sensitivity_fields(
+    sensitivities: Mapping[str, Any] | None, encoding: str
+) -> list[tuple[str, str]]:
+    """Return [(field, text), ...]: range, unit, and a curve of each channel.
+
+    sensitivities : as summary() has them; None: nothing is returned.
+    encoding : of the terminal."""
+    if sensitivities is None:
+        return []
+    name = "spectral_sensitivities"
+    wavelengths = np.array(sensitivities["wavelengths"])
+    curves = np.array(sensitivities["rgb"])
+    channels = "RGB" if np.ptp(curves, axis=1).any() else ["mono"]
+    unit = {"energy": "radiant energy", "photon": "photons"}[sensitivities["unit"]]
+    scale = sensitivities["scale"]
+    fields = [
+        (
+            name,
+            f"{wavelengths[0]:g} to {wavelengths[-1]:g} nm, {len(wavelengths)} rows, "
+            f"response to {unit}" + (f", 1 is {scale:.4g} as measured" * (scale != 1)),
+        )
+    ]
+    for channel, curve in zip(channels, curves.T, strict=False):
+        peak = wavelengths[np.argmax(curve)]
+        line = curve_line(wavelengths, curve / curves.max(), encoding)
+        fields.append((f"{name} {channel}", f"{line} peak {peak:g} nm"))
+    return fields
+
+
+def curve_line(wavelengths: Any, values: Any, encoding: str) -> str:
+    """Return a character for every 10 nm; values (n,) of 0 to 1."""
+    blocks = BLOCKS if can_show(encoding) else PLAIN_BLOCKS
+    at = np.arange(wavelengths[0], wavelengths[-1] + STEP / 2, STEP)
+    heights = np.clip(np.interp(at, wavelengths, values), 0.0, 1.0)
+    return "".join(blocks[i] for i in np.rint(heights * (len(blocks) - 1)).astype(int))
+
+
+def can_show(encoding: str) -> bool:
+    """Return whether text of an encoding may have blocks."""
+    try:
+        BLOCKS.encode(encoding)
+    except (UnicodeEncodeError, LookupError):
+        return False
+    return True

@@ -18,7 +18,7 @@ from cg2raw.diagnose.diagnosis import (
 )
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
-from cg2raw.diagnose.effects.sentences import sentence
+from cg2raw.diagnose.effects.discriminating_captures import sentence
 from cg2raw.diagnose.inference.model_selection import Search
 from cg2raw.diagnose.inference.steps import Step
 from cg2raw.diagnose.likelihood.model import Model

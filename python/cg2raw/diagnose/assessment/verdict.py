@@ -48,7 +48,7 @@ from cg2raw.diagnose.diagnosis import (
     ResidualTest,
 )
 from cg2raw.diagnose.effects.base import EstimatesByEffect
-from cg2raw.diagnose.effects.sentences import deciding_captures
+from cg2raw.diagnose.effects.discriminating_captures import deciding_captures
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.contradictions import lost_as_stated

@@ -12,6 +12,8 @@ folder says the rest, and only where the default does not do. Three estimators:
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
 from functools import cached_property, partial
 from typing import Any, ClassVar, Literal
 
@@ -20,11 +22,8 @@ from numpy.typing import NDArray
 
 from cg2raw.cfa import is_mono
 from cg2raw.diagnose.diagnosis import Curve, Estimate
-from cg2raw.diagnose.effects.moments import Moments
-from cg2raw.diagnose.effects.parameter import Parameter as Parameter
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.effects.sensor_map import SensorMap as SensorMap
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -43,6 +42,47 @@ Labels = Callable[[Frame, Prediction], NDArray[np.int64]]  # of the pixels of a 
 MeasuredRatio = Callable[[Labels, int], tuple[Array, Array]]
 
 NORMAL_95 = 1.96  # standard deviations to either side of a mean that hold 95 %
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that is searched: its bounds; 0 is none of the effect."""
+
+    name: str
+    low: float
+    high: float
+    unit: str = "1"
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Of uniform frames, where a fit of all effects together starts.
+
+    light, read : measured over predicted variance, of what grows with light and of the
+        read noise; None where no frames repeat each other that show it.
+    offset, rate : of darks above what is predicted, signal and signal per second."""
+
+    light: float | None
+    read: float | None
+    offset: float
+    rate: float
+
+
+class WhiteningStage(IntEnum):
+    """The order in which a model's effects whiten residuals: back through a camera.
+
+    What all pixels of a frame share comes after what those of a row do: what is left
+    of it by then is still one direction, which `likelihood.whitening` follows."""
+
+    CLIPPING = 1
+    FILTER = 2
+    AMPLIFIER = 3
+    ROWS = 4
+    FRAME = 5
+    NUISANCE = 6
+    JUMPS = 7
+    PHOTONS = 8
+    READOUT = 9
 
 
 class Effect:

@@ -6,9 +6,8 @@
 import numpy as np
 
 from cg2raw.cfa import is_mono
-from cg2raw.diagnose.effects.base import Effect, Estimates, Values
+from cg2raw.diagnose.effects.base import Effect, Estimates, Moments, Values
 from cg2raw.diagnose.effects.families import PEDESTAL
-from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.sensor import Sensor
 
 

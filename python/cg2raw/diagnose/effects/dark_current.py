@@ -5,10 +5,9 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Effect, Estimates, Values
+from cg2raw.diagnose.effects.base import Effect, Estimates, Moments, Values
 from cg2raw.diagnose.effects.families import PEDESTAL, TIME
-from cg2raw.diagnose.effects.moments import Moments
-from cg2raw.diagnose.effects.profile_entries import listed_values
+from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import DOUBLING
 from cg2raw.sensor import Sensor

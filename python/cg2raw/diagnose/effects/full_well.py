@@ -13,10 +13,10 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
+    WhiteningStage,
 )
 from cg2raw.diagnose.effects.families import LIGHT, RESPONSE
 from cg2raw.diagnose.effects.sizes import percent, value_of
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array

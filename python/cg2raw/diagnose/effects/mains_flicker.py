@@ -9,12 +9,18 @@ from typing import Any
 import numpy as np
 from scipy.stats import gamma
 
-from cg2raw.diagnose.effects.base import Estimates, Gain, Parameter, Predicted, Values
+from cg2raw.diagnose.effects.base import (
+    Estimates,
+    Gain,
+    Parameter,
+    Predicted,
+    Values,
+    WhiteningStage,
+)
 from cg2raw.diagnose.effects.families import LIGHT, TEMPORAL
-from cg2raw.diagnose.effects.profile_entries import listed_values
+from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.effects.shared_fields import SharedFields
 from cg2raw.diagnose.effects.sizes import percent, value_of
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.shrinkage import shown_light

@@ -14,9 +14,9 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
     Whitener,
+    WhiteningStage,
 )
 from cg2raw.diagnose.effects.families import SPREAD
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array

@@ -18,10 +18,10 @@ from cg2raw.diagnose.effects.base import (
     Predicted,
     Values,
     Whitened,
+    WhiteningStage,
 )
 from cg2raw.diagnose.effects.families import LIGHT
-from cg2raw.diagnose.effects.profile_entries import draw_noise_by
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
+from cg2raw.diagnose.effects.registry import draw_noise_by
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array

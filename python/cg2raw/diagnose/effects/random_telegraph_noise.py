@@ -11,12 +11,12 @@ from cg2raw.diagnose.effects.base import (
     SensorMap,
     Values,
     Whitened,
+    WhiteningStage,
 )
 from cg2raw.diagnose.effects.families import TEMPORAL
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern, share_interval
 from cg2raw.diagnose.effects.mixture import normal_score
 from cg2raw.diagnose.effects.sizes import of_white, percent, value_of
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor

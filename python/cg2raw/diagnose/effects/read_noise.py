@@ -5,8 +5,7 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Parameter, Values
-from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.effects.base import Moments, Parameter, Values
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
 NO_DIRECTION = (

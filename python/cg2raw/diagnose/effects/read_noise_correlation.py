@@ -17,10 +17,10 @@ from cg2raw.diagnose.effects.base import (
     Values,
     Whitened,
     Whitener,
+    WhiteningStage,
 )
 from cg2raw.diagnose.effects.families import SPREAD
-from cg2raw.diagnose.effects.profile_entries import listed_values
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
+from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from cg2raw.diagnose.effects.base import WhiteningStage
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.tiling import Array, Tiling
 from cg2raw.sensor import Sensor
 

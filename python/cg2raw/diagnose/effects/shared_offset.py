@@ -21,7 +21,7 @@ from cg2raw.diagnose.effects.base import (
     Whitened,
 )
 from cg2raw.diagnose.effects.families import TEMPORAL
-from cg2raw.diagnose.effects.profile_entries import listed_values
+from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction

@@ -5,9 +5,8 @@
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Parameter, Values
+from cg2raw.diagnose.effects.base import Moments, Parameter, Values
 from cg2raw.diagnose.effects.families import LIGHT_AGAIN
-from cg2raw.diagnose.effects.moments import Moments
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
 

@@ -13,8 +13,7 @@ EMVA Standard 1288, release 4.0.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.effects.base import Effect, Moments
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
 from cg2raw.diagnose.inference.coordinate_search import fit_transform

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.stats import norm
 
-from cg2raw.diagnose.effects.moments import Moments
+from cg2raw.diagnose.effects.base import Moments
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.repeats import repeats

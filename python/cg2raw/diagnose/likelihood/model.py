@@ -12,8 +12,8 @@ import numpy as np
 from cg2raw.diagnose.effects.base import Effect, SensorMap, Values
 from cg2raw.diagnose.effects.dark_current import DARK_CURRENT, RATES, ratio_to_stated
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
-from cg2raw.diagnose.effects.profile_entries import stated_by
 from cg2raw.diagnose.effects.rate_law import RateLaw
+from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.likelihood.nuisance import Nuisance

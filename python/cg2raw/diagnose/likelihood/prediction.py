@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from cg2raw import _core
 from cg2raw.cfa import sites_of
-from cg2raw.diagnose.effects.base import Effect, Values
+from cg2raw.diagnose.effects.base import Effect, Values, WhiteningStage
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.sensor_map import SensorMap
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
 from cg2raw.diagnose.frames.prediction import Prediction

@@ -11,12 +11,18 @@ from typing import TypeGuard
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Effect, SensorMap, Values, Whitened, Whitener
+from cg2raw.diagnose.effects.base import (
+    Effect,
+    SensorMap,
+    Values,
+    Whitened,
+    Whitener,
+    WhiteningStage,
+)
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.shared_fields import SharedFields
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
-from cg2raw.diagnose.effects.whitening_stage import WhiteningStage
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.shrinkage import GroupCovariance, beside, whitener_along
