@@ -16,7 +16,7 @@ def table():
     """Return the table, a line for each option."""
     return HEAD + "".join(
         f"| `dng:{name}` | {allowed} | {description} |\n"
-        for name, _, allowed, description in _core.export_options()
+        for name, _, _, allowed, description in _core.export_options()
     )
 
 

@@ -7,12 +7,10 @@
 #include "platform/paths.h"
 #include "profile_syntax.h"
 #include "text.h"
+#include "text_file.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
-#include <new>
 
 namespace cg2raw {
 namespace {
@@ -28,35 +26,15 @@ bool has_file(const fs::path& path)
     return fs::is_regular_file(path, ignored);
 }
 
-std::string read_file(const fs::path& path)
+std::string read_profile(const fs::path& path)
 {
-    std::error_code error;
-    if (fs::is_directory(path, error))
-        throw Error(utf8_of(path)
-                    + ": is a folder: give the path of a profile (.json) in it");
-    const bool is_other = fs::is_other(path, error); // a pipe, a device or a socket
-    const auto size = is_other ? 0 : fs::file_size(path, error);
-    if (is_other || error)
-        throw Error(utf8_of(path) + ": "
-                    + (is_other ? "is no regular file" : error.message())
-                    + ": give the path of a profile (.json), or the id of an installed "
-                      "sensor");
-    check_profile_size(size, utf8_of(path));
-    std::string text(std::size_t(size), '\0');
-    errno = 0;
-    std::ifstream file(path, std::ios::binary);
-    if (!file.is_open() && errno == ENOMEM)
-        throw std::bad_alloc();
-    try {
-        file.exceptions(std::ios::badbit); // else it keeps what memory lacked to itself
-        file.read(text.data(), std::streamsize(size));
-    } catch (const std::ios::failure&) {
-        file.close();
-    }
-    if (!file.is_open())
-        throw Error(utf8_of(path) + ": cannot be read: check its permissions");
-    text.resize(std::size_t(file.gcount()));
-    return text;
+    std::error_code ignored;
+    const std::string remedy = fs::is_directory(path, ignored)
+        ? "give the path of a profile (.json) in it"
+        : "give the path of a profile (.json), or the id of an installed sensor";
+    return read_text_file(path, remedy, [&](std::uintmax_t size) {
+        check_profile_size(size, utf8_of(path));
+    });
 }
 
 bool is_path(const std::string& id_or_path)
@@ -134,11 +112,11 @@ SensorProfile load_profile(const std::string& id_or_path)
 {
     check_word(id_or_path);
     if (is_path(id_or_path))
-        return parse_profile(read_file(path_of(id_or_path)), id_or_path);
+        return parse_profile(read_profile(path_of(id_or_path)), id_or_path);
     for (const std::string& folder : profile_folders()) {
         const fs::path path = path_of(folder) / path_of(id_or_path + ".json");
         if (!id_or_path.empty() && has_file(path))
-            return parse_profile(read_file(path), utf8_of(path));
+            return parse_profile(read_profile(path), utf8_of(path));
     }
     const auto installed = installed_profiles();
     throw Error("unknown sensor \"" + id_or_path + "\"; installed: "

@@ -20,7 +20,7 @@ constexpr double most_seconds = 1e6;
 Rng rng_of(const Effect& effect, const SensorProfile& profile, const Run& run)
 {
     const std::string key = effect.name + "/" + profile.id;
-    return effect.pattern == Pattern::temporal ? Rng(run.seed, key, run.frame)
+    return effect.pattern == Pattern::temporal ? Rng(noise_seed(run), key, run.frame)
                                                : Rng(0, key);
 }
 

@@ -96,8 +96,8 @@ Stages::Stages(const SensorProfile& profile, const Run& run,
     , early_gaussian(needs_gaussian(active, Stage::noise, Stage::noise))
     , gaussian(needs_gaussian(active, saturates ? Stage::readout : Stage::noise,
                               Stage::readout))
-    , early_rng(run.seed, "early_noise/" + profile.id, run.frame)
-    , rng(run.seed, "noise/" + profile.id, run.frame)
+    , early_rng(noise_seed(run), "early_noise/" + profile.id, run.frame)
+    , rng(noise_seed(run), "noise/" + profile.id, run.frame)
     , noise_ceiling(run.convention == Convention::dng ? saturated : largest_signal)
 {
 }

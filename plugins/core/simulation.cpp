@@ -26,11 +26,20 @@ double drawn_gain(const SensorProfile& profile, const Run& run)
     return mean + sigma * rng.normal(draw);
 }
 
+Run with_settings(Run run, const SettledExposure& exposure)
+{
+    run.exposure_time = exposure.exposure_time;
+    run.f_number = exposure.f_number;
+    run.iso = exposure.iso;
+    return run;
+}
+
 } // namespace
 
 Simulation::State::State(const SensorProfile& sensor, const Run& asked, Size size)
     : profile(calibrated_for(sensor, asked.illuminant))
-    , run(asked)
+    , exposure(settle(profile, asked))
+    , run(with_settings(asked, exposure))
     , frame(size)
     , light(cg2raw::illuminant(profile, run.illuminant, run.as_shot))
     , gain(drawn_gain(profile, run))
@@ -40,6 +49,7 @@ Simulation::State::State(const SensorProfile& sensor, const Run& asked, Size siz
     , stages(profile, run, active_effects(profile, run, noise))
     , levels(levels_of(profile))
 {
+    transform.exposure = float(exposure.gain);
     if (frame.width < 1 || frame.height < 1)
         throw Error("image of " + std::to_string(frame.width) + " x "
                     + std::to_string(frame.height) + " pixels is empty");
@@ -59,7 +69,8 @@ void Simulation::State::to_camera_rgb(const RgbView& scene,
                       camera, illegal);
             continue;
         }
-        copy_camera(scene.row(row), scene.pixel_stride, scene.width, camera, illegal);
+        copy_camera(scene.row(row), scene.pixel_stride, scene.width, transform.exposure,
+                    camera, illegal);
         if (transform.is_light)
             for (float* plane : camera)
                 std::transform(plane, plane + scene.width, plane,
@@ -71,11 +82,12 @@ void Simulation::State::run_stages(Band& band, Site origin,
                                    const GlareContext* glare_context,
                                    Purpose purpose) const
 {
-    const Exposure exposure
+    const Exposure conditions
         = { frame, profile.cfa, light.neutral, run.exposure_time, glare_context };
-    stages.on_camera(band.camera, origin, exposure, purpose);
+    stages.on_camera(band.camera, origin, conditions, purpose);
     band.to_mosaic(profile.cfa, origin);
-    stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure, purpose);
+    stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, conditions,
+                     purpose);
 }
 
 template <class Done>
@@ -151,6 +163,7 @@ const SensorProfile& Simulation::profile() const { return m_state->profile; }
 const Run& Simulation::run() const { return m_state->run; }
 Size Simulation::frame() const { return m_state->frame; }
 const Illuminant& Simulation::illuminant() const { return m_state->light; }
+const SettledExposure& Simulation::exposure() const { return m_state->exposure; }
 double Simulation::digital_gain() const { return m_state->gain; }
 std::string Simulation::spectrum() const
 {

@@ -6,6 +6,7 @@
 
 #include "cg2raw/simulation.h"
 
+#include "cg2raw/exposure.h"
 #include "digitise.h"
 #include "run_stages.h"
 
@@ -13,7 +14,8 @@ namespace cg2raw {
 
 struct Simulation::State {
     SensorProfile profile;
-    Run run;
+    SettledExposure exposure;
+    Run run; ///< with the settings that were found
     Size frame;
     Illuminant light;
     double gain;

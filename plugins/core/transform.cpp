@@ -181,8 +181,8 @@ CameraTransform camera_from_scene(const SensorProfile& profile, const Illuminant
 
 SceneTransform scene_from_camera(const CameraTransform& camera_from_scene)
 {
-    const auto& [first, two_steps, second, gains, keep, clip, light, grey, uplift,
-                 spectrum]
+    const auto& [first, two_steps, second, gains, keep, clip, light, grey, exposure,
+                 uplift, spectrum]
         = camera_from_scene;
     if (uplift)
         throw Error("convention spectral has no inverse: many spectra are one colour; "

@@ -199,6 +199,22 @@ CG2RAW_MULTIVERSION void scene_piece(const float m[9], int count, float* r, floa
     }
 }
 
+CG2RAW_MULTIVERSION void exposure_piece(float gain, int count, float* r, float* g,
+                                        float* b)
+{
+    for (int i = 0; i < count; ++i) {
+        r[i] *= gain;
+        g[i] *= gain;
+        b[i] *= gain;
+    }
+}
+
+void expose(float gain, int count, float* r, float* g, float* b)
+{
+    if (gain != 1.0f)
+        exposure_piece(gain, count, r, g, b);
+}
+
 void make_legal(const float* scene, std::ptrdiff_t stride, int count, float* r,
                 float* g, float* b, Illegal& illegal)
 {
@@ -226,6 +242,7 @@ void to_camera(const CameraTransform& transform, const float* scene,
         const int count = std::min(piece, width - start);
         float *r = camera[0] + start, *g = camera[1] + start, *b = camera[2] + start;
         make_legal(scene + start * pixel_stride, pixel_stride, count, r, g, b, illegal);
+        expose(transform.exposure, count, r, g, b);
         if (transform.uplift)
             uplift_piece(c.uplift, c.product_ceiling, count, r, g, b);
         else
@@ -257,9 +274,10 @@ void to_scene(const SceneTransform& transform, const float* camera,
 }
 
 void copy_camera(const float* scene, std::ptrdiff_t pixel_stride, int width,
-                 float* const camera[3], Illegal& illegal)
+                 float exposure, float* const camera[3], Illegal& illegal)
 {
     make_legal(scene, pixel_stride, width, camera[0], camera[1], camera[2], illegal);
+    expose(exposure, width, camera[0], camera[1], camera[2]);
 }
 
 } // namespace cg2raw

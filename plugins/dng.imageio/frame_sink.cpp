@@ -4,6 +4,8 @@
 #include "frame_sink.h"
 
 #include "cg2raw/camera_frame.h"
+#include "cg2raw/exposure.h"
+#include "cg2raw/light_meter.h"
 #include "row_assembly.h"
 #include "thread_pool.h"
 
@@ -129,11 +131,88 @@ private:
     RowCount m_count;
 };
 
+/// Scene pixels of the whole frame are held; when all are there, their light is
+/// metered, and they go to the sink of the exposure that was found.
+class MeteredFrame final : public FrameSink {
+public:
+    MeteredFrame(std::string name, const Export& decided, Size frame)
+        : m_name(std::move(name))
+        , m_decided(decided)
+        , m_frame(frame)
+        , m_count(frame)
+        , m_scene(std::size_t(frame.width) * std::size_t(frame.height) * 3)
+    {
+    }
+
+    void put(const HostPixels& block, Site at) override
+    {
+        m_count.add(at, { block.width, block.height });
+        Illegal none; // they are counted when they are simulated
+        each_task(block, none, [&](const RgbView& scene, int first, Illegal&) {
+            for (int row = 0; row < scene.height; ++row) {
+                float* to = pixel(at.row + first + row, at.col);
+                const float* from = scene.row(row);
+                for (int col = 0; col < scene.width; ++col, to += 3)
+                    std::copy_n(from + col * scene.pixel_stride, 3, to);
+            }
+        });
+    }
+
+    void finish() override
+    {
+        check_complete(m_count.complete(), m_frame);
+        const auto rows = [this](int first, int count, std::vector<float>&) {
+            return RgbView { pixel(first, 0), m_frame.width, count, 3,
+                             std::ptrdiff_t(3) * m_frame.width };
+        };
+        m_decided.run
+            = metered(m_decided.profile, m_decided.run, m_frame, rows, in_thread_pool);
+        if (*m_decided.run.meter == 0.0)
+            OIIO::debug("dng: " + m_name
+                        + ": black: nothing to be metered, exposure 0\n");
+        const auto sink = frame_sink(m_name, m_decided, m_frame);
+        sink->put(whole_frame(), { 0, 0 });
+        sink->finish();
+        m_illegal = sink->illegal();
+    }
+
+private:
+    float* pixel(int row, int col)
+    {
+        return m_scene.data()
+            + (std::ptrdiff_t(row) * m_frame.width + col) * std::ptrdiff_t(3);
+    }
+
+    HostPixels whole_frame() const
+    {
+        const OIIO::stride_t pixel = 3 * sizeof(float);
+        return { reinterpret_cast<const char*>(m_scene.data()),
+                 OIIO::TypeDesc::FLOAT,
+                 m_frame.width,
+                 m_frame.height,
+                 pixel,
+                 pixel * m_frame.width,
+                 { 0, 1, 2 },
+                 3,
+                 nullptr,
+                 nullptr,
+                 -1 };
+    }
+
+    std::string m_name;
+    Export m_decided;
+    Size m_frame;
+    RowCount m_count;
+    std::vector<float> m_scene; ///< R, G, B of each pixel
+};
+
 } // namespace
 
 std::unique_ptr<FrameSink> frame_sink(const std::string& name, const Export& decided,
                                       Size frame)
 {
+    if (needs_meter(decided.run) && !decided.run.meter)
+        return std::make_unique<MeteredFrame>(name, decided, frame);
     Simulation simulation(decided.profile, decided.run, frame);
     if (const std::string spectrum = simulation.spectrum(); !spectrum.empty())
         OIIO::debug("dng: " + name + ": the light's spectrum is that of " + spectrum

@@ -77,6 +77,10 @@ void add_shot(const Shot& shot, ImageSpec& spec)
     add_number(spec, "PixelAspectRatio", shot.pixel_aspect);
     add_number(spec, "ExposureTime", shot.exposure_time);
     add_number(spec, "FNumber", shot.f_number);
+    add_number(spec, "Exif:ExposureBiasValue", shot.exposure_bias);
+    add_number(spec, "Exif:BrightnessValue", shot.brightness);
+    if (shot.exposure_mode)
+        spec.attribute("Exif:ExposureMode", int(*shot.exposure_mode));
     add_number(spec, "Exif:FocalLength", shot.focal_length);
     if (shot.iso) { // its name before Exif 2.3, and since: OpenImageIO has both
         spec.attribute("Exif:ISOSpeedRatings", *shot.iso);

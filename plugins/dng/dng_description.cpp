@@ -4,6 +4,8 @@
 
 #include "exif_date.h"
 
+#include <cmath>
+
 namespace cg2raw {
 namespace {
 
@@ -20,11 +22,24 @@ std::optional<double> within_exif(const std::optional<double>& value)
 
 } // namespace
 
+std::optional<ExposureMode>
+exposure_mode_from_number(const std::optional<double>& number)
+{
+    for (const ExposureMode mode :
+         { ExposureMode::automatic, ExposureMode::manual, ExposureMode::bracket })
+        if (number && *number == double(mode))
+            return mode;
+    return std::nullopt;
+}
+
 Shot plausible(Shot shot)
 {
     shot.exposure_time = within_exif(shot.exposure_time);
     shot.f_number = within_exif(shot.f_number);
     shot.focal_length = within_exif(shot.focal_length);
+    for (std::optional<double>* stops : { &shot.exposure_bias, &shot.brightness })
+        if (*stops && !(std::abs(**stops) <= most_exif_stops))
+            stops->reset();
     if (const auto aspect = shot.pixel_aspect;
         aspect && !(*aspect >= least_pixel_aspect && *aspect <= most_pixel_aspect))
         shot.pixel_aspect.reset();

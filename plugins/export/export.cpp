@@ -6,11 +6,11 @@
 #include "cg2raw/export.h"
 
 #include "cg2raw/dng_reader.h"
+#include "cg2raw/exposure.h"
 #include "core/text.h"
 #include "rules.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace cg2raw {
 namespace {
@@ -78,8 +78,15 @@ Run exposure(const Given& given)
     run.iso = options.iso;
     run.noise_model = options.noise;
     run.seed = options.seed;
-    run.digital_gain = options.gain.value_or(1.0);
-    run.sample_digital_gain = options.sample_gain;
+    run.digital_gain = options.digital_gain.value_or(1.0);
+    run.sample_digital_gain = options.sample_digital_gain;
+    run.exposure = options.exposure;
+    run.scene_luminance = options.scene_luminance;
+    run.nd_filter = options.nd_filter.value_or(0.0);
+    run.time_limits = options.time_limits;
+    run.f_number_limits = options.f_number_limits;
+    run.iso_limits = options.iso_limits;
+    run.bracket = options.bracket;
     run.convention = options.convention.value_or(Convention::dng);
     run.keep_highlights = options.highlights.value_or(true);
     run.effects = options.effects;
@@ -115,8 +122,12 @@ std::string conversion_option(const Given& given)
     const ExportOptions& options = given.options;
     if (options.convention)
         return given.option("convention");
-    if (options.gain || options.sample_gain)
-        return given.option("gain");
+    if (options.digital_gain || options.sample_digital_gain)
+        return given.option("digital_gain");
+    if (options.exposure)
+        return given.option("exposure");
+    if (options.scene_luminance)
+        return given.option("scene_luminance");
     return options.highlights ? given.option("highlights") : "";
 }
 
@@ -190,12 +201,18 @@ void apply_reference(const std::string& file,
     result.shot = merged(metadata.shot, result.shot);
 }
 
-/// What the exposure and what Exif say of it are the same.
-void agree_on_exposure(Export& result)
+/// Time and aperture are the options', else those that are stated; then the exposure
+/// must make sense. What a meter finds is not known yet.
+void decide_exposure(const Given& given, Export& result)
 {
-    result.run.exposure_time = result.shot.exposure_time;
-    if (result.run.iso)
-        result.shot.iso = int(std::lround(*result.run.iso));
+    Run& run = result.run;
+    const ExportOptions& options = given.options;
+    run.exposure_time
+        = options.exposure_time ? options.exposure_time : result.shot.exposure_time;
+    run.f_number = options.f_number ? options.f_number : result.shot.f_number;
+    Run read = run;
+    read.meter = 1.0;
+    settle(result.profile, read, given.dialect.option);
 }
 
 void check_bits(const Given& given, const SensorProfile& profile)
@@ -247,7 +264,7 @@ Export resolve_picture(const ImageFacts& facts, const ExportOptions& options,
     result.layer = picture_layer(facts, options, dialect);
     decide_frame(given, result);
     decide_encoding(given, part_of(facts, result), result);
-    agree_on_exposure(result);
+    decide_exposure(given, result);
     return result;
 }
 
@@ -287,7 +304,7 @@ Export resolve(const ImageFacts& facts, const ExportOptions& options,
     require_light(given, result);
     if (result.bins)
         decide_spectrum(given, part, result);
-    agree_on_exposure(result);
+    decide_exposure(given, result);
     check_bits(given, result.profile);
     return result;
 }

@@ -4,10 +4,31 @@
 /// @file What an image says of its exposure and of its place in a shot.
 #include "rules.h"
 
+#include <cmath>
+
 namespace cg2raw {
 namespace {
 
 constexpr const char* time_code_name = "smpte:TimeCode";
+
+/// What renderers and OpenEXR call what Exif has: docs/exposure.md lists whose they
+/// are.
+constexpr const char* f_number_names[] = { "FNumber", "cameraFNumber" };
+constexpr const char* focal_length_names[]
+    = { "Exif:FocalLength", "focalLength", "nominalFocalLength", "cameraFocalLength",
+        "IFM_focalLength" };
+constexpr const char* iso_names[] = { "Exif:PhotographicSensitivity",
+                                      "Exif:ISOSpeedRatings", "isoSpeed", "cameraISO" };
+
+/// Of the first name that states one; 0 if none does.
+template <std::size_t count>
+double first_number(const Metadata& metadata, const char* const (&names)[count])
+{
+    for (const char* name : names)
+        if (const double number = metadata.number(name); number != 0.0)
+            return number;
+    return 0.0;
+}
 
 /// The rate that an image says; nothing if it makes no sense, which is no reason to
 /// refuse a picture.
@@ -93,8 +114,17 @@ Shot stated_shot(const Metadata& metadata, const std::optional<FrameRate>& rate)
 {
     Shot shot;
     shot.exposure_time = metadata.number("ExposureTime");
-    shot.f_number = metadata.number("FNumber");
-    shot.focal_length = metadata.number("Exif:FocalLength");
+    shot.f_number = first_number(metadata, f_number_names);
+    shot.focal_length = first_number(metadata, focal_length_names);
+    if (const double iso = first_number(metadata, iso_names); iso >= 1.0 && iso <= 1e7)
+        shot.iso = int(std::lround(iso));
+    if (metadata.find("Exif:ExposureBiasValue"))
+        shot.exposure_bias = metadata.number("Exif:ExposureBiasValue");
+    if (metadata.find("Exif:BrightnessValue"))
+        shot.brightness = metadata.number("Exif:BrightnessValue");
+    if (metadata.find("Exif:ExposureMode"))
+        shot.exposure_mode
+            = exposure_mode_from_number(metadata.number("Exif:ExposureMode"));
     shot.date_time_original = metadata.text({ "Exif:DateTimeOriginal", "DateTime" });
     shot.artist = metadata.text("Artist");
     shot.copyright = metadata.text("Copyright");

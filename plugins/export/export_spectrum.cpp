@@ -36,13 +36,13 @@ std::optional<std::string> stated_text(const Metadata& metadata,
 /// The luminance that is white, as an option or OpenEXR files say it.
 double white_luminance(const Given& given, const Metadata& metadata)
 {
-    if (given.options.exposure)
-        return *given.options.exposure;
+    if (given.options.white_luminance)
+        return *given.options.white_luminance;
     if (const auto stated = stated_white(metadata))
         return *stated;
     throw Error("its channels are a spectrum in W/(m2 sr nm): which luminance is "
                 "white? Add "
-                + given.option("exposure", "CD_PER_M2") + ", such as 100");
+                + given.option("white_luminance", "CD_PER_M2") + ", such as 100");
 }
 
 /// What belongs to RGB alone.
@@ -63,8 +63,10 @@ void refuse_rgb_options(const Given& given)
         refuse("highlights", "leave it out");
     if (options.undo == Undo::srgb)
         refuse("linearize", "leave it out");
-    if (options.gain || options.sample_gain)
-        refuse("gain", "change " + given.option("exposure"));
+    if (options.digital_gain || options.sample_digital_gain)
+        refuse("digital_gain", "change " + given.option("exposure"));
+    if (options.scene_luminance)
+        refuse("scene_luminance", "its luminance is known; leave it out");
 }
 
 [[noreturn]] void fail_without_light(const Given& given)
@@ -169,9 +171,9 @@ void decide_spectrum(const Given& given, const ImagePart& part, Export& result)
 void refuse_spectral_options(const Given& given, const std::string& illuminant)
 {
     constexpr const char* no_spectrum = "and this one has no channels such as S0.550nm";
-    if (given.options.exposure)
+    if (given.options.white_luminance)
         throw Error(
-            given.option("exposure")
+            given.option("white_luminance")
             + " is the luminance of white of a spectral image, "
             + (are_unnamed(given.facts.parts.front().names.channels)
                    ? "and the channels of this one have no names, as those of "

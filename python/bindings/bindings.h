@@ -80,8 +80,8 @@ inline void interleave(const float* const planes[3], int width, float* rgb)
 
 /// Writes the DNG of a simulation's frame. @p drawn: the simulation made its DN.
 void write_frame(const std::string& path, const RawArray& raw,
-                 const Simulation& simulation, const DngOptions& options, Shot shot,
-                 int threads, bool drawn);
+                 const Simulation& simulation, const DngOptions& options,
+                 const Shot& shot, int threads, bool drawn);
 
 void bind_color(py::module_& m);
 void bind_profile(py::module_& m);

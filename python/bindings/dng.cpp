@@ -47,6 +47,11 @@ py::dict dict_of(const Shot& shot)
                     "f_number"_a = optional_of(shot.f_number),
                     "focal_length"_a = optional_of(shot.focal_length),
                     "iso"_a = optional_of(shot.iso),
+                    "exposure_bias"_a = optional_of(shot.exposure_bias),
+                    "exposure_mode"_a = shot.exposure_mode
+                        ? py::object(py::int_(int(*shot.exposure_mode)))
+                        : py::none(),
+                    "brightness"_a = optional_of(shot.brightness),
                     "date_time_original"_a = shot.date_time_original,
                     "orientation"_a = shot.orientation,
                     "pixel_aspect"_a = optional_of(shot.pixel_aspect),
@@ -185,8 +190,8 @@ void bind_metadata(py::module_& m)
 } // namespace
 
 void write_frame(const std::string& path, const RawArray& raw,
-                 const Simulation& simulation, const DngOptions& options, Shot shot,
-                 int threads, bool drawn)
+                 const Simulation& simulation, const DngOptions& options,
+                 const Shot& shot, int threads, bool drawn)
 {
     const Size frame = simulation.frame();
     if (raw.ndim() != 2 || raw.shape(0) != frame.height || raw.shape(1) != frame.width)
@@ -198,8 +203,6 @@ void write_frame(const std::string& path, const RawArray& raw,
         && *std::max_element(raw.data(), end) > simulation.profile().white_level)
         throw Error("raw holds DN above the sensor's white level "
                     + std::to_string(simulation.profile().white_level));
-    if (simulation.run().iso)
-        shot.iso = int(std::lround(*simulation.run().iso));
     const Plane<const std::uint16_t> plane { raw.data(), frame.width, frame.height,
                                              frame.width };
     const py::gil_scoped_release release;
@@ -209,6 +212,7 @@ void write_frame(const std::string& path, const RawArray& raw,
         origin.seed = std::nullopt;
         origin.frame = std::nullopt;
         origin.digital_gain = std::nullopt;
+        origin.exposure = std::nullopt;
         origin.convention.clear();
     }
     write_dng(path, plane, description, options, parallel_threads(threads));

@@ -4,6 +4,8 @@
 #include "cg2raw/export.h"
 
 #include "bindings.h"
+#include "cg2raw/exposure.h"
+#include "cg2raw/light_meter.h"
 #include "constructor.h"
 
 #include <pybind11/functional.h>
@@ -59,12 +61,23 @@ ExportOptions options(const std::map<std::string, std::string>& given,
 /// What decides the frame, but for its camera and light.
 py::dict frame_of(const Run& run)
 {
-    return py::dict("iso"_a = run.iso,
-                    "noise"_a = run.noise_model
-                        ? std::optional<std::string>(name_of(*run.noise_model))
-                        : std::nullopt,
-                    "seed"_a = run.seed, "frame"_a = run.frame,
-                    "highlights"_a = run.keep_highlights, "effects"_a = run.effects);
+    const auto pair = [](const std::optional<Limits>& limits) {
+        using Pair = std::array<double, 2>;
+        return limits ? std::optional(Pair { limits->low, limits->high })
+                      : std::nullopt;
+    };
+    return py::dict(
+        "iso"_a = run.iso,
+        "exposure"_a = run.exposure ? std::optional(run.exposure->text) : std::nullopt,
+        "exposure_time"_a = run.exposure_time, "f_number"_a = run.f_number,
+        "scene_luminance"_a = run.scene_luminance, "nd_filter"_a = run.nd_filter,
+        "iso_limits"_a = pair(run.iso_limits), "time_limits"_a = pair(run.time_limits),
+        "f_number_limits"_a = pair(run.f_number_limits), "bracket"_a = run.bracket,
+        "noise"_a = run.noise_model
+            ? std::optional<std::string>(name_of(*run.noise_model))
+            : std::nullopt,
+        "seed"_a = run.seed, "frame"_a = run.frame,
+        "highlights"_a = run.keep_highlights, "effects"_a = run.effects);
 }
 
 } // namespace
@@ -74,13 +87,14 @@ void bind_export(py::module_& m)
     m.def(
         "export_options",
         [] {
-            std::vector<std::array<std::string, 4>> all;
+            std::vector<std::array<std::string, 5>> all;
             for (const ExportOption& option : export_options())
-                all.push_back(
-                    { option.name, option.type, option.allowed, option.description });
+                all.push_back({ option.name, option.group, option.type, option.allowed,
+                                option.description });
             return all;
         },
-        "(name, type, what is allowed, description in Markdown) of each option of an "
+        "(name, group, type, what is allowed, description in Markdown) of each option "
+        "of an "
         "export.");
     py::class_<Dialect> dialect(m, "Dialect", "How messages name options.");
     def_constructor(
@@ -132,13 +146,17 @@ void bind_export(py::module_& m)
         .def_property_readonly("shot", [](const Export& e) { return e.shot; })
         .def_property_readonly(
             "run", [](const Export& e) { return frame_of(e.run); },
-            "Its iso, noise, seed, frame, highlights and effects.")
+            "Its fields but for camera, light and gains.")
         .def(
             "simulation",
-            [](const Export& e, std::array<int, 2> shape) {
-                return Simulation(e.profile, e.run, { shape[1], shape[0] });
+            [](const Export& e, const py::array& rgb, int threads) {
+                const Scene scene(rgb);
+                const py::gil_scoped_release release;
+                const Run run = metered(e.profile, e.run, scene.size(), scene.rows(),
+                                        parallel_threads(threads));
+                return Simulation(e.profile, run, scene.size());
             },
-            "shape"_a, "The Simulation of an image, (height, width).")
+            "rgb"_a, "threads"_a = 0, "The Simulation of an image.")
         .def(
             "write",
             [](const Export& e, const std::string& path, const RawArray& raw,
@@ -177,6 +195,14 @@ void bind_export(py::module_& m)
         "facts"_a,
         "The luminance of white, cd/m2, that the first image of a file states, or "
         "None.");
+    m.def(
+        "check_exposure",
+        [](const SensorProfile& profile, Run run, const Dialect& dialect) {
+            run.meter = 1.0;
+            settle(profile, run, dialect.option);
+        },
+        "profile"_a, "run"_a, "dialect"_a,
+        "Raise Error for an exposure that makes no sense, in the words of a dialect.");
     m.def("resolve", &resolve, "facts"_a, "options"_a, "dialect"_a,
           "Decide all of an export. Raises Error.");
     m.def("resolve_picture", &resolve_picture, "facts"_a, "options"_a, "dialect"_a,

@@ -42,23 +42,30 @@ void bind_shot(py::module_& m)
             const std::string& description, const std::string& lens_model,
             int orientation, const std::string& frame_rate,
             const TimeCodeWord& time_code, const std::string& reel_name,
-            const std::string& camera_label, std::optional<double> pixel_aspect) {
+            const std::string& camera_label, std::optional<double> pixel_aspect,
+            std::optional<double> exposure_bias, std::optional<double> exposure_mode,
+            std::optional<double> brightness) {
             const OptionalRate rate = rate_of(frame_rate);
             return plausible({ exposure_time, f_number, focal_length, std::nullopt,
-                               date_time_original, artist, copyright, description,
-                               lens_model, orientation, rate, code_of(time_code, rate),
-                               reel_name, camera_label, pixel_aspect });
+                               exposure_bias, exposure_mode_from_number(exposure_mode),
+                               brightness, date_time_original, artist, copyright,
+                               description, lens_model, orientation, rate,
+                               code_of(time_code, rate), reel_name, camera_label,
+                               pixel_aspect });
         },
         py::kw_only(), "exposure_time"_a = py::none(), "f_number"_a = py::none(),
         "focal_length"_a = py::none(), "date_time_original"_a = "", "artist"_a = "",
         "copyright"_a = "", "description"_a = "", "lens_model"_a = "",
         "orientation"_a = 1, "frame_rate"_a = "", "time_code"_a = "",
         "reel_name"_a = "", "camera_label"_a = "", "pixel_aspect"_a = py::none(),
+        "exposure_bias"_a = py::none(), "exposure_mode"_a = py::none(),
+        "brightness"_a = py::none(),
         "Times in s, lengths in mm, dates as \"YYYY:MM:DD HH:MM:SS\", orientation "
         "1 to 8,\nframe rates as \"24\" or \"24000/1001\", time codes as "
         "\"hh:mm:ss:ff\" or packed,\npixel_aspect as width over height; what makes "
         "no sense is left out.");
     shot.def_readonly("exposure_time", &Shot::exposure_time, "s; None: not known.")
+        .def_readonly("f_number", &Shot::f_number, "None: not known.")
         .def_property_readonly(
             "frame_rate",
             [](const Shot& shot) { return text_or_none(shot.frame_rate); },

@@ -27,8 +27,8 @@ FloatArray mosaic_of(const py::array& rgb, const std::string& cfa, int threads)
                        = { room.data(), room.data() + part.width,
                            room.data() + 2 * std::ptrdiff_t(part.width) };
                    for (int row = 0; row < part.height; ++row) {
-                       copy_camera(part.row(row), part.pixel_stride, part.width, planes,
-                                   illegal);
+                       copy_camera(part.row(row), part.pixel_stride, part.width, 1.0f,
+                                   planes, illegal);
                        mosaic(planes, pattern, { first + row, 0 }, part.width,
                               plane.row(first + row));
                    }

@@ -20,17 +20,14 @@ from cg2raw.spectra import Rows, estimated_light
 from cg2raw.upi import Upi, UpiDraw
 
 COUNTED_ROWS = 16  # at a time: of photographs they fit a core's cache
-# Options of the core that cg2raw convert calls otherwise, or has by --attrib alone.
-OPTION_NAMES = {"exposure": "white-luminance"}
-BY_ATTRIBUTE = ("first_frame",)
+BY_ATTRIBUTE = ("first_frame",)  # options of the core that have no flag
 
 
 def typed(name: str, value: str) -> str:
     """Return an option as it is typed for cg2raw convert; @value may be empty."""
     if name in BY_ATTRIBUTE:
         return f"--attrib dng:{name} {value}".rstrip()
-    option = "--" + OPTION_NAMES.get(name, name.replace("_", "-"))
-    return f"{option} {value}".rstrip()
+    return f"--{name.replace('_', '-')} {value}".rstrip()
 
 
 DIALECT = image_facts.dialect(typed)
@@ -44,9 +41,9 @@ class Request:
 
     options: Mapping[str, str] = field(default_factory=dict)
     threads: int = 0  # 0: one per core; files do not depend on it
-    exposure: float = 0.0  # EV
     space: str | None = None  # the name of the pixels' colour space, if the file errs
     place: int | None = None  # frames from the first of its shot
+    output_name: str | None = None  # whose number is the frame's; None: of the output
     upi: Upi | None = None  # its method, in place of sensor, illuminant and gains
 
 
@@ -63,9 +60,6 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
             assert decided.bins is not None  # of spectra
             file = SpectraFile(str(path), spec, decided.bins)
             pixels, unseen = read_camera(file, decided.spectral)
-    if request.exposure:
-        gain = np.float32(2.0**request.exposure)
-        pixels = pixels.astype(np.float32, copy=False) * gain
     nan, inf = not_finite(pixels)
     run, drawn = decided.run, None
     if request.upi:
@@ -73,7 +67,7 @@ def convert(path: FilePath, output: FilePath, request: Request) -> dict[str, Any
         drawn = request.upi.draw(run["seed"])
         simulation = frame.simulation
     else:
-        simulation = decided.simulation(pixels.shape[:2])
+        simulation = decided.simulation(pixels, request.threads)
         frame = simulation.raw(pixels, request.threads).view(RawFrame)
     assert simulation is not None  # of what simulate returns
     try:
@@ -119,7 +113,7 @@ def decide(
         source,
         lambda facts: rule(facts, options, DIALECT),
         request.space,
-        output_name=str(output),
+        output_name=request.output_name or str(output),
         place=request.place,
         measured_light=measured_light,
     )
@@ -167,8 +161,9 @@ def report_of(
             "duv": light.duv,
             "spectrum": simulation.spectrum or None,
         },
+        "exposure": simulation.exposure,
         "digital_gain": simulation.digital_gain,
-        "iso": run["iso"],
+        "iso": simulation.exposure["iso"],
         "seed": run["seed"],
         "frame": run["frame"],
     }

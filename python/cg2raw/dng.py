@@ -69,11 +69,13 @@ def write_dng(
         GainMaps.
     shot : what Exif is to say: exposure_time (s), f_number, focal_length (mm),
         date_time_original ("YYYY:MM:DD HH:MM:SS"), artist, copyright, description,
-        lens_model, orientation (1 to 8), pixel_aspect (width of a pixel over its
+        lens_model, orientation (1 to 8), exposure_bias (stops), exposure_mode (0 auto,
+        1 manual, 2 bracket), brightness (APEX), pixel_aspect (width of a pixel over its
         height); what makes no sense is left out. Of a frame of a shot (CinemaDNG) also
         frame_rate (24, 23.976, "24000/1001"), time_code ("hh:mm:ss:ff"), reel_name,
         camera_label. None: not said. Or a Shot, as DngMetadata.merged_shot returns it.
-        The ISO is the simulation's, or iso.
+        The ISO is the simulation's, or iso; so are the time, aperture and other fields
+        of an exposure that a RawFrame was simulated with.
     threads : 0 for one per core; the bytes do not depend on it.
     sync : whether the file is on the disk before it has its name, so that not even a
         loss of power leaves a partial one; False is faster on slow disks.
@@ -127,7 +129,10 @@ def _naming(path: str | os.PathLike[str]) -> Iterator[None]:
         raise MemoryError(f"{path}: {NO_MEMORY}") from None
 
 
-NUMBERS = ("exposure_time", "f_number", "focal_length", "pixel_aspect")
+NUMBERS = (
+    *("exposure_time", "f_number", "focal_length", "pixel_aspect"),
+    *("exposure_bias", "exposure_mode", "brightness"),
+)
 TEXTS = ("date_time_original", "artist", "copyright", "description", "lens_model")
 OF_SHOT = ("frame_rate", "time_code", "reel_name", "camera_label")
 

@@ -13,6 +13,7 @@ from cg2raw.argument_types import NUMBER, TEXT, TRUTH, check_types
 from cg2raw.core_arguments import shown
 
 Light = str | _core.Illuminant
+Limits = tuple[float, float] | str  # "LOW:HIGH"
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -28,6 +29,20 @@ class Run:
         read noise with the profile's outliers, row noise), which needs an iso and a
         profile whose noise has tukey_lambda and row_sigma.
     seed, frame : key of everything random; noise differs from frame to frame.
+    exposure : stops by which the scene is brightened before anything clips; or "auto"
+        (metered), "auto:PERCENTILE:LEVEL", "random:LOW:HIGH", "normal:MEAN:SD" (drawn
+        by seed and frame), "match:FILE" (as `cg2raw match` found it). None for 0.
+    exposure_time : seconds, or "1/60"; effects of dark current need it.
+    f_number : of the lens.
+    scene_luminance : cd/m2 of the value 1: brightness follows exposure_time, f_number
+        and iso then (ISO 12232), and exposure comes on top; "auto" finds the one of the
+        three that is None.
+    nd_filter : stops that a neutral density filter takes of scene_luminance.
+    iso_limits, time_limits, f_number_limits : of what "auto" finds, (low, high) or
+        "LOW:HIGH"; None for the calibrated ISOs, 1/8000 to 30 s, 1 to 32.
+    bracket : stops by which exposure_time is another; noise differs between them.
+    meter : what a meter has read, as the luminance of "auto" in units of the value 1;
+        None: simulate, signal and predict read it of their image.
     digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
         from the profile, by seed and frame.
     convention : "dng" (inverse of a DNG renderer), "paper", or "sensor": the light as a
@@ -39,7 +54,6 @@ class Run:
     effects : False for neither the profile's effects nor noise.
     camera_input : the image already is camera RGB under this illuminant.
     as_shot : (3,) neutral that the word as-shot stands for.
-    exposure_time : seconds; effects of dark current need it.
     color_effects : False if the image has the profile's effects of stage color
         already, as pixels in a RAW space of OpenColorIO have."""
 
@@ -54,8 +68,17 @@ class Run:
     effects: bool = True
     camera_input: bool = False
     as_shot: Sequence[float] | None = None
-    exposure_time: float | None = None
+    exposure_time: float | str | None = None
     color_effects: bool = True
+    exposure: float | str | None = None
+    f_number: float | None = None
+    scene_luminance: float | None = None
+    nd_filter: float = 0.0
+    iso_limits: Limits | None = None
+    time_limits: Limits | None = None
+    f_number_limits: Limits | None = None
+    bracket: float | None = None
+    meter: float | None = None
 
 
 class RunFields(TypedDict, total=False):
@@ -72,15 +95,27 @@ class RunFields(TypedDict, total=False):
     effects: bool
     camera_input: bool
     as_shot: Sequence[float] | None
-    exposure_time: float | None
+    exposure_time: float | str | None
     color_effects: bool
+    exposure: float | str | None
+    f_number: float | None
+    scene_luminance: float | None
+    nd_filter: float
+    iso_limits: Limits | None
+    time_limits: Limits | None
+    f_number_limits: Limits | None
+    bracket: float | None
+    meter: float | None
 
 
-def takes_run(function: Function) -> Function:
-    """Return a method whose **run is the fields of Run, which help() then lists."""
+def takes_run(function: Function, without: Sequence[str] = ()) -> Function:
+    """Return a method whose **run is the fields of Run, which help() then lists.
+
+    without : fields that it does not take."""
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    of_run = inspect.signature(Run).parameters.values()
+    fields = inspect.signature(Run).parameters.values()
+    of_run = [field for field in fields if field.name not in without]
     listed = signature.replace(parameters=[*own, *of_run])
     function.__signature__ = listed  # type: ignore[attr-defined]
     hints = {
@@ -113,6 +148,7 @@ def check_transform(convention: str, digital_gain: float, highlights: bool) -> N
     check_types(TRUTH, {"highlights": highlights})
 
 
+LIMITS = "two numbers, LOW:HIGH or None"
 WHOLE = "a whole number from 0 to 2**64 - 1"
 # What the fields of a Run must be; the core refuses other types.
 TYPES = {
@@ -126,8 +162,17 @@ TYPES = {
     "effects": TRUTH,
     "camera_input": TRUTH,
     "as_shot": "three numbers or None",
-    "exposure_time": f"{NUMBER} or None",
+    "exposure_time": f"{NUMBER}, a text or None",
     "color_effects": TRUTH,
+    "exposure": f"{NUMBER}, a text or None",
+    "f_number": f"{NUMBER} or None",
+    "scene_luminance": f"{NUMBER} or None",
+    "nd_filter": NUMBER,
+    "iso_limits": LIMITS,
+    "time_limits": LIMITS,
+    "f_number_limits": LIMITS,
+    "bracket": f"{NUMBER} or None",
+    "meter": f"{NUMBER} or None",
 }
 
 

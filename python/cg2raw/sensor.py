@@ -5,6 +5,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
@@ -116,7 +117,7 @@ class Sensor(Fields):
         Returns (H, W) uint16 DN. Other Python threads run meanwhile.
         Raises ValueError for other arrays and bad runs."""
         image = rgb_image(rgb)
-        simulation = self.simulation(image.shape[:2], **run)
+        simulation = self._simulation_of(image, run, threads)
         frame = simulation.raw(image, threads=thread_count(threads)).view(RawFrame)
         frame.simulation = simulation
         return frame
@@ -129,9 +130,8 @@ class Sensor(Fields):
 
         rgb, threads, run : see `simulate`. Raises ValueError."""
         image = rgb_image(rgb)
-        return self.simulation(image.shape[:2], **run).signal(
-            image, threads=thread_count(threads)
-        )
+        simulation = self._simulation_of(image, run, threads)
+        return simulation.signal(image, threads=thread_count(threads))
 
     @takes_run
     def predict(
@@ -145,7 +145,7 @@ class Sensor(Fields):
 
         Raises ValueError."""
         image = rgb_image(rgb)
-        simulation = self.simulation(image.shape[:2], **run)
+        simulation = self._simulation_of(image, run, threads)
         return simulation.predict(image, threads=thread_count(threads))
 
     @takes_run
@@ -161,6 +161,24 @@ class Sensor(Fields):
         height, width = shape
         run_of_core = core_run(self.id, Run(**run))
         return _core.Simulation(self._profile, (height, width), run_of_core)
+
+    def metered(self, rgb: ArrayLike, run: Run, *, threads: int = 0) -> Run:
+        """Return a Run whose light meter is read of an image, if it needs one.
+
+        rgb : as of `simulate`, such as the whole image that patches are taken of.
+        Raises ValueError."""
+        return replace(run, meter=self._metered(rgb_image(rgb), run, threads).meter)
+
+    def _metered(self, image: Any, run: Run, threads: int) -> _core.Run:
+        own = core_run(self.id, run)
+        return _core.metered(self._profile, own, image, threads=thread_count(threads))
+
+    def _simulation_of(
+        self, image: Any, run: "RunFields", threads: int
+    ) -> _core.Simulation:
+        """Return the Simulation of an image, whose light is metered if need be."""
+        own = self._metered(image, Run(**run), threads)
+        return _core.Simulation(self._profile, image.shape[:2], own)
 
     def to_camera(
         self,

@@ -12,6 +12,8 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +21,14 @@ from numpy.typing import ArrayLike, NDArray
 from cg2raw import _core
 from cg2raw.cfa import is_mono, sites_of
 from cg2raw.core_arguments import shown
+from cg2raw.exposure import takes_run
 from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
+
+if TYPE_CHECKING:  # type checkers bring it along
+    from typing_extensions import Unpack
+
+    from cg2raw.exposure import RunFields
 
 SensorLike = Sensor | str | os.PathLike[str]
 Range = tuple[float, float]
@@ -152,39 +160,33 @@ class Upi:
             illuminant=f"neutral:{1 / red:.6f}:{1 / blue:.6f}",
         )
 
+    @partial(takes_run, without=("illuminant", "digital_gain"))
     def simulate(
         self,
         rgb: ArrayLike,
         *,
-        seed: int = 0,
-        frame: int = 0,
-        iso: float | None = None,
-        noise: str | None = None,
-        highlights: bool = True,
-        effects: bool = True,
         threads: int = 0,
+        **run: "Unpack[RunFields]",
     ) -> RawFrame:
         """Return the RawFrame of an image by the camera that @seed draws.
 
         rgb : (H, W, 3) or (H, W, 4) float, scene-linear Rec.709.
-        frame : noise differs from frame to frame, the camera does not.
-        iso, noise : as in cg2raw.Run; neither with noise "upi" of this Upi.
-        highlights, effects : as in cg2raw.Run.
+        run : fields of cg2raw.Run, but for illuminant and digital_gain, which are
+            drawn; neither iso nor noise with noise "upi" of this Upi. frame : noise
+            differs from frame to frame, the camera does not.
         Raises ValueError."""
-        if self.noise == "upi" and not (iso is None and noise is None):
+        if self.noise == "upi" and {run.get("iso"), run.get("noise")} != {None}:
             raise ValueError("UPI draws the noise itself: leave iso and noise out")
-        drawn = self.draw(seed)
+        drawn_fields = sorted({"illuminant", "digital_gain"} & run.keys())
+        if drawn_fields:
+            raise ValueError(f"UPI draws {drawn_fields[0]} itself: leave it out")
+        drawn = self.draw(run.get("seed", 0))
+        run["illuminant"] = drawn.illuminant
+        run["digital_gain"] = drawn.digital_gain
         return drawn.sensor.simulate(
             rgb,
             threads=threads,
-            illuminant=drawn.illuminant,
-            digital_gain=drawn.digital_gain,
-            seed=seed,
-            frame=frame,
-            iso=iso,
-            noise=noise,
-            highlights=highlights,
-            effects=effects,
+            **run,
         )
 
     def _drawn_digital_gain(self, seed: int) -> float:

@@ -208,7 +208,7 @@ def test_dark_current_needs_an_exposure_time():
         sensor.simulate(scene(8, 8), illuminant="A")
     with pytest.raises(ValueError, match="exposure_time -1 must be 0 to"):
         sensor.simulate(scene(8, 8), illuminant="A", exposure_time=-1.0)
-    with pytest.raises(ValueError, match="exposure_time 'long'"):
+    with pytest.raises(ValueError, match='exposure_time "long" must be seconds'):
         sensor.simulate(scene(8, 8), illuminant="A", exposure_time="long")
     longer = sensor.signal(np.zeros((8, 8, 3)), illuminant="A", exposure_time=2.0)
     np.testing.assert_allclose(longer, 0.2, rtol=1e-6)

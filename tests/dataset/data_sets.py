@@ -13,7 +13,9 @@ import OpenImageIO as oiio
 
 COMMAND = [sys.executable, "-m", "cg2raw", "dataset"]
 # 2 sensors x 2 lights x 2 gains: 8 files of each image.
-OPTIONS = "--sensors nikon-d40,samsung-s20fe --illuminants 2 --gains 1,0.8".split()
+OPTIONS = (
+    "--sensors nikon-d40,samsung-s20fe --illuminants 2 --digital-gain 1,0.8".split()
+)
 FILES = 8
 CENTRES = np.arange(400.0, 701.0, 20.0)  # nm, of spectral images
 

@@ -160,7 +160,7 @@ def test_images_that_went_away_are_an_error(copy, tmp_path):
     ("changed", "said"),
     [
         (["--seed", "3"], "--seed 0, not 3"),
-        (["--gains", "1"], "--gains 1.0,0.8, not 1.0"),
+        (["--digital-gain", "1"], "--digital-gain 1.0,0.8, not 1.0"),
         (["--iso", "clean,100"], "--iso clean, not clean,100.0"),
         (["--sensors", "samsung-s20fe"], "--sensors nikon-d40,samsung-s20fe, not"),
         (["--illuminants", "A"], "--illuminants 2, not A"),

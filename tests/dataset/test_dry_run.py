@@ -11,7 +11,7 @@ from dataset.data_sets import files_in, rows, scene, write_image, write_spectra
 from python.commands import fails, run
 
 CASES = {
-    "dng": "--sensors samsung-s20fe,nikon-d40 --illuminants 3 --gains 1,0.8",
+    "dng": "--sensors samsung-s20fe,nikon-d40 --illuminants 3 --digital-gain 1,0.8",
     "noise": "--sensors samsung-s20fe,nikon-d850 --illuminants A,D65 --iso clean,3200",
     "npy": "--sensors samsung-s20fe --illuminants 2 --format npy --type uint16",
     "exr": "--sensors samsung-s20fe --illuminants 1 --format exr --iso 800",

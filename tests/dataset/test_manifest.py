@@ -17,7 +17,7 @@ from dataset.data_sets import check_agreement, rows, scene
 from python.commands import run
 
 OPTIONS = (
-    "--sensors samsung-s20fe,canon-70d --illuminants A,sample:5 --gains 1,0.7 "
+    "--sensors samsung-s20fe,canon-70d --illuminants A,sample:5 --digital-gain 1,0.7 "
     "--iso clean,400 --crop 16x12 --patches 2 --seed 9"
 ).split()
 
@@ -117,7 +117,9 @@ def test_crops_are_within_and_differ(out):
 
 
 def test_drawn_gains_follow_the_profile_and_are_shared(images, tmp_path):
-    words = "--sensors samsung-s20fe --illuminants 40 --gains sample --iso clean,100"
+    words = (
+        "--sensors samsung-s20fe --illuminants 40 --digital-gain sample --iso clean,100"
+    )
     run("dataset", images, tmp_path / "out", *words.split(), "--format", "npy")
     found = rows(tmp_path / "out")
     by_path = {row["path"]: row for row in found}

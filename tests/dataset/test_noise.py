@@ -46,7 +46,7 @@ def of_planes(row, name):
     "words",
     [
         "--sensors samsung-s20fe --iso clean,1600",
-        "--sensors samsung-s20fe --iso clean,700 --gains 0.8",
+        "--sensors samsung-s20fe --iso clean,700 --digital-gain 0.8",
         "--sensors nikon-d850 --iso clean,6400 --noise physical",
         "--sensors samsung-s20fe --iso clean,3200 --method upi --seed 2",
     ],

@@ -80,7 +80,9 @@ def test_it_moves_with_each_file_and_ends_with_all_of_them(tmp_path, monkeypatch
 
 def test_the_number_of_files_is_that_of_the_plan(images, tmp_path):
     """Of sensors with noise at some ISOs alone, lights by word, gains and patches."""
-    words = "--sensors all --illuminants A,D65,sample:3 --gains 1,0.5 --format npy "
+    words = (
+        "--sensors all --illuminants A,D65,sample:3 --digital-gain 1,0.5 --format npy "
+    )
     words += "--iso clean,100,3200 --patches 2 --patch-size 8 --workers 1 --quiet"
     counts = []
 

@@ -82,7 +82,7 @@ WRONG = {
     "no white": (["--illuminants", "A", "--convention", "sensor"], "which luminance"),
     "rgb": (["--illuminants", "A", "--white-luminance", "9"], "--convention spectral"),
     "drawn": ([*ASKED[4:], "--illuminants", "3"], "--illuminants 3 draws others"),
-    "gain": ([*ASKED[2:], "--gains", "1,2"], "--gains is of RGB"),
+    "gain": ([*ASKED[2:], "--digital-gain", "1,2"], "--digital-gain is of RGB"),
     "nothing stated": ([*ASKED[4:], "--illuminants", "estimate"], "states no light"),
     "upi": (["--illuminants", "2", "--method", "upi"], "--method upi is of RGB"),
 }

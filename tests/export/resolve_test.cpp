@@ -64,7 +64,13 @@ std::map<std::string, std::string> said_of(const Export& e)
     return {
         { "sensor", e.profile.id },
         { "light", run.illuminant },
-        { "iso", text(run.iso) + "/" + text(shot.iso) },
+        { "iso", text(run.iso) },
+        { "speed", text(shot.iso) },
+        { "exposure", run.exposure ? run.exposure->text : "-" },
+        { "luminance", text(run.scene_luminance) },
+        { "aperture", text(run.f_number) },
+        { "bracket", text(run.bracket) },
+        { "bias", text(shot.exposure_bias) },
         { "noise", run.noise_model ? name_of(*run.noise_model) : "-" },
         { "seed", std::to_string(run.seed) },
         { "frame", std::to_string(run.frame) },
@@ -177,7 +183,7 @@ ImageFacts at_place(ImageFacts facts, std::int64_t place)
 const Options s20 { { "sensor", "samsung-s20fe" }, { "illuminant", "D65" } };
 const Options canon { { "sensor", "canon-600d" },
                       { "illuminant", "FL2" },
-                      { "exposure", "100" } };
+                      { "white_luminance", "100" } };
 
 /// Options on top of others; an empty value takes one away.
 Options with(Options options, const Options& more)
@@ -230,19 +236,19 @@ struct Decision {
 
 const Decision decisions[] = {
     { image(), s20,
-      "sensor=samsung-s20fe light=D65 iso=-/- noise=- seed=0 frame=0 gain=1 "
+      "sensor=samsung-s20fe light=D65 iso=- noise=- seed=0 frame=0 gain=1 "
       "convention=dng highlights=1 effects=1 camera=0 color_effects=1 time=-/- "
       "channels=0:0,1,2,-1 bins=0 curve= decoder=none compression=1 preview=- "
       "matrices=camera tone=camera crop=border shading=- rate=- code=-" },
     // Options, each as it is typed
     { image(),
       s20_with({ { "iso", "800" }, { "noise", "Physical" }, { "seed", " 7 " } }),
-      "iso=800/800 noise=physical seed=7" },
+      "iso=800 noise=physical seed=7" },
     { image(), s20_with({ { "iso", "800.5" }, { "seed", "18446744073709551615" } }),
-      "iso=800.5/801 seed=18446744073709551615" },
-    { image(), s20_with({ { "gain", "0.7" }, { "highlights", "no" } }),
+      "iso=800.5 seed=18446744073709551615" },
+    { image(), s20_with({ { "digital_gain", "0.7" }, { "highlights", "no" } }),
       "gain=0.7 highlights=0" },
-    { image(), s20_with({ { "gain", "Sample" }, { "effects", "none" } }),
+    { image(), s20_with({ { "digital_gain", "Sample" }, { "effects", "none" } }),
       "gain=sample effects=0" },
     { image(), s20_with({ { "convention", "paper" }, { "matrices", "exact" } }),
       "convention=paper matrices=exact" },
@@ -252,6 +258,26 @@ const Decision decisions[] = {
       "preview=1 shading=tagged" },
     { image(), s20_with({ { "Preview", "0" }, { "shading", "baked" } }),
       "preview=0 shading=baked" },
+    // Exposure: options, else what the file states
+    { image(), s20_with({ { "exposure", "+1.5" } }), "exposure=+1.5 luminance=-" },
+    { image(), s20_with({ { "exposure", "Auto" } }), "exposure=Auto" },
+    { image(), s20_with({ { "exposure", "random:-1:2" } }), "exposure=random:-1:2" },
+    { image({ { "ExposureTime", "1/8" } }), s20_with({ { "exposure_time", "1/4" } }),
+      "time=0.25/0.125" },
+    { image({ { "FNumber", "4" } }), s20, "aperture=4 f=4" },
+    { image({ { "FNumber", "4" } }), s20_with({ { "f_number", "2.8" } }),
+      "aperture=2.8 f=4" },
+    { image({ { "ExposureTime", "1/8" }, { "FNumber", "4" } }),
+      s20_with({ { "iso", "800" }, { "scene_luminance", "100" } }),
+      "luminance=100 aperture=4 time=0.125/0.125" },
+    { image(), s20_with({ { "bracket", "-2" }, { "exposure_time", "1/4" } }),
+      "bracket=-2" },
+    { image({ { "cameraFNumber", "8" }, { "cameraFocalLength", "35" } }), s20,
+      "f=8 focal=35" },
+    { image({ { "isoSpeed", std::vector<double> { 800.0 } } }), s20, "speed=800" },
+    { image({ { "Exif:ExposureBiasValue", std::vector<double> { -1.0 } } }), s20,
+      "bias=-1" },
+    { spectra(), canon_with({ { "exposure", "auto" } }), "exposure=auto bins=4" },
     // Compression: the option, else of an input that is not compressed
     { image({ { "compression", "none" } }), s20, "compression=0" },
     { image({ { "compression", "NONE" } }), s20, "compression=0" },
@@ -361,7 +387,7 @@ const Decision decisions[] = {
     { spectra(), canon,
       "bins=4 sensor=canon-600d camera=1 convention=sensor color_effects=1" },
     { spectra({ { "whiteLuminance", std::vector { 100.0 } } }),
-      canon_with({ { "exposure", "" } }), "bins=4" },
+      canon_with({ { "white_luminance", "" } }), "bins=4" },
     { spectra({ { "illuminant", "400nm:1;700nm:1" } }),
       canon_with({ { "illuminant", "Estimate" } }), "bins=4" },
     { measured({ { 400, 700 }, { 1, 1 } }),
@@ -369,7 +395,7 @@ const Decision decisions[] = {
     { spectra(), canon_with({ { "convention", "spectral" }, { "highlights", "0" } }),
       "convention=sensor" },
     { image({}, "float", { "S0.400nm", "S0.500nm", "p.R", "p.G", "p.B", "S0.600nm" }),
-      canon_with({ { "layer", "p" }, { "exposure", "" } }),
+      canon_with({ { "layer", "p" }, { "white_luminance", "" } }),
       "bins=0 channels=0:2,3,4,-1" },
     { image({ { "a.wavelength", std::vector { 4e-7 } },
               { "b.wavelength", std::vector { 5e-7 } } },
@@ -417,9 +443,9 @@ const Refusal refusals[] = {
     { image(), s20_with({ { "seed", "18446744073709551616" } }), "dng:seed" },
     { image(), s20_with({ { "frame", "x" } }), "dng:frame \"x\" must be a whole" },
     { image(), s20_with({ { "noise", "loud" } }), "dng:noise: " },
-    { image(), s20_with({ { "gain", "0" } }),
-      "dng:gain \"0\" must be 0.001 to 1000, or sample" },
-    { image(), s20_with({ { "gain", "nan" } }), "dng:gain" },
+    { image(), s20_with({ { "digital_gain", "0" } }),
+      "dng:digital_gain \"0\" must be 0.001 to 1000, or sample" },
+    { image(), s20_with({ { "digital_gain", "nan" } }), "dng:digital_gain" },
     { image(), s20_with({ { "convention", "adobe" } }), "paper" },
     { image(), s20_with({ { "matrices", "none" } }), "exact" },
     { image(), s20_with({ { "highlights", "2" } }), "must be 0 or 1" },
@@ -436,6 +462,36 @@ const Refusal refusals[] = {
     { image({ { "oiio:ColorSpace", "RAW - nikon-d40 - D65" } }),
       { { "reference", "/nowhere/x.dng" } },
       "/nowhere/x.dng" },
+    { image(), s20_with({ { "exposure", "bright" } }),
+      "dng:exposure: exposure \"bright\" must be stops from -64 to 64, auto" },
+    { image(), s20_with({ { "exposure", "random:2:1" } }), "LOW not above HIGH" },
+    { image(), s20_with({ { "exposure", "auto:0:1" } }), "a percentile above 0" },
+    { image(), s20_with({ { "exposure", "normal:0:-1" } }), "an SD from 0 to 16" },
+    { image(), s20_with({ { "exposure", "match:/nowhere/m.json" } }), "/nowhere/m" },
+    { image(), s20_with({ { "exposure_time", "0" } }), "seconds above 0" },
+    { image(), s20_with({ { "exposure_time", "1/0" } }), "seconds above 0" },
+    { image(), s20_with({ { "f_number", "0" } }), "a number above 0, such as 2.8" },
+    { image(), s20_with({ { "iso_limits", "800:100" } }), "LOW not above HIGH" },
+    // Settings of a camera
+    { image(), s20_with({ { "scene_luminance", "100" }, { "iso", "100" } }),
+      "dng:scene_luminance is given without dng:exposure_time: add --attrib "
+      "dng:exposure_time 1/60, or --attrib dng:exposure auto" },
+    { image({ { "ExposureTime", "1/8" }, { "FNumber", "4" } }),
+      s20_with({ { "scene_luminance", "100" } }), "without dng:iso: add" },
+    { image({ { "ExposureTime", "1/8" }, { "FNumber", "4" } }),
+      s20_with(
+          { { "scene_luminance", "100" }, { "iso", "100" }, { "exposure", "auto" } }),
+      "--attrib dng:exposure auto has nothing to find: leave one of" },
+    { image(), s20_with({ { "scene_luminance", "100" }, { "exposure", "auto" } }),
+      "finds one setting: add --attrib dng:exposure_time 1/60 or" },
+    { image(), s20_with({ { "nd_filter", "3" } }), "dng:nd_filter is given without" },
+    { image(), s20_with({ { "time_limits", "1/8:1" } }), "dng:time_limits is given" },
+    { image(), s20_with({ { "bracket", "2" } }),
+      "dng:bracket changes the exposure time, which is not known: add" },
+    { image({ { "oiio:ColorSpace", "RAW - nikon-d40 - D65" } }),
+      { { "exposure", "1" } },
+      "dng:exposure belongs to the conversion" },
+    { spectra(), canon_with({ { "scene_luminance", "1" } }), "its luminance is known" },
     // What is missing
     { image(), {}, "which sensor? If its pixels are RAW already, add --iscolorspace" },
     { image(),
@@ -495,8 +551,8 @@ const Refusal refusals[] = {
       { { "convention", "paper" } },
       "dng:convention belongs to the conversion" },
     { image({ { "oiio:ColorSpace", "RAW - nikon-d40 - D65" } }),
-      { { "gain", "0.5" } },
-      "dng:gain belongs to the conversion" },
+      { { "digital_gain", "0.5" } },
+      "dng:digital_gain belongs to the conversion" },
     { image({ { "oiio:ColorSpace", "RAW - nikon-d40 - D65" } }),
       { { "highlights", "1" } },
       "dng:highlights belongs to the conversion" },
@@ -510,18 +566,18 @@ const Refusal refusals[] = {
       {},
       "which sensor" },
     // Spectra
-    { spectra(), canon_with({ { "exposure", "" } }),
-      "which luminance is white? Add --attrib dng:exposure CD_PER_M2" },
+    { spectra(), canon_with({ { "white_luminance", "" } }),
+      "which luminance is white? Add --attrib dng:white_luminance CD_PER_M2" },
     { spectra(), canon_with({ { "illuminant", "" } }), "under which light" },
     { spectra(), canon_with({ { "sensor", "" } }), "which sensor" },
     { spectra(), canon_with({ { "sensor", "nikon-d40" } }),
       "no spectral_sensitivities: make a" },
-    { spectra(), canon_with({ { "exposure", "0" } }),
+    { spectra(), canon_with({ { "white_luminance", "0" } }),
       "must be the luminance of white in cd/m2" },
     { spectra(), canon_with({ { "convention", "paper" } }),
       "--attrib dng:convention paper has no meaning" },
-    { spectra(), canon_with({ { "gain", "2" } }),
-      "dng:gain has no meaning: change dng:exposure" },
+    { spectra(), canon_with({ { "digital_gain", "2" } }),
+      "dng:digital_gain has no meaning: change dng:exposure" },
     { spectra(), canon_with({ { "highlights", "1" } }),
       "dng:highlights has no meaning" },
     { spectra(), canon_with({ { "linearize", "srgb" } }),
@@ -533,7 +589,8 @@ const Refusal refusals[] = {
     { spectra({ { "illuminant", "tungsten" } }),
       canon_with({ { "illuminant", "estimate" } }),
       "attribute illuminant, the light's spectrum: " },
-    { image(), canon, "dng:exposure is the luminance of white of a spectral image" },
+    { image(), canon,
+      "dng:white_luminance is the luminance of white of a spectral image" },
     { image({}, "float", { "", "", "", "" }), canon,
       "of --missingfile black: add --chnames S0.550nm,... as the other frames" },
     { image(), s20_with({ { "illuminant", "estimate" } }),
@@ -591,7 +648,7 @@ TEST(Resolve, OfACameraThatIsDrawnNeedsNoSensor)
 TEST(ExportOptions, AreOneTable)
 {
     const auto& all = export_options();
-    EXPECT_EQ(all.size(), 25u);
+    EXPECT_EQ(all.size(), 34u);
     for (const ExportOption& option : all) {
         EXPECT_FALSE(std::string(option.allowed).empty()) << option.name;
         EXPECT_FALSE(std::string(option.description).empty()) << option.name;

@@ -42,7 +42,7 @@ def attributes():
         "paper": [
             *NOISY[:1],
             "attribute string dng:convention paper",
-            "attribute string dng:gain sample",
+            "attribute string dng:digital_gain sample",
         ],
         "shot": [
             "attribute string dng:framerate 24000/1001",
@@ -93,7 +93,7 @@ def spaces():
     return {
         "raw_space": written(["size 8 8 3 float", raw]),
         "raw_space_and_light": written(["size 8 8 3 float", raw, LIGHT]),
-        "spectral": written([*spectral, "attribute float dng:exposure 100"]),
+        "spectral": written([*spectral, "attribute float dng:white_luminance 100"]),
         "spectral_estimate": written(
             [
                 *spectral[:3],

@@ -45,7 +45,7 @@ def test_a_space_for_each_pair_in_their_order(tmp_path):
     [
         ((), {}),
         (("--convention", "paper"), {"convention": "paper"}),
-        (("--gain", 0.7), {"gain": 0.7}),
+        (("--digital-gain", 0.7), {"gain": 0.7}),
         (("--no-highlights",), {"highlights": False}),
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, tuple) else "",
@@ -141,14 +141,16 @@ def test_a_sensor_that_cannot_be_sampled_is_named(tmp_path):
         (("--cube-size", "33"), "needs --cube"),
         (("--cube-input", "srgb"), "needs --cube"),
         (("--ctf", "-"), "must name a file"),
-        (("--gain", "-1"), "digital gain -1 must be above 0"),
+        (("--digital-gain", "-1"), "digital gain -1 must be above 0"),
     ],
 )
 def test_options_that_cannot_be(options, words):
     assert words in fails("ocio", *ONE, *options)
 
 
-@pytest.mark.parametrize("option", [("--profile-version", "1"), ("--gain", "much")])
+@pytest.mark.parametrize(
+    "option", [("--profile-version", "1"), ("--digital-gain", "much")]
+)
 def test_a_wrong_command_line_is_usage(option):
     fails("ocio", *ONE, *option, code=2)
 

@@ -17,7 +17,7 @@ from python import commands
 FICHET = Path(colour.__file__).parent / "io" / "tests" / "resources"
 CENTRES = np.arange(380.0, 781.0, 12.5)
 WHITE = 400000.0  # cd/m2; what the spectra below reach
-ASKED = {"sensor": "canon-600d", "illuminant": "FL2", "exposure": WHITE}
+ASKED = {"sensor": "canon-600d", "illuminant": "FL2", "white_luminance": WHITE}
 
 
 def name_of(nm):

@@ -18,8 +18,19 @@ RUNS = {
     "no-highlights": {"highlights": False},
     "gain": {"digital_gain": 0.75},
     "no-effects": {"iso": 800, "effects": False},
+    "stops": {"exposure": -1.5},
+    "drawn": {"exposure": "random:-1:2", "seed": 7, "frame": 3},
+    "metered": {"exposure": "auto", "iso": 400},
+    "settings": {
+        "scene_luminance": 50,
+        "exposure_time": 0.02,
+        "f_number": 2,
+        "iso": 400,
+    },
+    "found": {"exposure": "auto", "scene_luminance": 900, "f_number": 2, "iso": 100},
+    "bracket": {"bracket": -2, "exposure_time": 0.02, "iso": 800},
 }
-WORDS = {"digital_gain": "gain", False: "0"}
+WORDS = {False: "0"}
 
 
 def arguments_of(run):

@@ -68,7 +68,7 @@ def test_effects_of_the_whole_frame_take_spectra_too(oiiotool, tmp_path, spectra
 
 def test_a_polarised_render_by_art(oiiotool, tmp_path):
     path = FICHET / "Polarised.exr"
-    asked = {"sensor": "nikon-d850", "illuminant": "D65", "exposure": "500"}
+    asked = {"sensor": "nikon-d850", "illuminant": "D65", "white_luminance": "500"}
     oiiotool(path, *attributes(**asked), "-o", tmp_path / "art.dng")
     pixels = oiio.ImageBuf(str(path))
     names = list(pixels.spec().channelnames)

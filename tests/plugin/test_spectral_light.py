@@ -33,7 +33,7 @@ def test_the_light_that_a_file_states(oiiotool, tmp_path):
     """colour-science's example of a light, whose attribute illuminant is D65."""
     large = tmp_path / "light.exr"
     oiiotool(FICHET / "D65.exr", "--resize", "8x6", "-o", large)
-    asked = {"sensor": "canon-600d", "illuminant": "estimate", "exposure": "3e4"}
+    asked = {"sensor": "canon-600d", "illuminant": "estimate", "white_luminance": "3e4"}
     oiiotool(large, *attributes(**asked), "-o", tmp_path / "a.dng")
     words = ["--sensor", "canon-600d", "--illuminant", "estimate"]
     done = commands.run(

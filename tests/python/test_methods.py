@@ -31,9 +31,6 @@ def test_the_commands_know_the_methods_that_there_are():
         assert parsed(command, "--method", "upi").method == "upi"
         # The name that convert had for it, which is public.
         assert parsed(command, "--method", "g2r").method == "graphics2raw"
-        for convention in _methods.CONVENTIONS:
-            asked = parsed(command, "--convention", convention)
-            assert asked.convention == convention
 
 
 @pytest.mark.parametrize("option", ["--method", "--convention"])

@@ -22,8 +22,17 @@ WRONG = {
     "effects": "none",
     "camera_input": "yes",
     "as_shot": [1.0, 1.0],
-    "exposure_time": "1/60",
+    "exposure_time": [1],
     "color_effects": "no",
+    "exposure": [1],
+    "f_number": "2.8",
+    "scene_luminance": "bright",
+    "nd_filter": "3",
+    "iso_limits": 100,
+    "time_limits": [1.0],
+    "f_number_limits": 2.8,
+    "bracket": "2",
+    "meter": "0.5",
 }
 
 

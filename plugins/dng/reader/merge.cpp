@@ -131,6 +131,21 @@ std::vector<NoiseAtIso> merged_noise(const std::vector<DngMetadata>& files,
     return noise;
 }
 
+std::optional<DigitalGain> measured_digital_gain(const std::vector<DngMetadata>& files)
+{
+    std::vector<double> gains;
+    for (const DngMetadata& file : files)
+        if (const auto stops = file.baseline_exposure; stops && std::abs(*stops) < 10.0)
+            gains.push_back(std::exp2(*stops));
+    if (gains.empty())
+        return std::nullopt;
+    const double mean = mean_of(gains);
+    double squares = 0.0;
+    for (const double gain : gains)
+        squares += (gain - mean) * (gain - mean);
+    return DigitalGain { mean, std::sqrt(squares / double(gains.size())) };
+}
+
 NeutralDistribution merged_neutrals(const std::vector<DngMetadata>& files, Notes& notes)
 {
     if (files.front().cfa.is_mono())

@@ -87,11 +87,15 @@ void read_dng_names(const TiffTags& camera, const TiffTags& exif, DngMetadata& m
                     "and " + text_of(tag::model)
                         + " are missing or empty; one must name the camera: use"
                           " another DNG of this camera");
+    metadata.baseline_exposure = camera.finite(tag::baseline_exposure);
     Shot& shot = metadata.shot;
     shot.exposure_time = exif.positive(tag::exposure_time);
     shot.f_number = exif.positive(tag::f_number);
     shot.focal_length = exif.positive(tag::focal_length);
     shot.iso = read_iso(exif);
+    shot.exposure_bias = exif.finite(tag::exposure_bias_value);
+    shot.brightness = exif.finite(tag::brightness_value);
+    shot.exposure_mode = exposure_mode_from_number(exif.finite(tag::exposure_mode));
     shot.date_time_original = exif.text(tag::date_time_original);
     shot.artist = camera.text(tag::artist);
     shot.copyright = camera.text(tag::copyright);

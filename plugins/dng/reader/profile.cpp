@@ -50,6 +50,9 @@ sources_of(const SensorProfile& profile, const std::string& files, const Notes& 
         sources.push_back(
             { "illuminants",
               files + ": AsShotNeutral, or AsShotWhiteXY through the matrices" });
+    if (profile.digital_gain)
+        sources.push_back(
+            { "digital_gain", files + ": 2 to the power of BaselineExposure" });
     if (!profile.noise.empty())
         sources.push_back({ "noise", files + ": NoiseProfile at the file's ISO" });
     if (!profile.effects.empty())
@@ -157,6 +160,7 @@ ProfileOfDngs profile_from_dngs(const std::vector<DngMetadata>& files,
     profile.white_level = first.white_level;
     profile.calibrations = first.calibrations;
     profile.illuminants = merged_neutrals(files, notes);
+    profile.digital_gain = measured_digital_gain(files);
     profile.noise = merged_noise(files, notes);
     profile.effects = shading_of(files, notes);
     profile.sources = sources_of(profile, names_of_files(files), notes);

@@ -30,6 +30,9 @@ std::vector<double> merged_black_level(const std::vector<DngMetadata>& files,
 /// One row per ISO of the files that have noise and ISO.
 std::vector<NoiseAtIso> merged_noise(const std::vector<DngMetadata>& files,
                                      Notes& notes);
+/// How much darker files are than they are shown: 2^BaselineExposure of those that
+/// state one.
+std::optional<DigitalGain> measured_digital_gain(const std::vector<DngMetadata>& files);
 /// The neutrals of all files that have one, in their order.
 NeutralDistribution merged_neutrals(const std::vector<DngMetadata>& files,
                                     Notes& notes);

@@ -29,6 +29,12 @@ Shot merged(Shot reference, const Shot& image)
         reference.exposure_time = image.exposure_time;
     if (!reference.f_number)
         reference.f_number = image.f_number;
+    if (!reference.exposure_bias)
+        reference.exposure_bias = image.exposure_bias;
+    if (!reference.exposure_mode)
+        reference.exposure_mode = image.exposure_mode;
+    if (!reference.brightness)
+        reference.brightness = image.brightness;
     if (!reference.focal_length)
         reference.focal_length = image.focal_length;
     reference.artist = image.artist;

@@ -110,6 +110,8 @@ public:
     /// Number @p index of a tag if it is there, finite and above 0, as Exif's unknown
     /// values are not.
     std::optional<double> positive(TiffTag tag, std::size_t index = 0) const;
+    /// The same of any sign, and 0.
+    std::optional<double> finite(TiffTag tag, std::size_t index = 0) const;
     /// The one number of a tag as a fraction, its parts above 0 and below 2^31; of an
     /// integer, over 1. Nothing if the file does not have the tag, or says no such one.
     std::optional<Fraction> fraction(TiffTag tag) const;

@@ -164,14 +164,20 @@ std::int64_t TiffTags::integer_or(TiffTag tag, Bounds value,
     return has(tag) ? integers(tag, { 1, 1 }, value).front() : otherwise;
 }
 
-std::optional<double> TiffTags::positive(TiffTag tag, std::size_t index) const
+std::optional<double> TiffTags::finite(TiffTag tag, std::size_t index) const
 {
     if (!has(tag))
         return std::nullopt;
     const auto values = decoded(tag, required(tag, { 1, 16 }));
-    if (index >= values.size() || !std::isfinite(values[index]) || values[index] <= 0.0)
+    if (index >= values.size() || !std::isfinite(values[index]))
         return std::nullopt;
     return values[index];
+}
+
+std::optional<double> TiffTags::positive(TiffTag tag, std::size_t index) const
+{
+    const auto value = finite(tag, index);
+    return value && *value > 0.0 ? value : std::nullopt;
 }
 
 std::optional<Fraction> TiffTags::fraction(TiffTag tag) const

@@ -59,7 +59,10 @@ constexpr TiffTag recommended_exposure_index { 34866, "RecommendedExposureIndex"
 constexpr TiffTag iso_speed { 34867, "ISOSpeed" };
 constexpr TiffTag exif_version { 36864, "ExifVersion" };
 constexpr TiffTag date_time_original { 36867, "DateTimeOriginal" };
+constexpr TiffTag brightness_value { 37379, "BrightnessValue" };
+constexpr TiffTag exposure_bias_value { 37380, "ExposureBiasValue" };
 constexpr TiffTag focal_length { 37386, "FocalLength" };
+constexpr TiffTag exposure_mode { 41986, "ExposureMode" };
 constexpr TiffTag lens_model { 42036, "LensModel" };
 constexpr TiffTag dng_version { 50706, "DNGVersion" };
 constexpr TiffTag dng_backward_version { 50707, "DNGBackwardVersion" };
@@ -82,6 +85,7 @@ constexpr TiffTag camera_calibration_2 { 50724, "CameraCalibration2" };
 constexpr TiffTag analog_balance { 50727, "AnalogBalance" };
 constexpr TiffTag as_shot_neutral { 50728, "AsShotNeutral" };
 constexpr TiffTag as_shot_white_xy { 50729, "AsShotWhiteXY" };
+constexpr TiffTag baseline_exposure { 50730, "BaselineExposure" };
 constexpr TiffTag calibration_illuminant_1 { 50778, "CalibrationIlluminant1" };
 constexpr TiffTag calibration_illuminant_2 { 50779, "CalibrationIlluminant2" };
 constexpr TiffTag active_area { 50829, "ActiveArea" };

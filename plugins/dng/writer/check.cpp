@@ -119,6 +119,11 @@ void check_shot(const Checker& checker, const Shot& shot)
     positive(shot.exposure_time, "exposure_time");
     positive(shot.f_number, "f_number");
     positive(shot.focal_length, "focal_length");
+    for (const auto& [stops, field] : { std::pair(shot.exposure_bias, "exposure_bias"),
+                                        std::pair(shot.brightness, "brightness") })
+        if (stops)
+            checker.need(std::abs(*stops) <= most_exif_stops, field, *stops,
+                         "-10000 to 10000");
     if (shot.iso)
         checker.need(*shot.iso > 0, "iso", *shot.iso, "above 0");
     checker.need(shot.orientation >= 1 && shot.orientation <= 8, "orientation",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright Contributors to the cg2raw Project.
 #include "cg2raw/dng_writer.h"
+#include "cg2raw/exposure.h"
 
 #include "effects/color_shading.h"
 #include "effects/lens_shading.h"
@@ -110,6 +111,13 @@ GainMap gains_against(const FallOff& shading, int plane, Size frame)
     return map;
 }
 
+/// Bv = Av + Tv - Sv: what a camera's meter saw that chose these settings. Source: Exif
+/// 2.3 (CIPA DC-008-2012), annex C: Sv = log2(0.32 S).
+double apex_brightness(double seconds, double f_number, double iso)
+{
+    return std::log2(f_number * f_number / seconds / (0.32 * iso));
+}
+
 /// What the file says of how it was made.
 Origin origin_of(const Simulation& simulation)
 {
@@ -126,10 +134,41 @@ Origin origin_of(const Simulation& simulation)
         origin.convention = name_of(run.convention);
         origin.digital_gain = simulation.digital_gain();
     }
+    if (run.exposure || run.scene_luminance || run.bracket)
+        origin.exposure = simulation.exposure().gain_stops + run.bracket.value_or(0.0);
+    if (run.exposure)
+        origin.exposure_rule = run.exposure->text;
     origin.seed = run.seed;
     origin.frame = run.frame;
     origin.effects = simulation.effects();
     return origin;
+}
+
+/// What a camera says of the exposure, of the settings that a simulation was of.
+Shot exposed(Shot shot, const Simulation& simulation)
+{
+    const Run& run = simulation.run();
+    if (run.exposure_time && *run.exposure_time > 0.0)
+        shot.exposure_time = run.exposure_time;
+    if (run.f_number)
+        shot.f_number = run.f_number;
+    if (run.iso)
+        shot.iso = int(std::lround(*run.iso));
+    if (run.exposure || run.bracket) {
+        const bool is_chosen = run.exposure && !needs_meter(run);
+        const double stops
+            = is_chosen ? simulation.exposure().stops.value_or(0.0) : 0.0;
+        shot.exposure_bias = stops + run.bracket.value_or(0.0);
+    }
+    if (run.bracket)
+        shot.exposure_mode = ExposureMode::bracket;
+    else if (needs_meter(run))
+        shot.exposure_mode = ExposureMode::automatic;
+    else if (run.scene_luminance)
+        shot.exposure_mode = ExposureMode::manual;
+    if (needs_meter(run) && run.scene_luminance)
+        shot.brightness = apex_brightness(*run.exposure_time, *run.f_number, *run.iso);
+    return shot;
 }
 
 } // namespace
@@ -151,7 +190,7 @@ DngDescription describe(const Simulation& simulation, const DngOptions& options,
         {},
         std::nullopt,
         srgb_from_balanced(profile, simulation.illuminant()),
-        shot,
+        exposed(shot, simulation),
         origin_of(simulation),
     };
     if (options.matrices == Matrices::exact) {

@@ -40,6 +40,7 @@ void add_iso(Tags& tags, int iso)
 Tags exif_tags(const Shot& shot)
 {
     using Rationals = std::vector<Rational>;
+    using SignedRationals = std::vector<SignedRational>;
     Tags tags { { tag::exif_version, Undefined { { '0', '2', '3', '0' } } } };
     if (shot.exposure_time)
         tags.push_back(
@@ -51,6 +52,16 @@ Tags exif_tags(const Shot& shot)
             { tag::focal_length, Rationals { rational(*shot.focal_length, 100) } });
     if (shot.iso)
         add_iso(tags, *shot.iso);
+    const auto add_stops = [&](TiffTag tag, const std::optional<double>& stops) {
+        if (stops)
+            tags.push_back({ tag, SignedRationals { signed_rational(*stops, 100) } });
+    };
+    add_stops(tag::brightness_value, shot.brightness);
+    add_stops(tag::exposure_bias_value, shot.exposure_bias);
+    if (shot.exposure_mode)
+        tags.push_back(
+            { tag::exposure_mode,
+              std::vector<std::uint16_t> { std::uint16_t(*shot.exposure_mode) } });
     if (!shot.date_time_original.empty())
         tags.push_back({ tag::date_time_original, shot.date_time_original });
     if (!shot.lens_model.empty())

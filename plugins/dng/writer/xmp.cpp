@@ -117,6 +117,8 @@ void add_origin(Properties& properties, const DngDescription& description)
                        text_of(std::optional(std::round(*origin.temperature))));
     properties.add("cg2raw:ISO", text_of(origin.iso));
     properties.add("cg2raw:Convention", origin.convention);
+    properties.add("cg2raw:Exposure", text_of(origin.exposure));
+    properties.add("cg2raw:ExposureRule", origin.exposure_rule);
     properties.add("cg2raw:DigitalGain", text_of(origin.digital_gain));
     properties.add("cg2raw:Seed", text_of(origin.seed));
     properties.add("cg2raw:Frame", text_of(origin.frame));

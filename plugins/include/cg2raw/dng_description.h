@@ -29,6 +29,9 @@ struct GainMap {
     std::vector<float> gains;
 };
 
+/// How an exposure was chosen. Source: Exif 2.3 (CIPA DC-008-2012), ExposureMode.
+enum class ExposureMode { automatic = 0, manual = 1, bracket = 2 };
+
 /// What Exif says of the exposure, and CinemaDNG of the frame's place in a shot; absent
 /// fields are not written.
 struct Shot {
@@ -36,6 +39,9 @@ struct Shot {
     std::optional<double> f_number;
     std::optional<double> focal_length; ///< mm
     std::optional<int> iso;
+    std::optional<double> exposure_bias; ///< stops
+    std::optional<ExposureMode> exposure_mode;
+    std::optional<double> brightness; ///< APEX, stops
     std::string date_time_original; ///< "YYYY:MM:DD HH:MM:SS" or empty
     std::string artist, copyright, description, lens_model;
     int orientation = 1; ///< Exif orientation, 1 to 8
@@ -48,9 +54,16 @@ struct Shot {
 /// Bounds of Shot::pixel_aspect, far beyond what lenses and video formats have.
 constexpr double least_pixel_aspect = 0.01, most_pixel_aspect = 100.0;
 
+/// Bounds of Shot::exposure_bias and brightness, either way.
+constexpr double most_exif_stops = 1e4;
+
 /// Whether a file is a frame of a shot, as CinemaDNG has it: one that says how many of
 /// them a second has.
 inline bool is_of_shot(const Shot& shot) { return shot.frame_rate.has_value(); }
+
+/// None of a number that Exif has no mode for.
+std::optional<ExposureMode>
+exposure_mode_from_number(const std::optional<double>& number);
 
 /// Without what makes no sense in Exif: dates of another form, orientations but 1 to 8,
 /// numbers outside 1e-6 to 1e6, pixels of other shapes; and without a time code at a
@@ -65,6 +78,8 @@ struct Origin {
     std::optional<double> temperature; ///< of the light, K
     std::optional<double> iso;
     std::string convention;
+    std::optional<double> exposure; ///< stops by which scene-linear values were changed
+    std::string exposure_rule; ///< the words that decided it
     std::optional<double> digital_gain;
     std::optional<std::uint64_t> seed;
     std::optional<std::int64_t> frame;

@@ -51,6 +51,8 @@ struct DngMetadata {
     std::optional<Vec3> as_shot_neutral; ///< G = 1
     /// Per colour plane R, G, B, or of the one; empty: none.
     std::vector<NoisePair> noise_profile;
+    /// Stops by which a converter is to brighten the file.
+    std::optional<double> baseline_exposure;
     /// Those of OpcodeList2, which raw converters apply before they demosaic.
     std::vector<GainMapAt> gain_maps;
     Shot shot;

@@ -80,6 +80,7 @@ struct Dialect {
 /// An option of an export, as its user sees it.
 struct ExportOption {
     const char* name; ///< "iso"
+    const char* group; ///< of command lines: "exposure", "input", "shot", "file"
     const char* type; ///< "text", "word", "number", "integer", "flag"
     const char* allowed; ///< "an ISO from 1 to 10000000", for messages and pages
     const char* description; ///< Markdown
@@ -91,13 +92,16 @@ const std::vector<ExportOption>& export_options();
 /// The options of one image as they were given; absent ones are empty.
 struct ExportOptions {
     std::string sensor, reference, illuminant, layer;
-    std::optional<double> iso, gain;
-    std::optional<double> exposure; ///< luminance of white in spectral images, cd/m2
+    std::optional<double> iso, digital_gain;
+    std::optional<ExposureRule> exposure;
+    std::optional<double> exposure_time, f_number, scene_luminance, nd_filter, bracket;
+    std::optional<Limits> time_limits, f_number_limits, iso_limits;
+    std::optional<double> white_luminance; ///< of spectral images, cd/m2
     std::optional<bool> highlights;
     std::optional<Convention> convention;
     std::optional<NoiseModel> noise;
     std::optional<Compression> compression;
-    bool sample_gain = false;
+    bool sample_digital_gain = false;
     Undo undo = Undo::none; ///< linearize: the curve of sRGB
     std::uint64_t seed = 0;
     std::optional<std::int64_t> frame;

@@ -6,10 +6,12 @@
 
 #include "cg2raw/transform.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace cg2raw {
 
@@ -21,6 +23,27 @@ enum class NoiseModel {
 /// "gaussian" or "physical". Throws Error on other words.
 NoiseModel noise_model_from_name(std::string_view name);
 const char* name_of(NoiseModel model);
+
+/// Bounds of what is found, both included.
+struct Limits {
+    double low, high;
+};
+
+/// How bright a scene is exposed, in stops on its scene-linear values.
+struct ExposureRule {
+    enum class Kind {
+        stops, ///< first
+        meter, ///< the luminance of percentile first becomes second, 1 being white
+        uniform, ///< drawn between first and second
+        normal, ///< drawn: mean first, standard deviation second
+        matched, ///< drawn by quantiles
+    } kind
+        = Kind::stops;
+    double first = 0.0, second = 0.0;
+    std::vector<std::array<double, 2>> quantiles {}; ///< probability, stops; both rise
+    std::string sensor {}; ///< whose captures they are of
+    std::string text {}; ///< as it was given
+};
 
 /// What one exposure is asked to be.
 struct Run {
@@ -38,7 +61,21 @@ struct Run {
     bool color_effects
         = true; ///< false: those of stage color already are in the pixels
     std::optional<Vec3> as_shot; ///< neutral that the word as-shot stands for
+    std::optional<ExposureRule> exposure; ///< none: the scene as it is
     std::optional<double> exposure_time; ///< s; some effects need it
+    std::optional<double> f_number;
+    /// Of the value 1, cd/m2: the signal follows time, aperture and ISO then.
+    std::optional<double> scene_luminance;
+    double nd_filter
+        = 0.0; ///< stops that a neutral density filter takes of scene_luminance
+    /// Of what the meter finds; none: 1/8000 to 30 s, 1 to 32, the calibrated ISOs.
+    std::optional<Limits> time_limits, f_number_limits, iso_limits;
+    std::optional<double> bracket; ///< stops by which exposure_time is another
+    std::optional<double> meter; ///< what it read, if the exposure needs one
 };
+
+/// The seed of temporal noise: the frames of a bracket are taken one after the other,
+/// and their noise differs.
+std::uint64_t noise_seed(const Run& run);
 
 } // namespace cg2raw

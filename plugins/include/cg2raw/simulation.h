@@ -15,6 +15,8 @@
 
 namespace cg2raw {
 
+struct SettledExposure;
+
 /// Everything decided before the first pixel; then blocks of pixels in any order, on
 /// any thread, with the same result.
 ///
@@ -47,12 +49,14 @@ public:
                  const Plane<float>& variance, Illegal& illegal) const;
 
     const SensorProfile& profile() const;
+    /// Its time, aperture and ISO are those that were given or found.
     const Run& run() const;
     Size frame() const;
     const Illuminant& illuminant() const;
     /// What convention spectral takes for the light's spectrum, in words; empty if
     /// another convention does not.
     std::string spectrum() const;
+    const SettledExposure& exposure() const;
     /// After sampling, if that was asked.
     double digital_gain() const;
     /// Noise of the run's ISO; nothing when the run is clean.

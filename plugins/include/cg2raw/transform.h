@@ -31,6 +31,7 @@ struct CameraTransform {
     bool clip_result; ///< paper: clip to 0..1 after the gains
     bool is_light; ///< sensor, spectral: clip() is at 0 alone, no highlights are kept
     bool is_grey; ///< monochrome: the planes are one, and no inverse tells colours
+    float exposure = 1.0f; ///< gain on scene-linear values, before all else
     std::optional<UpliftMatrix> uplift {}; ///< spectral: in place of first
     std::string spectrum {}; ///< spectral: the light whose power was taken
 };
@@ -84,8 +85,9 @@ void to_camera(const CameraTransform& transform, const float* scene,
 void to_scene(const SceneTransform& transform, const float* camera,
               std::ptrdiff_t pixel_stride, int width, float* const scene[3],
               Illegal& illegal);
-/// to_camera() for pixels that already are camera RGB: they are only made legal.
+/// to_camera() for pixels that already are camera RGB: they are only exposed, and made
+/// legal.
 void copy_camera(const float* scene, std::ptrdiff_t pixel_stride, int width,
-                 float* const camera[3], Illegal& illegal);
+                 float exposure, float* const camera[3], Illegal& illegal);
 
 } // namespace cg2raw

@@ -6,6 +6,7 @@ import argparse
 import math
 import re
 from collections.abc import Callable
+from typing import Any
 
 MOST_SEED = 2**64 - 1
 
@@ -46,16 +47,16 @@ def frame_number(text: str) -> int:
     return int(text)
 
 
-def number_list(option: str, words: str, word: str) -> list[float | str]:
+def number_list(option: str, words: str, word: str = "") -> list[Any]:
     """Return the floats of a list, and @word as it is. Raises ValueError."""
-    found = []
+    found: list[float | str] = []
+    form = f"a number or {word}, as in {word},100" if word else "a number, as in -2,0,2"
     for text in words.split(","):
         try:
-            value = text.strip() if text.strip() == word else float(text)
+            is_word = word and text.strip() == word
+            value = text.strip() if is_word else float(text)
         except ValueError:
-            raise ValueError(
-                f"{option} {text}: must be a number or {word}, as in {word},100"
-            ) from None
+            raise ValueError(f"{option} {text}: must be {form}") from None
         if value in found:
             raise ValueError(f"{option} {text}: is there twice; name it once")
         found.append(value)

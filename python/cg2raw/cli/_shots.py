@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from cg2raw import _core
+from cg2raw.cli._numbers import number_list
 from cg2raw.cli._outputs import check_apart, check_folder, outputs_of
 from cg2raw.io import frame_files
 from cg2raw.io.frame_files import Shot
@@ -22,25 +23,6 @@ if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.conversion import Request
 
 CODE = re.compile(r"\d\d:\d\d:\d\d[:;]\d\d")  # a time code, in messages
-
-
-def add_shot(group: argparse._ArgumentGroup) -> None:
-    """Declare the options of shots."""
-    add = group.add_argument
-    add("--frames", metavar="LIST", help="1001-1240, 1-100x2, -3,1,5-9; default: all")
-    add(
-        "--framerate",
-        metavar="FPS",
-        help="24, 23.976, 24000/1001 ...; default: FramesPerSecond of the files",
-    )
-    add("--timecode", metavar="HH:MM:SS:FF", help="of the first frame; ; drops frames")
-    add("--reel", metavar="NAME", help="ReelName of all frames")
-    add("--camera-label", metavar="NAME", help="CameraLabel of all frames")
-    add(
-        "--shading",
-        choices=("tagged", "baked"),
-        help="lens shading undone by GainMaps, or left in; default: baked in shots",
-    )
 
 
 @dataclass
@@ -167,3 +149,31 @@ def outputs_of_shot(files: Sequence[str], output: str) -> list[str]:
             )
     check_apart(files, outputs)
     return outputs
+
+
+def bracket_outputs(
+    outputs: Sequence[str], bracket: str | None
+) -> dict[str, tuple[str, str | None]]:
+    """Return {file: (output, stops of the bracket, None without one)}; a bracket has
+    its stops in the names of its files, before the frame number of a shot.
+
+    bracket : "-2,0,2". Raises ValueError."""
+    if bracket is None:
+        return {output: (output, None) for output in outputs}
+    steps = number_list("--bracket", bracket)
+    return {
+        bracket_name(output, step): (output, f"{step:g}")
+        for output in outputs
+        for step in steps
+    }
+
+
+def bracket_name(output: str, stops: float) -> str:
+    """Return "raw/a_ev+2.dng" of "raw/a.dng", "raw/a_ev+2.0007.dng" of
+    "raw/a.0007.dng"."""
+    name = _core.frame_name(output)
+    stem, ending = os.path.splitext(output)
+    if name is not None and name.before.endswith("."):
+        stem = name.before.removesuffix(".")
+        ending = output[len(stem) :]
+    return f"{stem}_ev{stops:+g}{ending}"

@@ -42,11 +42,12 @@ import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from cg2raw.cli._methods import add_convention, add_method
-from cg2raw.cli._numbers import frame_number, number, whole
+from cg2raw import _core
+from cg2raw.cli._export_options import ROWS, add_bracket, add_options
+from cg2raw.cli._methods import add_method
+from cg2raw.cli._numbers import whole
 from cg2raw.cli._outputs import each_file
-from cg2raw.cli._pictures import add_encoding
-from cg2raw.cli._shots import add_shot, outputs_of_shot, resolve_inputs
+from cg2raw.cli._shots import bracket_outputs, outputs_of_shot, resolve_inputs
 from cg2raw.system import usable_cores
 
 if TYPE_CHECKING:  # only a conversion loads its modules
@@ -54,16 +55,7 @@ if TYPE_CHECKING:  # only a conversion loads its modules
     from cg2raw.upi import Upi
 
 MOST_WORKERS = 16  # if nothing is asked for
-# Options of the core, by their names on the command line.
-OPTIONS = {
-    name: name
-    for name in (
-        *("sensor", "reference", "illuminant", "iso", "noise", "seed", "gain", "layer"),
-        *("convention", "highlights", "effects", "linearize", "matrices", "preview"),
-        *("compression", "tone_curve", "crop", "shading", "framerate", "timecode"),
-        *("reel", "camera_label"),
-    )
-} | {"white_luminance": "exposure"}
+OPTIONS = [name for name in ROWS if name not in ("first_frame", "bracket")]
 PREFIX = "dng:"  # of an attribute of oiiotool
 WORTH_SAYING = 0.001  # of the energy of spectra, outside the sensitivities
 
@@ -84,70 +76,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--workers", type=workers, metavar="N", help="files at a time; default: cores")
     add("--json", action="store_true", help="the report as JSON, for programs")
     add("--quiet", action="store_true", help="no report, no progress; errors only")
-    add_exposure(parser.add_argument_group("exposure"))
-    add_picture(parser.add_argument_group("input"))
-    add_shot(parser.add_argument_group("shot"))
-    add_upi(parser.add_argument_group("method upi"))
-    add_writing(parser.add_argument_group("file"))
-
-
-def add_exposure(group: argparse._ArgumentGroup) -> None:
-    """Declare what decides the pixels."""
-    add = group.add_argument
-    add("--sensor", metavar="ID", help="an installed sensor, or a profile (.json)")
-    add("--reference", metavar="REF.dng", help="a DNG of the camera: levels, Exif ...")
-    add(
-        "--illuminant",
-        metavar="WORD",
-        help="A, D65, 3200K, sample:7, measured:7, as-shot ...; estimate, "
-        "estimate:mean, estimate:max of spectral images",
-    )
-    add("--iso", type=number(1, 1e7), metavar="ISO", help="adds noise of this ISO")
-    add(
-        "--noise",
-        choices=("gaussian", "physical", "upi"),
-        help="default: the profile's",
-    )
-    add("--seed", type=whole, default=0, metavar="N", help="default: 0")
-    add("--frame", type=frame_number, metavar="N", help="the noise is that of frame N")
-    add(
+    groups = {
+        name: parser.add_argument_group(name)
+        for name in ("exposure", "input", "shot", "method upi", "file")
+    }
+    for name in OPTIONS:
+        add_options(groups[ROWS[name][0]], name)
+    add_bracket(groups["exposure"])
+    groups["exposure"].add_argument(
         "--frame-from",
         choices=("name", "index", "none"),
         help="frame numbers: in names (default), inputs counted from --frame, or none",
     )
-    add("--gain", type=gain, metavar="X", help="digital gain, 0.001 to 1000, or sample")
-    add_convention(group, default=None)
-    add(
-        "--highlights",
-        action=argparse.BooleanOptionalAction,
-        help="keep white white; default: yes",
+    groups["input"].add_argument(
+        "--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says"
     )
-    add("--effects", choices=("profile", "none"), default="profile", help="of sensors")
-    add_method(group)
-
-
-def add_picture(group: argparse._ArgumentGroup) -> None:
-    """Declare what is asked of the file that is read."""
-    add = group.add_argument
-    add(
-        "--exposure",
-        type=number(-64, 64),
-        default=0.0,
-        metavar="EV",
-        help="brightens or darkens the render first, as oiiotool --mulc 2^EV",
+    groups["shot"].add_argument(
+        "--frames", metavar="LIST", help="1001-1240, 1-100x2, -3,1,5-9; default: all"
     )
-    add(
-        "--white-luminance",
-        type=number(1e-6, 1e12),
-        metavar="CD_PER_M2",
-        help="of white in spectral images (channels S0.550nm ...)",
-    )
-    add("--layer", metavar="NAME", help="of a layered or multi-part file")
-    add_encoding(group)
+    add_method(groups["exposure"])
+    add_upi(groups["method upi"])
 
 
 def add_upi(group: argparse._ArgumentGroup) -> None:
-    """Declare the options of --method upi; --gain and --noise have a meaning there."""
+    """Declare the options of --method upi; --noise and --digital-gain go with it."""
     add = group.add_argument
     add("--upi-sensors", metavar="IDS", help="matrices; default: the paper's ten")
     add(
@@ -157,40 +109,11 @@ def add_upi(group: argparse._ArgumentGroup) -> None:
     )
 
 
-def add_writing(group: argparse._ArgumentGroup) -> None:
-    """Declare the options of the DNG."""
-    add = group.add_argument
-    add("--matrices", choices=("camera", "exact"), default="camera", help="of colour")
-    add(
-        "--compression",
-        choices=("ljpeg", "ljpeg-2d", "none"),
-        help="default: ljpeg (lossless), but none of an input that is not compressed; "
-        "ljpeg-2d is smaller, but not for darktable",
-    )
-    add(
-        "--preview",
-        action=argparse.BooleanOptionalAction,
-        help="a picture in IFD0; default: yes, but not of shots",
-    )
-    add("--tone-curve", choices=("camera", "linear"), default="camera")
-    add(
-        "--crop",
-        choices=("border", "none"),
-        default="border",
-        help="what converters leave out: 2 pixels a side (default), or nothing",
-    )
-
-
 def workers(text: str) -> int:
     """Return a whole number above 0."""
     if whole(text) < 1:
         raise argparse.ArgumentTypeError(f"{text}: must be at least 1")
     return int(text)
-
-
-def gain(text: str) -> float | str:
-    """Return the number, or sample."""
-    return text if text == "sample" else number(0.001, 1000)(text)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -202,23 +125,32 @@ def run(arguments: argparse.Namespace) -> int:
     files = inputs.files
     outputs = outputs_of_shot(files, arguments.output)
     frames = frames_of(arguments, outputs)
+    steps = bracket_outputs(outputs, arguments.bracket)
     alike: dict[int, list[str]] = {}
-    count = workers_for(len(files), arguments.workers)
+    count = workers_for(len(files) * len(steps), arguments.workers)
 
     def work(path: str, output: str) -> dict[str, Any]:
-        number = frames[output]
-        of_frame = {} if number is None else {"frame": str(number)}
-        own = replace(
+        name, stops = steps[output]
+        own = {} if frames[name] is None else {"frame": str(frames[name])}
+        own |= {} if stops is None else {"bracket": stops}
+        request_of_file = replace(
             request,
-            options={**request.options, **of_frame},
+            options={**request.options, **own},
             place=inputs.places.get(path),
+            output_name=name,
             threads=0 if count == 1 else 1,
         )
-        report = conversion.convert(path, output, own)
-        alike.setdefault(report["frame"], []).append(output)
+        report = conversion.convert(path, output, request_of_file)
+        if name not in alike.setdefault(report["frame"], []):
+            alike[report["frame"]].append(name)
         return report
 
-    pairs = list(zip(files, outputs, strict=True))
+    pairs = [
+        (path, output)
+        for path, name in zip(files, outputs, strict=True)
+        for output, (plain, _) in steps.items()
+        if plain == name
+    ]
     code = each_file(
         "convert", pairs, work, arguments, "converting", line_of, inputs.faults, count
     )
@@ -239,10 +171,12 @@ def frames_of(
     """Return {output: frame number, None for that in its name}. Raises ValueError."""
     if arguments.frame_from == "name" and arguments.frame is not None:
         raise ValueError("--frame and --frame-from name: give one of them")
+    frame = None if arguments.frame is None else int(arguments.frame)
     if arguments.frame_from == "index":
-        return {output: (arguments.frame or 0) + i for i, output in enumerate(outputs)}
-    frame = 0 if arguments.frame_from == "none" else None
-    return dict.fromkeys(outputs, frame if arguments.frame is None else arguments.frame)
+        return {output: (frame or 0) + i for i, output in enumerate(outputs)}
+    if frame is None and arguments.frame_from == "none":
+        frame = 0
+    return dict.fromkeys(outputs, frame)
 
 
 def tell_alike(frames: dict[int, list[str]]) -> None:
@@ -259,29 +193,26 @@ def tell_alike(frames: dict[int, list[str]]) -> None:
 
 def request_of(arguments: argparse.Namespace) -> "Request":
     """Return the Request of a command line. Raises ValueError."""
-    from cg2raw import _core
     from cg2raw.conversion import DIALECT, Request
     from cg2raw.sensor import Sensor
 
-    upi = upi_of(arguments) if check_method(arguments) else None
+    is_upi = check_method(arguments)
     options = core_options(arguments)
     _core.ExportOptions(options, DIALECT)  # raises for bad values, once for all files
-    if "sensor" in options and not upi:
+    if is_upi:  # which draws with these itself
+        options.pop("sensor", None)
+        options.pop("digital_gain", None)
+    elif "sensor" in options:
         Sensor(options["sensor"])  # likewise
-    return Request(
-        options=options,
-        exposure=arguments.exposure,
-        space=arguments.iscolorspace,
-        upi=upi,
-    )
+    upi = upi_of(arguments) if is_upi else None
+    return Request(options=options, space=arguments.iscolorspace, upi=upi)
 
 
 def core_options(arguments: argparse.Namespace) -> dict[str, str]:
     """Return the core's options of a command line, as texts. Raises ValueError."""
-    given = {OPTIONS[name]: getattr(arguments, name) for name in OPTIONS}
-    if arguments.method == "upi":  # which draws these itself
-        given |= {"sensor": None, "gain": None}
-        given |= {"noise": None if arguments.noise == "upi" else arguments.noise}
+    given = {name: getattr(arguments, name) for name in OPTIONS}
+    if arguments.noise == "upi":
+        given["noise"] = None
     options = {
         name: option_text(value) for name, value in given.items() if value is not None
     }
@@ -305,9 +236,9 @@ def check_method(arguments: argparse.Namespace) -> bool:
                 raise ValueError(
                     f"--{name}: does not go with --method upi; leave it out"
                 )
-        if arguments.gain == "sample":
+        if arguments.digital_gain == "sample":
             raise ValueError(
-                "--gain sample: --method upi draws it unless it is a number"
+                "--digital-gain sample: --method upi draws it unless it is a number"
             )
         if not arguments.sensor:
             raise ValueError("--method upi: needs --sensor, for CFA and levels")
@@ -337,9 +268,27 @@ def upi_of(arguments: argparse.Namespace) -> "Upi":
         arguments.sensor,
         matrices=matrices,
         gains=arguments.upi_gains or "published",
-        digital_gain="upi" if arguments.gain is None else arguments.gain,
+        digital_gain=float(arguments.digital_gain or 0) or "upi",
         noise="upi" if arguments.noise == "upi" else "sensor",
     )
+
+
+def exposure_words(exposure: dict[str, Any]) -> list[str]:
+    """Return what is printed of an exposure that is not the scene as it is."""
+    if exposure["meter"] == 0:
+        return ["black: nothing to be metered, exposure 0"]
+    stops = exposure["stops"] + (exposure["bracket"] or 0.0)
+    words = [f"exposure {stops:+.2f}"] if stops else []
+    if exposure["scene_luminance"] is not None or exposure["bracket"] is not None:
+        words.insert(0, f"{shown_seconds(exposure['exposure_time'])} s")
+    if exposure["scene_luminance"] is not None:
+        words.insert(1, f"f/{exposure['f_number']:.3g}")
+    return words
+
+
+def shown_seconds(seconds: float) -> str:
+    """Return an exposure time as photographers write it."""
+    return f"1/{1 / seconds:.0f}" if seconds <= 0.25 else f"{seconds:.3g}"
 
 
 def line_of(report: dict[str, Any]) -> str:
@@ -350,6 +299,7 @@ def line_of(report: dict[str, Any]) -> str:
         words.append(f"{light['word']} ({light['cct']:.0f} K)")
     if light["spectrum"] and light["spectrum"].lower() != light["word"].lower():
         words.append(f"the spectrum of {light['spectrum']}")
+    words += exposure_words(report["exposure"])
     if report["iso"] is not None:
         words.append(f"ISO {report['iso']:g}, frame {report['frame']}")
     if report["layer"]:

@@ -16,7 +16,7 @@ beauty, C or Combined, or --layer; what its display window lacks is black.
 examples:
     cg2raw dataset renders/ out/ --sensors nikon-d40,samsung-s20fe --illuminants 4
     cg2raw dataset renders/ out/ --sensors samsung-s20fe --illuminants A,D65 \\
-                   --gains 1.0,0.8 --iso clean,100,3200
+                   --digital-gain 1.0,0.8 --iso clean,100,3200
     cg2raw dataset renders/ out/ --sensors nikon-d40 --illuminants 1 --format npy \\
                    --patches 8 --patch-size 256 --workers 4
     cg2raw dataset renders/ out/ --sensors nikon-d850 --illuminants 2 --method upi
@@ -27,12 +27,12 @@ import importlib.util
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from cg2raw.cli._methods import add_convention, add_method
-from cg2raw.cli._numbers import number, number_list
+from cg2raw.cli._export_options import add_bracket, add_options
+from cg2raw.cli._methods import add_method
+from cg2raw.cli._numbers import number_list
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, refuse_twice
-from cg2raw.cli._pictures import add_encoding
 from cg2raw.cli._progress import counted
 from cg2raw.short_messages import plural
 from cg2raw.spectra import is_estimate
@@ -43,6 +43,11 @@ if TYPE_CHECKING:  # only the work itself loads its modules
     from cg2raw.dataset.plan import Plan
     from cg2raw.dataset.run import Summary
 
+# Options of the core that are fields of a plan.
+SIMULATION = (
+    *("exposure", "exposure_time", "f_number", "scene_luminance", "nd_filter"),
+    *("time_limits", "f_number_limits", "white_luminance", "noise", "convention"),
+)
 MOST_OF_IMAGE = 100000  # lights, and crops, of an image
 
 
@@ -94,22 +99,15 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         default="sample",
         help="of the Gaussian of the sensor's neutrals (default), or near themselves",
     )
-    add("--gains", default="1", help='digital gains as 1,0.8, or "sample" (default 1)')
+    add(
+        "--digital-gain",
+        default="1",
+        metavar="LIST",
+        help='as 1,0.8, or "sample" of the sensor\'s profile (default 1)',
+    )
     add("--iso", default="clean", help="as clean,100,3200 (default clean)")
-    add("--noise", choices=["gaussian", "physical"], help="default: the profile's")
-    add(
-        "--exposure-time",
-        type=seconds,
-        metavar="SECONDS",
-        help="of dark current and hot pixels (default: each image's Exif)",
-    )
-    add(
-        "--white-luminance",
-        type=number(1e-6, 1e12),
-        metavar="CD_PER_M2",
-        help="of white in spectral images (channels S0.550nm ...)",
-    )
-    add_convention(group, default="dng")
+    add_options(group, *SIMULATION)
+    add_bracket(group)
     add_method(group)
     add("--seed", type=int, default=0, help="of all that is drawn (default 0)")
     add(
@@ -118,8 +116,8 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         default="name",
         help="noise differs by the image's name in IN (default), its place, or not",
     )
-    add("--layer", metavar="NAME", help="of layered or multi-part files")
-    add_encoding(group)
+    add_options(group, "layer", "linearize")
+    add("--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says")
 
 
 def add_files(group: argparse._ArgumentGroup) -> None:
@@ -154,14 +152,6 @@ def check_count(option: str, count: int) -> int:
     if not 1 <= count <= MOST_OF_IMAGE:
         raise ValueError(f"{option} {count}: must be 1 to {MOST_OF_IMAGE}")
     return count
-
-
-def seconds(text: str) -> float:
-    """Return a time above 0, in seconds."""
-    value = float(text)
-    if not value > 0:
-        raise ValueError
-    return value
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -256,22 +246,43 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
         leave_out,
         illuminants=illuminants(arguments.illuminants),
         light_draws=arguments.light_draws,
-        digital_gains=tuple(number_list("--gains", arguments.gains, "sample")),
+        digital_gains=tuple(
+            number_list("--digital-gain", arguments.digital_gain, "sample")
+        ),
         isos=tuple(None if iso == "clean" else iso for iso in isos),
-        noise=arguments.noise,
-        exposure_time=arguments.exposure_time,
-        white_luminance=arguments.white_luminance,
-        convention=arguments.convention,
+        **simulation_fields(arguments),
         method=arguments.method,
         crop=crop_of(arguments),
         patches=check_count("--patches", arguments.patches or 1),
         seed=arguments.seed,
         layer=arguments.layer,
-        linearize=arguments.linearize,
+        linearize=arguments.linearize and arguments.linearize.lower(),
         space=arguments.iscolorspace,
         frame_from=arguments.frame_from,
         **files_of(arguments),
     )
+
+
+def simulation_fields(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the plan's fields that are options of the core. Raises ValueError."""
+    from cg2raw import _core
+    from cg2raw.conversion import DIALECT
+
+    fields: dict[str, Any] = {name: getattr(arguments, name) for name in SIMULATION}
+    checked = (*SIMULATION, "layer", "linearize")
+    given = {
+        name: text for name in checked if (text := getattr(arguments, name)) is not None
+    }
+    _core.ExportOptions(given, DIALECT)  # raises for bad values
+    numbers = ("f_number", "scene_luminance", "nd_filter", "white_luminance")
+    fields |= {name: float(given[name]) for name in numbers if name in given}
+    words = {"convention": "dng", "noise": None}
+    fields |= words | {name: given[name].lower() for name in words if name in given}
+    if "exposure_time" in given:
+        fields["exposure_time"] = _core.seconds_from_text(given["exposure_time"])
+    if arguments.bracket is not None:
+        fields["bracket"] = tuple(number_list("--bracket", arguments.bracket))
+    return fields
 
 
 def illuminants(words: str) -> int | tuple[str, ...]:

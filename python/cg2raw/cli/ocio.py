@@ -73,7 +73,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="dng",
         help="default: dng",
     )
-    add("--gain", type=float, default=1.0, metavar="X", help="digital gain, 0 to 1000")
+    add(
+        "--digital-gain",
+        type=float,
+        default=1.0,
+        metavar="X",
+        help="digital gain, 0 to 1000",
+    )
     add("--no-highlights", action="store_true", help="highlights are not kept white")
     add("--profile-version", choices=("2.0", "2.1"), help="default: 2.1")
     add("--merge", metavar="CONFIG", help="a .ocio or ocio://NAME to put spaces into")
@@ -152,7 +158,7 @@ def make(arguments: argparse.Namespace) -> None:
     illuminants = asked_illuminants(arguments.illuminants)
     check_pairs(profiles, illuminants)
     exposure = Exposure(
-        arguments.convention, arguments.gain, not arguments.no_highlights
+        arguments.convention, arguments.digital_gain, not arguments.no_highlights
     )
     exports = [option for option, _ in EXPORTS if getattr(arguments, option)]
     if exports:

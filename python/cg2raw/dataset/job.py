@@ -9,11 +9,13 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from cg2raw import RawFrame, __version__, write_dng
+from cg2raw import RawFrame, Run, __version__, _core, write_dng
 from cg2raw.arrays import FloatImage
 from cg2raw.cfa import repeat_of
+from cg2raw.conversion import DIALECT
 from cg2raw.dataset import journal, packed
 from cg2raw.dataset.journal import Row
+from cg2raw.dataset.keys import hashed
 from cg2raw.dataset.methods import METHODS, Camera
 from cg2raw.dataset.plan import Plan, Variant
 from cg2raw.dataset.source import Box, Source, read_source
@@ -26,6 +28,7 @@ from cg2raw.dataset.target import (
     reason_of,
 )
 from cg2raw.dataset.truth import noise_of, truth
+from cg2raw.exposure import core_run
 
 TOO_LARGE = "needs more memory than there is"
 
@@ -104,18 +107,17 @@ def make_variants(
             plan.crop_at(target.job.image, patch, width, height)
             for patch in range(plan.patches)
         ]
-        shot = source.image.shot
-        seconds = plan.seconds(shot.exposure_time)
+        seconds = plan.seconds(source.image.shot.exposure_time)
         check_repeats(plan, crops)
     except (ValueError, OSError) as error:
         raise BadImage(reason_of(error, path)) from None
     target.start_journal(header)
-    of_image = source.row() | {"exposure_time": seconds}
+    of_image = source.row()
     for count, (order, variant) in enumerate(todo, len(target.rows)):
         say({"image": target.job.image, "files": count})
         box = crops[variant.patch]
         about = expected(header, order, variant) | {"crop": list(box)}
-        make_variant(target, variant, source, about, of_image)
+        make_variant(target, variant, source, about, of_image, seconds)
 
 
 def check_repeats(plan: Plan, crops: list[Box]) -> None:
@@ -130,41 +132,74 @@ def check_repeats(plan: Plan, crops: list[Box]) -> None:
 
 
 def make_variant(
-    target: Target, variant: Variant, source: Source, about: Row, of_image: Row
+    target: Target,
+    variant: Variant,
+    source: Source,
+    about: Row,
+    of_image: Row,
+    seconds: float | None,
 ) -> None:
     """Make one file; its pixels are gone before the next one's are there.
 
-    about, of_image : what the manifest says of the file, and of its image."""
+    about, of_image : what the manifest says of the file, and of its image. seconds :
+    the exposure time, None if it is not known."""
     plan = target.plan
     camera = METHODS[plan.method](
         plan.cameras[variant.sensor], variant.scene, plan.seed
     )
     x, y, columns, rows = about["crop"]
+    run = plan.run(camera, variant.iso, seconds) | exposure_of(variant, source, camera)
     try:
-        seen = source.seen((x, y, columns, rows), camera.sensor, camera.illuminant)
+        scene, of_pixels = source.seen(
+            (x, y, columns, rows), camera.sensor, camera.illuminant
+        )
+        run |= of_pixels
+        _core.check_exposure(
+            camera.sensor.profile, core_run(camera.sensor.id, Run(**run)), DIALECT
+        )
+        write, row = simulated(plan, variant, camera, scene, run)
     except ValueError as error:
         raise BadImage(str(error)) from None
-    write, row = simulated(plan, variant, camera, seen, of_image["exposure_time"])
     target.publish(write, variant, {**about, **row, **of_image})
+
+
+def exposure_of(variant: Variant, source: Source, camera: Camera) -> Row:
+    """Return fields of a Run: the exposure of an image, the same for all its files."""
+    plan, rule = variant.plan, variant.plan.exposure
+    f_number = plan.f_number or source.image.shot.f_number
+    fields: Row = {"f_number": f_number, "bracket": variant.bracket}
+    if rule is None:
+        return fields
+    if rule.lower().startswith("auto"):
+        fields["meter"] = source.meter(rule, camera.sensor, camera.illuminant)
+    else:
+        drawn = plan.cameras[variant.sensor].simulation(
+            (2, 2),
+            illuminant="D65",
+            exposure=rule,
+            seed=plan.seed,
+            frame=hashed("exposure", variant.image),
+            effects=False,
+        )
+        fields["exposure"] = drawn.exposure["stops"]
+    return fields
 
 
 def simulated(
     plan: Plan,
     variant: Variant,
     camera: Camera,
-    seen: tuple[FloatImage, dict[str, Any]],
-    seconds: float | None,
+    scene: FloatImage,
+    run: dict[str, Any],
 ) -> tuple[Write, Row]:
     """Return (write(path), what the manifest says of the simulation).
 
-    seen : pixels, and the fields of a Run that they decide."""
+    scene : pixels. run : fields of a Run."""
     sensor, gain = camera.sensor, camera.digital_gain
-    scene, of_pixels = seen
-    run = plan.run(camera, variant.iso, seconds) | of_pixels
     raw = sensor.simulate(scene, threads=1, frame=variant.frame, **run)
     shape = raw.shape
     if plan.format == "dng":
-        write = dng_writer(plan, raw, seconds)
+        write = dng_writer(plan, raw)
     else:
         planes = packed.packed(
             raw, sensor.cfa, sensor.black_level, sensor.white_level, plan.element_type
@@ -175,23 +210,31 @@ def simulated(
         def write(path: str) -> None:
             write_planes(path, planes)
 
-    drawn = {"illuminant": camera.illuminant, "method_seed": camera.seed}
+    drawn: Row = {"illuminant": camera.illuminant, "method_seed": camera.seed}
     simulation = raw.simulation
     assert simulation is not None  # of what Sensor.simulate returns
     drawn["spectrum"] = simulation.spectrum or None
+    exposure = simulation.exposure
+    drawn |= {
+        "exposure": exposure["stops"],
+        "exposure_time": exposure["exposure_time"],
+        "f_number": exposure["f_number"],
+        "exposure_rule": plan.exposure,
+        "scene_luminance": plan.scene_luminance,
+        "bracket": variant.bracket,
+    }
     light, convention = simulation.illuminant, run["convention"]
     row = truth(sensor, light, convention, gain, shape)
     return write, drawn | row | noise_of(sensor, variant.iso, plan.noise)
 
 
-def dng_writer(plan: Plan, raw: RawFrame, seconds: float | None) -> Write:
-    """Return write(path) of a DNG, whose Exif says the exposure time if it is known."""
-    shot = None if seconds is None else {"exposure_time": seconds}
+def dng_writer(plan: Plan, raw: RawFrame) -> Write:
+    """Return write(path) of a DNG."""
     # A file that a loss of power leaves partial is known by its hash, and made again.
     how: dict[str, Any] = {"compression": plan.compression, "preview": False}
     how |= {"threads": 1, "sync": False}
 
     def write(path: str) -> None:
-        write_dng(path, raw, shot=shot, **how)
+        write_dng(path, raw, **how)
 
     return write

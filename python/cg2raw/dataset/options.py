@@ -14,13 +14,21 @@ from cg2raw.spectra import is_estimate
 
 # The option that decides a field of the plan, for messages.
 OPTIONS = {
-    "digital_gains": "--gains",
+    "digital_gains": "--digital-gain",
     "isos": "--iso",
     "exposure_time": "--exposure-time",
     "white_luminance": "--white-luminance",
     "element_type": "--type",
     "profiles": "--sensors (the profiles)",
     "space": "--iscolorspace",
+}
+
+# Fields of a Run that need others, which images have.
+WITHOUT_LIGHT = {
+    "scene_luminance": None,
+    "nd_filter": 0.0,
+    "time_limits": None,
+    "f_number_limits": None,
 }
 
 
@@ -135,8 +143,8 @@ def check_runs(plan: Plan, sensor: Sensor) -> None:
     own = plan.method == "graphics2raw"
     if own and "sample" in plan.digital_gains and sensor.digital_gain is None:
         raise ValueError(
-            f"--gains sample: {sensor.id} has no digital_gain to sample from; give "
-            "numbers, or leave it out of --sensors"
+            f"--digital-gain sample: {sensor.id} has no digital_gain to sample from; "
+            "give numbers, or leave it out of --sensors"
         )
     isos = plan.exposures[sensor.id]
     # An option at a time: what they do is independent.
@@ -145,9 +153,9 @@ def check_runs(plan: Plan, sensor: Sensor) -> None:
     tries += [(words[0], gains[0], iso) for iso in isos]
     for word, gain, iso in tries:
         camera = METHODS[plan.method](sensor, Scene("", 0, word, gain, 0), plan.seed)
-        # Of images that do not say their time, Plan.seconds tells later.
-        run = plan.run(camera, iso, plan.exposure_time or 1.0)
-        camera.sensor.simulation((2, 2), **run)
+        # Each image tells later whether it says its time and aperture.
+        run = plan.run(camera, iso, plan.exposure_time or 1.0) | WITHOUT_LIGHT
+        camera.sensor.simulation((2, 2), **run, meter=1.0)
 
 
 def difference(old_text: str, plan: Plan) -> str | None:

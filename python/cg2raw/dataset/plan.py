@@ -30,6 +30,9 @@ class Plan:
     isos : numbers; None is clean.
     crop : (width, height) of the random crops, or None; patches : how many per image.
     element_type : "float32" or "uint16", of packed files.
+    exposure, f_number, scene_luminance, nd_filter, time_limits, f_number_limits : as of
+    cg2raw.Run; of an image's exposure, crops have the same. f_number : None for what
+    each image's Exif says. bracket : stops of the files of each exposure, or None.
     exposure_time : seconds; None for what each image's Exif says.
     white_luminance : cd/m2 of white in spectral images; None for what each says.
     layer : of layered images; None for the picture by the conventions of renderers.
@@ -64,6 +67,13 @@ class Plan:
     light_draws: str = "sample"
     folders: str = "stem"
     linearize: str | None = None
+    exposure: str | None = None
+    f_number: float | None = None
+    scene_luminance: float | None = None
+    nd_filter: float | None = None
+    time_limits: str | None = None
+    f_number_limits: str | None = None
+    bracket: tuple[float, ...] | None = None
     space: str | None = None
 
     def words(self, image: str) -> list[str]:
@@ -85,9 +95,20 @@ class Plan:
         words = self.words(image)
         scenes = product(range(self.patches), self.sensors, range(len(words)))
         for patch, sensor, light in scenes:
-            for gain, iso in product(self.digital_gains, self.exposures[sensor]):
+            for gain, iso, stops in product(
+                self.digital_gains, self.exposures[sensor], self.bracket or (None,)
+            ):
                 yield Variant(
-                    self, image, shot, patch, sensor, light, words[light], gain, iso
+                    self,
+                    image,
+                    shot,
+                    patch,
+                    sensor,
+                    light,
+                    words[light],
+                    gain,
+                    iso,
+                    stops,
                 )
 
     @property
@@ -96,7 +117,8 @@ class Plan:
         lights = self.illuminants
         count = lights if isinstance(lights, int) else len(lights)
         isos = sum(len(self.exposures[sensor]) for sensor in self.sensors)
-        return self.patches * count * len(self.digital_gains) * isos
+        steps = len(self.bracket or (None,))
+        return self.patches * count * len(self.digital_gains) * isos * steps
 
     @cached_property
     def cameras(self) -> dict[str, Sensor]:
@@ -125,6 +147,12 @@ class Plan:
     ) -> dict[str, Any]:
         """Return the fields of the cg2raw.Run of a Camera that a method has chosen."""
         return {
+            "exposure": self.exposure,
+            "f_number": self.f_number,
+            "scene_luminance": self.scene_luminance,
+            "nd_filter": self.nd_filter or 0.0,
+            "time_limits": self.time_limits,
+            "f_number_limits": self.f_number_limits,
             "illuminant": camera.illuminant,
             "digital_gain": camera.digital_gain,
             "iso": iso,
@@ -213,6 +241,7 @@ class Variant:
     illuminant: str
     asked_gain: float | str
     iso: float | None
+    bracket: float | None = None
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -241,6 +270,8 @@ class Variant:
     def path_at(self, iso: float | None) -> str:
         """Return the path that the file has at another ISO."""
         exposure = "clean" if iso is None else f"iso{short(iso)}"
+        if self.bracket is not None:
+            exposure += f"_ev{self.bracket:+g}"
         patch = "" if self.plan.crop is None else f"_p{self.patch}"
         return (
             f"{folder_of(self.image)}/{self.sensor}_l{self.illuminant_index}_"

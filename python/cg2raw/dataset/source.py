@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cg2raw import Sensor, _core
+from cg2raw import Run, Sensor, _core
 from cg2raw.arrays import FloatImage
 from cg2raw.dataset.plan import Plan
 from cg2raw.io.image_file import Image, read_image
@@ -27,6 +27,9 @@ class Source(Protocol):
         """Return (pixels of a crop, the fields of a Run that they decide).
 
         word : of the illuminant. Raises ValueError."""
+
+    def meter(self, rule: str, sensor: Sensor, word: str) -> float | None:
+        """Return what the light meter of an exposure reads of the whole image."""
 
     def row(self) -> dict[str, Any]:
         """Return what the manifest says of the image."""
@@ -58,6 +61,7 @@ class RgbSource:
     def __init__(self, image: Image) -> None:
         self.image = image
         self.last: tuple[Box, FloatImage] | None = None
+        self.read: float | None = None  # by the light meter
 
     def seen(
         self, box: Box, sensor: Sensor, word: str
@@ -66,6 +70,13 @@ class RgbSource:
         if self.last is None or self.last[0] != box:
             self.last = box, crop(self.image.pixels, box)
         return self.last[1], {}
+
+    def meter(self, rule: str, sensor: Sensor, word: str) -> float | None:
+        """As Source says it; luminance is the same for all sensors."""
+        if self.read is None:
+            run = Run(exposure=rule, illuminant="D65")
+            self.read = sensor.metered(self.image.pixels, run, threads=1).meter
+        return self.read
 
     def row(self) -> dict[str, Any]:
         """As Source says it."""
@@ -85,6 +96,7 @@ class SpectralSource:
         self.image = read_spectra(file)
         self.last: tuple[tuple[Box, str, str], FloatImage, str] | None = None
         self.lights: dict[str, Rows] = {}  # by their words
+        self.read: dict[tuple[str, str], float | None] = {}  # by the light meter
 
     def seen(
         self, box: Box, sensor: Sensor, word: str
@@ -103,6 +115,16 @@ class SpectralSource:
             sensor.profile, light, self.file.bins, self.white
         )
         return response.to_camera(crop(self.image.pixels, box), threads=1), white
+
+    def meter(self, rule: str, sensor: Sensor, word: str) -> float | None:
+        """As Source says it, of what the sensor sees."""
+        key = (sensor.id, word)
+        if key not in self.read:
+            height, width = self.image.pixels.shape[:2]
+            pixels, white = self.camera((0, 0, width, height), sensor, word)
+            run = Run(exposure=rule, illuminant=white, **SEEN)
+            self.read[key] = sensor.metered(pixels, run, threads=1).meter
+        return self.read[key]
 
     def estimate(self, word: str) -> Rows:
         """Return the light's spectrum, of the whole image, measured once a word."""
@@ -149,7 +171,11 @@ def check_plan(plan: Plan) -> None:
             "or name its RGB picture by --layer"
         )
     if plan.digital_gains != (1.0,):
-        raise ValueError(f"{start}--gains is of RGB: change --white-luminance")
+        raise ValueError(f"{start}--digital-gain is of RGB: change --exposure")
+    if plan.scene_luminance is not None:
+        raise ValueError(
+            f"{start}their luminance is known; leave --scene-luminance out"
+        )
     if isinstance(plan.illuminants, int):
         raise ValueError(
             f"{start}its light is in them, and --illuminants {plan.illuminants} draws "

@@ -35,6 +35,21 @@ int count(const std::vector<std::string>& notes, const std::string& words)
     return found;
 }
 
+TEST(DngProfiles, MeasureTheDigitalGainOfFilesThatStateBaselineExposure)
+{
+    const auto brighter = [](double stops) {
+        return shot("1.dng", [&](Ifd& ifd) { ifd.doubles(50730, { stops }); });
+    };
+    EXPECT_FALSE(profile_from_dngs({ shot("1.dng") }, "").profile.digital_gain);
+    const auto one = profile_from_dngs({ brighter(1.0), shot("2.dng") }, "").profile;
+    ASSERT_TRUE(one.digital_gain);
+    EXPECT_EQ(one.digital_gain->mean, 2.0);
+    EXPECT_EQ(one.digital_gain->sigma, 0.0);
+    const auto two = profile_from_dngs({ brighter(1.0), brighter(0.0) }, "").profile;
+    EXPECT_EQ(two.digital_gain->mean, 1.5);
+    EXPECT_EQ(two.digital_gain->sigma, 0.5);
+}
+
 TEST(DngProfiles, KeepAllNeutralsAndOneRowOfNoisePerIso)
 {
     const std::vector<DngMetadata> files {
