@@ -44,6 +44,21 @@ def attributes():
             "attribute string dng:convention paper",
             "attribute string dng:digital_gain sample",
         ],
+        "metered": ["attribute string dng:exposure auto:90:0.5"],
+        "drawn": ["attribute string dng:exposure random:-1:2"],
+        "settings": [
+            "attribute string dng:exposure auto",
+            "attribute float dng:scene_luminance 100",
+            "attribute float dng:f_number 2",
+            "attribute float dng:iso 100",
+            "attribute float dng:nd_filter 1",
+            "attribute string dng:time_limits 1/8000:1/30",
+        ],
+        "bracket": [
+            "attribute float dng:bracket -2",
+            "attribute string dng:exposure_time 1/60",
+        ],
+        "no_setting": ["attribute float dng:scene_luminance 100"],
         "shot": [
             "attribute string dng:framerate 24000/1001",
             "attribute string dng:timecode 01:00:00:00",
