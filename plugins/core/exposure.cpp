@@ -239,7 +239,7 @@ SettledExposure settle(const SensorProfile& profile, const Run& run,
 SettledExposure settle(const SensorProfile& profile, const Run& run)
 {
     return settle(profile, run, [](std::string_view name, std::string_view value) {
-        return std::string(name) + (value.empty() ? "" : " " + std::string(value));
+        return std::string(name) + (value.empty() ? "" : "=" + std::string(value));
     });
 }
 

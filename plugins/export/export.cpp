@@ -201,16 +201,19 @@ void apply_reference(const std::string& file,
     result.shot = merged(metadata.shot, result.shot);
 }
 
-/// Time and aperture are the options', else those that are stated; then the exposure
-/// must make sense. What a meter finds is not known yet.
-void decide_exposure(const Given& given, Export& result)
+/// Time and aperture are the options', else those that are stated.
+void decide_settings(const ExportOptions& options, Export& result)
 {
     Run& run = result.run;
-    const ExportOptions& options = given.options;
     run.exposure_time
         = options.exposure_time ? options.exposure_time : result.shot.exposure_time;
     run.f_number = options.f_number ? options.f_number : result.shot.f_number;
-    Run read = run;
+}
+
+/// The exposure must make sense. What a meter finds is not known yet.
+void check_exposure(const Given& given, const Export& result)
+{
+    Run read = result.run;
     read.meter = 1.0;
     settle(result.profile, read, given.dialect.option);
 }
@@ -264,7 +267,8 @@ Export resolve_picture(const ImageFacts& facts, const ExportOptions& options,
     result.layer = picture_layer(facts, options, dialect);
     decide_frame(given, result);
     decide_encoding(given, part_of(facts, result), result);
-    decide_exposure(given, result);
+    decide_settings(options, result);
+    check_exposure(given, result);
     return result;
 }
 
@@ -302,9 +306,10 @@ Export resolve(const ImageFacts& facts, const ExportOptions& options,
     else
         apply_reference(options.reference, sensor, result);
     require_light(given, result);
+    decide_settings(options, result);
     if (result.bins)
         decide_spectrum(given, part, result);
-    decide_exposure(given, result);
+    check_exposure(given, result);
     check_bits(given, result.profile);
     return result;
 }

@@ -4,6 +4,7 @@
 /// @file What decides an export of an image whose channels are a spectrum.
 #include "rules.h"
 
+#include "cg2raw/exposure.h"
 #include "core/text.h"
 
 #include <algorithm>
@@ -33,16 +34,31 @@ std::optional<std::string> stated_text(const Metadata& metadata,
     return text ? std::optional(*text) : std::nullopt;
 }
 
-/// The luminance that is white, as an option or OpenEXR files say it.
-double white_luminance(const Given& given, const Metadata& metadata)
+/// Whether time, aperture and ISO are known, or all but the one that a meter finds.
+bool has_settings(const Run& run)
+{
+    const int known = run.exposure_time.has_value() + run.f_number.has_value()
+        + run.iso.has_value();
+    return known == 3 || (known == 2 && needs_meter(run));
+}
+
+/// The luminance that is white, as an option or OpenEXR files say it. Settings of a
+/// camera say it too: any will do then, and the signal follows them.
+double white_luminance(const Given& given, const Metadata& metadata, Run& run)
 {
     if (given.options.white_luminance)
         return *given.options.white_luminance;
     if (const auto stated = stated_white(metadata))
         return *stated;
+    if (has_settings(run)) {
+        run.scene_luminance = 100.0;
+        return *run.scene_luminance;
+    }
     throw Error("its channels are a spectrum in W/(m2 sr nm): which luminance is "
                 "white? Add "
-                + given.option("white_luminance", "CD_PER_M2") + ", such as 100");
+                + given.option("white_luminance", "CD_PER_M2") + ", such as 100, or "
+                + given.option("exposure_time") + ", " + given.option("f_number")
+                + " and " + given.option("iso"));
 }
 
 /// What belongs to RGB alone.
@@ -152,7 +168,7 @@ void decide_spectrum(const Given& given, const ImagePart& part, Export& result)
                     + " has no spectral_sensitivities: make a profile with cg2raw "
                       "profile --ssf, or take the RGB picture (oiiotool --ch R,G,B)");
     Run& run = result.run;
-    const double white = white_luminance(given, part.metadata);
+    const double white = white_luminance(given, part.metadata, run);
     if (is_estimate(run.illuminant)) {
         const Spectrum light
             = estimated_light(given, part.metadata, *result.bins, run.illuminant);

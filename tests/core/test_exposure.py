@@ -270,10 +270,10 @@ def test_exif_says_what_is_known_and_no_more(tmp_path, run, exif):
         ({"scene_luminance": 1, "f_number": 2, "iso": 100}, "without exposure_time"),
         (
             {"nd_filter": 3},
-            "nd_filter is given without scene_luminance: add scene_luminance 100",
+            "nd_filter is given without scene_luminance: add scene_luminance=100",
         ),
         ({"iso_limits": "low"}, "iso_limits .* must be LOW:HIGH"),
-        ({"bracket": 1}, "add exposure_time 1/60"),
+        ({"bracket": 1}, "add exposure_time=1/60"),
         ({"bracket": 99, "exposure_time": 1}, "-64 to 64"),
     ],
 )

@@ -202,6 +202,16 @@ Options with(Options options, const Options& more)
 Options s20_with(const Options& more) { return with(s20, more); }
 Options canon_with(const Options& more) { return with(canon, more); }
 
+/// Aperture and ISO in place of a luminance of white.
+Options of_settings(const Options& more)
+{
+    return with(canon_with({ { "white_luminance", "" },
+                             { "f_number", "2" },
+                             { "iso", "100" },
+                             { "effects", "none" } }),
+                more);
+}
+
 Export resolved(const ImageFacts& facts, const Options& options,
                 const Dialect& dialect = attributes)
 {
@@ -278,6 +288,9 @@ const Decision decisions[] = {
     { image({ { "Exif:ExposureBiasValue", std::vector<double> { -1.0 } } }), s20,
       "bias=-1" },
     { spectra(), canon_with({ { "exposure", "auto" } }), "exposure=auto bins=4" },
+    { spectra(), of_settings({ { "exposure_time", "1/60" } }), "luminance=100 bins=4" },
+    { spectra(), of_settings({ { "exposure", "auto" } }), "luminance=100 bins=4" },
+    { spectra(), of_settings({ { "white_luminance", "9" } }), "luminance=- bins=4" },
     // Compression: the option, else of an input that is not compressed
     { image({ { "compression", "none" } }), s20, "compression=0" },
     { image({ { "compression", "NONE" } }), s20, "compression=0" },
@@ -568,6 +581,7 @@ const Refusal refusals[] = {
     // Spectra
     { spectra(), canon_with({ { "white_luminance", "" } }),
       "which luminance is white? Add --attrib dng:white_luminance CD_PER_M2" },
+    { spectra(), of_settings({}), "such as 100, or dng:exposure_time, dng:f_number" },
     { spectra(), canon_with({ { "illuminant", "" } }), "under which light" },
     { spectra(), canon_with({ { "sensor", "" } }), "which sensor" },
     { spectra(), canon_with({ { "sensor", "nikon-d40" } }),

@@ -101,6 +101,18 @@ def test_the_command_writes_the_same_bytes(oiiotool, tmp_path, spectra):
     assert np.array_equal(check_command(oiiotool, path, tmp_path), expected(spectra))
 
 
+def test_settings_of_a_camera_say_what_white_is(tmp_path, spectra):
+    """White is at 78 / S lx s of q L t / N^2; ISO 12232:2019."""
+    path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
+    words = ["--sensor", "canon-600d", "--illuminant", "FL2", "--effects", "none"]
+    words += ["--exposure-time", "1/1000", "--f-number", 8, "--iso"]
+    iso = 78 * 8**2 / (0.65 * WHITE / 1000)
+    done = commands.run("convert", path, "-o", tmp_path / "a.dng", *words, iso)
+    assert done.code == 0, done.err
+    found = read_dn(tmp_path / "a.dng").astype(int)
+    assert np.abs(found - expected(spectra)).max() <= 1
+
+
 def test_what_the_command_needs_is_one_line(tmp_path, spectra):
     path = write_spectra(tmp_path / "s.exr", spectra, [name_of(nm) for nm in CENTRES])
     words = ["--sensor", "canon-600d", "--illuminant", "FL2"]

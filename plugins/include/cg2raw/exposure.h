@@ -45,6 +45,7 @@ struct SettledExposure {
 /// of another sensor, and for a meter that has not been read. Source: ISO 12232:2019.
 SettledExposure settle(const SensorProfile& profile, const Run& run,
                        const SettingName& name);
+/// Settings are named as keywords: f_number=2.8.
 SettledExposure settle(const SensorProfile& profile, const Run& run);
 
 /// Whether the run needs the whole scene before its first pixel is simulated.
