@@ -7,7 +7,7 @@ other an effect is planted, and diagnosed by the profile of the first."""
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 from numpy.random import Generator
@@ -20,8 +20,6 @@ from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.inference.nameable import DISTINCT
 from cg2raw.diagnose.refinement import refine
 from cg2raw.sensor import Sensor
-from cg2raw.synthetic.captures import strength_stream
-from cg2raw.synthetic.strengths import KINDS
 from cg2raw.synthetic.synthetic_camera import stream
 from studies.diagnose.planted import PLANTS, levels_of, planted
 
@@ -119,28 +117,16 @@ class RealCase:
     suite: str
     number: int
     seed: int
-    strengths: dict[str, float | None]
+    strengths: dict[str, float]
     path: Path
     without: tuple[str, ...] = ()
-
-    @cached_property
-    def drawn(self) -> dict[str, float]:
-        """Strengths, in the units of synthetic.strengths.KINDS."""
-        return {
-            name: (
-                KINDS[name].random_strength(strength_stream(self.seed, name))
-                if strength is None
-                else strength
-            )
-            for name, strength in self.strengths.items()
-        }
 
     def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
         """Return (the second half with the first's profile, what is planted in it)."""
         manifest = read_frames(self.path)[0]
         sensor, second = calibrated(self.path, None if self.strengths else self.seed)
         frames = list(second)
-        for name, strength in self.drawn.items():
+        for name, strength in self.strengths.items():
             frames = self._planted(frames, sensor, name, strength)
         captures, notes = divided(frames)
         found = CaptureSet(
@@ -151,7 +137,7 @@ class RealCase:
             file=manifest.file,
             notes=notes,
         )
-        return found, {name: {"strength": s} for name, s in self.drawn.items()}
+        return found, {name: {"strength": s} for name, s in self.strengths.items()}
 
     def _planted(
         self, frames: list[Frame], sensor: Sensor, name: str, strength: float

@@ -3,9 +3,10 @@
 
 """Benchmark of the diagnosis: hidden effects, drawn by seed, and how many it names.
 
-    ./studies/run diagnose single --json single.jsonl
+    ./studies/run diagnose low-none --count 20
 
-A suite that was interrupted resumes where it stopped if --json names the same file."""
+Suites that are frozen come from their files (frozen.py), unless --seed draws others. A
+run that was interrupted goes on with --resume."""
 
 import argparse
 import contextlib
@@ -25,11 +26,14 @@ from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.interrupts import raised
 from cg2raw.short_messages import Parser
 from cg2raw.system import children_without_ctrl_c
-from studies.diagnose.scores import covered, half_points, score, table
+from studies.diagnose.frozen import SIZES, freeze, frozen
+from studies.diagnose.real import manifest_of
+from studies.diagnose.scores import errors, half_points, score, table
 from studies.diagnose.suites import SUITES, AnyCase, cases
 
 # Threads of BLAS and OpenMP would only be in the way of the worker processes.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+RECORDS = Path("build/diagnose.jsonl")
 Limits = dict[str, Any]  # time_limit and pixels, as of diagnose
 
 
@@ -45,13 +49,11 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
         "seed": case.seed,
         "alpha": alpha,
         "hidden": list(case.strengths),
-        "strengths": case.strengths,
         "strength": next(iter(case.strengths.values()), None),
     }
     start = time.perf_counter()
     try:
-        captures, hidden = case.captures()
-        record["parameters"] = hidden
+        captures, _ = case.captures()
         start = time.perf_counter()
         found = diagnose(
             captures,
@@ -65,7 +67,7 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
         record["error"] = f"{type(error).__name__}: {error}"
         return record
     record.update(score(list(case.strengths), found))
-    record["intervals"] = covered(case.expected(), found)
+    record["errors"] = errors(case.expected(), found)
     record["nats_needed"] = nats_needed(alpha)
     missed = [name for name in case.strengths if name not in record["named"]]
     if missed and not case.without and case.suite != "unknown":
@@ -148,7 +150,7 @@ def bench(
     suite: str,
     *,
     count: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     jobs: int = 1,
     effects: Sequence[str] = (),
     alpha: float = 0.01,
@@ -159,9 +161,11 @@ def bench(
 ) -> list[dict[str, Any]]:
     """Run a suite; return the records of its cases, in their order.
 
-    count, effects, captures : as of suites.cases. path : JSON lines, appended as cases
-    end. limits : as of run_case; a time limit makes results depend on the machine."""
-    wanted = cases(suite, seed, count, effects, captures)
+    seed : None for the frozen sets, of which count are the first, and effects those
+    that hide one of them; with one, count, effects and captures are as of suites.cases.
+    path : JSON lines, appended as cases end. limits : as of run_case; a time limit
+    makes results depend on the machine."""
+    wanted = _wanted(suite, seed, count, effects, captures)
     records = done_before(path, wanted, alpha)
     numbers = {one["number"] for one in records}
     left = [case for case in wanted if case.number not in numbers]
@@ -177,11 +181,44 @@ def bench(
     return sorted(records, key=lambda one: one["number"])
 
 
+def _wanted(
+    suite: str,
+    seed: int | None,
+    count: int | None,
+    effects: Sequence[str],
+    captures: str | os.PathLike[str] | None,
+) -> list[AnyCase]:
+    if seed is not None or suite not in SIZES:
+        return cases(suite, seed or 0, count, effects, captures)
+    is_real = suite == "real"
+    found = frozen(suite, manifest_of(captures) if is_real else None)
+    if effects:
+        found = [case for case in found if set(effects) & set(case.strengths)]
+    if not found:
+        raise ValueError(f"no set of {suite} hides {' or '.join(effects)}")
+    return found[:count]
+
+
+def _check_new(path: Path | None, suite: str) -> None:
+    """Raise ValueError if a file has records of a suite already."""
+    if path is None or not path.exists():
+        return
+    start = json.dumps({"suite": suite})[:-1]
+    found = sum(line.startswith(start) for line in path.read_text().splitlines())
+    if found:
+        raise ValueError(
+            f"{path}: has {found} sets of {suite}: go on with --resume, or name "
+            "another file with --json"
+        )
+
+
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser(prog="studies/run diagnose", description=__doc__.splitlines()[0])
-    parser.add_argument("suite", choices=SUITES)
-    parser.add_argument("--cases", type=int, help="per effect, or in all")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("suite", choices=SUITES, nargs="?")
+    parser.add_argument("--count", type=int, help="of sets; with --seed, per effect")
+    parser.add_argument("--seed", type=int, help="draws sets that are not the frozen")
+    parser.add_argument("--freeze", action="store_true", help="write the frozen sets")
+    parser.add_argument("--resume", action="store_true", help="leave out what is done")
     parser.add_argument("--jobs", type=int, default=2, help="worker processes")
     parser.add_argument("--effects", default="", help="NAME,... to hide")
     parser.add_argument(
@@ -190,18 +227,29 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--pixels", type=int, help="of each frame that are fitted")
     parser.add_argument("--time-limit", type=float, metavar="S", help="of each case")
     parser.add_argument("--alpha", type=float, default=0.01)
-    parser.add_argument("--json", type=Path, help="file of records, one per line")
+    parser.add_argument("--json", type=Path, help="file of records, %(default)s")
     parser.add_argument("--quiet", action="store_true", help="no progress; table alone")
-    return parser.parse_args(argv)
+    parser.set_defaults(json=RECORDS)
+    given = parser.parse_args(argv)
+    if not given.suite and not given.freeze:
+        parser.error(f"suite must be one of {', '.join(SUITES)}")
+    return given
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one suite and print its table; 1 if a case failed, or for bad arguments."""
     given = _arguments(argv)
     try:
+        if given.freeze:
+            path = given.captures and manifest_of(given.captures)
+            print("frozen:", ", ".join(freeze(path)))
+            return 0
+        if not given.resume:
+            _check_new(given.json, given.suite)
+        given.json.parent.mkdir(parents=True, exist_ok=True)
         records = bench(
             given.suite,
-            count=given.cases,
+            count=given.count,
             seed=given.seed,
             jobs=max(given.jobs, 1),
             effects=[name for name in given.effects.split(",") if name],

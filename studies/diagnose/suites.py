@@ -3,47 +3,53 @@
 
 """Benchmark suites: which case hides which effects, set by seed and number alone."""
 
+import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.random import Generator
 
-from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.sensor import Sensor
+from cg2raw.synthetic.camera import Camera, camera_of
 from cg2raw.synthetic.captures import (
     ILLUMINANT,
     SHAPE,
-    draw_hidden,
     noise_iso,
     simulate_captures,
+    strength_stream,
     synthetic_camera_of,
 )
 from cg2raw.synthetic.conditions import STUDIO
 from cg2raw.synthetic.evidence import evidence
-from cg2raw.synthetic.sensors import drawn_sensor
+from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from cg2raw.synthetic.strengths import FIRST_NAMES, KINDS, UNKNOWN_KINDS
-from cg2raw.synthetic.synthetic_camera import stream
+from cg2raw.synthetic.synthetic_camera import plan, stream
 from studies.diagnose.dense import WRONG, DenseCase, dense_names, draw_faults
 from studies.diagnose.real import RealCase, manifest_of, plantable
+from studies.diagnose.truths import expected
 
 # Cases that are drawn: per effect where a suite goes through them, else in all.
 SUITES = {
     "single": 20,
-    "none": 400,
-    "pairs": 60,
-    "triples": 40,
-    "unknown": 12,
+    "none": 1000,
+    "low-none": 200,
+    "pairs": 100,
+    "triples": 50,
+    "nine": 60,
+    "unknown": 20,
+    "nuisance-none": 400,
+    "real": 8,
     "leave-one-out": 3,
     "nuisance": 2,
-    "nuisance-none": 200,
     "power": 12,
     "closed-loop": 2,
     "dense-1": 60,
     "dense-3": 40,
     "dense-5": 40,
-    "real": 5,
     "real-none": 100,
 }
 PER_EFFECT = (
@@ -55,6 +61,21 @@ PER_EFFECT = (
     "power",
     "closed-loop",
 )
+# Of the suite nine: all but one are hidden, each in turn is the one that is not.
+TEN = (
+    *("black_level", "read_noise", "row_noise", "dsnu", "column_fixed_pattern"),
+    *("dark_current", "dark_current_nonuniformity", "prnu", "lens_shading"),
+    "shot_noise",
+)
+# Suites of which every dark and flat is taken twice, as scenes are.
+REPEATED = ("low-none", "nine")
+LOW_BITS, LOW_NOISE_DN, CUT_NOISE_DN = 10, (0.2, 0.5), (0.2, 2.0)
+# Darks and flats alone do not show these (docs/diagnose.md, the table of captures).
+OF_SCENES = {
+    *("color_matrix", "blur", "lateral_chromatic_aberration", "veiling_glare"),
+    *("full_well", "poisson_shot_noise"),
+    *UNKNOWN_KINDS,
+}
 # The suite power goes down to this share of an effect's range of strengths.
 WEAKEST = 0.02
 # Number of the first case of names that came later: the others keep theirs.
@@ -64,13 +85,13 @@ LATER_NAMES = [name for name in KINDS if name not in FIRST_NAMES]
 
 @dataclass(frozen=True)
 class Case:
-    """One synthetic camera. strengths : effect -> strength, None for one from its
-    range. without : effects that the diagnosis must not name."""
+    """One synthetic camera. strengths : effect -> strength. without : effects that the
+    diagnosis must not name."""
 
     suite: str
     number: int
     seed: int
-    strengths: dict[str, float | None]
+    strengths: dict[str, float]
     without: tuple[str, ...] = ()
 
     @property
@@ -79,8 +100,13 @@ class Case:
 
     def sensor_and_hidden(self) -> tuple[Sensor, dict[str, dict[str, float]]]:
         """Return the doubted model and the parameters of what is hidden."""
-        sensor = drawn_sensor(self.seed)
-        return sensor, draw_hidden(sensor, self.strengths, seed=self.seed)
+        is_low = self.suite == "low-none"
+        sensor = low_sensor(self.seed) if is_low else drawn_sensor(self.seed)
+        camera = camera_of(sensor, ILLUMINANT, noise_iso(sensor, None))
+        return sensor, {
+            name: _parameters(name, strength, self.seed, camera)
+            for name, strength in self.strengths.items()
+        }
 
     def evidence(self, names: Sequence[str]) -> dict[str, float]:
         """Return the nats that hidden effects bring to the frames that decide."""
@@ -92,9 +118,9 @@ class Case:
         return evidence(source, names)
 
     def expected(self) -> dict[str, dict[str, float]]:
-        """Return the values that estimates should hold: the generator's parameters are
-        not those of the diagnosis."""
-        return {}
+        """Return the values that estimates should hold."""
+        sensor, hidden = self.sensor_and_hidden()
+        return expected(hidden, camera_of(sensor, ILLUMINANT, noise_iso(sensor, None)))
 
     def captures(self) -> tuple[CaptureSet, dict[str, dict[str, float]]]:
         """Return the frames and the parameters that were hidden in them."""
@@ -102,7 +128,59 @@ class Case:
         found = simulate_captures(
             sensor, hidden, seed=self.seed, nuisances=self.nuisances
         )
+        if self.suite in REPEATED:
+            found = _repeated(found, sensor, hidden, self.seed)
         return found, hidden
+
+
+def _parameters(
+    name: str, strength: float, seed: int, camera: Camera
+) -> dict[str, float]:
+    """Return the parameters that are drawn beside a strength which was drawn first."""
+    rng, kind = strength_stream(seed, name), {**KINDS, **UNKNOWN_KINDS}[name]
+    kind.random_strength(rng)
+    return {key: float(v) for key, v in kind.draw(rng, strength, camera).items()}
+
+
+def _strength(name: str, seed: int) -> float:
+    kind = {**KINDS, **UNKNOWN_KINDS}[name]
+    return kind.random_strength(strength_stream(seed, name))
+
+
+def low_sensor(seed: int) -> Sensor:
+    """Return a drawn sensor that is read out coarsely: every other seed cuts its noise
+    at a black level of 0, the others have less noise than half a code."""
+    rng, sensor = stream(seed, "low"), drawn_sensor(seed)
+    profile = json.loads(sensor.to_json())
+    black = 0 if seed % 2 else int(rng.choice([4, 16, 64]))
+    noise_dn = rng.uniform(*(CUT_NOISE_DN if seed % 2 else LOW_NOISE_DN))
+    white = 2**LOW_BITS - 1
+    profile |= {"bits": LOW_BITS, "white_level": white, "black_level": [black] * 4}
+    read_noise = rng.uniform(2, 5)  # electrons
+    coarse = Sensor.from_json(json.dumps(profile), sensor.id)
+    return with_noise(coarse, read_noise * (white - black) / noise_dn, read_noise, ISO)
+
+
+def _repeated(
+    found: CaptureSet,
+    sensor: Sensor,
+    hidden: Mapping[str, Mapping[str, float]],
+    seed: int,
+) -> CaptureSet:
+    """Return captures of which every dark and flat is taken twice, as scenes are."""
+    iso = noise_iso(sensor, None)
+    source = synthetic_camera_of(sensor, hidden, seed, SHAPE, ILLUMINANT, iso, None)
+    captures: list[Capture] = []
+    for capture, shot in zip(found.captures, plan(seed), strict=True):
+        captures.append(capture)
+        if not capture.shows.image:
+            again = replace(shot, name=f"{shot.name}_again")
+            raw, density = partial(source.raw, again), source.log_density
+            density_again = partial(density, again)
+            captures.append(
+                replace(capture, name=again.name, raw=raw, log_density=density_again)
+            )
+    return replace(found, captures=captures)
 
 
 AnyCase = Case | DenseCase | RealCase
@@ -140,10 +218,9 @@ def cases(
         names = list(effects or known)
         total = count * len(names) if suite in PER_EFFECT else count
         return [
-            RealCase(
-                suite, n, own_seed(suite, n, seed), _planted(suite, n, names), path
-            )
+            RealCase(suite, n, own, _planted(suite, n, own, names), path)
             for n in range(total)
+            for own in [own_seed(suite, n, seed)]
         ]
     if suite not in PER_EFFECT:
         names = list(effects or (known if suite in WRONG else FIRST_NAMES))
@@ -164,8 +241,13 @@ def _known(suite: str) -> Sequence[str]:
     return list(UNKNOWN_KINDS if suite == "unknown" else KINDS)
 
 
-def _planted(suite: str, number: int, names: Sequence[str]) -> dict[str, float | None]:
-    return {} if suite.endswith("none") else {names[number % len(names)]: None}
+def _planted(
+    suite: str, number: int, seed: int, names: Sequence[str]
+) -> dict[str, float]:
+    if suite.endswith("none"):
+        return {}
+    name = names[number % len(names)]
+    return {name: _strength(name, seed)}
 
 
 def own_seed(suite: str, number: int, seed: int) -> int:
@@ -180,14 +262,18 @@ def _case(suite: str, number: int, seed: int, names: Sequence[str]) -> Case | De
         return DenseCase(suite, number, own, draw_faults(own, names, WRONG[suite]))
     if suite.endswith("none"):
         return Case(suite, number, own, {})
-    if suite in ("pairs", "triples"):
+    if suite == "nine":
+        left_out = TEN[number % len(TEN)]
+        chosen = [name for name in TEN if name != left_out]
+    elif suite in ("pairs", "triples"):
         size = 2 if suite == "pairs" else 3
-        chosen = rng.choice(names, size=size, replace=False)
-        return Case(suite, number, own, {str(name): None for name in chosen})
-    (name,) = names
-    strength = _weak(rng, name) if suite == "power" else None
-    without = (name,) if suite == "leave-one-out" else ()
-    return Case(suite, number, own, {name: strength}, without)
+        chosen = [str(n) for n in rng.choice(names, size=size, replace=False)]
+    else:
+        chosen = list(names)
+    weak = _weak(rng, chosen[0]) if suite == "power" else None
+    strengths = {name: weak or _strength(name, own) for name in chosen}
+    without = tuple(chosen) if suite == "leave-one-out" else ()
+    return Case(suite, number, own, strengths, without)
 
 
 def _weak(rng: Generator, name: str) -> float | None:

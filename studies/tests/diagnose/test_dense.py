@@ -17,7 +17,7 @@ from cg2raw.synthetic.strengths import KINDS
 from diagnose.closed_loop import scene_of
 from studies.diagnose.dense import WRONG, DenseCase, dense_names, draw_faults
 from studies.diagnose.dense_strengths import DRAWS, SHAPES, Unit, draw_dense
-from studies.diagnose.scores import bounds, covered
+from studies.diagnose.scores import bounds, errors
 from studies.diagnose.suites import cases
 
 UNIT = Unit(read_noise=4e-4, electron=1e-4)
@@ -136,22 +136,26 @@ def test_evidence_is_large_for_what_is_seen_by_anybody():
     assert right.evidence(["exposure"])["exposure"] == pytest.approx(0, abs=1e-6)
 
 
-def test_intervals_of_right_names_are_compared_with_the_truth():
-    def estimate(low, high):
-        return SimpleNamespace(ci95=(low, high))
+def test_values_of_right_names_are_compared_with_the_truth():
+    def estimate(value, low, high):
+        return SimpleNamespace(value=value, ci95=(low, high))
 
+    parameters = {"sigma": estimate(0.014, 0.01, 0.02)}
     effects = [
-        SimpleNamespace(name="prnu", parameters={"sigma": estimate(0.01, 0.02)}),
-        SimpleNamespace(name="blur", parameters={"ring_1": estimate(0, 1)}),
+        SimpleNamespace(name="prnu", parameters=parameters),
+        SimpleNamespace(name="blur", parameters={"ring_1": estimate(0.5, 0, 1)}),
     ]
     found = SimpleNamespace(effects=effects)
-    expected = {"prnu": {"sigma": 0.03}, "dsnu": {"sigma": 1.0}}
-    assert covered(expected, found) == {"prnu.sigma": False}
-    assert covered({"prnu": {"sigma": 0.015}}, found) == {"prnu.sigma": True}
+    off = {
+        truth: errors({"prnu": {"sigma": truth}, "dsnu": {"sigma": 1.0}}, found)
+        for truth in (0.02, 0.012)
+    }
+    assert off[0.02] == {"prnu.sigma": pytest.approx(-1.96, abs=1e-3)}
+    assert off[0.012] == {"prnu.sigma": pytest.approx(0.98, abs=1e-3)}
 
 
 def test_a_set_is_exact_but_for_what_nobody_could_see():
-    def record(named, evidence, hits):
+    def record(named, evidence, off):
         extra = len(set(named) - {"prnu", "blur"})
         return {
             "named": named,
@@ -159,13 +163,13 @@ def test_a_set_is_exact_but_for_what_nobody_could_see():
             "exact": sorted(named) == ["blur", "prnu"],
             "evidence": evidence,
             "nats_needed": 7.8,
-            "intervals": hits,
+            "errors": off,
             "closed": 1.0,
         }
 
     records = [
-        record(["prnu", "blur"], {}, {"prnu.sigma": True}),
-        record(["prnu"], {"blur": 3.0}, {"prnu.sigma": False}),
+        record(["prnu", "blur"], {}, {"prnu.sigma": 1.0}),
+        record(["prnu"], {"blur": 3.0}, {"prnu.sigma": 3.0}),
         record(["prnu"], {"blur": 30.0}, {}),
         record(["prnu", "dsnu"], {"blur": 3.0}, {}),
     ]

@@ -19,7 +19,8 @@ from studies.diagnose.suites import SUITES, Case, cases
 def verdict_of(names, verdict="identified", before=0.1, after=0.001):
     """Return what the scores read of a Diagnosis; the first name gains most."""
     effects = [
-        SimpleNamespace(name=name, gain_nats=100.0 - n) for n, name in enumerate(names)
+        SimpleNamespace(name=name, gain_nats=100.0 - n, parameters={})
+        for n, name in enumerate(names)
     ]
     gap = SimpleNamespace(before=before, after=after, chi2_after=1.0)
     return SimpleNamespace(
@@ -83,6 +84,7 @@ def test_a_bench_goes_on_where_it_stopped(tmp_path, monkeypatch):
     monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
     path = tmp_path / "records.jsonl"
     wanted = {"count": 1, "effects": ["exposure", "prnu", "blur"], "path": path}
+    wanted["seed"] = 0
     records = bench("single", **wanted)
     assert len(seen) == 3
     assert records[1]["error"] == "ValueError: a bad case"
@@ -102,10 +104,14 @@ def test_command_prints_the_table(tmp_path, monkeypatch, capsys):
         raising=False,
     )
     path = tmp_path / "none.jsonl"
-    argv = ["none", "--cases", "2", "--jobs", "1", "--json", str(path)]
+    argv = ["none", "--count", "2", "--jobs", "1", "--json", str(path)]
     assert command.main(argv) == 0
     assert "false names: 0.00 % (asked: <= 0.5 %)" in capsys.readouterr().out
     assert [json.loads(line)["number"] for line in path.open()] == [0, 1]
+    assert command.main(argv) == 1
+    assert f"{path}: has 2 sets of none: go on with" in capsys.readouterr().err
+    assert command.main([*argv, "--resume"]) == 0
+    assert len(path.read_text().splitlines()) == 2
 
 
 def test_limits_reach_the_diagnosis_and_are_counted(monkeypatch):
@@ -119,7 +125,7 @@ def test_limits_reach_the_diagnosis_and_are_counted(monkeypatch):
 
     monkeypatch.setattr(cg2raw.diagnose, "diagnose", diagnose, raising=False)
     limits = {"time_limit": 5.0, "pixels": None}
-    records = bench("single", count=1, effects=["prnu"], limits=limits)
+    records = bench("single", count=1, seed=0, effects=["prnu"], limits=limits)
     assert given[0]["time_limit"] == 5.0 and "pixels" not in given[0]
     assert "ended by the time limit: 1" in table("single", records)
 

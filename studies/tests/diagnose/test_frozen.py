@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The frozen suites: their files are what the generator makes, to the last pixel."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from studies.diagnose import frozen
+from studies.diagnose.suites import TEN
+
+SYNTHETIC = [suite for suite in frozen.SIZES if suite != "real"]
+SEALS = json.loads(frozen.SEALS.read_text())
+
+
+@pytest.mark.parametrize("suite", SYNTHETIC)
+def test_a_file_says_what_the_generator_draws(suite):
+    said = frozen.frozen(suite)
+    assert len(said) == frozen.SIZES[suite]
+    assert said == frozen.drawn(suite)
+    lines = (frozen.FOLDER / f"{suite}.csv").read_text().splitlines()[1:]
+    assert lines == [",".join(frozen.row(case).values()) for case in said]
+
+
+@pytest.mark.parametrize("suite", SYNTHETIC)
+def test_frames_are_those_that_were_sealed(suite):
+    assert frozen.seal(frozen.frozen(suite)[0]) == SEALS[suite]
+
+
+def test_another_strength_breaks_the_seal():
+    first = frozen.frozen("pairs")[0]
+    name, strength = next(iter(first.strengths.items()))
+    other = replace(first, strengths=first.strengths | {name: 1.001 * strength})
+    assert frozen.seal(other) != SEALS["pairs"]
+
+
+def test_every_effect_is_hidden_as_often_and_the_first_sets_have_all():
+    hidden = [*(list(case.strengths) for case in frozen.frozen("single"))]
+    assert sorted(sum(hidden[:33], [])) == sorted(KINDS)
+    assert sorted(sum(hidden, [])) == sorted(list(KINDS) * 20)
+    hidden = [set(case.strengths) for case in frozen.frozen("nine")]
+    left_out = [set(TEN) - names for names in hidden]
+    assert [len(names) for names in left_out] == [1] * 60
+    assert all(left_out.count({name}) == 6 for name in TEN)
+    outside = [*(list(case.strengths) for case in frozen.frozen("unknown"))]
+    assert sorted(sum(outside, [])) == sorted(list(UNKNOWN_KINDS) * 20)
+
+
+def test_low_noise_is_below_half_a_code_or_cut_at_0():
+    for case in frozen.frozen("low-none")[:40]:
+        sensor, _ = case.sensor_and_hidden()
+        reach = sensor.white_level - sensor.black_level[0]
+        noise = sensor.noise[0]["beta2"][0] ** 0.5 * reach
+        assert sensor.black_level[0] == 0 or noise < 0.5
+        assert 0.19 < noise < 2.01
+
+
+def test_a_bad_line_is_named(tmp_path, monkeypatch):
+    (tmp_path / "none.csv").write_text("number,seed,decided_by,hidden\n0,x,,\n")
+    monkeypatch.setattr(frozen, "FOLDER", tmp_path)
+    with pytest.raises(ValueError, match=r"none\.csv:2: invalid literal"):
+        frozen.frozen("none")
