@@ -11,7 +11,15 @@ from pathlib import Path
 from studies.places import ROOT
 
 PAGE = ROOT / "docs" / "evidence.md"
-STUDIES = ("classical", "colour", "illuminant", "denoising", "isp", "content")
+STUDIES = (
+    "classical",
+    "colour",
+    "illuminant",
+    "denoising",
+    "isp",
+    "exposures",
+    "content",
+)
 FIGURES = {  # what a reader without pictures is told, by section
     "scenes": "Scenes as the camera sees them, developed, and as a renderer has them; "
     "the first two rows by day, the others by night",

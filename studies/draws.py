@@ -22,10 +22,11 @@ from studies.results import (
     torch_version,
     write_results,
 )
+from studies.sources.exposures import by_exposure
 from studies.sources.frames import Frames, TestSets
 from studies.sources.renders import Renders
-from studies.sources.sets import Draw, Material, Sources, ablations, material, sources
-from studies.tasks import content, denoising, illuminant, isp
+from studies.sources.sets import Draw, Material, Sources, few, material, sources
+from studies.tasks import content, denoising, exposure, illuminant, isp
 from studies.world.shots import World
 
 TESTS = "world"  # test frames of the world
@@ -41,7 +42,8 @@ class Learned:
     kind: str  # of its scenes
     test_frames: Callable[[World, Camera, str], Frames]
     draw: Callable[[Draw, Sources, TestSets], Mapping[str, Any]]  # {tests: values}
-    few: bool = False  # of sources: none is a translation's, and there are ablations
+    # What makes its sources; None: all, with a translation's if PyTorch is there.
+    sources: Callable[[Material, Camera, int], Sources] | None = None
 
 
 LEARNED = {
@@ -49,18 +51,21 @@ LEARNED = {
         "illuminant", "day", illuminant.test_frames, illuminant.illuminant_draw
     ),
     "longer": Learned(
-        "illuminant", "day", illuminant.test_frames, illuminant.longer_draw, True
+        "illuminant", "day", illuminant.test_frames, illuminant.longer_draw, few
     ),
     "light_draws": Learned(
-        "illuminant", "day", illuminant.test_frames, illuminant.light_draws_draw, True
+        "illuminant", "day", illuminant.test_frames, illuminant.light_draws_draw, few
     ),
     "denoising": Learned(
         "denoising", "night", denoising.test_frames, denoising.denoising_draw
     ),
     "unet": Learned(
-        "denoising", "night", denoising.test_frames, denoising.unet_draw, True
+        "denoising", "night", denoising.test_frames, denoising.unet_draw, few
     ),
     "isp": Learned("isp", "night", isp.test_frames, isp.isp_draw),
+    "exposures": Learned(
+        "isp", "night", isp.test_frames, exposure.exposure_draw, by_exposure
+    ),
     "content": Learned("isp", "night", isp.test_frames, content.content_draw),
 }
 
@@ -115,9 +120,8 @@ def go_on(run: Run, study: str, camera: Camera) -> None:
 def sources_of(run: Run, learned: Learned, draw: Draw) -> Sources:
     """Return the sources of a draw; those of translation only with PyTorch."""
     found = material_of(run, learned, draw.camera, draw.seed)
-    if learned.few:
-        made = sources(found, draw.camera, draw.seed)
-        return {**made, **ablations(found, draw.camera, draw.seed)}
+    if learned.sources is not None:
+        return learned.sources(found, draw.camera, draw.seed)
     if torch_version() is None:
         return sources(found, draw.camera, draw.seed)
     seed = draw.seed % run.world.protocol.translation.translators[run.mode]

@@ -218,6 +218,16 @@ class IspRules:
 
 
 @dataclass(frozen=True)
+class ExposuresRules:
+    """What the exposure of renders is worth, of study 3's frames and tests."""
+
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+    isos: tuple[float, ...]
+    brightness: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class ContentRules:
     """What the frames of sources show; how many there are is as in study 3."""
 
@@ -265,6 +275,7 @@ class Protocol:
     denoising: DenoisingRules
     unet: UnetRules
     isp: IspRules
+    exposures: ExposuresRules
     content: ContentRules
     translation: TranslationRules
 

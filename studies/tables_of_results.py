@@ -9,6 +9,7 @@ from studies.results import Results, draws_of, of_study
 from studies.tables import classical_tables, colour_tables
 from studies.tables_content import content_tables
 from studies.tables_denoising import denoising_tables
+from studies.tables_exposure import exposure_tables
 from studies.tables_illuminant import illuminant_tables, longer_tables
 from studies.tables_isp import isp_tables
 from studies.tables_paired import REAL
@@ -21,6 +22,7 @@ TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
     "denoising": denoising_tables,
     "isp": isp_tables,
+    "exposures": exposure_tables,
     "content": content_tables,
 }
 

@@ -45,6 +45,7 @@ class Material:
     captures: Frames  # the camera's own training frames
     other_captures: Frames  # of other scenes: how far real is from itself
     renders: list[Image]  # (H, W, 3) linear sRGB, exposed: no source saturates more
+    as_rendered: list[Image]  # the same before that
 
 
 def material(
@@ -81,6 +82,7 @@ def material(
         real(captures, camera.sensitivities),
         real(others, camera.sensitivities),
         [auto_exposed(image) for image in images],
+        images,
     )
 
 
@@ -127,15 +129,17 @@ def sources(
     }
 
 
-def ablations(found: Material, camera: Camera, seed: int) -> Sources:
-    """Return sources that tell what a gap comes of: one knows what no user does, one
-    knows of the neutrals what a bundled profile does."""
+def few(found: Material, camera: Camera, seed: int) -> Sources:
+    """Return sources(), none of which is a translation's, and others that tell what a
+    gap comes of: one knows what no user does, one knows of the neutrals what a bundled
+    profile does."""
     told = camera.told(found.captures.neutrals)
     order = np.random.default_rng([seed, SHUFFLE]).permutation(len(found.renders))
     lights = words_of(found.captures.neutrals[order])
     bundled = camera.told_mixture(found.captures.neutrals)
     measured = drawn(len(found.renders), seed, "measured")
     return {
+        **sources(found, camera, seed),
         "ours, captures' lights": lambda: ours(found.renders, told, lights=lights),
         "ours, mixture of lights": lambda: ours(
             found.renders, bundled, lights=measured

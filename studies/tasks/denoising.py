@@ -53,26 +53,34 @@ class Condition:
         return f"ISO {self.iso:g}, brightness {self.brightness:g}{arm}"
 
 
-def conditions(rules: DenoisingRules) -> list[Condition]:
-    """Return all Conditions, those of equal exposure first."""
+def conditions(
+    rules: DenoisingRules, arms: Sequence[bool] = (False, True)
+) -> list[Condition]:
+    """Return all Conditions, those of equal exposure first.
+
+    arms : whether frames have their own exposure."""
     lender = Sensor(rules.noise_of)
     return [
         Condition(iso, brightness, noise_of(lender, iso), own)
-        for own in (False, True)
+        for own in arms
         for iso in rules.isos
         for brightness in rules.brightness
     ]
 
 
 def denoising_draw(
-    draw: Draw, made: Sources, tests: TestSets, learner: Learner | None = None
+    draw: Draw,
+    made: Sources,
+    tests: TestSets,
+    learner: Learner | None = None,
+    arms: Sequence[bool] = (False, True),
 ) -> dict[str, Conditions]:
     """Return the Scores of learners that are trained on each source, by tests.
 
-    learner : by default least squares on random features."""
+    learner : by default least squares on random features. arms : see conditions()."""
     rules = draw.world.protocol.denoising
     learner = learner or patch_learner(rules, draw.mode)
-    asked = conditions(rules)
+    asked = conditions(rules, arms)
     planes = {name: equally_exposed(frames) for name, frames in tests.items()}
     found: dict[str, Conditions] = {
         name: {condition.name: {} for condition in asked} for name in tests
@@ -84,10 +92,12 @@ def denoising_draw(
         for condition in asked:
             clean = own if condition.own_exposure else equal
             if clean is None:
-                same = replace(condition, own_exposure=False).name
-                for entry in found.values():
-                    entry[condition.name][source] = entry[same][source]
-                continue
+                same = replace(condition, own_exposure=False)
+                if same in asked:
+                    for entry in found.values():
+                        entry[condition.name][source] = entry[same.name][source]
+                    continue
+                clean = equal
             name = f"{draw.camera.id}, {condition.name}, {source}, draw {draw.seed}"
             lesson = lesson_of(clean, condition, rules, draw.seed, name)
             denoiser = learner(lesson)

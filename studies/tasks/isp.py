@@ -41,13 +41,18 @@ class Pairs:
         return self.inputs.reshape(-1, 3), self.pictures.reshape(-1, 3)
 
 
-def isp_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
-    """Return the Measures of learners that are trained on each source."""
+def isp_draw(
+    draw: Draw, made: Sources, tests: TestSets, own_exposure: bool = False
+) -> Errors:
+    """Return the Measures of learners that are trained on each source.
+
+    own_exposure : see pairs()."""
     rules, sensor = draw.world.protocol.isp, draw.camera.sensor
-    goals = {name: pairs(own, sensor, rules) for name, own in tests.items()}
+    goals = {n: pairs(of, sensor, rules, own_exposure) for n, of in tests.items()}
     found: Errors = {name: {} for name in tests}
     for source, make in made.items():
-        learnt = learnt_of(pairs(make(), sensor, rules), rules, draw.seed)
+        own = pairs(make(), sensor, rules, own_exposure)
+        learnt = learnt_of(own, rules, draw.seed)
         for name, goal in goals.items():
             found[name][source] = measured(learnt, goal)
     return found
@@ -86,15 +91,23 @@ def pictures_of(learnt: Learnt, inputs: Array) -> Array:
     return learnt(inputs.reshape(-1, 3)).reshape(inputs.shape).clip(0.0, 1.0)
 
 
-def pairs(frames: Frames, sensor: Sensor, rules: IspRules) -> Pairs:
-    """Return the Pairs of frames, every rules.step-th pixel of each side."""
+def pairs(
+    frames: Frames, sensor: Sensor, rules: IspRules, own_exposure: bool = False
+) -> Pairs:
+    """Return the Pairs of frames, every rules.step-th pixel of each side.
+
+    own_exposure : frames are as bright as their source leaves them, and of what clips
+        the learner is shown white, as a camera's processor has it. Else all are exposed
+        as a camera does, which clips next to nothing."""
     sensors = frames.sensors or [sensor] * len(frames.images)
+    images = frames.own if own_exposure and frames.own else map(exposed, frames.images)
+    white = 1.0 if own_exposure else np.inf
     inputs, pictures = [], []
     for image, neutral, word, own in zip(
-        frames.images, frames.neutrals, words_of(frames.neutrals), sensors, strict=True
+        images, frames.neutrals, words_of(frames.neutrals), sensors, strict=True
     ):
-        kept = exposed(image)
-        inputs.append(shown(kept / neutral.astype(np.float32)))
+        kept = image.clip(0.0, 1.0)
+        inputs.append(shown((kept / neutral.astype(np.float32)).clip(0.0, white)))
         pictures.append(toned(scaled(own.to_scene(kept, illuminant=word))))
     step = slice(None, None, rules.step)
     return Pairs(np.stack(inputs)[:, step, step], np.stack(pictures)[:, step, step])

@@ -32,7 +32,8 @@ def material(seed):
         neutrals = np.array([[0.5, 1.0, 0.6]] * 6)
         return Frames(list(rng.random((6, 16, 20, 3), np.float32)), neutrals)
 
-    return Material(frames(0), frames(1), frames(2).images)
+    renders = frames(2).images
+    return Material(frames(0), frames(1), renders, renders)
 
 
 def ask(folder, said, mode="quick", seed=0, rules=RULES, of=0):
