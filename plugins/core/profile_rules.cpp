@@ -12,8 +12,8 @@ namespace cg2raw {
 namespace {
 
 /// Of a value that JsonTree takes as it is.
-template <class T, class Read>
-Rule<T> plain(const Read& read, const std::function<JsonTree()>& schema)
+template <class T, class Read, class Schema>
+Rule<T> plain(const Read& read, const Schema& schema)
 {
     return { read, [](const T& value) { return JsonTree(value); }, schema };
 }
