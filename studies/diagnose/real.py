@@ -92,13 +92,14 @@ def calibrated(path: Path, division: int | None) -> tuple[Sensor, tuple[Frame, .
     _, sensor, frames, _ = read_frames(path)
     rng = None if division is None else stream(division, "halves")
     first, second = halves(frames, rng)
-    uniform = [_uniform(frame.capture) for frame in first]
+    uniform = [uniform(frame.capture) for frame in first]
     found = refine(calibrate(sensor, uniform, threads=1), uniform, threads=1)
     profile = Sensor.from_json(found.updated_profile(), f"{sensor.id} of one half")
     return profile, tuple(replace(frame, borders=()) for frame in second)
 
 
-def _uniform(capture: Capture) -> UniformFrame:
+def uniform(capture: Capture) -> UniformFrame:
+    """Return a dark or flat as calibrate reads it."""
     return UniformFrame(
         capture.name,
         "dark" if capture.kind == "dark" else "flat",

@@ -14,18 +14,25 @@ from typing import NamedTuple
 import numpy as np
 
 from cg2raw.arrays import RawImage
+from cg2raw.io.raw_file import open_raw
 
 VARIABLE = "CG2RAW_REAL_FRAMES"
 
 
 class Shot(NamedTuple):
-    """One frame: (H, W) uint16 DN, and what is known of it; temperature in Celsius."""
+    """One frame, and what is known of it. path, image : file, and which of those in an
+    .npz. seconds : exposure time. temperature : Celsius."""
 
-    name: str
-    frame: RawImage
+    path: Path
+    image: str | None
     kind: str
-    seconds: float
+    seconds: float | None
     temperature: float | None
+
+    @property
+    def frame(self) -> RawImage:
+        """(H, W) uint16 DN."""
+        return open_raw(str(self.path), self.image).mosaic()
 
 
 def add_data(parser: argparse.ArgumentParser) -> None:
@@ -47,21 +54,45 @@ def folder_of(data: Path | None) -> Path:
     return data
 
 
-def ccd(data: Path, files: str = "*_-5C.npz") -> list[Shot]:
-    """Return frames of the CCD, in the order of their dates. files : of real/ccd, a
-    pattern."""
-    folder = data / "real" / "ccd"
-    with (folder / "frames.csv").open(newline="") as file:
-        said = {row["frame"]: row for row in csv.DictReader(file)}
+def shots(data: Path, files: str, kind: str | None = None) -> list[Shot]:
+    """Return frames in the order of their dates, else of their files.
+
+    files : pattern below the folder. kind : of all; by default what the frames.csv
+    beside a file says, or its name. Raises ValueError for none."""
     found = []
-    for path in sorted(folder.glob(files)):
-        kind = "flat" if path.name.startswith("flat") else "dark"
-        with np.load(path) as frames:
-            for name in frames.files:
-                row = said[name]
-                seconds, warm = float(row["exposure_s"]), float(row["temperature_c"])
-                shot = Shot(name, frames[name], kind, seconds, warm)
-                found.append((row["date"], shot))
+    for path in sorted(data.glob(files)):
+        table = path.with_name("frames.csv")
+        images: list[str | None] = [None]
+        if path.suffix == ".npz":
+            with np.load(path) as arrays:
+                images = list(arrays.files)
+        rows = {}
+        if table.exists():
+            with table.open(newline="") as file:
+                rows = {row["frame"]: row for row in csv.DictReader(file)}
+        for image in images:
+            row = rows.get(image or path.name, {})
+            own = row.get("kind") or ("flat" if path.name[:4] == "flat" else "dark")
+            seconds, warm = row.get("exposure_s"), row.get("temperature_c")
+            shot = Shot(
+                path,
+                image,
+                kind or own,
+                float(seconds) if seconds else _milliseconds(path.name),
+                float(warm) if warm else None,
+            )
+            found.append((row.get("date", ""), shot))
     if not found:
-        raise ValueError(f"{folder}: has no {files}")
+        raise ValueError(f"{data}: has no {files}")
     return [shot for _, shot in sorted(found, key=lambda one: one[0])]
+
+
+def _milliseconds(name: str) -> float | None:
+    """Return the seconds of a name such as d1_dark_100ms_2019.tif."""
+    words = [word[:-2] for word in name.split("_") if word.endswith("ms")]
+    return float(words[0]) / 1000 if words and words[0].isdecimal() else None
+
+
+def ccd(data: Path) -> list[Shot]:
+    """Return the 36 frames of the CCD."""
+    return shots(data, "real/ccd/*_-5C.npz")

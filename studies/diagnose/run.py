@@ -26,14 +26,18 @@ from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.interrupts import raised
 from cg2raw.short_messages import Parser
 from cg2raw.system import children_without_ctrl_c
+from studies.diagnose.cameras import cameras, manifest
 from studies.diagnose.frozen import SIZES, freeze, frozen
 from studies.diagnose.real import manifest_of
+from studies.diagnose.real_frames import add_data, folder_of
 from studies.diagnose.scores import errors, half_points, score, table
 from studies.diagnose.suites import SUITES, AnyCase, cases
+from studies.places import ROOT
 
 # Threads of BLAS and OpenMP would only be in the way of the worker processes.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-RECORDS = Path("build/diagnose.jsonl")
+CAMERAS = "cameras"  # a suite of real frames as they are
+RECORDS = ROOT / "build" / "diagnose.jsonl"
 Limits = dict[str, Any]  # time_limit and pixels, as of diagnose
 
 
@@ -157,15 +161,16 @@ def bench(
     path: Path | None = None,
     progress: bool = False,
     captures: str | os.PathLike[str] | None = None,
+    data: Path | None = None,
     limits: Limits | None = None,
 ) -> list[dict[str, Any]]:
     """Run a suite; return the records of its cases, in their order.
 
     seed : None for the frozen sets, of which count are the first, and effects those
     that hide one of them; with one, count, effects and captures are as of suites.cases.
-    path : JSON lines, appended as cases end. limits : as of run_case; a time limit
-    makes results depend on the machine."""
-    wanted = _wanted(suite, seed, count, effects, captures)
+    data : folder of real frames, of cameras. path : JSON lines, appended as cases
+    end. limits : as of run_case; a time limit makes results depend on the machine."""
+    wanted = _wanted(suite, seed, count, effects, captures, data)
     records = done_before(path, wanted, alpha)
     numbers = {one["number"] for one in records}
     left = [case for case in wanted if case.number not in numbers]
@@ -187,16 +192,28 @@ def _wanted(
     count: int | None,
     effects: Sequence[str],
     captures: str | os.PathLike[str] | None,
+    data: Path | None,
 ) -> list[AnyCase]:
+    if suite == CAMERAS:
+        there, absent = cameras(folder_of(data))
+        for sentence in absent:
+            print(f"diagnose: {sentence}", file=sys.stderr)
+        return list(there[:count])
     if seed is not None or suite not in SIZES:
         return cases(suite, seed or 0, count, effects, captures)
-    is_real = suite == "real"
-    found = frozen(suite, manifest_of(captures) if is_real else None)
+    found = frozen(suite, _planted_in(captures, data) if suite == "real" else None)
     if effects:
         found = [case for case in found if set(effects) & set(case.strengths)]
     if not found:
         raise ValueError(f"no set of {suite} hides {' or '.join(effects)}")
     return found[:count]
+
+
+def _planted_in(captures: str | os.PathLike[str] | None, data: Path | None) -> Path:
+    """Return the manifest of the frames that the suite real plants effects in."""
+    if captures is not None:
+        return manifest_of(captures)
+    return manifest("ccd", folder_of(data))
 
 
 def _check_new(path: Path | None, suite: str) -> None:
@@ -214,7 +231,7 @@ def _check_new(path: Path | None, suite: str) -> None:
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser(prog="studies/run diagnose", description=__doc__.splitlines()[0])
-    parser.add_argument("suite", choices=SUITES, nargs="?")
+    parser.add_argument("suite", choices=[*SUITES, CAMERAS], nargs="?")
     parser.add_argument("--count", type=int, help="of sets; with --seed, per effect")
     parser.add_argument("--seed", type=int, help="draws sets that are not the frozen")
     parser.add_argument("--freeze", action="store_true", help="write the frozen sets")
@@ -224,6 +241,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--captures", metavar="PATH", help="captures.yaml or its folder, of real suites"
     )
+    add_data(parser)
     parser.add_argument("--pixels", type=int, help="of each frame that are fitted")
     parser.add_argument("--time-limit", type=float, metavar="S", help="of each case")
     parser.add_argument("--alpha", type=float, default=0.01)
@@ -241,7 +259,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _arguments(argv)
     try:
         if given.freeze:
-            path = given.captures and manifest_of(given.captures)
+            planted = given.captures or given.data
+            path = _planted_in(given.captures, given.data) if planted else None
             print("frozen:", ", ".join(freeze(path)))
             return 0
         if not given.resume:
@@ -257,6 +276,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             path=given.json,
             progress=not given.quiet,
             captures=given.captures,
+            data=given.data,
             limits={"pixels": given.pixels, "time_limit": given.time_limit},
         )
     except (ValueError, OSError) as error:

@@ -28,6 +28,7 @@ from cg2raw.synthetic.evidence import evidence
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from cg2raw.synthetic.strengths import FIRST_NAMES, KINDS, UNKNOWN_KINDS
 from cg2raw.synthetic.synthetic_camera import plan, stream
+from studies.diagnose.cameras import CameraCase
 from studies.diagnose.dense import WRONG, DenseCase, dense_names, draw_faults
 from studies.diagnose.real import RealCase, manifest_of, plantable
 from studies.diagnose.truths import expected
@@ -42,7 +43,7 @@ SUITES = {
     "nine": 60,
     "unknown": 20,
     "nuisance-none": 400,
-    "real": 8,
+    "real": 9,
     "leave-one-out": 3,
     "nuisance": 2,
     "power": 12,
@@ -183,7 +184,7 @@ def _repeated(
     return replace(found, captures=captures)
 
 
-AnyCase = Case | DenseCase | RealCase
+AnyCase = Case | DenseCase | RealCase | CameraCase
 
 
 def cases(

@@ -6,6 +6,7 @@ are."""
 import json
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import pytest
 pytest.importorskip("scipy")
 
 from studies.diagnose import by_hand
-from studies.diagnose.real_frames import VARIABLE, Shot, ccd
+from studies.diagnose.real_frames import VARIABLE, ccd
 
 SIDE = 192
 TRUTH = {
@@ -55,7 +56,7 @@ def frames():
 
     plan = [("dark", 0.0)] * 10 + [("dark", 60.0)] * 10 + [("flat", 23.0)] * 10
     plan += [("dark", seconds) for seconds in (10.0, 30.0, 100.0, 150.0, 200.0, 300.0)]
-    shots = [Shot(str(n), frame(*one), *one, None) for n, one in enumerate(plan)]
+    shots = [SimpleNamespace(frame=frame(*p), kind=p[0], seconds=p[1]) for p in plan]
     return by_hand.Frames(shots)
 
 

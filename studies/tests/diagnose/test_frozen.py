@@ -3,12 +3,16 @@
 """The frozen suites: their files are what the generator makes, to the last pixel."""
 
 import json
+import os
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
 from studies.diagnose import frozen
+from studies.diagnose.cameras import manifest
+from studies.diagnose.real_frames import VARIABLE
 from studies.diagnose.suites import TEN
 
 SYNTHETIC = [suite for suite in frozen.SIZES if suite != "real"]
@@ -22,6 +26,13 @@ def test_a_file_says_what_the_generator_draws(suite):
     assert said == frozen.drawn(suite)
     lines = (frozen.FOLDER / f"{suite}.csv").read_text().splitlines()[1:]
     assert lines == [",".join(frozen.row(case).values()) for case in said]
+
+
+@pytest.mark.skipif(VARIABLE not in os.environ, reason=f"no {VARIABLE}: real frames")
+def test_the_file_of_real_frames_says_what_is_planted():
+    path = manifest("ccd", Path(os.environ[VARIABLE]))
+    said = frozen.frozen("real", path)
+    assert len(said) == 100 and said == frozen.drawn("real", path)
 
 
 @pytest.mark.parametrize("suite", SYNTHETIC)
