@@ -92,8 +92,8 @@ def calibrated(path: Path, division: int | None) -> tuple[Sensor, tuple[Frame, .
     _, sensor, frames, _ = read_frames(path)
     rng = None if division is None else stream(division, "halves")
     first, second = halves(frames, rng)
-    uniform = [uniform(frame.capture) for frame in first]
-    found = refine(calibrate(sensor, uniform, threads=1), uniform, threads=1)
+    calm = [uniform(frame.capture) for frame in first]
+    found = refine(calibrate(sensor, calm, threads=1), calm, threads=1)
     profile = Sensor.from_json(found.updated_profile(), f"{sensor.id} of one half")
     return profile, tuple(replace(frame, borders=()) for frame in second)
 

@@ -201,7 +201,10 @@ def _wanted(
         return list(there[:count])
     if seed is not None or suite not in SIZES:
         return cases(suite, seed or 0, count, effects, captures)
-    found = frozen(suite, _planted_in(captures, data) if suite == "real" else None)
+    is_real = suite == "real"
+    if captures is not None and not is_real:
+        raise ValueError(f"captures {captures}: suite {suite} makes its own; only real")
+    found = frozen(suite, _planted_in(captures, data) if is_real else None)
     if effects:
         found = [case for case in found if set(effects) & set(case.strengths)]
     if not found:

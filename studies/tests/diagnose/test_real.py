@@ -15,6 +15,7 @@ from cg2raw.diagnose.captures.reader import read_frames
 from studies.diagnose import run as command
 from studies.diagnose.planted import PLANTS, Exposure, Levels
 from studies.diagnose.real import calibrated, halves, plantable
+from studies.diagnose.real_frames import VARIABLE
 from studies.diagnose.suites import cases
 
 SIDE, BLACK, READ, GAIN, WHITE = 128, 500.0, 6.0, 0.5, 16383  # DN, DN per electron
@@ -213,13 +214,16 @@ def test_a_planted_black_level_is_named(manifest, tmp_path):
     assert one.get("error") is None and one["named"] == ["black_level"]
 
 
-def test_a_real_suite_needs_frames(tmp_path, capsys):
-    assert command.main(["real", "--quiet"]) == 1
-    assert command.main(["real", "--captures", str(tmp_path)]) == 1
-    assert command.main(["none", "--captures", str(tmp_path)]) == 1
+@pytest.mark.parametrize("more", [[], ["--seed", "1"]])
+def test_a_real_suite_needs_frames(more, tmp_path, capsys, monkeypatch):
+    monkeypatch.delenv(VARIABLE, raising=False)
+    more = [*more, "--json", str(tmp_path / "records.jsonl")]
+    assert command.main(["real", "--quiet", *more]) == 1
+    assert command.main(["real", "--captures", str(tmp_path), *more]) == 1
+    assert command.main(["none", "--captures", str(tmp_path), *more]) == 1
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 3
-    assert "--captures captures.yaml" in errors[0]
+    assert "real frames" in errors[0] or "--captures captures.yaml" in errors[0]
     assert "there is no such file" in errors[1]
     assert "suite none makes its own" in errors[2]
 
