@@ -38,6 +38,7 @@ ROOMS = (
     "cg2raw.calibration",
     "cg2raw.diagnose",
     "cg2raw.synthetic",
+    "cg2raw.match",
     "cg2raw_ocio",
     "cg2raw.cli",
     "cg2raw.__main__",

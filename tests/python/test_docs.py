@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+import cg2raw.match
 from cg2raw import _core, _public, calibration, dataset, diagnose, synthetic
 from cg2raw.cli import make_parser, subcommands
 from cg2raw.diagnose import diagnosis
@@ -217,12 +218,14 @@ def test_the_reference_lists_all_public_names_and_no_others():
         "cg2raw.calibration",
         "cg2raw.dataset",
         "cg2raw.diagnose",
+        "cg2raw.match",
         "cg2raw.synthetic",
         *(f"cg2raw.{name}" for name in cg2raw.__all__),
         *(f"cg2raw.calibration.{name}" for name in calibration.__all__),
         *(f"cg2raw.dataset.{name}" for name in dataset.__all__),
         *(f"cg2raw.diagnose.{name}" for name in diagnose.__all__),
         *(f"cg2raw.diagnose.diagnosis.{name}" for name in parts),
+        *(f"cg2raw.match.{name}" for name in cg2raw.match.__all__),
         *(f"cg2raw.synthetic.{name}" for name in synthetic.__all__),
     }
 
@@ -248,6 +251,7 @@ def test_the_reference_shows_what_a_name_is():
     [
         *(getattr(diagnose, name) for name in diagnose.__all__),
         *(getattr(diagnosis, name) for name in classes_of_a_diagnosis()),
+        *(getattr(cg2raw.match, name) for name in cg2raw.match.__all__),
         *(getattr(synthetic, name) for name in synthetic.__all__),
     ],
     ids=lambda value: value.__name__,

@@ -3,11 +3,27 @@
 """Progress of long work: a bar with the time that is left, on a terminal only."""
 
 import contextlib
+import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 T = TypeVar("T")
+
+
+def console() -> "Console":
+    """Return the terminal that stderr is, also while a library's words are kept from it
+    (io.libraw)."""
+    from rich.console import Console
+
+    try:
+        own = os.dup(sys.stderr.fileno())
+    except (OSError, AttributeError):  # no file of the system
+        return Console(stderr=True)
+    return Console(file=os.fdopen(own, "w", encoding=sys.stderr.encoding))
 
 
 MANY = 2  # items from which on a terminal shows progress
@@ -19,11 +35,9 @@ def tracked(
     """Return @items, with a bar on stderr if they are many and it is a terminal."""
     if quiet or len(items) < many or not sys.stderr.isatty():
         return items
-    from rich.console import Console
     from rich.progress import track
 
-    console = Console(stderr=True)
-    return track(items, words, len(items), console=console, transient=True)
+    return track(items, words, len(items), console=console(), transient=True)
 
 
 @contextlib.contextmanager
@@ -32,10 +46,9 @@ def stages(quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
     if quiet or not sys.stderr.isatty():
         yield lambda words, share: None
         return
-    from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with Progress(console=console(), transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda words, share: bar.update(task, description=words, completed=share)
 
@@ -48,7 +61,6 @@ def counted(words: str, unit: str, total: int) -> Iterator[Callable[[int], None]
         yield lambda done: None
         return
     from rich import progress
-    from rich.console import Console
 
     columns = (
         progress.TextColumn(words),
@@ -58,8 +70,6 @@ def counted(words: str, unit: str, total: int) -> Iterator[Callable[[int], None]
         progress.TimeRemainingColumn(),
         progress.TextColumn("left"),
     )
-    with progress.Progress(
-        *columns, console=Console(stderr=True), transient=True
-    ) as bar:
+    with progress.Progress(*columns, console=console(), transient=True) as bar:
         task = bar.add_task("", total=total)
         yield lambda done: bar.update(task, completed=done)

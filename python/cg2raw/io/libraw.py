@@ -23,7 +23,17 @@ from cg2raw.system import check_readable
 CANON_TEMPERATURE = "MakerNote CameraTemperature"
 CANON_UNKNOWN = -128.0  # degrees Celsius: a camera that records none writes 0 for it
 
-_stderr = threading.Lock()  # the process has one, and no_words_of_libraries moves it
+_stderr = threading.Lock()  # the process has one; guards _silence
+
+
+class Silence:
+    """Standard error led away from what libraries print, while threads read files."""
+
+    readers = 0
+    undo = contextlib.ExitStack()
+
+
+_silence = Silence()
 
 
 # Read by our own reader; anything else goes through LibRaw.
@@ -180,14 +190,14 @@ def neutral_of(gains: Sequence[float]) -> tuple[float, float, float] | None:
 
 @contextlib.contextmanager
 def opened(path: FilePath) -> Iterator[Any]:
-    """Yield the rawpy.RawPy of a file, one at a time.
+    """Yield the rawpy.RawPy of a file; threads may have one each.
 
     Raises ValueError with LibRaw's reason, OSError."""
     import rawpy
 
     check_readable(path)  # LibRaw's own message names no reason
     try:
-        with _stderr, no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
+        with no_words_of_libraries(), rawpy.imread(os.fspath(path)) as raw:
             yield raw
     except rawpy.LibRawError as error:
         why = error.args[0] if error.args else "unknown error"
@@ -198,16 +208,31 @@ def opened(path: FilePath) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def no_words_of_libraries() -> Iterator[None]:
-    """Keep what LibRaw prints to stderr by itself; its errors arrive as exceptions."""
-    with tempfile.TemporaryFile() as words:
+    """Keep what LibRaw prints to stderr by itself, while any thread is in the block;
+    its errors arrive as exceptions."""
+    with _stderr:
+        if not _silence.readers:
+            _silence.undo = led_away()
+        _silence.readers += 1
+    try:
+        yield
+    finally:
+        with _stderr:
+            _silence.readers -= 1
+            if not _silence.readers:
+                _silence.undo.close()
+
+
+def led_away() -> contextlib.ExitStack:
+    """Lead standard error to a file that nobody reads; return what undoes it."""
+    with contextlib.ExitStack() as end:
+        words = end.enter_context(tempfile.TemporaryFile())
         kept = os.dup(2)
-        try:
-            with said_to(kept):
-                os.dup2(words.fileno(), 2)
-                yield
-        finally:
-            os.dup2(kept, 2)
-            os.close(kept)
+        end.callback(os.close, kept)
+        end.enter_context(said_to(kept))
+        os.dup2(words.fileno(), 2)
+        end.callback(os.dup2, kept, 2)
+        return end.pop_all()
 
 
 def exif_names(path: FilePath) -> tuple[str, str]:

@@ -18,6 +18,21 @@ def check_sensor(header: RawHeader, sensor: Sensor) -> list[str]:
     """Return the reader's notes, and those on a size or levels that are not quite the
     sensor's, without the file.
 
+    Raises ValueError as check_levels."""
+    levels = check_levels(header, sensor)
+    notes = list(header.notes)
+    (height, width), size = header.shape, (sensor.height, sensor.width)
+    if header.shape != size:
+        notes.append(
+            f"is {width}x{height}, the active area of {sensor.id} is {size[1]}x"
+            f"{size[0]}: the optical centre is taken to be that of the frame"
+        )
+    return notes + levels
+
+
+def check_levels(header: RawHeader, sensor: Sensor) -> list[str]:
+    """Return notes on levels that are not quite the sensor's, without the file.
+
     Raises ValueError for another CFA, bit depth or scale of DN, with both values."""
     for what, ours, theirs in (
         ("CFA", header.cfa, sensor.cfa),
@@ -28,13 +43,7 @@ def check_sensor(header: RawHeader, sensor: Sensor) -> list[str]:
                 f"{header.name}: its {what} is {ours}, that of {sensor.id} {theirs}; "
                 "give frames of this sensor, or the sensor of these frames"
             )
-    notes = list(header.notes)
-    (height, width), size = header.shape, (sensor.height, sensor.width)
-    if header.shape != size:
-        notes.append(
-            f"is {width}x{height}, the active area of {sensor.id} is {size[1]}x"
-            f"{size[0]}: the optical centre is taken to be that of the frame"
-        )
+    notes: list[str] = []
     if header.white_level is None or header.black_level is None:
         return notes
     black = float(np.mean(sensor.black_level))

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What a frame looks like, of frames that are known."""
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.match.frame import neutral_of_all
+from cg2raw.match.renders import Model, simulated
+from match.match_sets import scene, toned
+from oracles import cameras
+
+SENSORS = ("canon-700d", "samsung-s20fe", "nikon-d40", "fujifilm-x-m1")
+
+
+def seen(image, sensor="canon-700d", light="D65", iso=None):
+    """Return the Frame of an image."""
+    image = np.ascontiguousarray(image, np.float32)
+    return simulated("a.exr", image, 0, Model(Sensor(sensor), (light,), iso))
+
+
+def blurred(image):
+    """Return an image that is smooth over nine pixels."""
+    shifts = [(row, col) for row in range(9) for col in range(9)]
+    return sum(np.roll(image, shift, (0, 1)) for shift in shifts) / len(shifts)
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("light", ["D65", "A"])
+def test_grey_lies_as_many_stops_below_white_as_it_does(sensor, light):
+    frame = seen(np.full((96, 144, 3), 0.18), sensor, light)
+    assert frame.level == pytest.approx(np.log2(0.18), abs=0.01)
+    assert frame.red == pytest.approx(0, abs=0.02)
+    assert frame.blue == pytest.approx(0, abs=0.02)
+    assert (frame.clipped, frame.black, frame.white_bins) == (0, 0, 0)
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_the_level_is_luminance_whatever_the_colour_and_the_light(sensor):
+    """Of the green samples alone it would be off by a stop."""
+    for rgb in ((0.3, 0.05, 0.02), (0.02, 0.05, 0.3), (0.05, 0.2, 0.04)):
+        luminance = np.dot(rgb, (0.2126, 0.7152, 0.0722))
+        for light in ("D65", "A"):
+            frame = seen(np.full((96, 144, 3), rgb), sensor, light)
+            assert frame.level == pytest.approx(np.log2(luminance), abs=0.1)
+
+
+def test_exposure_moves_levels_and_tone_and_saturation_do_not():
+    rng = np.random.default_rng(1)
+    for _ in range(4):
+        image = scene(rng, 0.5)
+        plain, brighter = seen(image), seen(image * 4)
+        other = seen(toned(image, 1.3, 1.5), light="A", iso=800)
+        assert brighter.level - plain.level == pytest.approx(2, abs=0.01)
+        assert other.level == pytest.approx(plain.level, abs=0.1)
+        assert other.contrast / plain.contrast == pytest.approx(1.3, abs=0.05)
+
+
+def test_saturation_is_that_of_the_image():
+    image = blurred(scene(np.random.default_rng(2), 0.1, -3))
+    half = seen(toned(image, saturation=0.5)).saturation / seen(image).saturation
+    assert half == pytest.approx(0.5, abs=0.1)
+
+
+def test_shares_of_clipped_and_black_samples():
+    image = np.full((96, 144, 3), 0.2)
+    image[:24] = 3.0
+    frame = seen(image)
+    assert frame.clipped == frame.white_bins == pytest.approx(0.25, abs=0.02)
+    assert frame.level == pytest.approx(np.log2(0.2), abs=0.01)
+    image[:60] = 3.0
+    assert seen(image).white_bins > 0.5
+    dark = seen(np.zeros((96, 144, 3)))
+    assert (dark.black, dark.black_bins) == (1, 1)
+
+
+def test_noise_is_that_of_the_sensor_and_not_the_texture():
+    image = blurred(scene(np.random.default_rng(3), 0.1, -3, (384, 576)))
+    assert seen(image).noise < 0.3 * seen(image, iso=3200).noise
+    ratio = seen(image, iso=6400).noise / seen(image, iso=1600).noise
+    assert ratio == pytest.approx(2, rel=0.15)  # of photons: the square root of 4
+
+
+def test_blur_is_less_sharp():
+    image = scene(np.random.default_rng(4), 0.1, -3, (384, 576))
+    assert seen(blurred(image)).sharpness < 0.85 * seen(image).sharpness
+
+
+def test_a_light_that_is_not_stated_is_grey_in_the_mean():
+    sensor = Sensor("canon-700d")
+    image = scene(np.random.default_rng(5), 0.1)
+    image *= (0.1 / image.mean((0, 1))).astype(np.float32)
+    raw = np.asarray(sensor.simulate(image, illuminant="3200K"))
+    stated = sensor.illuminant("3200K").neutral
+    assert neutral_of_all(raw, sensor) == pytest.approx(tuple(stated), rel=0.08)
+
+
+def test_a_sensor_without_filters():
+    sensor = Sensor.from_json(cameras.mono_text(), "mono.json")
+    image = np.full((64, 96, 3), 0.25, np.float32)
+    frame = simulated("mono.exr", image, 0, Model(sensor, ()))
+    assert frame.level == pytest.approx(-2, abs=0.01)
+    assert np.isnan(frame.saturation)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The distribution of shifts between two sets of levels, whose truth is known."""
+
+import numpy as np
+import pytest
+
+from cg2raw.match import Levels, shift_between, shift_of
+from cg2raw.match.shift import fitted
+
+NONE = np.empty(0)
+
+
+def known(levels):
+    return Levels(levels, NONE, NONE)
+
+
+def two_kinds(rng, count):
+    """Return levels of which half are of night scenes."""
+    day, night = rng.normal(-3, 0.4, count), rng.normal(-7, 0.8, count)
+    return np.where(rng.random(count) < 0.5, day, night)
+
+
+def skewed(rng, count):
+    return -2 - rng.gamma(2, 1, count)
+
+
+@pytest.mark.parametrize("scenes", [two_kinds, skewed])
+def test_the_shape_of_the_scenes_does_not_matter(scenes):
+    """The difference of medians is off by 1.2 stops where there are two kinds."""
+    rng = np.random.default_rng(1)
+    found = [
+        fitted(scenes(rng, 2000), known(scenes(rng, 2000) + rng.normal(1.5, 0.7, 2000)))
+        for _ in range(5)
+    ]
+    assert np.mean(found, axis=0) == pytest.approx([1.5, 0.7], abs=0.06)
+
+
+def test_bounds_count_as_such():
+    """Of captures above -1 and below -6 stops nothing else is known."""
+    rng = np.random.default_rng(2)
+    scenes = rng.normal(-4, 0.6, (2, 5000))
+    levels = scenes[1] + rng.normal(1.5, 1.5, 5000)
+    white, black = levels > -1, levels < -4
+    captures = Levels(
+        levels[~white & ~black], np.full(white.sum(), -1.0), np.full(black.sum(), -4.0)
+    )
+    assert white.sum() + black.sum() > 1500
+    assert fitted(scenes[0], captures) == pytest.approx([1.5, 1.5], abs=0.08)
+
+
+def test_a_few_frames_that_tell_nothing_do_not_matter():
+    rng = np.random.default_rng(3)
+    levels = rng.normal(-4, 0.5, 400) + rng.normal(1, 0.4, 400)
+    levels[:4] = -15
+    median, spread = fitted(rng.normal(-4, 0.5, 400), known(levels))
+    assert median == pytest.approx(1, abs=0.1)
+    assert spread == pytest.approx(0.4, abs=0.15)
+
+
+def test_of_pairs_the_quantiles_are_those_of_what_was_found():
+    values = np.random.default_rng(4).uniform(0, 2, 300)
+    found = shift_of(known(values))
+    assert found.median == np.median(values)
+    assert found.spread == pytest.approx(values.std(), abs=0.03)
+    probabilities, stops = np.transpose(found.quantiles)
+    assert (probabilities[0], probabilities[-1]) == (0, 1)
+    assert np.all(np.diff(probabilities) > 0) and np.all(np.diff(stops) >= 0)
+    assert (stops[0], stops[-1]) == (values.min(), values.max())
+
+
+def test_the_quantiles_of_a_drawn_exposure_have_its_median_and_spread():
+    rng = np.random.default_rng(5)
+    captures = known(rng.normal(-3, 1.2, 200))
+    found = shift_between(rng.normal(-5, 0.5, 200), captures)
+    drawn = np.interp(rng.random(100_000), *np.transpose(found.quantiles))
+    assert np.median(drawn) == pytest.approx(found.median, abs=0.02)
+    assert drawn.std() == pytest.approx(found.spread, rel=0.03)
+
+
+@pytest.mark.parametrize("count", [10, 20])
+def test_few_frames_have_intervals_that_hold_the_truth(count, monkeypatch):
+    monkeypatch.setattr("cg2raw.match.shift.DRAWS", 60)
+    rng = np.random.default_rng(6)
+    for seed in range(10):
+        renders, scenes = rng.normal(-4, 1, (2, count))
+        captures = known(scenes + rng.normal(1.5, 0.7, count))
+        found = shift_between(renders, captures, seed)
+        assert found.median_range[0] < 1.5 < found.median_range[1]
+        assert found.spread_range[0] <= 0.7 < found.spread_range[1]
+
+
+def test_it_is_the_same_each_time():
+    rng = np.random.default_rng(7)
+    renders, captures = rng.normal(-5, 1, 30), known(rng.normal(-4, 1, 30))
+    assert shift_between(renders, captures) == shift_between(renders, captures)
