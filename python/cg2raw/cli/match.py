@@ -7,6 +7,9 @@ noise of their ISO; then both are compared, in stops below white: luminance, cli
 black samples, colour after white balance, contrast, sharpness, noise. -o writes the
 distribution of exposure that makes the renders' levels those of the captures.
 
+Without --illuminant the captures' neutrals are the renders' lights, in turn; without
+--iso their noise is that of the captures' ISO, where it is measured.
+
 Captures are files of one camera that keep the mosaic (DNG and other RAW), ten or more;
 renders scene-linear images (EXR ...). Both are files or folders, which are searched
 through. Captures and renders need not show the same scenes; where they do, that is
@@ -28,7 +31,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from cg2raw.cli._export_options import add_options
-from cg2raw.cli._numbers import number
 from cg2raw.cli._outputs import check_output, to_file
 from cg2raw.cli._progress import stages
 from cg2raw.interrupts import held, is_asked_to_end
@@ -40,6 +42,7 @@ if TYPE_CHECKING:  # only the work itself loads its modules
 
 T = TypeVar("T")
 MOST_WORKERS = 8  # each holds a frame
+OPTIONS = ("illuminant", "iso", "convention", "layer", "linearize")  # of the core
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,19 +58,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--json", action="store_true", help="the table as JSON, for programs")
     add("--quiet", action="store_true", help="no table, no progress; errors only")
     group = parser.add_argument_group("renders")
-    add = group.add_argument
-    add(
-        "--illuminant",
-        metavar="WORD",
-        help="D65, 3200K ...; default: the captures' neutrals, in turn",
+    add_options(group, *OPTIONS)
+    group.add_argument(
+        "--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says"
     )
-    add(
-        "--iso",
-        type=number(1, 1e7),
-        help="of their noise; default: the captures', if it is calibrated",
-    )
-    add_options(group, "convention", "layer", "linearize")
-    add("--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -99,9 +93,9 @@ def check(arguments: argparse.Namespace) -> None:
     from cg2raw import _core
     from cg2raw.conversion import DIALECT
 
-    given = {name: getattr(arguments, name) for name in ("convention", "linearize")}
-    words = {name: word for name, word in given.items() if word is not None}
-    _core.ExportOptions(words, DIALECT)
+    given = {name: getattr(arguments, name) for name in OPTIONS}
+    given = {name: text for name, text in given.items() if text is not None}
+    _core.ExportOptions(given, DIALECT)  # raises for bad values
     check_output("-o", arguments.output, ".json")
     if arguments.workers is not None and arguments.workers < 1:
         raise ValueError(f"--workers {arguments.workers}: must be at least 1")
@@ -120,7 +114,7 @@ def check_model(arguments: argparse.Namespace, sensor: "Sensor") -> None:
     if arguments.illuminant is not None:
         sensor.illuminant(arguments.illuminant)
     if arguments.iso is not None:
-        sensor.noise_at(arguments.iso)
+        sensor.noise_at(float(arguments.iso))
 
 
 def frames_of(
