@@ -53,6 +53,7 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
         "seed": case.seed,
         "alpha": alpha,
         "hidden": list(case.strengths),
+        "strengths": case.strengths,
         "strength": next(iter(case.strengths.values()), None),
     }
     start = time.perf_counter()
@@ -145,7 +146,7 @@ def done_before(
             continue  # the line that an interruption cut
         key = (one["suite"], one["number"], one["seed"])
         case = keys.get(key) if "error" not in one else None
-        if case and one["hidden"] == list(case.strengths) and one["alpha"] == alpha:
+        if case and one.get("strengths") == case.strengths and one["alpha"] == alpha:
             kept[key] = one
     return list(kept.values())
 

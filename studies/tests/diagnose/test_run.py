@@ -92,6 +92,10 @@ def test_a_bench_goes_on_where_it_stopped(tmp_path, monkeypatch):
     again = bench("single", **wanted)
     assert [one["number"] for one in again if "error" not in one] == [0, 1, 2]
     assert len(seen) == 5  # the one that failed, and the one that was cut
+    records[0]["strengths"] = {"exposure": 0.5}
+    path.write_text("".join(json.dumps(one) + "\n" for one in records))
+    bench("single", **wanted)
+    assert len(seen) == 7  # the one that failed, and the one of another strength
     text = table("single", records)
     assert "failed: 1" in text and "named first: 50.00 % (asked: >= 96 %)" in text
 
