@@ -31,10 +31,13 @@ def findings_of(
     gap: Gap,
     provisional: bool,
 ) -> list[Finding]:
-    """Return the terms of a model that are findings, as they were accepted."""
+    """Return the terms of a model that are findings, as they were accepted.
+
+    A name without a step is none: time was up before it was tested."""
     findings = []
-    for name in model.found_names:
-        step = next(s for s in reversed(steps) if s.name == name)
+    last = {step.name: step for step in steps}
+    for name in filter(last.__contains__, model.found_names):
+        step = last[name]
         others = [Alternative(n, height) for n, height in step.ranking if n != name]
         findings.append(
             Finding(
