@@ -133,7 +133,7 @@ def histograms(
             share = 100 * np.histogram(moved, edges)[0] / len(moved)
             axes.stairs(share, edges, color=MOVED, label="renders, exposed")
         axes.set(xlabel=label, ylabel="frames, %")
-        axes.legend(frameon=False)
+        axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3)
 
     return drawn(HEIGHT, draw)
 
@@ -215,6 +215,7 @@ def colour(found: Comparison) -> Drawn:
             axes.plot([f.red for f in frames], [f.blue for f in frames], ".",
                       color=color, markersize=4, label=name)  # fmt: skip
         axes.set(xlabel="red over green, stops", ylabel="blue over green, stops")
+        axes.locator_params(axis="x", nbins=5)
         axes.legend(frameon=False)
 
     words = "Median of each frame after its white balance; 0 is grey"
