@@ -4,14 +4,15 @@
 
 Levels of frames, in stops, differ by their scenes and by their exposures: c = r + e.
 The scenes of both sets are draws from one population, and exposures do not depend on
-them, so the density of c is that of r convolved with that of e. Here e is normal, and
-its median and standard deviation are those of the highest likelihood of the captures'
-levels, which may be bounds: a frame of which more than half is white lies above one.
-r is a kernel density of the renders' levels with their variance (Silverman, Density
-Estimation, 1986, 6.4.1). Levels are counted on a grid, so that time and memory do not
-depend on their number; all shifts are tried at once, by Fourier transforms."""
+them, so the density of c is that of r convolved with that of e. e has any shape: the
+one of highest likelihood of the captures' levels, which may be bounds: a frame of which
+more than half is white lies above one. A normal e takes what differs between the scenes
+of both for spread, and its middle follows. r is a kernel density of the renders' levels
+with their variance (Silverman, Density Estimation, 1986, 6.4.1). Levels are counted on
+a grid, so that time and memory do not depend on their number."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,16 +24,19 @@ Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 STEP = 1 / 16  # stops between grid points
-POINTS = 1024  # of the grid, which is a circle: 64 stops
+POINTS = 1024  # of the grid
 FIRST = -40.0  # stops
-SPREADS = np.concatenate(
-    [np.arange(0, 1, 0.05), np.arange(1, 2, 0.1), np.arange(2, 6.01, 0.25)]
-)
+MOST_SHIFT = 256  # grid points, up or down
+SHIFTS = STEP * np.arange(-MOST_SHIFT, MOST_SHIFT + 1)
+ROUNDS = 50  # of the EM algorithm
+SMOOTH = np.array([0.1, 0.8, 0.1])  # after each round, else it ends in a few spikes
 OUTLIERS = 0.01  # share of frames whose level tells nothing, as a covered lens
 KERNEL = 0.2  # of its width by the rule of thumb for normal levels, 0.9: modes stay
 DRAWS = 200  # of the bootstrap
 LEVEL = 0.99  # of intervals
 PROBABILITIES = np.linspace(0, 1, 21)
+MIDDLES = (np.arange(200) + 0.5) / 200  # probabilities, all of one share
+TAIL = 0.1  # of a distribution, at least, that is taken to be normal
 ENDS = 0.004  # probabilities that the first and the last quantile have
 
 
@@ -84,48 +88,87 @@ def shift_between(renders: Array, captures: Levels, seed: int = 0) -> Shift:
     """Return the Shift that makes renders' levels those of captures, whose scenes are
     other draws of one population; at least two of each."""
     median, spread = fitted(renders, captures)
-    quantiles = normal_quantiles(median, spread)
+    found = stops_at(PROBABILITIES, renders, captures)
+    quantiles = tuple(
+        (round(float(p), 3), float(q))
+        for p, q in zip(PROBABILITIES, found, strict=True)
+    )
     ranges = intervals((median, spread), renders, captures, seed)
     return Shift(median, spread, quantiles, *ranges)
 
 
 def shift_of(values: Levels, seed: int = 0) -> Shift:
     """Return the Shift of values that were found scene by scene; at least two."""
-    quantiles = empirical_quantiles(values.all)
-    median = dict(quantiles)[0.5]
-    none = np.zeros(2)
-    spread = fitted(none, values)[1]
-    ranges = intervals((median, spread), none, values, seed)
-    return Shift(median, spread, quantiles, *ranges)
+    median, spread = of_pairs(np.zeros(2), values)
+    ranges = intervals((median, spread), np.zeros(2), values, seed, of_pairs)
+    return Shift(median, spread, empirical_quantiles(values.all), *ranges)
+
+
+def of_pairs(_: Array, values: Levels) -> tuple[float, float]:
+    """Return (median, standard deviation) of values themselves."""
+    return float(np.median(values.all)), float(values.all.std())
 
 
 def fitted(renders: Array, captures: Levels) -> tuple[float, float]:
-    """Return (median, spread) of the highest likelihood."""
-    scenes, width = shrunk(renders)
-    frequency = np.fft.rfftfreq(POINTS, STEP)
-    variance = SPREADS**2 + width**2 + STEP**2 / 12
-    kernel = np.exp(-2 * (np.pi * frequency) ** 2 * variance[:, None])
-    transform = np.fft.rfft(counts(scenes) / len(scenes))
-    density = np.fft.irfft(transform * kernel, POINTS)
-    density = (1 - OUTLIERS) * np.maximum(density, 0) + OUTLIERS / POINTS
-    below = np.cumsum(density, axis=1)
-    total = np.zeros(density.shape)
+    """Return (median, standard deviation) of the shift of highest likelihood."""
+    stops = stops_at(np.append(MIDDLES, 0.5), renders, captures)
+    return float(stops[-1]), float(stops[:-1].std())
+
+
+def stops_at(probabilities: Array, renders: Array, captures: Levels) -> Array:
+    """Return quantiles of the shift of highest likelihood.
+
+    Tails that few frames, or bounds alone, tell of are those of the normal distribution
+    that is as wide between them."""
+    share = shares(renders, captures)
+    ends = np.append(0.0, np.cumsum(share))
+    edges = np.append(SHIFTS, SHIFTS[-1] + STEP) - STEP / 2
+    bounds = max(len(captures.above), len(captures.below)) / len(captures)
+    tail = min(max(TAIL, bounds + 0.02), 0.4)
+    inner = np.clip(probabilities, tail, 1 - tail)
+    low, high = np.interp((tail, 1 - tail), ends / ends[-1], edges)
+    deviation = (high - low) / (-2 * ndtri(tail))
+    outer = np.clip(probabilities, ENDS, 1 - ENDS)
+    found: Array = np.interp(inner, ends / ends[-1], edges)
+    return np.asarray(found + deviation * (ndtri(outer) - ndtri(inner)))
+
+
+def shares(renders: Array, captures: Levels) -> Array:
+    """Return the share that each of SHIFTS has where the likelihood is highest.
+
+    Source: Laird, Journal of the American Statistical Association 73, 1978."""
+    density = density_of(renders)
+    below = np.cumsum(density) - density / 2
+    rows, numbers = [], []
     for levels, chance in (
         (captures.known, density),
-        (captures.below, np.minimum(below, 1)),
-        (captures.above, np.maximum(1 - below, OUTLIERS / POINTS)),
+        (captures.below, below),
+        (captures.above, 1 - below),
     ):
-        if len(levels):
-            logs = np.fft.rfft(np.log(chance)).conj()
-            total += np.fft.irfft(np.fft.rfft(counts(levels)) * logs, POINTS)
-    row, column = np.unravel_index(np.argmax(total), total.shape)
-    at = np.arange(column - 1, column + 2)
-    lag = (column + POINTS // 2) % POINTS - POINTS // 2
-    median = STEP * (lag + top(np.array([-1.0, 0, 1]), total[row, at % POINTS]))
-    near = slice(max(row - 1, 0), row + 2)
-    if row == 0 or row == len(SPREADS) - 1:
-        return median, float(SPREADS[row])
-    return median, top(SPREADS[near], total[near, column])
+        found = counts(levels)
+        cells = np.flatnonzero(found)
+        shifted = cells[:, None] - np.arange(-MOST_SHIFT, MOST_SHIFT + 1)
+        rows.append(chance[np.clip(shifted, 0, POINTS - 1)])
+        numbers.append(found[cells])
+    number = np.concatenate(numbers)
+    chance = (1 - OUTLIERS) * np.concatenate(rows) + OUTLIERS / POINTS
+    share = np.full(len(SHIFTS), 1 / len(SHIFTS))
+    for _ in range(ROUNDS):
+        part = chance * share
+        part *= (number / part.sum(axis=1))[:, None]
+        share = np.convolve(part.sum(axis=0), SMOOTH, "same")
+        share /= share.sum()
+    return share
+
+
+def density_of(levels: Array) -> Array:
+    """Return the kernel density of levels, the share that each grid point has."""
+    scenes, width = shrunk(levels)
+    deviation = math.hypot(width, STEP / 2) / STEP
+    reach = math.ceil(5 * deviation)
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / deviation) ** 2)
+    found = np.convolve(counts(scenes), kernel / kernel.sum(), "same")
+    return np.asarray(found / found.sum())
 
 
 def shrunk(levels: Array) -> tuple[Array, float]:
@@ -146,29 +189,9 @@ def counts(levels: Array) -> Array:
     first = np.floor(place).astype(int)
     rest = place - first
     found = np.zeros(POINTS)
-    np.add.at(found, first % POINTS, 1 - rest)
-    np.add.at(found, (first + 1) % POINTS, rest)
+    np.add.at(found, np.clip(first, 0, POINTS - 1), 1 - rest)
+    np.add.at(found, np.clip(first + 1, 0, POINTS - 1), rest)
     return found
-
-
-def top(x: Array, y: Array) -> float:
-    """Return where the parabola through three points has its top, of which the one in
-    the middle is the highest."""
-    left, right = x[1] - x[0], x[1] - x[2]
-    down, up = y[1] - y[2], y[1] - y[0]
-    curve = left * down - right * up
-    if curve <= 0:
-        return float(x[1])
-    return float(x[1] - (left**2 * down - right**2 * up) / (2 * curve))
-
-
-def normal_quantiles(median: float, spread: float) -> tuple[tuple[float, float], ...]:
-    """Return quantiles of a normal distribution, of which the ends are cut."""
-    z = ndtri(np.clip(PROBABILITIES, ENDS, 1 - ENDS))
-    return tuple(
-        (round(float(p), 3), median + spread * float(q))
-        for p, q in zip(PROBABILITIES, z, strict=True)
-    )
 
 
 def empirical_quantiles(values: Array) -> tuple[tuple[float, float], ...]:
@@ -181,7 +204,11 @@ def empirical_quantiles(values: Array) -> tuple[tuple[float, float], ...]:
 
 
 def intervals(
-    found: tuple[float, float], renders: Array, captures: Levels, seed: int
+    found: tuple[float, float],
+    renders: Array,
+    captures: Levels,
+    seed: int,
+    estimate: Callable[[Array, Levels], tuple[float, float]] = fitted,
 ) -> tuple[Range, Range]:
     """Return the intervals of (median, spread): those of the bootstrap, and where they
     are narrower, as of few frames, those of normal levels.
@@ -191,7 +218,7 @@ def intervals(
     kurtosis: Shoemaker, The American Statistician 57, 2003."""
     rng = np.random.default_rng(seed)
     draws = [
-        fitted(rng.choice(renders, len(renders)), captures.drawn(rng))
+        estimate(rng.choice(renders, len(renders)), captures.drawn(rng))
         for _ in range(DRAWS)
     ]
     tails = 50 * (1 - LEVEL), 50 * (1 + LEVEL)
