@@ -178,10 +178,11 @@ Limits limits_from_text(const std::string& text)
                                       seconds_from_text(words[1]) };
                 limits.low <= limits.high)
                 return limits;
-    } catch (const Error&) { // said below
+        throw Error("no pair that rises");
+    } catch (const Error&) {
+        throw Error("\"" + quotable(text)
+                    + "\" must be LOW:HIGH, numbers above 0, LOW not above HIGH");
     }
-    throw Error("\"" + quotable(text)
-                + "\" must be LOW:HIGH, numbers above 0, LOW not above HIGH");
 }
 
 } // namespace cg2raw
