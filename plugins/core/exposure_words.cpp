@@ -4,7 +4,6 @@
 /// @file The words of an exposure, and the distributions that cg2raw match writes.
 #include "cg2raw/exposure.h"
 
-#include "platform/numbers.h"
 #include "platform/paths.h"
 #include "profile_json_tree.h"
 #include "text.h"
@@ -28,13 +27,6 @@ using Kind = ExposureRule::Kind;
 [[noreturn]] void fail(const std::string& text, const std::string& must)
 {
     throw Error("exposure \"" + quotable(text) + "\" must be " + must);
-}
-
-double signed_number(std::string_view text)
-{
-    if (!text.empty() && text.front() == '+')
-        text.remove_prefix(1);
-    return number_in(text);
 }
 
 /// The two numbers of "name:A:B". Throws Error.
@@ -159,10 +151,7 @@ ExposureRule exposure_from_text(const std::string& text)
 
 double seconds_from_text(std::string_view text)
 {
-    const auto slash = text.find('/');
-    const double seconds = slash == text.npos
-        ? number_in(text)
-        : number_in(text.substr(0, slash)) / number_in(text.substr(slash + 1));
+    const double seconds = number_or_fraction(text);
     if (!(seconds > 0.0 && seconds <= 1e6))
         throw Error("\"" + quotable(text)
                     + "\" must be seconds above 0, up to 1000000, such as 0.5 or 1/60");

@@ -3,6 +3,8 @@
 
 #include "text.h"
 
+#include "platform/numbers.h"
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -95,6 +97,21 @@ std::string number(double value)
     char buffer[40];
     const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
     return { buffer, result.ptr };
+}
+
+double signed_number(std::string_view text)
+{
+    if (!text.empty() && text.front() == '+')
+        text.remove_prefix(1);
+    return number_in(text);
+}
+
+double number_or_fraction(std::string_view text)
+{
+    const auto slash = text.find('/');
+    return slash == text.npos
+        ? number_in(text)
+        : number_in(text.substr(0, slash)) / number_in(text.substr(slash + 1));
 }
 
 std::string quotable(std::string_view text)

@@ -16,6 +16,10 @@ std::string joined(const std::vector<std::string>& words);
 std::vector<std::string> split(std::string_view text, char separator);
 /// A number as people write it: shortest form that reads back the same.
 std::string number(double value);
+/// The number that all of @p text is, perhaps after a plus; NaN if it is none.
+double signed_number(std::string_view text);
+/// Of "0.5" or "1/48"; NaN of other texts.
+double number_or_fraction(std::string_view text);
 /// As much of a stranger's text as a message holds, of printable ASCII alone.
 std::string quotable(std::string_view text);
 /// @p text as one line of UTF-8: '?' for what is none, for control characters and for

@@ -4,24 +4,10 @@
 #include "cg2raw/export.h"
 
 #include "core/text.h"
-#include "platform/numbers.h"
 
 #include <cmath>
 
 namespace cg2raw {
-namespace {
-
-/// Of "0.5" or "1/48"; 0 of other texts.
-double number_of_text(std::string_view text)
-{
-    const auto slash = text.find('/');
-    const double value = slash == text.npos
-        ? number_in(text)
-        : number_in(text.substr(0, slash)) / number_in(text.substr(slash + 1));
-    return std::isfinite(value) ? value : 0.0;
-}
-
-} // namespace
 
 void Metadata::add(std::string_view name, Value value)
 {
@@ -60,8 +46,10 @@ double Metadata::number(std::string_view name) const
     const Value* const value = find(name);
     if (!value)
         return 0.0;
-    if (const auto* text = std::get_if<std::string>(value))
-        return number_of_text(*text);
+    if (const auto* text = std::get_if<std::string>(value)) {
+        const double number = number_or_fraction(*text);
+        return std::isfinite(number) ? number : 0.0;
+    }
     const auto& numbers = std::get<std::vector<double>>(*value);
     return numbers.size() == 1 ? numbers[0] : 0.0;
 }

@@ -7,20 +7,11 @@
 
 #include "cg2raw/exposure.h"
 #include "core/text.h"
-#include "platform/numbers.h"
 
 #include <charconv>
 
 namespace cg2raw {
 namespace {
-
-/// The number that all of @p text is, in the C locale; NaN if it is none.
-double number_from(std::string_view text)
-{
-    if (!text.empty() && text.front() == '+')
-        text.remove_prefix(1);
-    return number_in(text);
-}
 
 std::string stripped(const std::string& text)
 {
@@ -46,7 +37,7 @@ struct Word {
 
     double real(double low, double high) const
     {
-        const double number = number_from(text);
+        const double number = signed_number(text);
         if (!(number >= low && number <= high))
             fail(option.allowed);
         return number;

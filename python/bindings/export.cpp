@@ -196,13 +196,13 @@ void bind_export(py::module_& m)
         "The luminance of white, cd/m2, that the first image of a file states, or "
         "None.");
     m.def(
-        "check_exposure",
-        [](const SensorProfile& profile, Run run, const Dialect& dialect) {
-            run.meter = 1.0;
-            settle(profile, run, dialect.option);
+        "exposure_stops",
+        [](const SensorProfile& profile, const Run& run, const Dialect& dialect) {
+            return settle(profile, run, dialect.option).gain_stops;
         },
         "profile"_a, "run"_a, "dialect"_a,
-        "Raise Error for an exposure that makes no sense, in the words of a dialect.");
+        "Stops by which scene-linear values are changed, but for a bracket's. Raises "
+        "Error,\nin the words of a dialect.");
     m.def("resolve", &resolve, "facts"_a, "options"_a, "dialect"_a,
           "Decide all of an export. Raises Error.");
     m.def("resolve_picture", &resolve_picture, "facts"_a, "options"_a, "dialect"_a,

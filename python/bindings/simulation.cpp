@@ -223,7 +223,9 @@ void bind_simulation(py::module_& m)
                     "time_limits"_a = std::nullopt, "f_number_limits"_a = std::nullopt,
                     "bracket"_a = std::nullopt, "meter"_a = std::nullopt);
     run.def("__reduce__", &remade);
-    run.def_readonly("meter", &Run::meter, "What a light meter read; None: nothing.");
+    run.def_readonly("meter", &Run::meter, "What a light meter read; None: nothing.")
+        .def_property_readonly("needs_meter", &needs_meter,
+                               "Whether its exposure is that of a light meter.");
     py::class_<Simulation> simulation(
         m, "Simulation",
         "A sensor, a light and an exposure, decided before any pixel.");

@@ -25,18 +25,12 @@ Shot merged(Shot reference, const Shot& image)
     reference.orientation = image.orientation;
     if (image.pixel_aspect)
         reference.pixel_aspect = image.pixel_aspect;
-    if (!reference.exposure_time)
-        reference.exposure_time = image.exposure_time;
-    if (!reference.f_number)
-        reference.f_number = image.f_number;
-    if (!reference.exposure_bias)
-        reference.exposure_bias = image.exposure_bias;
+    for (auto number : { &Shot::exposure_time, &Shot::f_number, &Shot::exposure_bias,
+                         &Shot::brightness, &Shot::focal_length })
+        if (!(reference.*number))
+            reference.*number = image.*number;
     if (!reference.exposure_mode)
         reference.exposure_mode = image.exposure_mode;
-    if (!reference.brightness)
-        reference.brightness = image.brightness;
-    if (!reference.focal_length)
-        reference.focal_length = image.focal_length;
     reference.artist = image.artist;
     reference.copyright = image.copyright;
     reference.description = image.description;

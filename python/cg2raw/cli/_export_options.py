@@ -4,6 +4,7 @@
 
 import argparse
 import re
+from collections.abc import Iterable
 
 from cg2raw import _core
 
@@ -35,6 +36,36 @@ def add_bracket(group: argparse._ArgumentGroup) -> None:
         help="a file for each of these exposures, such as --bracket=-2,0,2, whose "
         "exposure time is so many stops longer",
     )
+
+
+def add_colorspace(group: argparse._ArgumentGroup) -> None:
+    """Declare --iscolorspace."""
+    group.add_argument(
+        "--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says"
+    )
+
+
+def given_options(
+    arguments: argparse.Namespace, names: Iterable[str]
+) -> dict[str, str]:
+    """Return {name: text} of those options of the core that were given."""
+    found = {}
+    for name in names:
+        value = getattr(arguments, name)
+        if value is not None:
+            found[name] = str(int(value)) if isinstance(value, bool) else str(value)
+    return found
+
+
+def checked_options(
+    arguments: argparse.Namespace, names: Iterable[str]
+) -> dict[str, str]:
+    """Return given_options. Raises ValueError for values that the core refuses."""
+    from cg2raw.conversion import DIALECT
+
+    found = given_options(arguments, names)
+    _core.ExportOptions(found, DIALECT)
+    return found
 
 
 def plain_text(description: str) -> str:

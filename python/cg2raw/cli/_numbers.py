@@ -37,16 +37,6 @@ def whole(text: str) -> int:
     return int(text)
 
 
-def frame_number(text: str) -> int:
-    """Return the frame number that @text is, of as many digits as names have."""
-    if not re.fullmatch("-?[0-9]{1,18}", text):
-        most = 10**18 - 1
-        raise argparse.ArgumentTypeError(
-            f"{text}: must be a whole number from -{most} to {most}"
-        )
-    return int(text)
-
-
 def number_list(option: str, words: str, word: str = "") -> list[Any]:
     """Return the floats of a list, and @word as it is. Raises ValueError."""
     found: list[float | str] = []

@@ -38,6 +38,17 @@ def check_output(option: str, path: str | None, ending: str) -> bool:
     return True
 
 
+def check_report(folder: str | None) -> None:
+    """Raise ValueError for a --report that is a file, or that cannot be made."""
+    if not folder:
+        return
+    parent = os.path.dirname(os.path.abspath(folder))
+    if not os.path.isdir(parent):
+        raise ValueError(f"--report {folder}: there is no folder {parent}")
+    if os.path.exists(folder) and not os.path.isdir(folder):
+        raise ValueError(f"--report {folder}: is a file; name a folder")
+
+
 def outputs_of(inputs: Sequence[str], output: str | None, ending: str) -> list[str]:
     """Return the path for each of @inputs: @output itself, or their stems in a folder.
 

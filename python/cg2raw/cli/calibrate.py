@@ -28,7 +28,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from cg2raw.cli._numbers import number
-from cg2raw.cli._outputs import check_output, to_file
+from cg2raw.cli._outputs import check_output, check_report, to_file
 from cg2raw.cli._progress import stages, tracked
 
 if TYPE_CHECKING:  # only the work itself loads its modules
@@ -110,14 +110,7 @@ def check(arguments: argparse.Namespace) -> None:
     if not (arguments.frames or arguments.darks or arguments.flats):
         raise ValueError("give darks and flats, as files or folders")
     check_output("-o", arguments.output, ".json")
-    if arguments.report:
-        parent = os.path.dirname(os.path.abspath(arguments.report))
-        if not os.path.isdir(parent):
-            raise ValueError(
-                f"--report {arguments.report}: there is no folder {parent}"
-            )
-        if os.path.exists(arguments.report) and not os.path.isdir(arguments.report):
-            raise ValueError(f"--report {arguments.report}: is a file; name a folder")
+    check_report(arguments.report)
 
 
 def frames_of(

@@ -43,7 +43,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from cg2raw import _core
-from cg2raw.cli._export_options import ROWS, add_bracket, add_options
+from cg2raw.cli._export_options import (
+    ROWS,
+    add_bracket,
+    add_colorspace,
+    add_options,
+    given_options,
+)
 from cg2raw.cli._methods import add_method
 from cg2raw.cli._numbers import whole
 from cg2raw.cli._outputs import each_file
@@ -88,9 +94,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("name", "index", "none"),
         help="frame numbers: in names (default), inputs counted from --frame, or none",
     )
-    groups["input"].add_argument(
-        "--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says"
-    )
+    add_colorspace(groups["input"])
     groups["shot"].add_argument(
         "--frames", metavar="LIST", help="1001-1240, 1-100x2, -3,1,5-9; default: all"
     )
@@ -126,8 +130,8 @@ def run(arguments: argparse.Namespace) -> int:
     outputs = outputs_of_shot(files, arguments.output)
     frames = frames_of(arguments, outputs)
     steps = bracket_outputs(outputs, arguments.bracket)
-    alike: dict[int, list[str]] = {}
-    count = workers_for(len(files) * len(steps), arguments.workers)
+    alike: dict[int, dict[str, None]] = {}
+    count = workers_for(len(steps), arguments.workers)
 
     def work(path: str, output: str) -> dict[str, Any]:
         name, stops = steps[output]
@@ -141,21 +145,16 @@ def run(arguments: argparse.Namespace) -> int:
             threads=0 if count == 1 else 1,
         )
         report = conversion.convert(path, output, request_of_file)
-        if name not in alike.setdefault(report["frame"], []):
-            alike[report["frame"]].append(name)
+        alike.setdefault(report["frame"], {})[name] = None
         return report
 
-    pairs = [
-        (path, output)
-        for path, name in zip(files, outputs, strict=True)
-        for output, (plain, _) in steps.items()
-        if plain == name
-    ]
+    paths = dict(zip(outputs, files, strict=True))
+    pairs = [(paths[name], output) for output, (name, _) in steps.items()]
     code = each_file(
         "convert", pairs, work, arguments, "converting", line_of, inputs.faults, count
     )
     if arguments.iso is not None and not arguments.quiet:
-        tell_alike(alike)
+        tell_alike({frame: list(names) for frame, names in alike.items()})
     return code
 
 
@@ -210,22 +209,14 @@ def request_of(arguments: argparse.Namespace) -> "Request":
 
 def core_options(arguments: argparse.Namespace) -> dict[str, str]:
     """Return the core's options of a command line, as texts. Raises ValueError."""
-    given = {name: getattr(arguments, name) for name in OPTIONS}
+    options = given_options(arguments, OPTIONS)
     if arguments.noise == "upi":
-        given["noise"] = None
-    options = {
-        name: option_text(value) for name, value in given.items() if value is not None
-    }
+        del options["noise"]
     for name, value in arguments.attrib:
         if not name.lower().startswith(PREFIX):
             raise ValueError(f"--attrib {name}: its name must begin with {PREFIX}")
         options[name[len(PREFIX) :].lower()] = value
     return options
-
-
-def option_text(value: str | float | bool) -> str:
-    """Return the value of an option as a text."""
-    return str(int(value)) if isinstance(value, bool) else str(value)
 
 
 def check_method(arguments: argparse.Namespace) -> bool:

@@ -29,7 +29,12 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from cg2raw.cli._export_options import add_bracket, add_options
+from cg2raw.cli._export_options import (
+    add_bracket,
+    add_colorspace,
+    add_options,
+    checked_options,
+)
 from cg2raw.cli._methods import add_method
 from cg2raw.cli._numbers import number_list
 from cg2raw.cli._pairs import asked_illuminants, asked_sensors, refuse_twice
@@ -117,7 +122,7 @@ def add_content(group: argparse._ArgumentGroup) -> None:
         help="noise differs by the image's name in IN (default), its place, or not",
     )
     add_options(group, "layer", "linearize")
-    add("--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says")
+    add_colorspace(group)
 
 
 def add_files(group: argparse._ArgumentGroup) -> None:
@@ -266,14 +271,9 @@ def plan_of(arguments: argparse.Namespace) -> "Plan":
 def simulation_fields(arguments: argparse.Namespace) -> dict[str, Any]:
     """Return the plan's fields that are options of the core. Raises ValueError."""
     from cg2raw import _core
-    from cg2raw.conversion import DIALECT
 
     fields: dict[str, Any] = {name: getattr(arguments, name) for name in SIMULATION}
-    checked = (*SIMULATION, "layer", "linearize")
-    given = {
-        name: text for name in checked if (text := getattr(arguments, name)) is not None
-    }
-    _core.ExportOptions(given, DIALECT)  # raises for bad values
+    given = checked_options(arguments, (*SIMULATION, "layer", "linearize"))
     numbers = ("f_number", "scene_luminance", "nd_filter", "white_luminance")
     fields |= {name: float(given[name]) for name in numbers if name in given}
     words = {"convention": "dng", "noise": None}

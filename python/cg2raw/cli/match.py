@@ -30,8 +30,12 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from cg2raw.cli._export_options import add_options
-from cg2raw.cli._outputs import check_output, to_file
+from cg2raw.cli._export_options import (
+    add_colorspace,
+    add_options,
+    checked_options,
+)
+from cg2raw.cli._outputs import check_output, check_report, to_file
 from cg2raw.cli._progress import stages
 from cg2raw.interrupts import held, is_asked_to_end
 from cg2raw.system import usable_cores
@@ -59,9 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--quiet", action="store_true", help="no table, no progress; errors only")
     group = parser.add_argument_group("renders")
     add_options(group, *OPTIONS)
-    group.add_argument(
-        "--iscolorspace", metavar="NAME", help="of the pixels, whatever the file says"
-    )
+    add_colorspace(group)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -90,23 +92,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> None:
     """Raise ValueError for options that cannot be, before long work."""
-    from cg2raw import _core
-    from cg2raw.conversion import DIALECT
-
-    given = {name: getattr(arguments, name) for name in OPTIONS}
-    given = {name: text for name, text in given.items() if text is not None}
-    _core.ExportOptions(given, DIALECT)  # raises for bad values
+    checked_options(arguments, OPTIONS)
     check_output("-o", arguments.output, ".json")
     if arguments.workers is not None and arguments.workers < 1:
         raise ValueError(f"--workers {arguments.workers}: must be at least 1")
-    if arguments.report:
-        parent = os.path.dirname(os.path.abspath(arguments.report))
-        if not os.path.isdir(parent):
-            raise ValueError(
-                f"--report {arguments.report}: there is no folder {parent}"
-            )
-        if os.path.exists(arguments.report) and not os.path.isdir(arguments.report):
-            raise ValueError(f"--report {arguments.report}: is a file; name a folder")
+    check_report(arguments.report)
 
 
 def check_model(arguments: argparse.Namespace, sensor: "Sensor") -> None:

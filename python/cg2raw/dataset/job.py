@@ -154,9 +154,8 @@ def make_variant(
             (x, y, columns, rows), camera.sensor, camera.illuminant
         )
         run |= of_pixels
-        _core.check_exposure(
-            camera.sensor.profile, core_run(camera.sensor.id, Run(**run)), DIALECT
-        )
+        of_core = core_run(camera.sensor.id, Run(**run))
+        _core.exposure_stops(camera.sensor.profile, of_core, DIALECT)  # raises
         write, row = simulated(plan, variant, camera, scene, run)
     except ValueError as error:
         raise BadImage(str(error)) from None
@@ -170,18 +169,13 @@ def exposure_of(variant: Variant, source: Source, camera: Camera) -> Row:
     fields: Row = {"f_number": f_number, "bracket": variant.bracket}
     if rule is None:
         return fields
-    if rule.lower().startswith("auto"):
+    sensor = plan.cameras[variant.sensor]
+    frame = hashed("exposure", variant.image)
+    run = core_run(sensor.id, Run(exposure=rule, seed=plan.seed, frame=frame))
+    if run.needs_meter:
         fields["meter"] = source.meter(rule, camera.sensor, camera.illuminant)
     else:
-        drawn = plan.cameras[variant.sensor].simulation(
-            (2, 2),
-            illuminant="D65",
-            exposure=rule,
-            seed=plan.seed,
-            frame=hashed("exposure", variant.image),
-            effects=False,
-        )
-        fields["exposure"] = drawn.exposure["stops"]
+        fields["exposure"] = _core.exposure_stops(sensor.profile, run, DIALECT)
     return fields
 
 

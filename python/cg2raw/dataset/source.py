@@ -121,8 +121,8 @@ class SpectralSource:
         key = (sensor.id, word)
         if key not in self.read:
             height, width = self.image.pixels.shape[:2]
-            pixels, white = self.camera((0, 0, width, height), sensor, word)
-            run = Run(exposure=rule, illuminant=white, **SEEN)
+            pixels, of_pixels = self.seen((0, 0, width, height), sensor, word)
+            run = Run(exposure=rule, **of_pixels)
             self.read[key] = sensor.metered(pixels, run, threads=1).meter
         return self.read[key]
 

@@ -2,7 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """The page of a comparison: its plots and sentences, in one file without scripts."""
 
-import base64
 import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import numpy as np
 
 from cg2raw.io.atomic_file import write_with_folder
 from cg2raw.io.figure import BLACK, BLUE, ORANGE, drawn
+from cg2raw.io.figures_page import filled
 from cg2raw.match.comparison import Comparison, exposure_words, rows_of
 from cg2raw.match.frame import PROBABILITIES, Frame
 from cg2raw.match.shift import Array
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PAGE = "match.html"
-MISSING = "the page needs Jinja2 and Pillow: pip install 'cg2raw[diagnose]'"
 HEIGHT = 3.2  # inches
 CAPTURES, RENDERS, MOVED = BLUE, ORANGE, BLACK
 Drawn = tuple[str, str, bytes]  # title, description, PNG
@@ -37,31 +36,14 @@ def write_page(found: Comparison, folder: str, noise: bool) -> str:
 
 def page(found: Comparison, noise: bool) -> str:
     """Return the page. Raises ValueError if Jinja2 or Pillow is missing."""
-    try:
-        import PIL  # noqa: F401
-        from jinja2 import Environment, PackageLoader, StrictUndefined
-    except ImportError:
-        raise ValueError(MISSING) from None
-    environment = Environment(
-        loader=PackageLoader("cg2raw.match"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
-    figures = [
-        {
-            "title": title,
-            "words": words,
-            "uri": "data:image/png;base64," + base64.b64encode(png).decode("ascii"),
-        }
-        for title, words, png in plots(found)
-    ]
-    return environment.get_template("match.html.jinja").render(
+    return filled(
+        "cg2raw.match",
+        "match.html.jinja",
+        plots(found),
         sensor=found.sensor,
         captures=len(found.captures),
         renders=len(found.renders),
         exposure=exposure_words(found.exposure),
-        figures=figures,
         rows=rows_of(found, noise),
         notes=found.notes,
     )

@@ -74,8 +74,7 @@ def read_render(path: str, index: int, model: Model) -> Frame:
             break
         if (frame.white_bins >= SEEN) != (step < 0):
             continue
-        moved = pixels.astype(np.float32) * np.float32(2.0**step)
-        other = simulated(path, moved, index, model)
+        other = simulated(path, pixels, index, model, step)
         if max(other.black_bins, other.white_bins) < SEEN:
             frame = replace(
                 frame,
@@ -87,8 +86,10 @@ def read_render(path: str, index: int, model: Model) -> Frame:
     return frame
 
 
-def simulated(path: str, pixels: NDArray[Any], index: int, model: Model) -> Frame:
-    """Return the Frame of a render's pixels."""
+def simulated(
+    path: str, pixels: NDArray[Any], index: int, model: Model, stops: float = 0.0
+) -> Frame:
+    """Return the Frame of a render's pixels, exposed by a number of stops."""
     sensor = model.sensor
     light = "" if is_mono(sensor.cfa) else model.lights[index % len(model.lights)]
     plane = sensor.simulate(
@@ -97,6 +98,7 @@ def simulated(path: str, pixels: NDArray[Any], index: int, model: Model) -> Fram
         iso=model.iso,
         exposure_time=model.exposure_time,
         convention=model.convention,
+        exposure=stops,
         frame=index,
         threads=1,
     )

@@ -3,44 +3,25 @@
 
 """The HTML of a calibration's page: one file, without scripts."""
 
-import base64
-from itertools import groupby
+from itertools import chain, groupby
 
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.report.curves import curves
 from cg2raw.calibration.report.maps import maps
 from cg2raw.calibration.table import Row, rows_of, told
-
-MISSING = "the page needs Jinja2 and Pillow: pip install 'cg2raw[diagnose]'"
+from cg2raw.io.figures_page import filled
 
 
 def page(found: Measurements) -> str:
     """Return the page. Raises ValueError if Jinja2 or Pillow is missing."""
-    try:
-        import PIL  # noqa: F401
-        from jinja2 import Environment, PackageLoader, StrictUndefined
-    except ImportError:
-        raise ValueError(MISSING) from None
-    environment = Environment(
-        loader=PackageLoader("cg2raw.calibration.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
-    figures = [
-        {
-            "title": title,
-            "words": words,
-            "uri": "data:image/png;base64," + base64.b64encode(png).decode("ascii"),
-        }
-        for title, words, png in (*curves(found), *maps(found))
-    ]
-    return environment.get_template("calibration.html.jinja").render(
+    return filled(
+        "cg2raw.calibration.report",
+        "calibration.html.jinja",
+        chain(curves(found), maps(found)),
         sensor=found.sensor.id,
         frames=f"{found.frames[0]} darks and {found.frames[1]} flats",
         size=f"{found.shape[1]} x {found.shape[0]}",
         iso="" if found.iso is None else f"ISO {found.iso:g}, ",
-        figures=figures,
         sections=[
             (name, [cells(row) for row in rows])
             for name, rows in groupby(rows_of(found), lambda row: row.section)
