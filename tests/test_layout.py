@@ -13,6 +13,8 @@ import pytest
 FLOW = (
     "types",
     "parallel",
+    "frame_parts",
+    "frame_statistics",
     "random",
     "scene_file",
     "time_code",

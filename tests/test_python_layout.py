@@ -35,6 +35,7 @@ ROOMS = (
     "cg2raw.conversion",
     "cg2raw.quick_look",
     "cg2raw.dataset",
+    "cg2raw.statistics",
     "cg2raw.calibration",
     "cg2raw.diagnose",
     "cg2raw.synthetic",

@@ -50,7 +50,6 @@ ParallelFor parallel_threads(int threads)
 void each_strip(int height, const ParallelFor& parallel,
                 const std::function<void(int first, int count)>& work)
 {
-    constexpr int strip_rows = 64;
     parallel((height + strip_rows - 1) / strip_rows, [&](int strip) {
         const int first = strip * strip_rows;
         work(first, std::min(strip_rows, height - first));

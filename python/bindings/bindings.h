@@ -94,6 +94,7 @@ void bind_signal(py::module_& m);
 void bind_prediction(py::module_& m);
 void bind_normal_mixture(py::module_& m);
 void bind_normal_scores(py::module_& m);
+void bind_frame_statistics(py::module_& m);
 void bind_dng(py::module_& m);
 void bind_shot(py::module_& m);
 void bind_export(py::module_& m);

@@ -20,6 +20,7 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_prediction(m);
     cg2raw::python::bind_normal_mixture(m);
     cg2raw::python::bind_normal_scores(m);
+    cg2raw::python::bind_frame_statistics(m);
     cg2raw::python::bind_shot(m);
     cg2raw::python::bind_dng(m);
     cg2raw::python::bind_export(m);

@@ -352,6 +352,26 @@ def log_density_of_mixture(
 def posterior_of_mixture(
     law: NDArray[np.float64], estimates: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+
+class FrameStatistics:
+    def __init__(self, height: int, width: int, side: int, groups: int) -> None: ...
+    def look(
+        self, group: int, frame: NDArray[np.uint16], threads: int = 2
+    ) -> NDArray[np.uint32]: ...
+    def exclude(self, samples: NDArray[np.bool]) -> None: ...
+    def mask(self, threads: int = 2) -> None: ...
+    def measure(
+        self,
+        group: int,
+        frame: NDArray[np.uint16],
+        other: NDArray[np.uint16] | None = None,
+        threads: int = 2,
+    ) -> None: ...
+    def result(
+        self, threads: int = 2
+    ) -> tuple[list[dict[str, Any]], NDArray[np.float64]]: ...
+    def mean(self, group: int, height: int, width: int) -> NDArray[np.float32]: ...
+
 def normal_scores_of_two(
     z: NDArray[np.float64],
     chance: NDArray[np.float64],

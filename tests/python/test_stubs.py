@@ -24,7 +24,7 @@ WORDS = (
     (r"numpy\.", "np."),
 )
 # pybind11 knows no more of these; the stub does.
-VAGUE = {"dict": "dict[", "list": "list[", "object": ""}
+VAGUE = {"dict": "dict[", "list": "list[", "tuple": "tuple[", "object": ""}
 
 
 def python_words(text):

@@ -15,6 +15,8 @@ using ParallelFor
 /// As many std::threads as asked; 0: one per core.
 ParallelFor parallel_threads(int threads);
 
+inline constexpr int strip_rows = 64; ///< of each strip but the last
+
 /// Calls work for strips of rows that together are all @p height of them.
 void each_strip(int height, const ParallelFor& parallel,
                 const std::function<void(int first, int count)>& work);

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright Contributors to the cg2raw Project.
+
+/// @file Masked samples of a plane, and what stands in their place.
+#include "cg2raw/frame_parts.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cg2raw {
+namespace {
+
+constexpr double share_of_line = 0.9; ///< masked, from which a line is masked
+constexpr int rounds = 2; ///< of fills, each of which moves what the next is made from
+
+/// The nearest line that is not lost, the first of two; itself, if it is not.
+int nearest_left(const std::vector<std::uint8_t>& lost, int line)
+{
+    const int count = int(lost.size());
+    for (int away = 0; away < count; ++away)
+        for (const int other : { line - away, line + away })
+            if (other >= 0 && other < count && !lost[std::size_t(other)])
+                return other;
+    return line;
+}
+
+std::vector<int> nearest_of_all(const std::vector<std::uint8_t>& lost)
+{
+    std::vector<int> found;
+    for (std::size_t i = 0; i < lost.size(); ++i)
+        found.push_back(nearest_left(lost, int(i)));
+    return found;
+}
+
+/// An image while its masked samples are filled.
+class Filler {
+public:
+    Filler(const PlaneParts& plane, const PlaneMask& mask,
+           const std::function<double(int row, int col)>& sample, PlaneSums& sums)
+        : m_plane(plane)
+        , m_mask(mask)
+        , m_sample(sample)
+        , m_sums(sums)
+    {
+        for (const std::uint32_t at : mask.samples)
+            m_values.push_back(sample(row_of(at), col_of(at)));
+    }
+
+    std::vector<double> run()
+    {
+        fill_points_by_rows();
+        copy_lines();
+        for (int round = 0; round < rounds && !m_mask.samples.empty(); ++round) {
+            fill_points_by_parts();
+            copy_lines();
+        }
+        return std::move(m_values);
+    }
+
+private:
+    int row_of(std::uint32_t at) const
+    {
+        return int(at / std::uint32_t(m_plane.width()));
+    }
+    int col_of(std::uint32_t at) const
+    {
+        return int(at % std::uint32_t(m_plane.width()));
+    }
+    bool is_point(std::uint32_t at) const
+    {
+        return !m_mask.rows[std::size_t(row_of(at))]
+            && !m_mask.columns[std::size_t(col_of(at))];
+    }
+
+    void put(std::size_t i, double value)
+    {
+        const std::uint32_t at = m_mask.samples[i];
+        m_sums.replace(m_plane, row_of(at), col_of(at), m_values[i], value);
+        m_values[i] = value;
+    }
+
+    /// The mean of the samples of a point's row that are not masked.
+    void fill_points_by_rows()
+    {
+        std::vector<double> sums(m_sums.rows);
+        std::vector<int> left(sums.size(), m_plane.width());
+        for (std::size_t i = 0; i < m_values.size(); ++i) {
+            const auto row = std::size_t(row_of(m_mask.samples[i]));
+            sums[row] -= m_values[i];
+            --left[row];
+        }
+        for (std::size_t i = 0; i < m_values.size(); ++i) {
+            const std::uint32_t at = m_mask.samples[i];
+            const auto row = std::size_t(row_of(at));
+            if (is_point(at))
+                put(i, left[row] > 0 ? sums[row] / left[row] : 0.0);
+        }
+    }
+
+    void fill_points_by_parts()
+    {
+        std::vector<double> found(m_values);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const std::uint32_t at = m_mask.samples[i];
+            if (is_point(at))
+                found[i] = m_sums.smooth(m_plane, row_of(at), col_of(at));
+        }
+        for (std::size_t i = 0; i < found.size(); ++i)
+            if (is_point(m_mask.samples[i]))
+                put(i, found[i]);
+    }
+
+    void copy_lines()
+    {
+        const auto rows = nearest_of_all(m_mask.rows);
+        const auto columns = nearest_of_all(m_mask.columns);
+        for (std::size_t i = 0; i < m_values.size(); ++i) {
+            const std::uint32_t at = m_mask.samples[i];
+            if (!is_point(at))
+                put(i,
+                    value_at(rows[std::size_t(row_of(at))],
+                             columns[std::size_t(col_of(at))]));
+        }
+    }
+
+    /// Filled, or as it is.
+    double value_at(int row, int col) const
+    {
+        const auto at
+            = std::uint32_t(row) * std::uint32_t(m_plane.width()) + std::uint32_t(col);
+        const auto found
+            = std::lower_bound(m_mask.samples.begin(), m_mask.samples.end(), at);
+        if (found == m_mask.samples.end() || *found != at)
+            return m_sample(row, col);
+        return m_values[std::size_t(found - m_mask.samples.begin())];
+    }
+
+    const PlaneParts& m_plane;
+    const PlaneMask& m_mask;
+    const std::function<double(int row, int col)>& m_sample;
+    PlaneSums& m_sums;
+    std::vector<double> m_values;
+};
+
+} // namespace
+
+PlaneMask mask_of(const PlaneParts& plane, std::uint8_t* marked, int pitch)
+{
+    const int height = plane.height(), width = plane.width();
+    const auto mark = [&](int y, int x) -> std::uint8_t& {
+        return marked[std::ptrdiff_t(plane.first_row + y * plane.side) * pitch
+                      + plane.first_col + std::ptrdiff_t(x) * plane.side];
+    };
+    std::vector<int> in_row(std::size_t(height), 0), in_col(std::size_t(width), 0);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            in_row[std::size_t(y)] += mark(y, x);
+            in_col[std::size_t(x)] += mark(y, x);
+        }
+    PlaneMask mask;
+    for (const int count : in_row)
+        mask.rows.push_back(count > share_of_line * width);
+    for (const int count : in_col)
+        mask.columns.push_back(count > share_of_line * height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            mark(y, x) |= mask.rows[std::size_t(y)] | mask.columns[std::size_t(x)];
+            if (mark(y, x))
+                mask.samples.push_back(std::uint32_t(y) * std::uint32_t(width)
+                                       + std::uint32_t(x));
+        }
+    const double left = 1.0 - double(mask.samples.size()) / plane.samples();
+    mask.freedom = plane.freedom();
+    for (double& part : mask.freedom)
+        part *= left; // what is filled in has no noise, in any part
+    return mask;
+}
+
+std::vector<double> fill(const PlaneParts& plane, const PlaneMask& mask,
+                         const std::function<double(int row, int col)>& sample,
+                         PlaneSums& sums)
+{
+    const auto is_left = [](std::uint8_t masked) { return masked == 0; };
+    if (std::none_of(mask.rows.begin(), mask.rows.end(), is_left)
+        || std::none_of(mask.columns.begin(), mask.columns.end(), is_left))
+        throw Error("nearly all samples are masked: none is left to measure");
+    return Filler(plane, mask, sample, sums).run();
+}
+
+} // namespace cg2raw

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What darks and flats say, as small arrays: no pixel is looked at again after them.
+
+Each plane of the CFA's repeat is split into orthogonal parts (PARTS). Coefficients of a
+part are scaled so that their squares sum to those of the samples (Parseval): rows and
+columns are means times the root of how many samples they are of.
+"""
+
+import json
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from io import BytesIO
+from typing import Any, Literal
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.io.atomic_file import write_atomically
+
+Array = NDArray[np.float64]
+
+VERSION = 1  # of saved files
+
+SMOOTH, SLOW, FIELD = 3, 11, 5  # highest degrees of polynomials
+PARTS = (
+    "smooth_rows",  # polynomials of degree 1 to SMOOTH down the columns
+    "smooth_columns",
+    "slow_rows",  # SMOOTH + 1 to SLOW
+    "slow_columns",
+    "fast_rows",  # the rest of the row means
+    "fast_columns",
+    "field",  # products of polynomials down and across, 1 to FIELD each
+    "pixel",  # all that is left
+)
+LAGS = ((0, 1), (1, 0), (0, 2), (2, 0), (1, 1))  # rows, columns to a neighbour
+BINS_PER_SIGMA = 32  # of the histogram of residuals, which has 512 bins
+BLOCKS = 8  # along each side of a plane
+PLACES = np.linspace(0.02, 0.98, 25)  # quantiles of the smooth part of a mean image
+MOST_LINES = 256  # along each side, of which the quantiles are taken
+
+
+@dataclass(frozen=True)
+class GroupInfo:
+    """Frames of one kind, exposure time, temperature and light that repeat each other.
+
+    split : "training", "validation", "test", or "" where there are none.
+    exposure_time : s. temperature : degrees Celsius. frames : names."""
+
+    kind: Literal["dark", "flat"]
+    frames: tuple[str, ...]
+    exposure_time: float | None = None
+    temperature: float | None = None
+    split: str = ""
+
+
+@dataclass(frozen=True)
+class PlaneStatistics:
+    """Of one plane of the CFA's repeat, h x w samples, in G groups.
+
+    freedom : (8,) degrees of freedom of each part, masked samples taken off.
+    level : (G,) DN, of the mean images. levels : of each group, (frames,) DN.
+    rows, columns : (G, h), (G, w) DN, means of the mean images less their level.
+    field : (G, 5, 5) coefficients. whole : (G, G) DN^2, inner products of the mean
+    images less their levels. scatter : (G, 8) DN^2, sums of squares of the frames'
+    coefficients about those of their mean: freedom * (frames - 1) of them.
+    power : (G,) DN^2, variance of a frame by the pixel part of (a - b) / sqrt(2) over
+    disjoint pairs of frames; nan without pairs. fourth : (G,) its mean fourth power
+    over power^2. residuals : (G, 512) histogram of its absolute value, in
+    1 / BINS_PER_SIGMA of the root of each pair's power; the last bin has all above.
+    places : (G, 25) DN, quantiles (PLACES) of what all parts but pixel say of the mean
+    image, less its level, on a grid of at most MOST_LINES lines.
+    low, high : (G,) shares of samples at 0 and at white or above.
+    noise : (G, 64) DN^2, sums of the squares of pairs' residuals, by BLOCKS x BLOCKS
+    blocks. codes : (G, codes) how many samples have each. masked : (h, w) bool."""
+
+    freedom: Array
+    level: Array
+    levels: tuple[Array, ...]
+    rows: Array
+    columns: Array
+    field: Array
+    whole: Array
+    scatter: Array
+    power: Array
+    fourth: Array
+    residuals: NDArray[np.int64]
+    places: Array
+    low: Array
+    high: Array
+    noise: Array
+    codes: NDArray[np.uint32]
+    masked: NDArray[np.bool_]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.rows.shape[1], self.columns.shape[1]
+
+    @cached_property
+    def products(self) -> Array:
+        """(8, G, G) DN^2: inner products of the mean images, part by part."""
+        h, w = self.shape
+        down, across = polynomials(h)[1:], polynomials(w)[1:]
+        rows, columns = self.rows * np.sqrt(w), self.columns * np.sqrt(h)
+        smooth, slow, fast = zip(
+            of_profiles(rows, down), of_profiles(columns, across), strict=True
+        )
+        field = self.field.reshape(len(self.field), -1)
+        low = np.array([*smooth, *slow, *fast, field @ field.T])
+        found: Array = np.concatenate([low, self.whole[None] - low.sum(axis=0)])
+        return found
+
+
+@dataclass(frozen=True)
+class ConstantStatistics:
+    """Of groups of frames: planes in raster order of the CFA's square repeat.
+
+    frames, pairs : (G,) counts. lags : (G, 5) correlations of the residuals of pairs
+    with those of neighbours in the mosaic (LAGS), 0 without pairs. white : DN."""
+
+    groups: tuple[GroupInfo, ...]
+    planes: tuple[PlaneStatistics, ...]
+    frames: NDArray[np.int64]
+    pairs: NDArray[np.int64]
+    lags: Array
+    white: int
+
+    def save(self, path: str) -> None:
+        """Write all of it to an .npz file, whole or not at all. Raises OSError."""
+        arrays = {"frames": self.frames, "pairs": self.pairs, "lags": self.lags}
+        about = {
+            "version": VERSION,
+            "white": self.white,
+            "groups": [asdict(group) for group in self.groups],
+        }
+        arrays["about"] = np.array(json.dumps(about))
+        for p, plane in enumerate(self.planes):
+            for field in fields(plane):
+                value = getattr(plane, field.name)
+                if field.name == "levels":
+                    value = np.concatenate(value)
+                arrays[f"{p}.{field.name}"] = value
+        room = BytesIO()
+        np.savez_compressed(room, allow_pickle=False, **arrays)
+        write_atomically(path, room.getvalue())
+
+    @classmethod
+    def load(cls, path: str) -> "ConstantStatistics":
+        """Return what save wrote. Raises OSError, and ValueError for another file."""
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                found = {name: file[name] for name in file.files}
+            about = json.loads(str(found.pop("about")))
+        except (KeyError, ValueError, BadZipFile, EOFError) as error:
+            raise ValueError(f"{path}: no statistics of frames: {error}") from None
+        if about.get("version") != VERSION:
+            raise ValueError(
+                f"{path}: statistics of version {about.get('version')}; must be "
+                f"{VERSION}: measure the frames again"
+            )
+        groups = tuple(
+            GroupInfo(**{**one, "frames": tuple(one["frames"])})
+            for one in about["groups"]
+        )
+        frames = found.pop("frames")
+        ends = np.cumsum(frames)[:-1]
+        planes: dict[str, dict[str, Any]] = {}
+        pairs, lags = found.pop("pairs"), found.pop("lags")
+        for name, value in found.items():
+            plane, field = name.split(".")
+            is_levels = field == "levels"
+            planes.setdefault(plane, {})[field] = (
+                tuple(np.split(value, ends)) if is_levels else value
+            )
+        parts = tuple(PlaneStatistics(**planes[str(p)]) for p in range(len(planes)))
+        return cls(groups, parts, frames, pairs, lags, int(about["white"]))
+
+
+def polynomials(length: int) -> Array:
+    """Return (degrees + 1, length) orthonormal polynomials; fewer than SLOW of a short
+    side, which keeps half of its freedom."""
+    degree = min(SLOW, (length - 1) // 2)
+    along = np.linspace(-1, 1, length) if length > 1 else np.zeros(1)
+    found, _ = np.linalg.qr(np.polynomial.legendre.legvander(along, degree))
+    return np.asarray((found * np.sign(found[-1])).T)
+
+
+def of_profiles(profiles: Array, low: Array) -> tuple[Array, Array, Array]:
+    """Return (G, G) inner products of (G, N) profiles: smooth, slow and fast.
+
+    low : (degrees, N) polynomials without the constant."""
+    found = profiles @ low.T
+    smooth = found[:, :SMOOTH] @ found[:, :SMOOTH].T
+    slow = found[:, SMOOTH:] @ found[:, SMOOTH:].T
+    return smooth, slow, profiles @ profiles.T - smooth - slow

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""From frames to ConstantStatistics: each frame is read twice, or once if all fit."""
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw import _core
+from cg2raw.arrays import RawImage
+from cg2raw.statistics.constant import (
+    FIELD,
+    MOST_LINES,
+    PLACES,
+    Array,
+    ConstantStatistics,
+    GroupInfo,
+    PlaneStatistics,
+    polynomials,
+)
+
+Reader = Callable[[], RawImage]  # () -> (H, W) uint16 DN
+KEPT = 2**28  # bytes of frames that are kept from the first look to the second
+
+
+def frame_statistics(
+    groups: Sequence[tuple[GroupInfo, Sequence[Reader]]],
+    side: int,
+    white: int,
+    *,
+    excluded: NDArray[np.bool_] | None = None,
+    threads: int = 2,
+    progress: Callable[[float], None] | None = None,
+) -> ConstantStatistics:
+    """Return what groups of frames say.
+
+    groups : frames that repeat each other, and what reads each of them.
+    side : samples along the CFA's repeat, 1 of a camera without a CFA. white : DN.
+    excluded : (H, W) bool, samples that count in nothing.
+    threads : the result is the same. progress : called with the share done, 0 to 1.
+
+    At most a few frames, and of each group one image of four bytes a sample, are held
+    at a time; frames of less than KEPT bytes in all are read once.
+    Raises ValueError for a group without frames and for frames of several sizes."""
+    if not groups or any(not readers for _, readers in groups):
+        raise ValueError("frames: a group has none; give darks or flats")
+    readers = [reader for _, members in groups for reader in members]
+    numbers = [g for g, (_, members) in enumerate(groups) for _ in members]
+    tell = progress or (lambda share: None)
+    kept: dict[int, RawImage] = {}
+    seen: _core.FrameStatistics | None = None
+    counts: list[NDArray[np.uint32]] = []
+    held = 0
+    for index, frame in enumerate(read_ahead(readers, kept, threads)):
+        if seen is None:
+            height, width = frame.shape
+            seen = _core.FrameStatistics(height, width, side, len(groups))
+        found = seen.look(numbers[index], frame, threads)
+        if numbers[index] == len(counts):
+            counts.append(found)
+        else:
+            counts[-1] = added(counts[-1], found)
+        held += frame.nbytes
+        if held <= KEPT:
+            kept[index] = frame
+        tell((index + 1) / len(readers) / 2)
+    assert seen is not None
+    if excluded is not None:
+        seen.exclude(excluded)
+    seen.mask(threads)
+    frames = read_ahead(readers, kept, threads)
+    done = len(readers)
+    for group, (_, members) in enumerate(groups):
+        for first in range(0, len(members), 2):
+            pair = [next(frames) for _ in members[first : first + 2]]
+            seen.measure(group, pair[0], pair[1] if len(pair) == 2 else None, threads)
+            done += len(pair)
+            tell(done / len(readers) / 2)
+    planes, lags = seen.result(threads)
+    number = np.array([len(members) for _, members in groups])
+    width = max(found.shape[1] for found in counts)
+    codes = np.array([np.pad(c, ((0, 0), (0, width - c.shape[1]))) for c in counts])
+    return ConstantStatistics(
+        groups=tuple(info for info, _ in groups),
+        planes=tuple(
+            PlaneStatistics(
+                places=places_of(plane["rows"], plane["columns"], plane["field"]),
+                low=share_of(codes[:, p, :1], codes[:, p]),
+                high=share_of(codes[:, p, white:], codes[:, p]),
+                codes=codes[:, p],
+                **plane,
+            )
+            for p, plane in enumerate(planes)
+        ),
+        frames=number,
+        pairs=number // 2,
+        lags=lags,
+        white=white,
+    )
+
+
+def share_of(some: NDArray[np.uint32], codes: NDArray[np.uint32]) -> Array:
+    """Return (G,) the share of samples with some codes among all of them."""
+    found: Array = some.sum(axis=1, dtype=np.float64) / codes.sum(axis=1)
+    return found
+
+
+def places_of(rows: Array, columns: Array, field: Array) -> Array:
+    """Return (G, 25) PLACES of the smooth part of mean images, less their level, DN."""
+    h, w = rows.shape[1], columns.shape[1]
+    y, x = (slice(None, None, -(-length // MOST_LINES)) for length in (h, w))
+    down, across = (polynomials(length)[1 : FIELD + 1] for length in (h, w))
+    field = field[:, : len(down), : len(across)]
+    mixed = np.einsum("jy,gjk,kx->gyx", down[:, y], field, across[:, x])
+    smooth = mixed + rows[:, y, None] + columns[:, None, x]
+    found: Array = np.quantile(smooth.reshape(len(rows), -1), PLACES, axis=1).T
+    return found
+
+
+def added(a: NDArray[np.uint32], b: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Return the sum of two tables, of which one may have fewer columns."""
+    short, long = sorted((a, b), key=lambda table: table.shape[1])
+    found = long.copy()
+    found[:, : short.shape[1]] += short
+    return found
+
+
+def read_ahead(
+    readers: Sequence[Reader], kept: Mapping[int, RawImage], threads: int
+) -> Iterator[RawImage]:
+    """Yield frames in order, others being read meanwhile.
+
+    kept : those that need not be read, by their number."""
+
+    def frame_of(index: int) -> RawImage:
+        return kept[index] if index in kept else readers[index]()
+
+    with ThreadPoolExecutor(max(threads, 1)) as pool:
+        waiting: deque[Future[RawImage]] = deque()
+        for index in range(len(readers)):
+            waiting.append(pool.submit(frame_of, index))
+            if len(waiting) > threads:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()

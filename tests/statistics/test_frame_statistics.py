@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""FrameStatistics of the core against the plain version, and by laws and bad input."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from cg2raw.statistics.constant import (
+    PARTS,
+    ConstantStatistics,
+    GroupInfo,
+    PlaneStatistics,
+    polynomials,
+)
+from cg2raw.statistics.frame_statistics import frame_statistics
+from oracles.plain_statistics import plain_statistics
+
+WHITE = 4095
+TOLERANCE = {"noise": 1e-5, "fourth": 1e-5, "scatter": 1e-7}  # pairs are in float
+
+
+def drawn(shape, count, level=200.0, sigma=5.0, seed=1):
+    """Return frames of one group, with a fixed pattern and a level that drifts."""
+    rng = np.random.default_rng(seed)
+    fixed = level + 3 * np.random.default_rng(99).standard_normal(shape)
+    fixed = fixed * (1 + 0.2 * np.linspace(-1, 1, shape[1]) ** 2)
+    noise = sigma * rng.standard_normal((count, *shape))
+    drift = rng.standard_normal((count, 1, 1))
+    return list(np.clip(np.rint(fixed + noise + drift), 0, WHITE).astype(np.uint16))
+
+
+def groups_of(*lists, kinds=()):
+    """Return [(GroupInfo, frames), ...]; darks of 0, 1, ... s."""
+    names = iter(range(10**6))
+    kinds = [*kinds, *["dark"] * (len(lists) - len(kinds))]
+    return [
+        (GroupInfo(kind, tuple(str(next(names)) for _ in frames), float(t)), frames)
+        for t, (kind, frames) in enumerate(zip(kinds, lists, strict=True))
+    ]
+
+
+def measured(groups, side, threads=2, excluded=None):
+    """Return the core's statistics of frames."""
+    readers = [(info, [lambda f=f: f for f in frames]) for info, frames in groups]
+    return frame_statistics(readers, side, WHITE, threads=threads, excluded=excluded)
+
+
+def assert_alike(found, expected, exactly=False):
+    """All arrays are equal, or as close as sums in other orders are."""
+    assert found.groups == expected.groups and found.white == expected.white
+    for name in ("frames", "pairs", "lags"):
+        a, b = getattr(found, name), getattr(expected, name)
+        np.testing.assert_allclose(a, b, atol=0 if exactly else 1e-6, err_msg=name)
+    assert len(found.planes) == len(expected.planes)
+    for plane, other in zip(found.planes, expected.planes, strict=True):
+        for field in fields(PlaneStatistics):
+            a, b = getattr(plane, field.name), getattr(other, field.name)
+            a, b = (np.concatenate(x) if isinstance(x, tuple) else x for x in (a, b))
+            if field.name == "codes":
+                a, b = (x[:, : np.flatnonzero(x.any(axis=0))[-1] + 1] for x in (a, b))
+            if exactly:
+                np.testing.assert_array_equal(a, b, err_msg=field.name)
+            elif field.name == "residuals":  # a few lie at the ends of bins
+                assert np.abs(a - b).sum() <= 0.002 * b.sum() + 2
+            else:
+                rtol = TOLERANCE.get(field.name, 1e-9)
+                size = np.abs(b[np.isfinite(b)]).max(initial=1e-2)
+                np.testing.assert_allclose(
+                    a, b, rtol=rtol, atol=rtol * size, err_msg=field.name
+                )
+
+
+@pytest.mark.parametrize(
+    ("shape", "side"),
+    [
+        ((48, 60), 1),
+        ((31, 47), 1),
+        ((131, 83), 1),
+        ((8, 9), 1),
+        ((1, 70), 1),
+        ((70, 1), 1),
+        ((1, 1), 1),
+        ((49, 63), 2),
+        ((2, 31), 2),
+        ((80, 96), 2),
+        ((67, 79), 6),
+    ],
+)
+def test_it_is_what_plain_numpy_says(shape, side):
+    groups = groups_of(
+        drawn(shape, 4),
+        drawn(shape, 1, level=230, seed=2),
+        drawn(shape, 3, level=1500, sigma=20, seed=3),
+        kinds=("dark", "dark", "flat"),
+    )
+    assert_alike(measured(groups, side), plain_statistics(groups, side, WHITE))
+
+
+def spoilt(frames):
+    """Return frames with a hot pixel, a dead column, an odd row and a cosmic ray."""
+    frames = [frame.copy() for frame in frames]
+    for frame in frames:
+        frame[10, 20], frame[:, 31], frame[5] = 3000, 0, frame[5] + 60
+    frames[2][40, 50] = 900
+    return frames
+
+
+@pytest.mark.parametrize("side", [1, 2])
+def test_masks_and_fills_are_those_of_plain_numpy(side):
+    groups = groups_of(spoilt(drawn((96, 120), 4)), drawn((96, 120), 2, seed=5))
+    found = measured(groups, side)
+    assert_alike(found, plain_statistics(groups, side, WHITE))
+    masked = np.zeros((96, 120), bool)
+    for p, plane in enumerate(found.planes):
+        masked[p // side :: side, p % side :: side] = plane.masked
+    expected = np.zeros((96, 120), bool)
+    expected[10, 20] = expected[40, 50] = expected[:, 31] = expected[5] = True
+    assert (masked == expected).all()
+
+
+@pytest.mark.parametrize("side", [1, 2, 6])
+def test_threads_do_not_matter(side):
+    groups = groups_of(spoilt(drawn((170, 130), 5)), drawn((170, 130), 2, seed=5))
+    assert_alike(measured(groups, side, 1), measured(groups, side, 3), exactly=True)
+
+
+def test_a_file_has_all_of_it(tmp_path):
+    found = measured(groups_of(spoilt(drawn((96, 121), 5)), drawn((96, 121), 1)), 2)
+    path = str(tmp_path / "statistics.npz")
+    found.save(path)
+    again = ConstantStatistics.load(path)
+    assert_alike(again, found, exactly=True)
+    np.testing.assert_array_equal(again.planes[0].products, found.planes[0].products)
+
+
+@pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x05\x06" + bytes(18)])
+def test_a_file_of_something_else_is_refused(tmp_path, content):
+    path = tmp_path / "statistics.npz"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"statistics\.npz: no statistics of frames"):
+        ConstantStatistics.load(str(path))
+
+
+def test_a_file_of_another_version_is_refused(tmp_path):
+    path = str(tmp_path / "statistics.npz")
+    measured(groups_of(drawn((8, 9), 2)), 1).save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    arrays["about"] = np.array(
+        str(arrays["about"]).replace('"version": 1', '"version": 0')
+    )
+    np.savez(path, **arrays)
+    with pytest.raises(ValueError, match="of version 0; must be 1: measure the frames"):
+        ConstantStatistics.load(path)
+
+
+@pytest.mark.parametrize("part", range(8))
+def test_white_noise_is_alike_in_all_parts(part):
+    (plane,) = measured(groups_of(drawn((64, 96), 6)), 1).planes
+    freedom = 5 * plane.freedom[part]
+    within = 4 * np.sqrt(2 / freedom)
+    variance = plane.scatter[0, part] / freedom
+    assert variance == pytest.approx(25 + 1 / 12, rel=within), PARTS[part]
+    assert plane.power[0] == pytest.approx(25 + 1 / 12, rel=0.06)
+
+
+def test_parts_add_up():
+    """By Parseval, the parts' squares are those of the samples."""
+    frames = drawn((61, 47), 4)
+    (plane,) = measured(groups_of(frames), 1).planes
+    mean = np.mean(frames, axis=0)
+    assert plane.products.sum() == pytest.approx(((mean - mean.mean()) ** 2).sum())
+    rest = np.array(frames) - mean
+    rest -= rest.mean(axis=(1, 2), keepdims=True)
+    assert plane.scatter.sum() == pytest.approx((rest**2).sum())
+    assert plane.freedom.sum() == 61 * 47 - 1
+
+
+@pytest.mark.parametrize("length", [1, 2, 3, 8, 24, 500])
+def test_polynomials_are_orthonormal_and_leave_half(length):
+    found = polynomials(length)
+    np.testing.assert_allclose(found @ found.T, np.eye(len(found)), atol=1e-12)
+    assert len(found) - 1 <= (length - 1) / 2
+
+
+@pytest.mark.parametrize(
+    ("lists", "side", "words"),
+    [
+        ([], 1, "frames: a group has none; give darks or flats"),
+        ([drawn((8, 9), 1), []], 1, "frames: a group has none"),
+        (
+            [[*drawn((8, 9), 1), *drawn((9, 8), 1)]],
+            1,
+            "frame is 8 x 9 pixels, the first",
+        ),
+        (
+            [drawn((2, 30), 2)],
+            6,
+            "30 x 2 pixels; must be at least as large as the CFA's",
+        ),
+    ],
+)
+def test_bad_frames_are_refused(lists, side, words):
+    with pytest.raises(ValueError, match=words):
+        measured(groups_of(*lists), side)
+
+
+def test_samples_are_excluded():
+    groups = groups_of(drawn((48, 60), 3), drawn((48, 60), 2, seed=4))
+    excluded = np.zeros((48, 60), bool)
+    excluded[:, 55:] = excluded[7:9, 3:30] = True
+    for _, frames in groups:
+        for frame in frames:
+            frame[excluded] = 4000
+    found = measured(groups, 2, excluded=excluded)
+    assert_alike(found, plain_statistics(groups, 2, WHITE, excluded))
+    assert sum(int(plane.masked.sum()) for plane in found.planes) == excluded.sum()
+    with pytest.raises(ValueError, match="all samples are masked: none is left"):
+        measured(groups, 2, excluded=np.ones((48, 60), bool))
+    with pytest.raises(ValueError, match="mask is 48 x 60 pixels, the frames 60 x 48"):
+        measured(groups, 2, excluded=excluded.T)
+
+
+def test_a_frame_is_read_again_where_all_do_not_fit(monkeypatch):
+    from cg2raw.statistics import frame_statistics as module
+
+    groups, read = groups_of(drawn((40, 50), 3)), []
+
+    def reader(index, frame):
+        read.append(index)
+        return frame
+
+    readers = [
+        (info, [lambda i=i, f=f: reader(i, f) for i, f in enumerate(frames)])
+        for info, frames in groups
+    ]
+    whole = frame_statistics(readers, 1, WHITE)
+    assert sorted(read) == [0, 1, 2]
+    monkeypatch.setattr(module, "KEPT", 40 * 50 * 2)
+    assert_alike(frame_statistics(readers, 1, WHITE), whole, exactly=True)
+    assert sorted(read) == [0, 0, 1, 1, 1, 2, 2, 2]
+
+
+def test_groups_say_what_they_are():
+    (info, frames), *_ = groups_of(drawn((8, 9), 2))
+    info = replace(info, temperature=-5.0, split="training")
+    assert measured([(info, frames)], 1).groups == (info,)
