@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.effects.registry import registered
@@ -118,7 +118,7 @@ class DenseCase:
 
     @cached_property
     def _true_captures(self) -> CaptureSet:
-        plan = with_repeats(simulate_captures(self.bare, {}, seed=self.seed))
+        plan = simulate_captures(self.bare, {}, seed=self.seed, twice=True)
         truth: CaptureSet = simulated(
             plan, self.sensor({}), partial(by_registry, seed=self.seed)
         )
@@ -191,13 +191,3 @@ def _add(
     bounds = {p["name"]: (p["min"], p["max"]) for p in known if p["name"] in given}
     parameters = {k: float(np.clip(given[k], *ends)) for k, ends in bounds.items()}
     profile["effects"].append({"name": effect.name, "parameters": parameters})
-
-
-def with_repeats(plan: CaptureSet) -> CaptureSet:
-    """Return captures of which every dark and flat is taken twice, as scenes are."""
-    captures: list[Capture] = []
-    for capture in plan.captures:
-        captures.append(capture)
-        if not capture.shows.image:
-            captures.append(replace(capture, name=f"{capture.name}_again"))
-    return replace(plan, captures=captures)

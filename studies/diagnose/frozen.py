@@ -12,6 +12,7 @@ import csv
 import hashlib
 import json
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
 from studies.diagnose.real import RealCase, manifest_of
@@ -35,16 +36,17 @@ FIELDS = ("number", "seed", "decided_by", "hidden")
 DARKS, SCENES = "darks and flats", "scenes"
 
 
-def decided_by(case: AnyCase) -> str:
-    """Return which captures show what a case hides."""
-    of_scenes = bool(OF_SCENES & set(case.strengths))
-    return SCENES if of_scenes or case.suite.startswith("nuisance") else DARKS
+def decided_by(suite: str, hidden: Iterable[str]) -> str:
+    """Return which captures show what a set of a suite hides."""
+    of_scenes = bool(OF_SCENES & set(hidden)) or suite.startswith("nuisance")
+    return SCENES if of_scenes else DARKS
 
 
 def row(case: AnyCase) -> dict[str, str]:
     """Return the line of a case."""
     hidden = " ".join(f"{name}={value!r}" for name, value in case.strengths.items())
-    values = (str(case.number), str(case.seed), decided_by(case), hidden)
+    shown_by = decided_by(case.suite, case.strengths)
+    values = (str(case.number), str(case.seed), shown_by, hidden)
     return dict(zip(FIELDS, values, strict=True))
 
 

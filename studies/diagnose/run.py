@@ -5,8 +5,8 @@
 
     ./studies/run diagnose low-none --count 20
 
-Suites that are frozen come from their files (frozen.py), unless --seed draws others. A
-run that was interrupted goes on with --resume."""
+Suites that are frozen come from their files (frozen.py), unless --seed draws others;
+gates is some sets of each. A run that was interrupted goes on with --resume."""
 
 import argparse
 import contextlib
@@ -27,7 +27,10 @@ from cg2raw.interrupts import raised
 from cg2raw.short_messages import Parser
 from cg2raw.system import children_without_ctrl_c
 from studies.diagnose.cameras import cameras, manifest
+from studies.diagnose.engines import ENGINES, Engine
 from studies.diagnose.frozen import SIZES, freeze, frozen
+from studies.diagnose.gates import COUNTS, GATES, OF_REAL_FRAMES
+from studies.diagnose.gates import table as gates_table
 from studies.diagnose.real import manifest_of
 from studies.diagnose.real_frames import add_data, folder_of
 from studies.diagnose.scores import errors, half_points, score, table
@@ -38,36 +41,33 @@ from studies.places import ROOT
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 CAMERAS = "cameras"  # a suite of real frames as they are
 RECORDS = ROOT / "build" / "diagnose.jsonl"
-Limits = dict[str, Any]  # time_limit and pixels, as of diagnose
+Limits = dict[str, Any]  # engine, time_limit and pixels, as of run_case
 
 
-def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
+def run_case(
+    case: AnyCase, alpha: float, engine: str = "search", **limits: Any
+) -> dict[str, Any]:
     """Diagnose one case; return its record. What fails is recorded as "error".
 
-    limits : time_limit and pixels, as of diagnose."""
-    from cg2raw.diagnose import diagnose
-
+    engine : of ENGINES. limits : time_limit and pixels, as of diagnose. Its seconds are
+    the processor's, whatever else that is doing."""
+    diagnose = ENGINES[engine]
     record: dict[str, Any] = {
         "suite": case.suite,
         "number": case.number,
         "seed": case.seed,
+        "engine": engine,
         "alpha": alpha,
         "hidden": list(case.strengths),
         "strengths": case.strengths,
         "strength": next(iter(case.strengths.values()), None),
     }
-    start = time.perf_counter()
     try:
         captures, _ = case.captures()
-        start = time.perf_counter()
-        found = diagnose(
-            captures,
-            alpha=alpha,
-            without=case.without,
-            threads=1,
-            details=False,
-            **{key: value for key, value in limits.items() if value is not None},
-        )
+        start = time.process_time()
+        given = {key: value for key, value in limits.items() if value is not None}
+        found = diagnose(captures, alpha=alpha, without=case.without, **given)
+        record["seconds"] = time.process_time() - start
     except Exception as error:  # one bad case must not end a night's bench
         record["error"] = f"{type(error).__name__}: {error}"
         return record
@@ -78,8 +78,7 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
     if missed and not case.without and case.suite != "unknown":
         record["evidence"] = case.evidence(missed)
     if case.suite == "closed-loop":
-        record.update(_again(captures, found, alpha))
-    record["seconds"] = time.perf_counter() - start
+        record.update(_again(captures, found, alpha, diagnose))
     return record
 
 
@@ -90,16 +89,15 @@ def nats_needed(alpha: float) -> float:
     return math.log(len(names()) / alpha)
 
 
-def _again(captures: CaptureSet, found: Diagnosis, alpha: float) -> dict[str, Any]:
+def _again(
+    captures: CaptureSet, found: Diagnosis, alpha: float, diagnose: Engine
+) -> dict[str, Any]:
     """Diagnose frames of the found profile by that profile: there must be no gap."""
     from cg2raw import Sensor
-    from cg2raw.diagnose import diagnose
     from diagnose.closed_loop import simulated
 
     sensor = Sensor.from_json(found.profile_json)
-    second = diagnose(
-        simulated(captures, sensor), alpha=alpha, threads=1, details=False
-    )
+    second = diagnose(simulated(captures, sensor), alpha=alpha)
     return {
         "again_verdict": second.verdict,
         "again_named": [one.name for one in second.effects],
@@ -132,9 +130,9 @@ def records_of(
 
 
 def done_before(
-    path: Path | None, wanted: Sequence[AnyCase], alpha: float
+    path: Path | None, wanted: Sequence[AnyCase], alpha: float, engine: str = "search"
 ) -> list[dict[str, Any]]:
-    """Return the records in a file that are of these cases and did not fail."""
+    """Return an engine's records in a file that are of these cases and did not fail."""
     if path is None or not path.exists():
         return []
     keys = {(case.suite, case.number, case.seed): case for case in wanted}
@@ -146,7 +144,8 @@ def done_before(
             continue  # the line that an interruption cut
         key = (one["suite"], one["number"], one["seed"])
         case = keys.get(key) if "error" not in one else None
-        if case and one.get("strengths") == case.strengths and one["alpha"] == alpha:
+        ours = (one["engine"], one["alpha"]) == (engine, alpha)
+        if case and ours and one.get("strengths") == case.strengths:
             kept[key] = one
     return list(kept.values())
 
@@ -172,7 +171,7 @@ def bench(
     data : folder of real frames, of cameras. path : JSON lines, appended as cases
     end. limits : as of run_case; a time limit makes results depend on the machine."""
     wanted = _wanted(suite, seed, count, effects, captures, data)
-    records = done_before(path, wanted, alpha)
+    records = done_before(path, wanted, alpha, (limits or {}).get("engine", "search"))
     numbers = {one["number"] for one in records}
     left = [case for case in wanted if case.number not in numbers]
     for one in records_of(left, alpha, jobs, limits):
@@ -235,7 +234,8 @@ def _check_new(path: Path | None, suite: str) -> None:
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser(prog="studies/run diagnose", description=__doc__.splitlines()[0])
-    parser.add_argument("suite", choices=[*SUITES, CAMERAS], nargs="?")
+    parser.add_argument("suite", choices=[*SUITES, CAMERAS, GATES], nargs="?")
+    parser.add_argument("--engine", choices=ENGINES, default="search")
     parser.add_argument("--count", type=int, help="of sets; with --seed, per effect")
     parser.add_argument("--seed", type=int, help="draws sets that are not the frozen")
     parser.add_argument("--freeze", action="store_true", help="write the frozen sets")
@@ -258,6 +258,40 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     return given
 
 
+def _suites(given: argparse.Namespace) -> dict[str, int | None]:
+    """Return how many sets of which suites are asked for; None for all."""
+    if given.suite != GATES:
+        return {given.suite: given.count}
+    suites = COUNTS
+    if given.data is None:
+        suites = {s: COUNTS[s] for s in COUNTS if s not in OF_REAL_FRAMES}
+        left_out = f"{', '.join(OF_REAL_FRAMES)}: left out, no folder of real frames"
+        print(f"diagnose: {left_out}", file=sys.stderr)
+    return {suite: given.count or count for suite, count in suites.items()}
+
+
+def _records(
+    given: argparse.Namespace, suite: str, count: int | None
+) -> list[dict[str, Any]]:
+    return bench(
+        suite,
+        count=count,
+        seed=given.seed,
+        jobs=max(given.jobs, 1),
+        effects=[name for name in given.effects.split(",") if name],
+        alpha=given.alpha,
+        path=given.json,
+        progress=not given.quiet,
+        captures=given.captures,
+        data=given.data,
+        limits={
+            "engine": given.engine,
+            "pixels": given.pixels,
+            "time_limit": given.time_limit,
+        },
+    )
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one suite and print its table; 1 if a case failed, or for bad arguments."""
     given = _arguments(argv)
@@ -267,26 +301,19 @@ def main(argv: Sequence[str] | None = None) -> int:
             path = _planted_in(given.captures, given.data) if planted else None
             print("frozen:", ", ".join(freeze(path)))
             return 0
+        suites = _suites(given)
         if not given.resume:
-            _check_new(given.json, given.suite)
+            for suite in suites:
+                _check_new(given.json, suite)
         given.json.parent.mkdir(parents=True, exist_ok=True)
-        records = bench(
-            given.suite,
-            count=given.count,
-            seed=given.seed,
-            jobs=max(given.jobs, 1),
-            effects=[name for name in given.effects.split(",") if name],
-            alpha=given.alpha,
-            path=given.json,
-            progress=not given.quiet,
-            captures=given.captures,
-            data=given.data,
-            limits={"pixels": given.pixels, "time_limit": given.time_limit},
-        )
+        records = [one for item in suites.items() for one in _records(given, *item)]
     except (ValueError, OSError) as error:
         print(f"diagnose: {error}", file=sys.stderr)
         return 1
-    print(table(given.suite, records))
+    if given.suite == GATES:
+        print(gates_table(records))
+    else:
+        print(table(given.suite, records))
     if given.suite == "power":
         for name, strength in half_points(records).items():
             print(f"half of {name} named at {strength:.4g}")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.synthetic.strengths import KINDS
 
 # Nats per pixel: less than this is not asked to be seen.
 VISIBLE_GAP = 3e-4
@@ -81,13 +82,13 @@ def errors(
 def table(suite: str, records: Sequence[Record]) -> str:
     """Return the table of a suite: a line per effect, totals, what is asked of them."""
     good = [one for one in records if "error" not in one]
-    lines = [_HEAD]
+    lines = [HEAD]
     by_name: dict[str, list[Record]] = {}
     for one in good:
         by_name.setdefault("+".join(one["hidden"]) or "nothing", []).append(one)
     if len(by_name) <= 30:
-        lines += [_line(name, group) for name, group in by_name.items()]
-    lines += [_line("all", good)] if good else []
+        lines += [line(name, group) for name, group in by_name.items()]
+    lines += [line("all", good)] if good else []
     lines += [f"failed: {len(records) - len(good)}"] if len(good) < len(records) else []
     late = sum(one.get("time_limit_reached", False) for one in good)
     lines += [f"ended by the time limit: {late}"] if late else []
@@ -103,30 +104,51 @@ def table(suite: str, records: Sequence[Record]) -> str:
     return "\n".join(lines)
 
 
-_HEAD = (
-    f"{'hidden':32}{'sets':>6}{'names':>6}{'right':>6}{'missed':>7}{'false':>6}"
-    f"{'exact':>6}{'first':>6}{'unsure':>7}{'error':>7}{'closed':>8}{'seconds':>8}"
+# Columns after what is hidden, and the format of each.
+COLUMNS = {
+    "sets": "6",
+    "names": "6",
+    "right": "6",
+    "missed": "7",
+    "false": "6",
+    "exact": "6",
+    "first": "6",
+    "unsure": "7",
+    "error": "7.2f",
+    "closed": "8.4f",
+    "seconds": "8.1f",
+}
+HEAD = f"{'hidden':32}" + "".join(
+    f"{name:>{wide.partition('.')[0]}}" for name, wide in COLUMNS.items()
 )
 
 
-def _line(name: str, group: Sequence[Record]) -> str:
-    """Names that are hidden, named right, missed, false; sets that are exact, that have
-    the first name right, that are not sure; rms error in standard errors; median gap
-    closed, of the visible, and seconds."""
-    hidden = sum(len(one["hidden"]) for one in group)
-    right = sum(len(set(one["hidden"]) & set(one["named"])) for one in group)
-    first = sum(one["outcome"] == "right" for one in group)
+def line(name: str, group: Sequence[Record]) -> str:
+    """Return a line of a table: names of the vocabulary that are hidden, named right,
+    missed, false; sets that are exact, that have the first name right, that are not
+    sure; rms error in standard errors; median gap closed, of the visible, and seconds
+    of a processor."""
+    known = [set(one["hidden"]) & set(KINDS) for one in group]
+    found = zip(known, group, strict=True)
+    right = sum(len(names & set(one["named"])) for names, one in found)
+    hidden = sum(map(len, known))
     off = [value for one in group for value in one.get("errors", {}).values()]
     closed = _closed(group)
-    return (
-        f"{name[:31]:32}{len(group):6}{hidden:6}{right:6}{hidden - right:7}"
-        f"{sum(one['extra'] for one in group):6}"
-        f"{sum(one['exact'] for one in group):6}{first:6}"
-        f"{sum(one['flagged'] for one in group):7}"
-        f"{np.sqrt(np.mean(np.square(off))) if off else np.nan:7.2f}"
-        f"{np.median(closed) if closed else np.nan:8.4f}"
-        f"{np.median([one['seconds'] for one in group]):8.1f}"
+    values = (
+        len(group),
+        hidden,
+        right,
+        hidden - right,
+        sum(one["extra"] for one in group),
+        sum(one["exact"] for one in group),
+        sum(one["outcome"] == "right" for one in group),
+        sum(one["flagged"] for one in group),
+        np.sqrt(np.mean(np.square(off))) if off else np.nan,
+        np.median(closed) if closed else np.nan,
+        np.median([one["seconds"] for one in group]),
     )
+    cells = zip(values, COLUMNS.values(), strict=True)
+    return f"{name[:31]:32}" + "".join(f"{value:{wide}}" for value, wide in cells)
 
 
 Bound = tuple[str, float, str]  # what, value, what is asked

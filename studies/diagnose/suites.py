@@ -6,13 +6,12 @@
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
 
-from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.camera import Camera, camera_of
 from cg2raw.synthetic.captures import (
@@ -27,7 +26,7 @@ from cg2raw.synthetic.conditions import STUDIO
 from cg2raw.synthetic.evidence import evidence
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from cg2raw.synthetic.strengths import FIRST_NAMES, KINDS, UNKNOWN_KINDS
-from cg2raw.synthetic.synthetic_camera import plan, stream
+from cg2raw.synthetic.synthetic_camera import stream
 from studies.diagnose.cameras import CameraCase
 from studies.diagnose.dense import WRONG, DenseCase, dense_names, draw_faults
 from studies.diagnose.real import RealCase, manifest_of, plantable
@@ -68,8 +67,6 @@ TEN = (
     *("dark_current", "dark_current_nonuniformity", "prnu", "lens_shading"),
     "shot_noise",
 )
-# Suites of which every dark and flat is taken twice, as scenes are.
-REPEATED = ("low-none", "nine")
 LOW_BITS, LOW_NOISE_DN, CUT_NOISE_DN = 10, (0.2, 0.5), (0.2, 2.0)
 # Darks and flats alone do not show these (docs/diagnose.md, the table of captures).
 OF_SCENES = {
@@ -86,8 +83,9 @@ LATER_NAMES = [name for name in KINDS if name not in FIRST_NAMES]
 
 @dataclass(frozen=True)
 class Case:
-    """One synthetic camera. strengths : effect -> strength. without : effects that the
-    diagnosis must not name."""
+    """One synthetic camera, 36 frames: in each split darks of two exposure times, flats
+    of two levels and two scenes, each twice. strengths : effect -> strength. without :
+    effects that the diagnosis must not name."""
 
     suite: str
     number: int
@@ -114,7 +112,14 @@ class Case:
         sensor, hidden = self.sensor_and_hidden()
         iso = noise_iso(sensor, None)
         source = synthetic_camera_of(
-            sensor, hidden, self.seed, SHAPE, ILLUMINANT, iso, self.nuisances
+            sensor,
+            hidden,
+            self.seed,
+            SHAPE,
+            ILLUMINANT,
+            iso,
+            self.nuisances,
+            twice=True,
         )
         return evidence(source, names)
 
@@ -127,10 +132,8 @@ class Case:
         """Return the frames and the parameters that were hidden in them."""
         sensor, hidden = self.sensor_and_hidden()
         found = simulate_captures(
-            sensor, hidden, seed=self.seed, nuisances=self.nuisances
+            sensor, hidden, seed=self.seed, nuisances=self.nuisances, twice=True
         )
-        if self.suite in REPEATED:
-            found = _repeated(found, sensor, hidden, self.seed)
         return found, hidden
 
 
@@ -160,28 +163,6 @@ def low_sensor(seed: int) -> Sensor:
     read_noise = rng.uniform(2, 5)  # electrons
     coarse = Sensor.from_json(json.dumps(profile), sensor.id)
     return with_noise(coarse, read_noise * (white - black) / noise_dn, read_noise, ISO)
-
-
-def _repeated(
-    found: CaptureSet,
-    sensor: Sensor,
-    hidden: Mapping[str, Mapping[str, float]],
-    seed: int,
-) -> CaptureSet:
-    """Return captures of which every dark and flat is taken twice, as scenes are."""
-    iso = noise_iso(sensor, None)
-    source = synthetic_camera_of(sensor, hidden, seed, SHAPE, ILLUMINANT, iso, None)
-    captures: list[Capture] = []
-    for capture, shot in zip(found.captures, plan(seed), strict=True):
-        captures.append(capture)
-        if not capture.shows.image:
-            again = replace(shot, name=f"{shot.name}_again")
-            raw, density = partial(source.raw, again), source.log_density
-            density_again = partial(density, again)
-            captures.append(
-                replace(capture, name=again.name, raw=raw, log_density=density_again)
-            )
-    return replace(found, captures=captures)
 
 
 AnyCase = Case | DenseCase | RealCase | CameraCase

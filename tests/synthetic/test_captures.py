@@ -97,6 +97,24 @@ def test_a_set_has_three_disjoint_groups(sensor):
     assert len({name for name, _ in sets}) == len(sets)
 
 
+def test_darks_and_flats_that_are_taken_twice_have_noise_of_their_own(sensor):
+    hidden = draw_hidden(sensor, {"random_telegraph_noise": None}, seed=6)
+    once = simulate_captures(sensor, {}, seed=6, shape=SHAPE).captures
+    frames = {
+        one.name: one.raw()
+        for one in simulate_captures(
+            sensor, {}, seed=6, shape=SHAPE, twice=True
+        ).captures
+    }
+    assert all(np.array_equal(one.raw(), frames[one.name]) for one in once)
+    twice = simulate_captures(sensor, hidden, seed=6, shape=SHAPE, twice=True)
+    assert {one.name for one in twice.captures} == set(frames) and len(frames) == 36
+    dark, again = twice.captures[:2]
+    assert again.name == f"{dark.name}_again"
+    assert (again.set, again.exposure_time) == (dark.set, dark.exposure_time)
+    assert (dark.raw() != again.raw()).any()
+
+
 def test_scenes_have_shadows_colours_and_clipped_lights(sensor):
     for one in report(simulate_captures(sensor, {}, seed=1, shape=SHAPE), "scene"):
         scene = one.scene()

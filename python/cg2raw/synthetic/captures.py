@@ -50,6 +50,7 @@ def simulate_captures(
     groups: tuple[Group, ...] = GROUPS,
     nuisances: Mapping[str, float] | None = None,
     measured: Measured | None = None,
+    twice: bool = False,
 ) -> CaptureSet:
     """Return frames that a Sensor would take if it had hidden effects.
 
@@ -60,12 +61,13 @@ def simulate_captures(
     groups : of GROUPS, 8 frames each.
     nuisances : of conditions.STUDIO: what else is wrong with the captures.
     measured : a real lens or read noise that is hidden too.
+    twice : darks and flats are taken twice, as scenes are: 12 frames per group.
 
     log_density of the captures is that of the model that drew them, which knows the
     nuisances too; None where its read noise was measured. Raises ValueError."""
     iso = noise_iso(sensor, iso)
     source = synthetic_camera_of(
-        sensor, hidden, seed, shape, illuminant, iso, nuisances, measured
+        sensor, hidden, seed, shape, illuminant, iso, nuisances, measured, twice
     )
     known = not (measured and measured.read_noise)
     captures = [
@@ -82,7 +84,7 @@ def simulate_captures(
             scene=partial(source.render, shot),
             log_density=partial(source.log_density, shot) if known else None,
         )
-        for shot in plan(seed, groups)
+        for shot in plan(seed, groups, twice)
     ]
     return CaptureSet(
         sensor=doubted(sensor, source.camera),
@@ -113,6 +115,7 @@ def synthetic_camera_of(
     iso: float,
     nuisances: Mapping[str, float] | None,
     measured: Measured | None = None,
+    twice: bool = False,
 ) -> SyntheticCamera:
     """Return the camera that draws the frames; arguments as of simulate_captures."""
     if min(shape) < 48 or shape[0] % 2 or shape[1] % 2:
@@ -135,7 +138,7 @@ def synthetic_camera_of(
             f"{tuple(shape)} and no value below 0"
         )
     size = (int(shape[0]), int(shape[1]))
-    return SyntheticCamera(camera, hidden, seed, size, given, measured)
+    return SyntheticCamera(camera, hidden, seed, size, given, measured, twice)
 
 
 def noise_iso(sensor: Sensor, iso: float | None) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.synthetic.synthetic_camera import Shot, SyntheticCamera, plan
+from cg2raw.synthetic.synthetic_camera import Shot, SyntheticCamera
 
 
 class _Without(SyntheticCamera):
@@ -17,7 +17,12 @@ class _Without(SyntheticCamera):
     def __init__(self, source: SyntheticCamera, name: str) -> None:
         rest = {key: values for key, values in source.hidden.items() if key != name}
         super().__init__(
-            source.camera, rest, source.seed, source.shape, source.nuisances
+            source.camera,
+            rest,
+            source.seed,
+            source.shape,
+            source.nuisances,
+            twice=source.twice,
         )
         self._shown = source
 
@@ -30,7 +35,7 @@ def evidence(source: SyntheticCamera, names: Iterable[str]) -> dict[str, float]:
 
     Both cameras are known to the last parameter: what a diagnosis, which has to fit
     them, can gain is less."""
-    shots = [shot for shot in plan(source.seed) if shot.group == "select"]
+    shots = [shot for shot in source.shots if shot.group == "select"]
 
     def total(one: SyntheticCamera) -> float:
         return sum(float(np.nansum(one.log_density(s), dtype=float)) for s in shots)

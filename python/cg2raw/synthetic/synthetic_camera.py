@@ -53,9 +53,14 @@ class Shot:
     seconds: float
 
 
-def plan(seed: int, groups: tuple[Group, ...] = GROUPS) -> list[Shot]:
+def plan(
+    seed: int, groups: tuple[Group, ...] = GROUPS, twice: bool = False
+) -> list[Shot]:
     """Return the standard set, 8 frames per group: darks of two exposure times, two
-    flats, two scenes twice."""
+    flats, two scenes twice.
+
+    twice : each dark and flat as well, 12 frames per group: what repeats has a scatter.
+    """
     shots = []
     for group in groups:
         rng = stream(seed, f"plan/{group}")
@@ -71,7 +76,15 @@ def plan(seed: int, groups: tuple[Group, ...] = GROUPS) -> list[Shot]:
             for repeat in range(2):
                 one = f"{name}_{repeat}"
                 shots.append(Shot(one, "scene", group, name, repeat, seconds))
-    return shots
+    if not twice:
+        return shots
+    return [one for shot in shots for one in (shot, *_again(shot))]
+
+
+def _again(shot: Shot) -> list[Shot]:
+    """Return the second frame of a dark or flat; a scene has one already."""
+    again = replace(shot, name=f"{shot.name}_again")
+    return [] if shot.kind == "scene" else [again]
 
 
 def stream(seed: int, purpose: str) -> Generator:
@@ -82,7 +95,8 @@ def stream(seed: int, purpose: str) -> Generator:
 class SyntheticCamera:
     """Draws frames, and knows their density.
 
-    nuisances : all of conditions.STUDIO, as conditions.checked returns them."""
+    nuisances : all of conditions.STUDIO, as conditions.checked returns them. twice : as
+    of plan."""
 
     def __init__(
         self,
@@ -92,15 +106,17 @@ class SyntheticCamera:
         shape: tuple[int, int],
         nuisances: Mapping[str, float],
         measured: Measured | None = None,
+        twice: bool = False,
     ) -> None:
-        self.camera, self.hidden = camera, hidden
+        self.camera, self.hidden, self.twice = camera, hidden, twice
         self.measured = measured or Measured()
         self.seed, self.shape, self.nuisances = seed, shape, nuisances
         self.field = Field(shape, MARGIN)
         self.noise = noise_of(hidden)
         rng = stream(seed, "patterns")
         self.patterns = charge.patterns(rng, shape, hidden, camera)
-        self.fit_shots = [shot for shot in plan(seed) if shot.group == "fit"]
+        self.shots = plan(seed, twice=twice)
+        self.fit_shots = [shot for shot in self.shots if shot.group == "fit"]
         self._scene = lru_cache(maxsize=2)(self._drawn_scene)
         self._on_sensor = lru_cache(maxsize=6)(self._light_on_sensor)
 
@@ -170,7 +186,7 @@ class SyntheticCamera:
         traps = self.traps
         if traps is None:
             return 0.0
-        number = [one.name for one in plan(self.seed)].index(shot.name)
+        number = [one.name for one in self.shots].index(shot.name)
         return offsets(
             traps, number, lambda n: stream(self.seed, f"telegraph/states/{n}")
         )

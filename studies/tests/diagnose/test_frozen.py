@@ -4,12 +4,15 @@
 
 import json
 import os
+from collections import Counter
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pytest
 
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from cg2raw.synthetic.synthetic_camera import GROUPS
 from studies.diagnose import frozen
 from studies.diagnose.cameras import manifest
 from studies.diagnose.real_frames import VARIABLE
@@ -33,6 +36,16 @@ def test_the_file_of_real_frames_says_what_is_planted():
     path = manifest("ccd", Path(os.environ[VARIABLE]))
     said = frozen.frozen("real", path)
     assert len(said) == 100 and said == frozen.drawn("real", path)
+
+
+@pytest.mark.parametrize("suite", SYNTHETIC)
+def test_each_split_has_two_frames_of_each_time_level_and_scene(suite):
+    found, _ = frozen.frozen(suite)[-1].captures()
+    seen = Counter((c.group, c.kind, c.set, c.exposure_time) for c in found.captures)
+    groups = Counter((group, kind) for group, kind, *_ in seen)
+    assert set(seen.values()) == {2}
+    assert groups == dict.fromkeys(product(GROUPS, ("dark", "flat", "scene")), 2)
+    assert len({c.raw().tobytes() for c in found.captures}) == 36
 
 
 @pytest.mark.parametrize("suite", SYNTHETIC)

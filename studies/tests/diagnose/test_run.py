@@ -3,17 +3,22 @@
 """The bench of the diagnosis: how it counts, and a sample of what it shows."""
 
 import json
+import textwrap
+from collections import Counter
 from types import SimpleNamespace
 
 import pytest
 
 import cg2raw.diagnose
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from studies.diagnose import frozen, gates
 from studies.diagnose import run as command
 from studies.diagnose.dense import dense_names
+from studies.diagnose.real_frames import VARIABLE
 from studies.diagnose.run import bench
 from studies.diagnose.scores import bounds, half_points, score, table
 from studies.diagnose.suites import SUITES, Case, cases
+from studies.docs_page import marks
 
 
 def verdict_of(names, verdict="identified", before=0.1, after=0.001):
@@ -116,6 +121,64 @@ def test_command_prints_the_table(tmp_path, monkeypatch, capsys):
     assert f"{path}: has 2 sets of none: go on with" in capsys.readouterr().err
     assert command.main([*argv, "--resume"]) == 0
     assert len(path.read_text().splitlines()) == 2
+
+
+def test_each_engine_has_records_of_its_own(tmp_path, monkeypatch):
+    asked = []
+
+    def other(captures, **options):
+        asked.append(options)
+        return verdict_of([], "no gap", 0.0, 0.0)
+
+    monkeypatch.setitem(
+        command.ENGINES, "search", lambda *_, **__: verdict_of(["dsnu"])
+    )
+    monkeypatch.setitem(command.ENGINES, "other", other)
+    wanted = {"count": 1, "path": tmp_path / "records.jsonl"}
+    for engine in ("search", "other", "other"):
+        [one] = bench("none", **wanted, limits={"engine": engine})
+        assert (one["engine"], one["exact"]) == (engine, engine == "other")
+    assert asked == [{"alpha": 0.01, "without": ()}]
+
+
+def test_gates_are_a_row_of_each_suite(tmp_path, monkeypatch, capsys):
+    monkeypatch.delenv(VARIABLE, raising=False)
+    monkeypatch.setattr(Case, "evidence", lambda *_: {})
+    suites = {*frozen.SIZES, *gates.OF_REAL_FRAMES}
+    monkeypatch.setattr(command, "COUNTS", dict.fromkeys(sorted(suites), 1))
+    monkeypatch.setitem(
+        command.ENGINES, "search", lambda *_, **__: verdict_of(["blur"])
+    )
+    argv = ["gates", "--count", "4", "--jobs", "1", "--quiet"]
+    assert command.main([*argv, "--json", str(tmp_path / "records.jsonl")]) == 0
+    out, err = capsys.readouterr()
+    assert err == "diagnose: real, cameras: left out, no folder of real frames\n"
+    head, *rows = out.splitlines()
+    rows = {row[:32].strip(): row[32:].split() for row in rows}
+    assert set(rows) == {
+        *("low-none", "nine", "none", "nuisance-none", "pairs", "triples", "unknown"),
+        *("single, by darks and flats", "single, by scenes"),
+    }
+    columns = head.split()[1:]
+    unknown = dict(zip(columns, rows["unknown"], strict=True))
+    assert (unknown["names"], unknown["missed"], unknown["false"]) == ("0", "0", "4")
+    by_scenes = dict(zip(columns, rows["single, by scenes"], strict=True))
+    assert by_scenes["right"] == by_scenes["exact"] == "1"  # of color_matrix and blur
+
+
+def test_the_page_has_the_gates_of_the_first_engine(repository):
+    """The command there adds nothing to the file: it has these sets, and no others."""
+    text = (frozen.FOLDER / "first_engine.jsonl").read_text()
+    records = [json.loads(line) for line in text.splitlines()]
+    assert Counter(one["suite"] for one in records) == gates.COUNTS
+    for suite in gates.COUNTS.keys() - set(gates.OF_REAL_FRAMES):
+        sets = frozen.frozen(suite)[: gates.COUNTS[suite]]
+        path = frozen.FOLDER / "first_engine.jsonl"
+        assert len(command.done_before(path, sets, 0.01)) == len(sets)
+    start, end = marks("gates")
+    page = (repository / "docs" / "diagnose.md").read_text()
+    said = page.partition(start)[2].partition(end)[0]
+    assert textwrap.dedent(said).strip() == gates.table(records)
 
 
 def test_limits_reach_the_diagnosis_and_are_counted(monkeypatch):
