@@ -6,9 +6,16 @@ import numpy as np
 import pytest
 
 from cg2raw.match import Levels, shift_between, shift_of
-from cg2raw.match.shift import fitted
+from cg2raw.match.shift import any_shape, normal, shape_of
 
 NONE = np.empty(0)
+
+
+def fitted(renders, captures):
+    """Return (median, spread), and which shape was taken."""
+    shape = shape_of(renders, captures, 0)
+    found = shape(renders, captures)
+    return found.median, found.spread, shape
 
 
 def known(levels):
@@ -30,9 +37,10 @@ def test_the_shape_of_the_scenes_does_not_matter(scenes):
     """The difference of medians is off by 1.2 stops where there are two kinds."""
     rng = np.random.default_rng(1)
     found = [
-        fitted(scenes(rng, 2000), known(scenes(rng, 2000) + rng.normal(1.5, 0.7, 2000)))
-        for _ in range(5)
+        shape(scenes(rng, 2000), known(scenes(rng, 2000) + rng.normal(1.5, 0.7, 2000)))
+        for shape in 3 * [any_shape, normal]
     ]
+    found = [(one.median, one.spread) for one in found]
     assert np.mean(found, axis=0) == pytest.approx([1.5, 0.7], abs=0.06)
 
 
@@ -40,9 +48,36 @@ def test_other_scenes_are_no_spread():
     """Of levels of another shape, a meter's, the shift is that of the middles."""
     rng = np.random.default_rng(9)
     renders, captures = rng.normal(-6, 1.2, 200), -3.2 - rng.gamma(1.2, 1.3, 200)
-    median, spread = fitted(renders, known(captures))
+    median, spread, shape = fitted(renders, known(captures))
+    assert shape is any_shape
     assert median == pytest.approx(np.median(captures) - np.median(renders), abs=0.2)
     assert spread < 1
+
+
+def test_an_exposure_is_normal_unless_captures_tell_otherwise():
+    """Then the median's error is two thirds of that of any shape; 1 test of 100 is
+    wrong by chance, of 20 hardly more than one."""
+    rng = np.random.default_rng(10)
+    shapes, errors = [], []
+    for _ in range(20):
+        scenes = rng.normal(-4, 0.3, (2, 200))
+        exposures = rng.normal(1.5, 0.7, 200)
+        median, spread, shape = fitted(scenes[0], known(scenes[1] + exposures))
+        shapes.append(shape)
+        errors.append((median - np.median(exposures), spread - exposures.std()))
+    assert shapes.count(normal) >= 19
+    median, spread = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert median < 0.065 and spread < 0.045
+
+
+def test_exposures_of_two_kinds_are_no_normal_one():
+    """Of half of the captures 0, of half 4: the middle of a normal one has none."""
+    rng = np.random.default_rng(11)
+    scenes = rng.normal(-6, 0.3, (2, 200))
+    captures = known(scenes[1] + 4.0 * (np.arange(200) % 2))
+    assert shape_of(scenes[0], captures, 0) is any_shape
+    stops = any_shape(scenes[0], captures).stops(np.linspace(0, 1, 201))
+    assert np.mean(np.abs(stops - 2) < 1) < 0.1
 
 
 def test_bounds_count_as_such():
@@ -55,14 +90,14 @@ def test_bounds_count_as_such():
         levels[~white & ~black], np.full(white.sum(), -1.0), np.full(black.sum(), -4.0)
     )
     assert white.sum() + black.sum() > 1500
-    assert fitted(scenes[0], captures) == pytest.approx([1.5, 1.5], abs=0.1)
+    assert fitted(scenes[0], captures)[:2] == pytest.approx([1.5, 1.5], abs=0.1)
 
 
 def test_a_few_frames_that_tell_nothing_do_not_matter():
     rng = np.random.default_rng(3)
     levels = rng.normal(-4, 0.5, 400) + rng.normal(1, 0.4, 400)
     levels[:4] = -15
-    median, spread = fitted(rng.normal(-4, 0.5, 400), known(levels))
+    median, spread, _ = fitted(rng.normal(-4, 0.5, 400), known(levels))
     assert median == pytest.approx(1, abs=0.1)
     assert spread == pytest.approx(0.4, abs=0.15)
 

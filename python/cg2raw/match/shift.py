@@ -4,12 +4,13 @@
 
 Levels of frames, in stops, differ by their scenes and by their exposures: c = r + e.
 The scenes of both sets are draws from one population, and exposures do not depend on
-them, so the density of c is that of r convolved with that of e. e has any shape: the
-one of highest likelihood of the captures' levels, which may be bounds: a frame of which
-more than half is white lies above one. A normal e takes what differs between the scenes
-of both for spread, and its middle follows. r is a kernel density of the renders' levels
-with their variance (Silverman, Density Estimation, 1986, 6.4.1). Levels are counted on
-a grid, so that time and memory do not depend on their number."""
+them, so the density of c is that of r convolved with that of e. e is normal, unless the
+captures' levels tell otherwise: then it has any shape, as a normal e would take what
+differs between the scenes of both for spread. Either is the one of highest likelihood
+of those levels, which may be bounds: a frame of which more than half is white lies
+above one. r is a kernel density of the renders' levels with their variance (Silverman,
+Density Estimation, 1986, 6.4.1). Levels are counted on a grid, so that time and memory
+do not depend on their number."""
 
 import math
 from collections.abc import Callable
@@ -17,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
+from scipy.optimize import minimize
+from scipy.special import ndtr, ndtri
 from scipy.stats import chi2, t
 
 Array = NDArray[np.float64]
@@ -27,13 +29,13 @@ STEP = 1 / 16  # stops between grid points
 POINTS = 1024  # of the grid
 FIRST = -40.0  # stops
 MOST_SHIFT = 256  # grid points, up or down
-SHIFTS = STEP * np.arange(-MOST_SHIFT, MOST_SHIFT + 1)
+EDGES = STEP * (np.arange(-MOST_SHIFT, MOST_SHIFT + 2) - 0.5)  # of the shifts' cells
 ROUNDS = 50  # of the EM algorithm
 SMOOTH = np.array([0.1, 0.8, 0.1])  # after each round, else it ends in a few spikes
 OUTLIERS = 0.01  # share of frames whose level tells nothing, as a covered lens
 KERNEL = 0.2  # of its width by the rule of thumb for normal levels, 0.9: modes stay
 DRAWS = 200  # of the bootstrap
-LEVEL = 0.99  # of intervals
+LEVEL = 0.99  # of intervals, and of the test of a normal shift
 PROBABILITIES = np.linspace(0, 1, 21)
 MIDDLES = (np.arange(200) + 0.5) / 200  # probabilities, all of one share
 TAIL = 0.1  # of a distribution, at least, that is taken to be normal
@@ -69,6 +71,16 @@ class Levels:
             )
         )
 
+    def bounded(self, levels: Array) -> "Levels":
+        """Return other levels, of which as many of the lowest and of the highest are
+        but bounds."""
+        known = np.sort(levels)[len(self.below) : len(levels) - len(self.above)]
+        return Levels(
+            known,
+            np.full(len(self.above), known[-1]),
+            np.full(len(self.below), known[0]),
+        )
+
 
 @dataclass(frozen=True)
 class Shift:
@@ -84,17 +96,38 @@ class Shift:
     spread_range: Range
 
 
+@dataclass(frozen=True)
+class Fit:
+    """A distribution of shifts: its quantiles, and how likely it makes captures.
+
+    stops : quantiles at probabilities, stops. likelihood : natural logarithm."""
+
+    median: float
+    spread: float
+    stops: Callable[[Array], Array]
+    likelihood: float
+
+    @property
+    def both(self) -> tuple[float, float]:
+        """Median and standard deviation."""
+        return self.median, self.spread
+
+
 def shift_between(renders: Array, captures: Levels, seed: int = 0) -> Shift:
     """Return the Shift that makes renders' levels those of captures, whose scenes are
     other draws of one population; at least two of each."""
-    median, spread = fitted(renders, captures)
-    found = stops_at(PROBABILITIES, renders, captures)
+    shape = shape_of(renders, captures, seed)
+    found = shape(renders, captures)
     quantiles = tuple(
         (round(float(p), 3), float(q))
-        for p, q in zip(PROBABILITIES, found, strict=True)
+        for p, q in zip(PROBABILITIES, found.stops(PROBABILITIES), strict=True)
     )
-    ranges = intervals((median, spread), renders, captures, seed)
-    return Shift(median, spread, quantiles, *ranges)
+
+    def estimate(ours: Array, theirs: Levels) -> tuple[float, float]:
+        return shape(ours, theirs).both
+
+    ranges = intervals(found.both, renders, captures, seed, estimate)
+    return Shift(found.median, found.spread, quantiles, *ranges)
 
 
 def shift_of(values: Levels, seed: int = 0) -> Shift:
@@ -109,34 +142,98 @@ def of_pairs(_: Array, values: Levels) -> tuple[float, float]:
     return float(np.median(values.all)), float(values.all.std())
 
 
-def fitted(renders: Array, captures: Levels) -> tuple[float, float]:
-    """Return (median, standard deviation) of the shift of highest likelihood."""
-    stops = stops_at(np.append(MIDDLES, 0.5), renders, captures)
-    return float(stops[-1]), float(stops[:-1].std())
+def shape_of(
+    renders: Array, captures: Levels, seed: int
+) -> Callable[[Array, Levels], Fit]:
+    """Return normal, or any_shape where a test of the likelihoods' ratio rejects it.
+
+    What the ratio may be by chance is drawn from the normal fit, until more draws than
+    1 - LEVEL of all exceed that of the captures. Source of the latter: Besag and
+    Clifford, Biometrika 78, 1991."""
+    rng = np.random.default_rng(seed)
+    fit = normal(renders, captures)
+    gain = any_shape(renders, captures).likelihood - fit.likelihood
+    scenes, width = shrunk(renders)
+    exceeded = 0
+    for _ in range(DRAWS - 1):
+        ours, theirs = (
+            rng.choice(scenes, count) + width * rng.normal(size=count)
+            for count in (len(renders), len(captures))
+        )
+        theirs += fit.median + fit.spread * rng.normal(size=len(theirs))
+        drawn = captures.bounded(theirs)
+        other = any_shape(ours, drawn).likelihood - normal(ours, drawn).likelihood
+        exceeded += other >= gain
+        if exceeded + 1 > (1 - LEVEL) * DRAWS:
+            return normal
+    return any_shape
 
 
-def stops_at(probabilities: Array, renders: Array, captures: Levels) -> Array:
-    """Return quantiles of the shift of highest likelihood.
+def normal(renders: Array, captures: Levels) -> Fit:
+    """Return the normal Fit of highest likelihood."""
+    chance, number = chances(renders, captures)
+
+    def of(values: Array) -> tuple[float, float]:
+        return float(values[0]), math.hypot(float(values[1]), STEP / 2)
+
+    def likelihood(values: Array) -> float:
+        median, spread = of(values)
+        share = np.diff(ndtr((EDGES - median) / spread))
+        return float(number @ np.log(chance @ share))
+
+    square = float(captures.all.var() - renders.var())
+    start = np.median(captures.all) - np.median(renders), max(square, STEP) ** 0.5
+    best = minimize(
+        lambda values: -likelihood(values),
+        np.array(start),
+        method="Nelder-Mead",
+        options={"xatol": STEP / 32, "fatol": 1e-3},
+    )
+    median, spread = of(best.x)
+
+    def stops(probabilities: Array) -> Array:
+        outer = np.clip(probabilities, ENDS, 1 - ENDS)
+        return np.asarray(median + spread * ndtri(outer))
+
+    return Fit(median, spread, stops, -float(best.fun))
+
+
+def any_shape(renders: Array, captures: Levels) -> Fit:
+    """Return the Fit of highest likelihood.
 
     Tails that few frames, or bounds alone, tell of are those of the normal distribution
-    that is as wide between them."""
-    share = shares(renders, captures)
+    that is as wide between them. Source: Laird, Journal of the American Statistical
+    Association 73, 1978."""
+    chance, number = chances(renders, captures)
+    share = np.full(chance.shape[1], 1 / chance.shape[1])
+    for _ in range(ROUNDS):
+        part = chance * share
+        part *= (number / part.sum(axis=1))[:, None]
+        share = np.convolve(part.sum(axis=0), SMOOTH, "same")
+        share /= share.sum()
     ends = np.append(0.0, np.cumsum(share))
-    edges = np.append(SHIFTS, SHIFTS[-1] + STEP) - STEP / 2
     bounds = max(len(captures.above), len(captures.below)) / len(captures)
     tail = min(max(TAIL, bounds + 0.02), 0.4)
-    inner = np.clip(probabilities, tail, 1 - tail)
-    low, high = np.interp((tail, 1 - tail), ends / ends[-1], edges)
+    low, high = np.interp((tail, 1 - tail), ends / ends[-1], EDGES)
     deviation = (high - low) / (-2 * ndtri(tail))
-    outer = np.clip(probabilities, ENDS, 1 - ENDS)
-    found: Array = np.interp(inner, ends / ends[-1], edges)
-    return np.asarray(found + deviation * (ndtri(outer) - ndtri(inner)))
+
+    def stops(probabilities: Array) -> Array:
+        inner = np.clip(probabilities, tail, 1 - tail)
+        outer = np.clip(probabilities, ENDS, 1 - ENDS)
+        found: Array = np.interp(inner, ends / ends[-1], EDGES)
+        return np.asarray(found + deviation * (ndtri(outer) - ndtri(inner)))
+
+    return Fit(
+        float(stops(np.array(0.5))),
+        float(stops(MIDDLES).std()),
+        stops,
+        float(number @ np.log(chance @ share)),
+    )
 
 
-def shares(renders: Array, captures: Levels) -> Array:
-    """Return the share that each of SHIFTS has where the likelihood is highest.
-
-    Source: Laird, Journal of the American Statistical Association 73, 1978."""
+def chances(renders: Array, captures: Levels) -> tuple[Array, Array]:
+    """Return (cells, shifts): how likely each shift makes a capture of each cell of the
+    grid in which there is one; and how many there are (cells,)."""
     density = density_of(renders)
     below = np.cumsum(density) - density / 2
     rows, numbers = [], []
@@ -150,15 +247,8 @@ def shares(renders: Array, captures: Levels) -> Array:
         shifted = cells[:, None] - np.arange(-MOST_SHIFT, MOST_SHIFT + 1)
         rows.append(chance[np.clip(shifted, 0, POINTS - 1)])
         numbers.append(found[cells])
-    number = np.concatenate(numbers)
     chance = (1 - OUTLIERS) * np.concatenate(rows) + OUTLIERS / POINTS
-    share = np.full(len(SHIFTS), 1 / len(SHIFTS))
-    for _ in range(ROUNDS):
-        part = chance * share
-        part *= (number / part.sum(axis=1))[:, None]
-        share = np.convolve(part.sum(axis=0), SMOOTH, "same")
-        share /= share.sum()
-    return share
+    return chance, np.concatenate(numbers)
 
 
 def density_of(levels: Array) -> Array:
@@ -208,7 +298,7 @@ def intervals(
     renders: Array,
     captures: Levels,
     seed: int,
-    estimate: Callable[[Array, Levels], tuple[float, float]] = fitted,
+    estimate: Callable[[Array, Levels], tuple[float, float]],
 ) -> tuple[Range, Range]:
     """Return the intervals of (median, spread): those of the bootstrap, and where they
     are narrower, as of few frames, those of normal levels.
