@@ -50,7 +50,7 @@ class Frame:
     to the next over that over eight, 1/8 of ramps, 1 of edges. noise : standard
     deviation where it is flat, of the square root of the signal over white: that of
     photons is the same at all levels. NaN where the frame does not show it.
-    thumbnail : luminance of cells, stops; NaN where it is unknown."""
+    thumbnail : luminance of cells, stops, up to a constant; NaN where unknown."""
 
     name: str
     quantiles: Array
@@ -109,7 +109,7 @@ def look(
         first = sensor.transform(f"neutral:{light.neutral[0]!r}:{light.neutral[2]!r}")
         weights = REC709 @ np.linalg.inv(first.first)
     luminance = balanced @ weights
-    floor = FLOOR_DN / (sensor.white_level - float(np.mean(sensor.black_level)))
+    floor = floor_of(sensor)
     stops = np.log2(np.maximum(luminance, floor))
     is_white: NDArray[np.bool_] = bins.white > CLIPPED_BIN
     is_black = (luminance <= floor) & ~is_white
@@ -132,6 +132,11 @@ def look(
         noise,
         thumbnail(np.where(is_white | is_black, UNKNOWN, stops)),
     )
+
+
+def floor_of(sensor: Sensor) -> float:
+    """Return the luminance, white at 1, below which that of a bin is unknown."""
+    return FLOOR_DN / (sensor.white_level - float(np.mean(sensor.black_level)))
 
 
 def neutral_of_all(plane: RawImage, sensor: Sensor) -> tuple[float, float, float]:

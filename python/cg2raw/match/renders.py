@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Renders become Frames through the model of a sensor."""
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,13 +15,13 @@ from cg2raw.cfa import is_mono
 from cg2raw.io.frame_files import ENDINGS
 from cg2raw.io.image_file import RAW_ENDINGS, read_image
 from cg2raw.match.captures import files_below
-from cg2raw.match.frame import Frame, look
+from cg2raw.match.frame import LIT, PROBABILITIES, Frame, floor_of, look
+from cg2raw.raw_frame import RawFrame
 from cg2raw.sensor import Sensor
 from cg2raw.system import check_readable
 
-# Stops by which a render is moved so that its middle is seen, where it is not.
-STEPS = (-6.0, 6.0, -12.0, 12.0, -18.0, 18.0)
-SEEN = 0.25  # share of bins on either side of what is compared
+METERED = "auto:50:0.05"  # shadows are above rounding then, and lights below white
+SEEN = 0.25  # share of bins that may be clipped
 
 
 @dataclass(frozen=True)
@@ -65,43 +66,54 @@ def renders_in(paths: Sequence[str]) -> list[str]:
 def read_render(path: str, index: int, model: Model) -> Frame:
     """Return the Frame that the sensor makes of a render, which is the index-th.
 
-    Of one whose middle is clipped or black, luminance is that of the render darkened or
-    brightened, moved back. Raises ValueError, OSError."""
+    Of one whose middle is clipped, or so dim that noise and rounding move it, luminance
+    is that of the render as METERED exposes it, without noise, moved back. Raises
+    ValueError, OSError."""
     pixels = read_image(path, model.layer, model.undo, model.space).pixels
     frame = simulated(path, pixels, index, model)
-    for step in STEPS:
-        if max(frame.black_bins, frame.white_bins) < SEEN:
-            break
-        if (frame.white_bins >= SEEN) != (step < 0):
-            continue
-        other = simulated(path, pixels, index, model, step)
-        if max(other.black_bins, other.white_bins) < SEEN:
-            frame = replace(
-                frame,
-                quantiles=other.quantiles - step,
-                black_bins=other.black_bins,
-                white_bins=other.white_bins,
-                thumbnail=(other.thumbnail - np.float16(step)),
-            )
-    return frame
+    dim = math.log2(LIT * floor_of(model.sensor))
+    if frame.white_bins < SEEN and frame.level >= dim:
+        return frame
+    clean = replace(model, iso=None)
+    plane = raw_of(pixels, index, clean, METERED)
+    assert plane.simulation is not None  # of what simulate returns
+    stops = plane.simulation.exposure["stops"]
+    other = frame_of(path, plane, clean)
+    share = np.array(PROBABILITIES)
+    known = (share > other.black_bins) & (share < 1 - other.white_bins)
+    return replace(
+        frame,
+        quantiles=np.where(known, other.quantiles - stops, frame.quantiles),
+        black_bins=other.black_bins,
+        white_bins=other.white_bins,
+        thumbnail=other.thumbnail,
+    )
 
 
-def simulated(
-    path: str, pixels: NDArray[Any], index: int, model: Model, stops: float = 0.0
-) -> Frame:
-    """Return the Frame of a render's pixels, exposed by a number of stops."""
-    sensor = model.sensor
-    light = "" if is_mono(sensor.cfa) else model.lights[index % len(model.lights)]
-    plane = sensor.simulate(
+def simulated(path: str, pixels: NDArray[Any], index: int, model: Model) -> Frame:
+    """Return the Frame of a render's pixels."""
+    return frame_of(path, raw_of(pixels, index, model), model)
+
+
+def raw_of(
+    pixels: NDArray[Any], index: int, model: Model, exposure: float | str = 0.0
+) -> RawFrame:
+    """Return the RAW frame that the sensor makes of a render's pixels."""
+    mono = is_mono(model.sensor.cfa)
+    return model.sensor.simulate(
         pixels,
-        illuminant=light,
+        illuminant="" if mono else model.lights[index % len(model.lights)],
         iso=model.iso,
         exposure_time=model.exposure_time,
         convention=model.convention,
-        exposure=stops,
+        exposure=exposure,
         frame=index,
         threads=1,
     )
+
+
+def frame_of(path: str, plane: RawFrame, model: Model) -> Frame:
+    """Return the Frame of a RAW frame that was simulated."""
     assert plane.simulation is not None  # of what simulate returns
-    seen = plane.simulation.illuminant if light else None
-    return look(os.path.basename(path), np.asarray(plane), sensor, seen)
+    light = None if is_mono(model.sensor.cfa) else plane.simulation.illuminant
+    return look(os.path.basename(path), np.asarray(plane), model.sensor, light)
