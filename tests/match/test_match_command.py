@@ -18,10 +18,10 @@ SENSOR, COUNT = "canon-700d", 10
 
 
 def write_exr(path, image):
-    """Write an image of half floats."""
+    """Write an image of floats."""
     output = oiio.ImageOutput.create(str(path))
-    output.open(str(path), oiio.ImageSpec(image.shape[1], image.shape[0], 3, "half"))
-    assert output.write_image(np.ascontiguousarray(image))
+    output.open(str(path), oiio.ImageSpec(image.shape[1], image.shape[0], 3, "float"))
+    assert output.write_image(np.ascontiguousarray(image, np.float32))
     output.close()
 
 
@@ -86,6 +86,18 @@ def test_what_is_printed_and_written(folders, tmp_path):
     assert low < 2.5 < high and written["uncertainty"]["confidence"] == 0.99
 
 
+def test_exposures_are_drawn_from_what_is_written(folders, tmp_path):
+    output = tmp_path / "match.json"
+    assert run(*words(folders, "-o", output, "--quiet")).code == 0
+    render, dng = folders / "renders/inside/1.exr", tmp_path / "1.dng"
+    options = ("-o", dng, "--illuminant", "D65", "--exposure", f"match:{output}")
+    done = run("convert", render, *options, "--sensor", SENSOR, "--json")
+    assert done.code == 0, done
+    assert 1.9 < json.loads(done.out)["files"][0]["exposure"]["stops"] < 3.1
+    line = fails("convert", render, *options, "--sensor", "sony-a7s-ii")
+    assert "run cg2raw match --sensor sony-a7s-ii" in line
+
+
 def test_json_has_the_table_and_is_the_same_for_any_number_of_workers(folders):
     one, two = (run(*words(folders, "--json", "--workers", n)) for n in (1, 3))
     assert one.out == two.out
@@ -102,6 +114,19 @@ def test_a_match_on_stdout_and_quiet(folders):
     assert re.search(r"Add \+2\.[45]", done.err)
     done = run(*words(folders, "--quiet"))
     assert (done.code, done.out, done.err) == (0, "", "")
+
+
+@pytest.mark.parametrize("stops", [-12, 9])
+def test_renders_in_other_units_are_seen_at_their_level(folders, tmp_path, stops):
+    """As of light in cd/m2, far above white, or far below the black level's error."""
+    for index in range(COUNT):
+        path = str(folders / "renders/inside" / f"{index}.exr")
+        image = np.asarray(oiio.ImageInput.open(path).read_image("float"))
+        write_exr(tmp_path / f"{index}.exr", image * 2.0**stops)
+    done = run("match", folders / "captures", tmp_path, "-s", SENSOR, "--json")
+    found = json.loads(done.out)
+    assert found["exposure"]["median"] == pytest.approx(2.5 - stops, abs=0.1)
+    assert found["uncertainty"]["scenes"] == COUNT
 
 
 def test_renders_without_noise_say_so(folders, tmp_path):

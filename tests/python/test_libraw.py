@@ -3,8 +3,12 @@
 """RAW files through LibRaw: known cameras are found again, the rest is refused."""
 
 import dataclasses
+import os
 import struct
 import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -170,3 +174,45 @@ def test_no_maker_note_has_no_temperature(tmp_path):
     assert libraw.camera_temperature(write_dng(tmp_path / "a.dng", "A")) is None
     (tmp_path / "b.cr2").write_bytes(b"II*\0" + b"\xff" * 100)
     assert libraw.camera_temperature(tmp_path / "b.cr2") is None
+
+
+def test_threads_read_at_a_time_and_libraries_say_nothing(tmp_path, capfd):
+    path = str(write_dng(tmp_path / "one.dng", shape=(64, 96)))
+    inside = threading.Barrier(2, timeout=60)
+
+    def read():
+        with libraw.opened(path) as raw:
+            inside.wait()  # for the other, who has a file of its own open
+            os.write(2, b"noise")
+            shape = raw.raw_image.shape
+            inside.wait()
+        return shape
+
+    with ThreadPoolExecutor(2) as pool:
+        shapes = [pool.submit(read) for _ in range(2)]
+        assert [shape.result() for shape in shapes] == [(64, 96)] * 2
+    os.write(2, b"said again")
+    assert capfd.readouterr().err == "said again"
+
+
+def test_a_progress_bar_is_seen_meanwhile():
+    pty = pytest.importorskip("pty")
+    terminal, stderr = pty.openpty()
+    script = (
+        "import os, time\n"
+        "from cg2raw.cli._progress import stages\n"
+        "from cg2raw.io.libraw import no_words_of_libraries\n"
+        "with stages() as progress, no_words_of_libraries():\n"
+        "    progress('halfway', 0.5); time.sleep(0.5); os._exit(0)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        stderr=stderr,
+        timeout=60,
+        env=dict(os.environ, TERM="xterm"),
+    )
+    os.close(stderr)
+    assert done.returncode == 0
+    os.set_blocking(terminal, False)
+    assert b"halfway" in os.read(terminal, 10_000)
+    os.close(terminal)
