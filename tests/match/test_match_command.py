@@ -10,6 +10,7 @@ import OpenImageIO as oiio
 import pytest
 
 from cg2raw import Sensor, __version__, write_dng
+from cg2raw.match import captures_in
 from match.match_sets import scene
 from oracles import cameras
 from python.commands import fails, run
@@ -114,6 +115,15 @@ def test_a_match_on_stdout_and_quiet(folders):
     assert re.search(r"Add \+2\.[45]", done.err)
     done = run(*words(folders, "--quiet"))
     assert (done.code, done.out, done.err) == (0, "", "")
+
+
+def test_links_to_folders_lead_to_each_frame_once(tmp_path):
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    (inside / "one.dng").write_bytes(b"")
+    (inside / "round").symlink_to(tmp_path)
+    (tmp_path / "again").symlink_to(inside)
+    assert captures_in([str(tmp_path)]) == [str(tmp_path / "again/one.dng")]
 
 
 @pytest.mark.parametrize("stops", [-12, 9])

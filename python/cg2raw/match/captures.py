@@ -61,14 +61,22 @@ def captures_in(paths: Sequence[str]) -> list[str]:
     return found
 
 
-def files_below(folder: str) -> Iterator[str]:
-    """Yield the files of a folder and of those in it, by name, but hidden ones."""
+def files_below(folder: str, seen: set[str] | None = None) -> Iterator[str]:
+    """Yield the files of a folder and of those in it, by name, but hidden ones.
+
+    Each folder is read once, however many links lead to it. seen : those that were, as
+    they really lie."""
+    seen = set() if seen is None else seen
+    real = os.path.realpath(folder)
+    if real in seen:
+        return
+    seen.add(real)
     for name in sorted(os.listdir(folder)):
         path = os.path.join(folder, name)
         if name.startswith("."):
             continue
         if os.path.isdir(path):
-            yield from files_below(path)
+            yield from files_below(path, seen)
         else:
             yield path
 
