@@ -72,7 +72,7 @@ LOW_BITS, LOW_NOISE_DN, CUT_NOISE_DN = 10, (0.2, 0.5), (0.2, 2.0)
 OF_SCENES = {
     *("color_matrix", "blur", "lateral_chromatic_aberration", "veiling_glare"),
     *("full_well", "poisson_shot_noise"),
-    *UNKNOWN_KINDS,
+    *("lens_distortion", "smear", "line_jitter", "motion_blur", "ghost_image"),
 }
 # The suite power goes down to this share of an effect's range of strengths.
 WEAKEST = 0.02

@@ -55,6 +55,9 @@ def patterns(
         drawn = replace(
             drawn, offset=v["read_noises"] * read * gamma / v["shape"] ** 0.5
         )
+    if "column_gain" in hidden:
+        lines = hidden["column_gain"]["rms"] * rng.standard_normal(shape[1])
+        drawn = replace(drawn, gain=drawn.gain + lines)
     if "column_fixed_pattern" in hidden:
         half = np.sqrt(3) * hidden["column_fixed_pattern"]["read_noises"] * read
         drawn = replace(drawn, column=rng.uniform(-half, half, shape[1]))
@@ -115,7 +118,14 @@ def mosaic_light(
         x = np.where(shaded, (1 - v["loss"] * (1 + v["tilt"] * side)) * x, x)
     if "smear" in hidden:
         x = x + hidden["smear"]["share"] * x.mean(0)
+    if "second_amplifier" in hidden:
+        x = x * (1 + hidden["second_amplifier"]["gain"] * _right_half(x.shape))
     return x
+
+
+def _right_half(shape: tuple[int, ...]) -> Plane:
+    """Return (W,) 1 where a second amplifier reads, else 0."""
+    return np.where(np.arange(shape[1]) < shape[1] // 2, 0.0, 1.0)
 
 
 def _mains(values: Values, phase: float, rows: int) -> Plane:
@@ -186,6 +196,9 @@ def pedestal(
     if "bias_structure" in hidden:
         black = black + _structure(hidden["bias_structure"], shape)
     gain = camera.over(camera.dn_per_electron, shape)
+    if "second_amplifier" in hidden:
+        offset = hidden["second_amplifier"]["read_noises"] * camera.read_noise.mean()
+        black = black + gain * offset * _right_half(shape)
     return black + gain * (fixed.offset + fixed.column)
 
 

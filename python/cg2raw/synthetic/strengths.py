@@ -289,6 +289,16 @@ UNKNOWN_KINDS: Mapping[str, Kind] = {
         0.02,
         lambda rng, s, _: {"share": s, "disc_px": rng.uniform(1.5, 5)},
     ),
+    "column_gain": Kind("rms", 0.003, 0.02, _one("rms")),
+    "second_amplifier": Kind(
+        "read noises that its offset differs by",
+        0.1,
+        1.0,
+        lambda rng, s, _: {
+            "read_noises": s * _sign(rng),
+            "gain": _sign(rng) * rng.uniform(0.002, 0.01),
+        },
+    ),
 }
 
 
