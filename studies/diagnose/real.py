@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
+from typing import Any
 
 from numpy.random import Generator
 
@@ -24,6 +25,7 @@ from cg2raw.synthetic.synthetic_camera import stream
 from studies.diagnose.planted import PLANTS, levels_of, planted
 
 MANIFEST = "captures.yaml"  # of a folder
+PLANTED, CALIBRATED = 6, 4  # frames that repeat each other; 6 are two a split
 NEEDED = "its darks and flats by --captures captures.yaml, or a folder with one"
 
 
@@ -72,15 +74,27 @@ def plantable(path: Path) -> list[str]:
 def halves(
     frames: Sequence[Frame], rng: Generator | None = None
 ) -> tuple[list[Frame], list[Frame]]:
-    """Return frames in two halves: by turns within kind, exposure and temperature.
+    """Return frames in two halves, to calibrate and to plant in, by turns within kind
+    and exposure. Where there are enough, each split of the second has two of each.
 
     rng : draws which of those that repeat each other go where; None for their order."""
     ordered = list(frames)
     if rng is not None:
         ordered = [frames[int(n)] for n in rng.permutation(len(frames))]
     # Temperature comes last in a stratum, and a cooler leaves it to chance.
-    ordered.sort(key=lambda frame: (frame.capture.kind, stratum(frame)[:-1]))
-    return ordered[::2], ordered[1::2]
+    repeated: dict[tuple[Any, ...], list[Frame]] = {}
+    for frame in ordered:
+        key = (frame.capture.kind, *stratum(frame)[:-1])
+        repeated.setdefault(key, []).append(frame)
+    first: list[Frame] = []
+    second: list[Frame] = []
+    for _, group in sorted(repeated.items()):
+        total = len(group)
+        count = max(total // 2, min(PLANTED, total - CALIBRATED))
+        places = {int((n + 0.5) * total / count) for n in range(count)}
+        for n, frame in enumerate(group):
+            (second if n in places else first).append(frame)
+    return first, second
 
 
 @lru_cache(maxsize=1)  # cases of one division follow each other

@@ -265,7 +265,7 @@ def _suites(given: argparse.Namespace) -> dict[str, int | None]:
     suites = COUNTS
     if given.data is None:
         suites = {s: COUNTS[s] for s in COUNTS if s not in OF_REAL_FRAMES}
-        left_out = f"{', '.join(OF_REAL_FRAMES)}: left out, no folder of real frames"
+        left_out = f"{', '.join(OF_REAL_FRAMES)}: skipped, no folder of real frames"
         print(f"diagnose: {left_out}", file=sys.stderr)
     return {suite: given.count or count for suite, count in suites.items()}
 

@@ -4,14 +4,19 @@
 
 The frames here are drawn by NumPy; the suite does not know."""
 
+import ast
 import json
+import os
+from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 pytest.importorskip("scipy")
 
-from cg2raw.diagnose.captures.reader import read_frames
+from cg2raw.diagnose.captures.reader import divided, read_frames
+from studies.diagnose import cameras, planted
 from studies.diagnose import run as command
 from studies.diagnose.planted import PLANTS, Exposure, Levels
 from studies.diagnose.real import calibrated, halves, plantable
@@ -165,6 +170,23 @@ def test_halves_are_shared_out_within_kind_and_exposure(manifest):
             assert {kinds.count(kind) for kind in kinds} == {4}
     by_turns, by_chance = ({f.capture.name for f in d[0]} for d in divisions)
     assert by_turns != by_chance
+
+
+@pytest.mark.skipif(VARIABLE not in os.environ, reason=f"no {VARIABLE}: real frames")
+def test_each_split_of_the_ccd_repeats_what_is_planted_in():
+    path = cameras.manifest("ccd", Path(os.environ[VARIABLE]))
+    captures, _ = divided(halves(read_frames(path)[2])[1])
+    seen = Counter((c.group, c.kind, c.exposure_time) for c in captures)
+    assert set(seen.values()) == {2} and len(captures) == 18
+
+
+def test_what_plants_knows_no_effect_of_the_vocabulary():
+    tree = ast.parse(Path(planted.__file__).read_text())
+    names = {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
+    assert {name for name in names if name.startswith("cg2raw")} == {
+        *("cg2raw.arrays", "cg2raw.sensor", "cg2raw.synthetic.synthetic_camera"),
+        "cg2raw.diagnose.captures.capture",
+    }
 
 
 def test_one_half_is_calibrated_and_the_other_planted(manifest):

@@ -152,7 +152,7 @@ def test_gates_are_a_row_of_each_suite(tmp_path, monkeypatch, capsys):
     argv = ["gates", "--count", "4", "--jobs", "1", "--quiet"]
     assert command.main([*argv, "--json", str(tmp_path / "records.jsonl")]) == 0
     out, err = capsys.readouterr()
-    assert err == "diagnose: real, cameras: left out, no folder of real frames\n"
+    assert err == "diagnose: real, cameras: skipped, no folder of real frames\n"
     head, *rows = out.splitlines()
     rows = {row[:32].strip(): row[32:].split() for row in rows}
     assert set(rows) == {
