@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 namespace cg2raw {
 namespace {
@@ -116,23 +117,26 @@ std::vector<std::uint8_t> lines_that_stand_out(std::vector<double> sums, double 
 
 } // namespace
 
-/// Marks what one of several frames has alone: cosmic rays, flicker.
+/// Marks what one of several frames has alone, cosmic rays or flicker, and puts the
+/// others' mean there, each about its own level.
 void FrameStatistics::finish_look(const ParallelFor& parallel)
 {
-    const Look& look = m_looks[std::size_t(m_current)];
-    const int frames = m_groups[std::size_t(m_current)].frames;
+    Look& look = m_looks[std::size_t(m_current)];
+    GroupSums& group = m_groups[std::size_t(m_current)];
+    const double frames = group.frames;
     if (frames < 2)
         return;
-    const double range = mean_range(frames);
+    const double range = mean_range(group.frames);
     const double others = std::sqrt((frames - 1.0) / frames);
+    std::vector<std::int64_t> counts(m_planes.size());
     parallel(int(m_planes.size()), [&](int p) {
         const PlaneParts& plane = m_planes[std::size_t(p)];
         const double level = double(look.offset[std::size_t(p)]) / frames;
         const auto each = [&](const auto& work) {
             for (int y = 0; y < plane.height(); ++y) {
-                std::size_t at = std::size_t(plane.first_row + y * plane.side)
-                        * std::size_t(m_size.width)
-                    + std::size_t(plane.first_col);
+                const Site first = plane.site(y, 0);
+                std::size_t at = std::size_t(first.row) * std::size_t(m_size.width)
+                    + std::size_t(first.col);
                 for (int x = 0; x < plane.width(); ++x, at += std::size_t(plane.side))
                     work(at);
             }
@@ -149,16 +153,21 @@ void FrameStatistics::finish_look(const ParallelFor& parallel)
         const double most = point_sigmas * sigma * others;
         each([&](std::size_t at) {
             const double mean = double(look.sum[at]) / frames - level;
-            if (m_highest[at] - mean > most || mean - m_lowest[at] > most)
-                m_marked[at] = 1;
+            const bool is_high = m_highest[at] - mean > most;
+            if (!is_high && mean - m_lowest[at] <= most)
+                return;
+            m_marked[at] = 1;
+            counts[std::size_t(p)] += m_excluded[at] ? 0 : 1;
+            const double own = is_high ? m_highest[at] : m_lowest[at];
+            const double rest = (mean * frames - own) / (frames - 1.0);
+            look.sum[at] = std::uint32_t(std::max(rest + level, 0.0) * frames + 0.5);
         });
     });
+    group.transients = std::accumulate(counts.begin(), counts.end(), std::int64_t {});
 }
 
 void FrameStatistics::mask(const ParallelFor& parallel)
 {
-    std::transform(m_excluded.begin(), m_excluded.end(), m_marked.begin(),
-                   m_marked.begin(), std::bit_or<>());
     finish_look(parallel);
     m_highest = {};
     m_lowest = {};

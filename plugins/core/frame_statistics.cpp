@@ -124,19 +124,22 @@ FrameStatistics::look(int group, const Plane<const std::uint16_t>& frame,
             for (std::size_t q = 0; q < side; ++q) {
                 auto& count = counts[std::size_t(r) % side * side + q];
                 const std::uint16_t* const row = frame.row(r);
+                const std::uint8_t* const excluded
+                    = &m_excluded[std::size_t(r) * std::size_t(frame.width)];
                 for (std::size_t c = q; c < std::size_t(frame.width); c += side)
-                    ++count[row[c]];
+                    count[row[c]] += excluded[c] ^ 1U;
             }
     });
     Counts counts = std::move(parts[0]);
     std::vector<std::int32_t> levels;
     for (std::size_t p = 0; p < counts.size(); ++p) {
-        double sum = 0.0;
+        double sum = 0.0, samples = 0.0;
         for (std::size_t code = 0; code < codes; ++code) {
             counts[p][code] += parts[1][p][code];
             sum += double(code) * counts[p][code];
+            samples += counts[p][code];
         }
-        levels.push_back(std::int32_t(std::lround(sum / m_planes[p].samples())));
+        levels.push_back(std::int32_t(std::lround(sum / std::max(samples, 1.0))));
     }
 
     Look& look = m_looks[std::size_t(group)];
@@ -179,6 +182,7 @@ void FrameStatistics::exclude(const Plane<const std::uint8_t>& samples)
         std::transform(samples.row(r), samples.row(r) + m_size.width,
                        &m_excluded[std::size_t(r) * std::size_t(m_size.width)],
                        [](std::uint8_t sample) { return std::uint8_t(sample != 0); });
+    m_marked = m_excluded;
 }
 
 void FrameStatistics::measure(int group, const Plane<const std::uint16_t>& frame,

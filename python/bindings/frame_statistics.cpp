@@ -145,7 +145,10 @@ py::tuple result(const FrameStatistics& self, int threads)
               }
               return room.data();
           });
-    return py::make_tuple(planes, lags);
+    py::array_t<std::int64_t> transients(py::ssize_t(self.groups().size()));
+    for (std::size_t g = 0; g < self.groups().size(); ++g)
+        transients.mutable_at(py::ssize_t(g)) = self.groups()[g].transients;
+    return py::make_tuple(planes, lags, transients);
 }
 
 } // namespace
@@ -180,7 +183,8 @@ void bind_frame_statistics(py::module_& m)
         .def("measure", &measure, "group"_a, "frame"_a, "other"_a = py::none(),
              "threads"_a = 2, "A frame again, or a pair.")
         .def("result", &result, "threads"_a = 2,
-             "(list of the planes' arrays, (G, 5) correlations at the lags).")
+             "(list of the planes' arrays, (G, 5) correlations at the lags, (G,) "
+             "transients).")
         .def(
             "mean",
             [](const FrameStatistics& self, int group, int height, int width) {

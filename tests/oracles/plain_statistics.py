@@ -66,6 +66,7 @@ def plain_statistics(groups, side, white, excluded=None):
         pairs=counts // 2,
         lags=np.array(lags),
         white=white,
+        transients=np.zeros(len(groups), int),
     )
 
 
@@ -75,10 +76,9 @@ def plane_statistics(groups, white, excluded):
     mask = outliers(groups, excluded)
     freedom = freedoms(h, w) * (1 - mask.mean())
     top = int(max(frames.max() for frames in groups)) + 1
-    codes = np.array(
-        [np.bincount(g.ravel().astype(int), minlength=top) for g in groups]
-    )
-    clipped = [[np.mean(frames <= 0), np.mean(frames >= white)] for frames in groups]
+    counted = [frames[:, ~excluded].ravel().astype(int) for frames in groups]
+    codes = np.array([np.bincount(one, minlength=top) for one in counted])
+    clipped = [[np.mean(one <= 0), np.mean(one >= white)] for one in counted]
     groups = [without(frames, mask) for frames in groups]
     means = [frames.mean(axis=0) for frames in groups]
     level = np.array([mean.mean() for mean in means])

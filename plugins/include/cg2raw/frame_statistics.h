@@ -45,6 +45,7 @@ struct PlaneOfGroup {
 /// Frames of one kind, exposure and light, by planes: the rows of the repeat in turn.
 struct GroupSums {
     int frames = 0, pairs = 0;
+    std::int64_t transients = 0; ///< samples that one of the frames has alone
     std::vector<PlaneOfGroup> planes;
     /// Sums of products of standardised residuals with those of neighbours.
     std::array<double, statistics_lags.size()> lags {};
@@ -56,13 +57,13 @@ public:
     /// @p side: samples along the CFA's repeat, 1 without a CFA. Throws Error.
     FrameStatistics(Size size, int side, int groups);
 
+    /// Before the first look: samples that are not 0 count in nothing. Throws Error.
+    void exclude(const Plane<const std::uint8_t>& samples);
     /// The first look at a frame. Groups are looked at one after the other. Returns
     /// how many samples have each code, by plane. Throws Error.
     std::vector<std::vector<std::uint32_t>>
     look(int group, const Plane<const std::uint16_t>& frame,
          const ParallelFor& parallel);
-    /// Samples that are not 0 count in nothing. Throws Error for another size.
-    void exclude(const Plane<const std::uint8_t>& samples);
     /// After the first look at all: finds the samples that the parts do not describe,
     /// beyond 8 sigma in the mean of any group or in any frame of several, and lines
     /// beyond 10. Throws Error where nothing is left.
@@ -79,7 +80,7 @@ public:
     /// Inner products of the groups' mean images less their levels, DN^2: by plane, row
     /// after row.
     std::vector<std::vector<double>> products(const ParallelFor& parallel) const;
-    /// The mean image of a group, masked samples as they are.
+    /// The mean image of a group, masked samples as they are, transients left out.
     void mean(int group, const Plane<float>& to) const;
 
 private:

@@ -22,6 +22,7 @@ from cg2raw.io.atomic_file import write_atomically
 Array = NDArray[np.float64]
 
 VERSION = 1  # of saved files
+WHOLE = ("frames", "pairs", "lags", "transients")  # arrays that are of no plane
 
 SMOOTH, SLOW, FIELD = 3, 11, 5  # highest degrees of polynomials
 PARTS = (
@@ -117,7 +118,8 @@ class ConstantStatistics:
     """Of groups of frames: planes in raster order of the CFA's square repeat.
 
     frames, pairs : (G,) counts. lags : (G, 5) correlations of the residuals of pairs
-    with those of neighbours in the mosaic (LAGS), 0 without pairs. white : DN."""
+    with those of neighbours in the mosaic (LAGS), 0 without pairs. white : DN.
+    transients : (G,) samples that one frame has alone, far off its repeats."""
 
     groups: tuple[GroupInfo, ...]
     planes: tuple[PlaneStatistics, ...]
@@ -125,10 +127,11 @@ class ConstantStatistics:
     pairs: NDArray[np.int64]
     lags: Array
     white: int
+    transients: NDArray[np.int64]
 
     def save(self, path: str) -> None:
         """Write all of it to an .npz file, whole or not at all. Raises OSError."""
-        arrays = {"frames": self.frames, "pairs": self.pairs, "lags": self.lags}
+        arrays = {name: getattr(self, name) for name in WHOLE}
         about = {
             "version": VERSION,
             "white": self.white,
@@ -163,10 +166,9 @@ class ConstantStatistics:
             GroupInfo(**{**one, "frames": tuple(one["frames"])})
             for one in about["groups"]
         )
-        frames = found.pop("frames")
-        ends = np.cumsum(frames)[:-1]
+        whole = {name: found.pop(name) for name in WHOLE}
+        ends = np.cumsum(whole["frames"])[:-1]
         planes: dict[str, dict[str, Any]] = {}
-        pairs, lags = found.pop("pairs"), found.pop("lags")
         for name, value in found.items():
             plane, field = name.split(".")
             is_levels = field == "levels"
@@ -174,7 +176,7 @@ class ConstantStatistics:
                 tuple(np.split(value, ends)) if is_levels else value
             )
         parts = tuple(PlaneStatistics(**planes[str(p)]) for p in range(len(planes)))
-        return cls(groups, parts, frames, pairs, lags, int(about["white"]))
+        return cls(groups=groups, planes=parts, white=int(about["white"]), **whole)
 
 
 def polynomials(length: int) -> Array:

@@ -5,6 +5,7 @@
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ Reader = Callable[[], RawImage]  # () -> (H, W) uint16 DN
 KEPT = 2**28  # bytes of frames that are kept from the first look to the second
 
 
-def frame_statistics(
+def statistics_and_means(
     groups: Sequence[tuple[GroupInfo, Sequence[Reader]]],
     side: int,
     white: int,
@@ -34,8 +35,9 @@ def frame_statistics(
     excluded: NDArray[np.bool_] | None = None,
     threads: int = 2,
     progress: Callable[[float], None] | None = None,
-) -> ConstantStatistics:
-    """Return what groups of frames say.
+) -> tuple[ConstantStatistics, Callable[[int], NDArray[np.float32]]]:
+    """Return what groups of frames say, and what gives the (H, W) DN mean image of
+    a group by its number, in which transients are left out.
 
     groups : frames that repeat each other, and what reads each of them.
     side : samples along the CFA's repeat, 1 of a camera without a CFA. white : DN.
@@ -58,6 +60,8 @@ def frame_statistics(
         if seen is None:
             height, width = frame.shape
             seen = _core.FrameStatistics(height, width, side, len(groups))
+            if excluded is not None:
+                seen.exclude(excluded)
         found = seen.look(numbers[index], frame, threads)
         if numbers[index] == len(counts):
             counts.append(found)
@@ -68,8 +72,6 @@ def frame_statistics(
             kept[index] = frame
         tell((index + 1) / len(readers) / 2)
     assert seen is not None
-    if excluded is not None:
-        seen.exclude(excluded)
     seen.mask(threads)
     frames = read_ahead(readers, kept, threads)
     done = len(readers)
@@ -79,11 +81,11 @@ def frame_statistics(
             seen.measure(group, pair[0], pair[1] if len(pair) == 2 else None, threads)
             done += len(pair)
             tell(done / len(readers) / 2)
-    planes, lags = seen.result(threads)
+    planes, lags, transients = seen.result(threads)
     number = np.array([len(members) for _, members in groups])
-    width = max(found.shape[1] for found in counts)
-    codes = np.array([np.pad(c, ((0, 0), (0, width - c.shape[1]))) for c in counts])
-    return ConstantStatistics(
+    most = max(found.shape[1] for found in counts)
+    codes = np.array([np.pad(c, ((0, 0), (0, most - c.shape[1]))) for c in counts])
+    statistics = ConstantStatistics(
         groups=tuple(info for info, _ in groups),
         planes=tuple(
             PlaneStatistics(
@@ -99,7 +101,19 @@ def frame_statistics(
         pairs=number // 2,
         lags=lags,
         white=white,
+        transients=transients,
     )
+    return statistics, lambda group: seen.mean(group, height, width)
+
+
+def frame_statistics(
+    groups: Sequence[tuple[GroupInfo, Sequence[Reader]]],
+    side: int,
+    white: int,
+    **more: Any,
+) -> ConstantStatistics:
+    """Return the statistics alone; see statistics_and_means."""
+    return statistics_and_means(groups, side, white, **more)[0]
 
 
 def share_of(some: NDArray[np.uint32], codes: NDArray[np.uint32]) -> Array:
