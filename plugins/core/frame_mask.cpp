@@ -54,6 +54,7 @@ public:
             fill_points_by_parts();
             copy_lines();
         }
+        m_sums.set_field(m_plane);
         return std::move(m_values);
     }
 
@@ -99,6 +100,7 @@ private:
 
     void fill_points_by_parts()
     {
+        m_sums.set_field(m_plane);
         std::vector<double> found(m_values);
         for (std::size_t i = 0; i < found.size(); ++i) {
             const std::uint32_t at = m_mask.samples[i];

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double point_sigmas = 8.0; ///< of a million normal samples, none is so far
 constexpr double line_sigmas = 10.0;
-constexpr double least_sigma = 0.25; ///< DN; less is hidden by rounding
+constexpr double least_sigma = 0.25; ///< steps of codes; less is hidden by rounding
 constexpr int median_reach
     = 4; ///< lines on either side that tell what a line should be
 constexpr std::size_t most_of_spread = 1 << 18; ///< samples tell the spread of all
@@ -90,8 +90,9 @@ std::vector<double> running_median(const std::vector<double>& profile)
 
 /// The lines whose means stand out of those around, once polynomials are taken off,
 /// which the running median shows without them. @p samples: of each line.
+/// @p least: sigma of a sample.
 std::vector<std::uint8_t> lines_that_stand_out(std::vector<double> sums, double samples,
-                                               const Polynomials& low)
+                                               const Polynomials& low, double least)
 {
     for (double& sum : sums)
         sum /= samples;
@@ -107,8 +108,8 @@ std::vector<std::uint8_t> lines_that_stand_out(std::vector<double> sums, double 
     const auto around = running_median(sums);
     std::transform(sums.begin(), sums.end(), around.begin(), sums.begin(),
                    std::minus<>());
-    const double most = line_sigmas
-        * std::max(spread_of(sums).sigma, least_sigma / std::sqrt(samples));
+    const double most
+        = line_sigmas * std::max(spread_of(sums).sigma, least / std::sqrt(samples));
     std::vector<std::uint8_t> found;
     for (const double jump : sums)
         found.push_back(std::uint8_t(std::abs(jump) > most));
@@ -149,16 +150,16 @@ void FrameStatistics::finish_look(const ParallelFor& parallel)
                 ranges.push_back(double(m_highest[at]) - m_lowest[at]);
         });
         const double sigma
-            = std::max(spread_of(std::move(ranges)).mean / range, least_sigma);
+            = std::max(spread_of(std::move(ranges)).mean / range, least_sigma * m_step);
         const double most = point_sigmas * sigma * others;
         each([&](std::size_t at) {
             const double mean = double(look.sum[at]) / frames - level;
-            const bool is_high = m_highest[at] - mean > most;
-            if (!is_high && mean - m_lowest[at] <= most)
+            const double above = m_highest[at] - mean, below = mean - m_lowest[at];
+            if (std::max(above, below) <= most)
                 return;
             m_marked[at] = 1;
             counts[std::size_t(p)] += m_excluded[at] ? 0 : 1;
-            const double own = is_high ? m_highest[at] : m_lowest[at];
+            const double own = above >= below ? m_highest[at] : m_lowest[at];
             const double rest = (mean * frames - own) / (frames - 1.0);
             look.sum[at] = std::uint32_t(std::max(rest + level, 0.0) * frames + 0.5);
         });
@@ -239,7 +240,7 @@ void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
                         rest.push_back(sample(y, x) - row[std::size_t(x)]);
             }
             const double most = point_sigmas
-                * std::max(spread_of(std::move(rest)).sigma, least_sigma);
+                * std::max(spread_of(std::move(rest)).sigma, least_sigma * m_step);
             for (int y = 0; y < plane.height(); ++y) {
                 smooth.row(y, row);
                 std::uint8_t* const marks = points.data()
@@ -262,9 +263,10 @@ void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
                    + std::size_t(plane.first_col + x * plane.side)]
                 = 1;
         };
-        const auto rows = lines_that_stand_out(sums.rows, plane.width(), plane.down);
-        const auto columns
-            = lines_that_stand_out(sums.columns, plane.height(), plane.across);
+        const auto rows = lines_that_stand_out(sums.rows, plane.width(), plane.down,
+                                               least_sigma * m_step);
+        const auto columns = lines_that_stand_out(sums.columns, plane.height(),
+                                                  plane.across, least_sigma * m_step);
         for (int y = 0; y < plane.height(); ++y)
             for (int x = 0; x < plane.width(); ++x)
                 if (rows[std::size_t(y)] || columns[std::size_t(x)])

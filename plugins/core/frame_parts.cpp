@@ -21,10 +21,9 @@ void gather(const T* mosaic, int side, int width, double base, double* to)
         to[i] = double(mosaic[std::ptrdiff_t(i) * side]) - base;
 }
 
-/// The sums of a row, and of the columns by it.
 struct RowSums {
     double sum, squares;
-    double field[field_degree];
+    std::array<double, field_degree> along;
 };
 
 CG2RAW_MULTIVERSION
@@ -37,26 +36,15 @@ RowSums add_row(const double* row, const Polynomials& across, double* columns)
     sums.sum = total(row, width);
     sums.squares = dot(row, row, width);
     for (int k = 0; k < across.in_field(); ++k)
-        sums.field[k] = dot(row, across.of(k + 1), width);
+        sums.along[std::size_t(k)] = dot(row, across.of(k + 1), width);
     return sums;
 }
 
-/// Of the rows of some planes in a strip of the mosaic.
+/// Of the rows of a plane in a strip of the mosaic.
 struct StripSums {
     std::vector<double> columns;
-    std::array<double, field_size> field {};
     double sum = 0.0, squares = 0.0;
 };
-
-void add(const RowSums& row, const PlaneParts& plane, int y, StripSums& to)
-{
-    to.sum += row.sum;
-    to.squares += row.squares;
-    for (int j = 0; j < plane.down.in_field(); ++j)
-        for (int k = 0; k < plane.across.in_field(); ++k)
-            to.field[std::size_t(j * field_degree + k)]
-                += plane.down.of(j + 1)[y] * row.field[k];
-}
 
 /// Squares of a profile's smooth, slow and fast coefficients. @p scale: samples in each
 /// of its sums.
@@ -133,12 +121,18 @@ void PlaneSums::replace(const PlaneParts& plane, int row, int col, double from,
     columns[std::size_t(col)] += more;
     sum += more;
     squares += to * to - from * from;
-    for (int j = 0; j < plane.down.in_field(); ++j) {
-        const double part = more * plane.down.of(j + 1)[row];
-        for (int k = 0; k < plane.across.in_field(); ++k)
-            field[std::size_t(j * field_degree + k)]
-                += part * plane.across.of(k + 1)[col];
-    }
+    for (int k = 0; k < plane.across.in_field(); ++k)
+        along[std::size_t(row)][std::size_t(k)] += more * plane.across.of(k + 1)[col];
+}
+
+void PlaneSums::set_field(const PlaneParts& plane)
+{
+    field = {};
+    for (int j = 0; j < plane.down.in_field(); ++j)
+        for (int y = 0; y < plane.height(); ++y)
+            for (int k = 0; k < plane.across.in_field(); ++k)
+                field[std::size_t(j * field_degree + k)]
+                    += plane.down.of(j + 1)[y] * along[std::size_t(y)][std::size_t(k)];
 }
 
 double PlaneSums::smooth(const PlaneParts& plane, int row, int col) const
@@ -158,6 +152,9 @@ void PlaneSums::scale(double factor)
         value *= factor;
     for (double& value : columns)
         value *= factor;
+    for (auto& row : along)
+        for (double& value : row)
+            value *= factor;
     for (double& value : field)
         value *= factor;
     sum *= factor;
@@ -170,6 +167,9 @@ PlaneSums& PlaneSums::operator-=(const PlaneSums& other)
                    std::minus<>());
     std::transform(columns.begin(), columns.end(), other.columns.begin(),
                    columns.begin(), std::minus<>());
+    for (std::size_t y = 0; y < along.size(); ++y)
+        for (std::size_t k = 0; k < field_degree; ++k)
+            along[y][k] -= other.along[y][k];
     std::transform(field.begin(), field.end(), other.field.begin(), field.begin(),
                    std::minus<>());
     sum -= other.sum;
@@ -214,14 +214,33 @@ PartSquares squares_of_parts(const PlaneParts& plane, const PlaneSums& sums)
     };
 }
 
+double squares_along(const PlaneParts& plane, const PlaneSums& sums)
+{
+    double found = 0.0;
+    for (std::size_t k = 0; k < std::size_t(plane.across.in_field()); ++k) {
+        double mean = 0.0, squares = 0.0;
+        for (const auto& row : sums.along)
+            mean += row[k];
+        mean /= plane.height();
+        for (const auto& row : sums.along)
+            squares += (row[k] - mean) * (row[k] - mean);
+        found += squares;
+    }
+    for (const double value : sums.field) // is no part of pixel
+        found -= value * value;
+    return std::max(found, 0.0);
+}
+
 template <class T>
 std::vector<PlaneSums>
 sums_of(const Plane<const T>& image, const std::vector<PlaneParts>& planes,
         const std::vector<double>& base, const ParallelFor& parallel)
 {
     std::vector<PlaneSums> sums(planes.size());
-    for (std::size_t p = 0; p < planes.size(); ++p)
+    for (std::size_t p = 0; p < planes.size(); ++p) {
         sums[p].rows.resize(std::size_t(planes[p].height()));
+        sums[p].along.resize(std::size_t(planes[p].height()));
+    }
     std::vector<std::vector<StripSums>> strips(
         std::size_t((image.height + strip_rows - 1) / strip_rows));
     const auto side = std::size_t(planes.front().side);
@@ -239,9 +258,11 @@ sums_of(const Plane<const T>& image, const std::vector<PlaneParts>& planes,
                        row.data());
                 const RowSums found
                     = add_row(row.data(), plane.across, to.columns.data());
-                const int y = r / plane.side;
-                sums[p].rows[std::size_t(y)] = found.sum;
-                add(found, plane, y, to);
+                const auto y = std::size_t(r / plane.side);
+                sums[p].rows[y] = found.sum;
+                sums[p].along[y] = found.along;
+                to.sum += found.sum;
+                to.squares += found.squares;
             }
     });
     for (std::size_t p = 0; p < planes.size(); ++p) {
@@ -250,11 +271,10 @@ sums_of(const Plane<const T>& image, const std::vector<PlaneParts>& planes,
             const StripSums& from = strip[p];
             for (std::size_t i = 0; i < from.columns.size(); ++i)
                 sums[p].columns[i] += from.columns[i];
-            for (std::size_t i = 0; i < from.field.size(); ++i)
-                sums[p].field[i] += from.field[i];
             sums[p].sum += from.sum;
             sums[p].squares += from.squares;
         }
+        sums[p].set_field(planes[p]);
     }
     return sums;
 }

@@ -22,6 +22,12 @@ std::string words_of(Size size)
     return std::to_string(size.width) + " x " + std::to_string(size.height);
 }
 
+/// The block that a line is in: one ends where its share of the length does.
+std::size_t block_of(int line, int length)
+{
+    return ((std::size_t(line) + 1) * statistics_blocks - 1) / std::size_t(length);
+}
+
 std::int16_t saturated(std::int32_t value)
 {
     using Limits = std::numeric_limits<std::int16_t>;
@@ -72,12 +78,15 @@ double product(const float* a, const float* b, int count)
 
 } // namespace
 
-FrameStatistics::FrameStatistics(Size size, int side, int groups)
+FrameStatistics::FrameStatistics(Size size, int side, int groups, int step)
     : m_size(size)
     , m_side(side)
+    , m_step(step)
     , m_looks(std::size_t(std::max(groups, 0)))
     , m_groups(std::size_t(std::max(groups, 0)))
 {
+    if (step < 1)
+        throw Error("step " + std::to_string(step) + " must be at least 1 DN");
     if (side < 1 || size.width < side || size.height < side)
         throw Error("frames are " + words_of(size)
                     + " pixels; must be at least as large as the CFA's repeat, "
@@ -228,6 +237,7 @@ FrameStatistics::filled_sums(int group, const Plane<const std::uint16_t>& frame,
             sums[number].replace(plane, int(samples[i] / width),
                                  int(samples[i] % width), value(samples[i]),
                                  look.filled[number][i] + shift);
+        sums[number].set_field(plane);
     });
     return sums;
 }
@@ -252,6 +262,7 @@ void FrameStatistics::add_frame(int group, const std::vector<PlaneSums>& sums)
             pixel -= squares[part];
         }
         to.scatter[part_count - 1] += pixel;
+        to.along += squares_along(plane, rest);
     }
 }
 
@@ -299,6 +310,7 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
     std::vector<PlaneSums> rest(sums_a);
     std::vector<float> inverse;
     std::vector<SmoothRows> smooth;
+    std::vector<std::vector<std::uint8_t>> blocks; // of each column
     for (std::size_t p = 0; p < m_planes.size(); ++p) {
         const PlaneParts& plane = m_planes[p];
         rest[p] -= sums_b[p];
@@ -319,6 +331,9 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
         of_group.planes[p].power += power;
         inverse.push_back(power > 0.0 ? float(1.0 / std::sqrt(2.0 * power)) : 0.0f);
         smooth.emplace_back(plane, rest[p]);
+        blocks.emplace_back();
+        for (int x = 0; x < plane.width(); ++x)
+            blocks.back().push_back(std::uint8_t(block_of(x, plane.width())));
     }
 
     const int strips = (m_size.height + strip_rows - 1) / strip_rows;
@@ -357,16 +372,15 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
                     continue;
                 ResidualSums& sums = part.planes[p];
                 add_fourth_powers(z.data(), int(z.size()), sums.fourth);
-                const std::size_t down = std::size_t(y) * statistics_blocks
-                    / std::size_t(plane.height()) * statistics_blocks;
+                const std::size_t down
+                    = block_of(y, plane.height()) * statistics_blocks;
                 for (std::size_t x = 0; x < z.size(); ++x) {
                     if (marks[x * side] || scale == 0.0f)
                         continue;
                     const float size = std::abs(z[x]) * statistics_bins_per_sigma;
                     ++sums.counts[std::min(std::size_t(size),
                                            std::size_t(statistics_bins - 1))];
-                    sums.noise[down + x * statistics_blocks / z.size()]
-                        += double(z[x]) * z[x];
+                    sums.noise[down + blocks[p][x]] += double(z[x]) * z[x];
                 }
             }
             if (!is_own)
@@ -381,21 +395,26 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
         }
     });
     ++of_group.pairs;
+    std::vector<double> fourths(m_planes.size()), seconds(m_planes.size());
     for (const PairStrip& part : parts) {
         for (std::size_t lag = 0; lag < part.lags.size(); ++lag)
             of_group.lags[lag] += part.lags[lag];
         for (std::size_t p = 0; p < m_planes.size(); ++p) {
             PlaneOfGroup& to = of_group.planes[p];
-            const double left
-                = m_planes[p].samples() - double(m_masks[p].samples.size());
-            to.fourth += part.planes[p].fourth / left;
             for (std::size_t i = 0; i < to.residuals.size(); ++i)
                 to.residuals[i] += part.planes[p].counts[i];
             const double variance
                 = inverse[p] > 0.0f ? 0.5 / (double(inverse[p]) * inverse[p]) : 0.0;
-            for (std::size_t i = 0; i < to.noise.size(); ++i)
+            for (std::size_t i = 0; i < to.noise.size(); ++i) {
                 to.noise[i] += part.planes[p].noise[i] * variance;
+                seconds[p] += part.planes[p].noise[i];
+            }
+            fourths[p] += part.planes[p].fourth;
         }
+    }
+    for (std::size_t p = 0; p < m_planes.size(); ++p) {
+        const double left = m_planes[p].samples() - double(m_masks[p].samples.size());
+        of_group.planes[p].fourth += fourths[p] * left / (seconds[p] * seconds[p]);
     }
 }
 

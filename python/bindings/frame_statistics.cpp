@@ -72,7 +72,7 @@ py::dict plane_of_groups(const FrameStatistics& self, std::size_t p,
         masked.mutable_data()[at] = true;
     found["masked"] = masked;
     found["freedom"] = Doubles(part_count, mask.freedom.data());
-    Doubles level(py::ssize_t(groups.size())), power(level.size()),
+    Doubles level(py::ssize_t(groups.size())), along(level.size()), power(level.size()),
         fourth(level.size());
     py::list levels;
     for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -81,12 +81,14 @@ py::dict plane_of_groups(const FrameStatistics& self, std::size_t p,
         const double pairs = mask.freedom.back() > 0.0 ? groups[g].pairs : 0.0;
         const auto at = py::ssize_t(g);
         level.mutable_at(at) = one.base + one.mean.sum / plane.samples();
+        along.mutable_at(at) = groups[g].frames > 1 ? one.along : 0.0;
         power.mutable_at(at) = one.power / pairs;
         fourth.mutable_at(at) = one.fourth / pairs;
         levels.append(Doubles(py::ssize_t(one.levels.size()), one.levels.data()));
     }
     found["level"] = level;
     found["levels"] = py::tuple(levels);
+    found["along"] = along;
     found["power"] = power;
     found["fourth"] = fourth;
     std::vector<double> room;
@@ -112,7 +114,10 @@ py::dict plane_of_groups(const FrameStatistics& self, std::size_t p,
                      }).attr("reshape")(-1, field_degree, field_degree);
     found["whole"] = Doubles({ groups.size(), groups.size() }, products.data());
     found["scatter"] = by_group<double>(self, part_count, [&](const GroupSums& group) {
-        return of(group).scatter.data();
+        room.clear();
+        for (const double square : of(group).scatter) // a little below 0 by rounding
+            room.push_back(group.frames > 1 ? std::max(square, 0.0) : 0.0);
+        return room.data();
     });
     found["residuals"]
         = by_group<std::int64_t>(self, statistics_bins, [&](const GroupSums& group) {
@@ -157,10 +162,10 @@ void bind_frame_statistics(py::module_& m)
 {
     py::class_<FrameStatistics>(m, "FrameStatistics",
                                 "Sums over groups of frames that repeat each other.")
-        .def(py::init([](int height, int width, int side, int groups) {
-                 return FrameStatistics({ width, height }, side, groups);
+        .def(py::init([](int height, int width, int side, int groups, int step) {
+                 return FrameStatistics({ width, height }, side, groups, step);
              }),
-             "height"_a, "width"_a, "side"_a, "groups"_a)
+             "height"_a, "width"_a, "side"_a, "groups"_a, "step"_a = 1)
         .def("look", &look, "group"_a, "frame"_a, "threads"_a = 2,
              "(planes, codes) counts of a frame; groups one after the other.")
         .def(

@@ -94,13 +94,16 @@ def plane_statistics(groups, white, excluded):
             )
             scaled = [rest / np.sqrt(p) for rest, p in zip(rests, powers, strict=True)]
         residuals.append([np.where(mask, np.nan, one) for one in scaled])
-        inside = np.array(residuals[-1])
-        inside = inside[np.isfinite(inside)]
+        kept = [one[np.isfinite(one)] for one in residuals[-1]]
+        kept = [one for one in kept if len(one)]
+        inside = np.concatenate(kept) if kept else np.zeros(0)
         bins = np.minimum(np.abs(inside) * BINS_PER_SIGMA, BINS - 1).astype(int)
         moments.append(
             (
                 powers.mean() if len(powers) else np.nan,
-                (inside**4).mean() if len(inside) else np.nan,
+                np.mean([(z**4).mean() / (z**2).mean() ** 2 for z in kept])
+                if kept
+                else np.nan,
                 np.bincount(bins, minlength=BINS),
                 blocks_of(
                     sum(np.where(mask, 0, r) ** 2 for r in rests) + np.zeros((h, w))
@@ -119,6 +122,7 @@ def plane_statistics(groups, white, excluded):
         field=np.array([field_of(mean) for mean in centred]),
         whole=np.einsum("ahw,bhw->ab", centred, centred),
         scatter=np.array([scatter_of(frames) for frames in groups]),
+        along=np.array([along_of(frames) for frames in groups]),
         power=power,
         fourth=fourth,
         residuals=histograms,
@@ -142,7 +146,7 @@ def blocks_of(image):
     found = np.zeros((BLOCKS, BLOCKS))
     if np.ndim(image) == 0:  # of no pairs
         return found.ravel()
-    y, x = (np.arange(length) * BLOCKS // length for length in image.shape)
+    y, x = ((np.arange(n) * BLOCKS + BLOCKS - 1) // n for n in image.shape)
     np.add.at(found, (y[:, None], x[None]), image)
     return found.ravel()
 
@@ -185,6 +189,14 @@ def scatter_of(frames):
     low = [np.trace(one) for both in lines for one in both]
     low.append(sum((field_of(one) ** 2).sum() for one in rest))
     return np.array([*low, (rest**2).sum() - sum(low)])
+
+
+def along_of(frames):
+    """Return the sum of squares of pixel's coefficients of low frequency along rows."""
+    rest = frames - frames.mean(axis=0)
+    found = rest @ polynomials(frames.shape[2])[1 : FIELD + 1].T
+    found -= found.mean(axis=1, keepdims=True)
+    return (found**2).sum() - sum((field_of(one) ** 2).sum() for one in rest)
 
 
 def correlation(image, down, across):

@@ -74,13 +74,16 @@ struct PlaneParts {
 /// Sums over an image of one plane, of samples less a base.
 struct PlaneSums {
     std::vector<double> rows, columns;
+    /// Of each row with the field's polynomials across.
+    std::vector<std::array<double, field_degree>> along;
     std::array<double, field_size> field {}; ///< by degree down, then across
     double sum = 0.0, squares = 0.0;
 
-    /// In place of a sample there is another.
+    /// In place of a sample there is another; all but the field know it.
     void replace(const PlaneParts& plane, int row, int col, double from, double to);
     /// What all parts but pixel say of a sample, less base.
     double smooth(const PlaneParts& plane, int row, int col) const;
+    void set_field(const PlaneParts& plane); ///< of the rows
     void scale(double factor);
     PlaneSums& operator-=(const PlaneSums& other); ///< all but squares
 };
@@ -99,6 +102,9 @@ private:
 
 /// Squares of an image's coefficients in each part but pixel, which is 0.
 PartSquares squares_of_parts(const PlaneParts& plane, const PlaneSums& sums);
+
+/// Squares of pixel's coefficients of the field's polynomials across.
+double squares_along(const PlaneParts& plane, const PlaneSums& sums);
 
 /// Sums of each plane of an image, samples less the plane's base.
 template <class T>

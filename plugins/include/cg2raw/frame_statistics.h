@@ -36,8 +36,10 @@ struct PlaneOfGroup {
     PlaneSums mean; ///< of the mean image less base, whose masked samples are filled
     std::vector<double> levels; ///< of each frame, DN
     PartSquares scatter {}; ///< of the frames about their mean, DN^2
+    double along = 0.0; ///< of scatter, pixel's of low frequency along rows, DN^2
     double power = 0.0; ///< of pixel in (a - b) / sqrt(2), sum over pairs, DN^2
-    double fourth = 0.0; ///< mean fourth power of what is standardised by it, likewise
+    double fourth
+        = 0.0; ///< their mean fourth power over their variance's square, likewise
     std::array<std::int64_t, statistics_bins> residuals {}; ///< absolute, standardised
     std::array<double, statistics_blocks * statistics_blocks> noise {}; ///< by block
 };
@@ -54,8 +56,9 @@ struct GroupSums {
 /// Goes over all frames twice: look() at all, group by group, mask(), measure() all.
 class FrameStatistics {
 public:
-    /// @p side: samples along the CFA's repeat, 1 without a CFA. Throws Error.
-    FrameStatistics(Size size, int side, int groups);
+    /// @p side: samples along the CFA's repeat, 1 without a CFA. @p step: DN between
+    /// codes. Throws Error.
+    FrameStatistics(Size size, int side, int groups, int step = 1);
 
     /// Before the first look: samples that are not 0 count in nothing. Throws Error.
     void exclude(const Plane<const std::uint8_t>& samples);
@@ -106,7 +109,7 @@ private:
     Plane<const std::uint32_t> sum_of(int group) const;
 
     Size m_size;
-    int m_side;
+    int m_side, m_step;
     int m_current = 0; ///< group that is looked at
     std::vector<PlaneParts> m_planes;
     std::vector<PlaneMask> m_masks;

@@ -28,7 +28,7 @@ from cg2raw.calibration.frames import (
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.notes import notes_on
 from cg2raw.calibration.parts import check_one_chain
-from cg2raw.calibration.repeats import Todo
+from cg2raw.calibration.repeats import Todo, seen_all
 from cg2raw.calibration.robust import CENSORED_TO
 from cg2raw.calibration.screening import screened
 from cg2raw.calibration.sites import sites_of
@@ -89,9 +89,12 @@ def calibrate(
         levels = dark_groups[0].level
     defects = defects_of(dark_groups, flat_groups, levels, sites, threads)
     todo = Todo(sensor, sites, threads, defects.counting)
-    flats = read_flats(todo, flat_groups, levels, lambda x: tell("flats", x))
+    flat_groups.sort(key=lambda group: float(group.level.mean()))
+    listed = [*dark_groups, *flat_groups]
+    seen = seen_all(todo, listed, lambda x: tell("reading frames", x))
+    flats = read_flats(seen, len(dark_groups), levels, lambda x: tell("flats", x))
     gain = flats.first_gain
-    darks = read_darks(todo, dark_groups, gain, lambda x: tell("darks", x))
+    darks = read_darks(seen, dark_groups, gain, lambda x: tell("darks", x))
     tell("fitting", 0.0)
     light = above_darks(flats, darks, sensor, sites, iso)
     found = Calibration(

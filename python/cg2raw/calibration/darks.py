@@ -23,7 +23,7 @@ from cg2raw.calibration.frames import MOST_CUT, Group, set_points
 from cg2raw.calibration.glow import Glow, glow
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Lost, Transients
-from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
+from cg2raw.calibration.repeats import Repeats, Seen
 from cg2raw.calibration.robust import CENSORED_TO, LEAST_SIGMA
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.temporal_noise import TemporalNoise, temporal_noise
@@ -52,17 +52,16 @@ class _Read:
 
     sums: DarkSums | None = None
     noise: TemporalNoise | None = None
-    noisy: Repeats | None = None
     origin_frames: int = 0
 
 
 def read_darks(
-    todo: Todo,
+    seen: Seen,
     groups: Sequence[Group],
     system_gain: float | None,
     tell: Callable[[float], None],
 ) -> DarkResults:
-    """Return what groups of darks, shortest first, show.
+    """Return what groups of darks, the first of all and shortest first, show.
 
     system_gain : DN per electron, None if no flat has shown it."""
     if not groups:
@@ -70,16 +69,17 @@ def read_darks(
     if any(cut_share(group) > MOST_CUT for group in shortest(groups)):
         return DarkResults(cut_levels(shortest(groups)), lost="cut")
     points, transients, read = [], [], _Read()
+    sites = seen.todo.sites
     numbers = set_points([group.temperature for group in groups])
     main = main_set_point(groups, numbers)
     for index, (group, number) in enumerate(zip(groups, numbers, strict=True)):
-        repeats = repeats_of(group, todo, groups[0].level, system_gain)
+        repeats = seen.repeats(index)
         if repeats.transients is not None:
             transients.append(
                 Transients(words_of(group), repeats.transients, repeats.count)
             )
         is_main = number == main
-        point = taken_up(read, repeats, todo.sites, is_main, groups, system_gain)
+        point = taken_up(read, repeats, seen, is_main, groups, system_gain)
         points.append(replace(point, set_point=number))
         tell((index + 1) / len(groups))
     assert read.sums is not None
@@ -91,7 +91,7 @@ def read_darks(
         spread, shine = centred_rates(maps, current)
         anchor(maps, read.sums)
     found = DarkResults(
-        *levels_of(maps, todo.sites, read, drift),
+        *levels_of(maps, sites, read, drift),
         read.noise,
         current,
         spread,
@@ -99,8 +99,8 @@ def read_darks(
         maps,
         tuple(transients),
     )
-    coarse = read.noise is not None and read.noise.is_coarse(todo.sites.rounding)
-    return without_noise(found, todo.sites, groups) if coarse else found
+    coarse = read.noise is not None and read.noise.is_coarse(sites.rounding)
+    return without_noise(found, sites, groups) if coarse else found
 
 
 def cut_share(group: Group) -> float:
@@ -179,7 +179,7 @@ def main_set_point(groups: Sequence[Group], numbers: Sequence[int]) -> int:
 def taken_up(
     read: _Read,
     repeats: Repeats,
-    sites: Sites,
+    seen: Seen,
     is_main: bool,
     groups: Sequence[Group],
     system_gain: float | None,
@@ -194,13 +194,11 @@ def taken_up(
     if repeats.noise is not None:
         variance = float(repeats.noise.site_variance.mean())
         if read.noise is None:
-            read.noise = temporal_noise(
-                repeats.noise, repeats.pairs, charge, sites.rounding, time
-            )
-            read.noisy = repeats
+            read.noise = temporal_noise(seen, repeats, charge)
     else:
         own = read.noise.mean_read_noise.value**2 if read.noise else 0.0
         variance = own + charge
+    sites = seen.todo.sites
     variance = max(variance, sites.rounding)
     if read.sums is None:
         read.sums = DarkSums(repeats, variance, sites.step)

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.calibration.frames import Group
-from cg2raw.calibration.repeats import read_ahead
 from cg2raw.calibration.robust import Array, clipped_moments
 from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
+from cg2raw.statistics.frame_statistics import read_ahead
 
 OFF = 1 / 3  # of the response of the surroundings; dust and shading are closer
 FAR = 8.0  # standard deviations of the pixels, where these are wider than that
@@ -99,9 +99,9 @@ def brightest(flats: Sequence[Group]) -> Group:
 
 def mean_of(group: Group, threads: int) -> NDArray[np.float32]:
     """Return (H, W) float32 DN, of a group's first frames."""
-    frames = [scanned.frame for scanned in group.frames[:FRAMES]]
+    frames = [scanned.frame.pixels for scanned in group.frames[:FRAMES]]
     total: NDArray[np.float32] | None = None
-    for raw in read_ahead(frames, threads):
+    for raw in read_ahead(frames, {}, threads):
         total = raw.astype(np.float32) if total is None else total + raw
     assert total is not None
     return total / np.float32(len(frames))

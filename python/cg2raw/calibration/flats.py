@@ -24,7 +24,7 @@ from cg2raw.calibration.photon_transfer import (
     photon_transfer,
     transfer_points,
 )
-from cg2raw.calibration.repeats import Repeats, Todo, repeats_of
+from cg2raw.calibration.repeats import Repeats, Seen, Todo
 from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
@@ -61,24 +61,25 @@ class Flats:
 
 
 def read_flats(
-    todo: Todo,
-    groups: Sequence[Group],
+    seen: Seen,
+    first: int,
     levels: Array,
     tell: Callable[[float], None],
 ) -> Flats:
-    """Return what is needed of flats, read group by group from dark to bright.
+    """Return what is needed of flats, group by group from dark to bright.
 
+    first : number of the darkest, whose groups are the last.
     levels : (sites,) DN of black, of the shortest darks or the profile."""
-    found = Flats([], [], [])
-    top = max((s.highest for group in groups for s in group.frames), default=0)
-    order = sorted(groups, key=lambda group: float(group.level.mean()))
+    found, todo = Flats([], [], []), seen.todo
+    order = seen.groups[first:]
+    top = max((s.highest for group in order for s in group.frames), default=0)
     for index, group in enumerate(order):
         if float((group.level - levels).min()) <= 0:
             raise ValueError(
                 f"{group.frames[0].frame.name}: a flat of {group.level.mean():.1f} DN, "
                 f"black is {levels.mean():.1f} DN: is it a dark? Give it among --darks"
             )
-        repeats = repeats_of(group, todo, levels, None)
+        repeats = seen.repeats(first + index)
         ceiling = at_white(group, todo.white, levels, top)
         found.ceiling = found.ceiling or ceiling
         if repeats.noise is None and ceiling:

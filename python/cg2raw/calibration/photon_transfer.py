@@ -16,7 +16,6 @@ import numpy as np
 from cg2raw.calibration.codes import COARSE, wave_of_rounding
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.pair_noise import relative_error
 from cg2raw.calibration.repeats import Repeats
 from cg2raw.calibration.robust import LEAST_SIGMA, Array, clipped_moments
 from cg2raw.calibration.sites import Sites, blocks_of
@@ -126,6 +125,13 @@ def transfer_points(
         max(flats.clipped, share),
         float(np.median(variance)) < COARSE * steps,
     )
+
+
+def relative_error(pixels: float, pairs: int) -> float:
+    """Return the standard error of a variance over it, of normal noise.
+
+    pairs : of frames that no other pair has."""
+    return math.sqrt(2 / (pixels * pairs))
 
 
 def photon_transfer(

@@ -1,25 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Repeats: the frames of a group, read once: their noise, their mean, cosmic rays."""
+"""Repeats: what the frames of each group say, by the statistics of all groups."""
 
-from collections import deque
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.arrays import RawImage
-from cg2raw.calibration.frames import Group, UniformFrame
-from cg2raw.calibration.pair_noise import PairNoise, pair_noise, pooled
+from cg2raw.calibration.frames import Group
 from cg2raw.calibration.robust import Array
-from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.sites import BLOCKS, Sites, blocks_of
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.constant import PARTS, ConstantStatistics, GroupInfo
+from cg2raw.statistics.frame_statistics import statistics_and_means
 
-TRANSIENT = 8.0  # sigma above its repeats beyond which one frame's pixel is a transient
-FEWEST_KEPT = 64  # pixels of a site that are not saturated, of a pair of frames
+FEWEST_KEPT = 0.002  # share of a site's pixels below white, of which noise is taken
+PIXEL = PARTS.index("pixel")
 
 
 @dataclass(frozen=True)
@@ -40,156 +38,118 @@ class Todo:
 
 
 @dataclass(frozen=True)
+class Noise:
+    """Temporal noise of one frame, DN, without rows' and columns' own.
+
+    site_variance : (sites,) DN^2. freedom : of each of them.
+    variance, pixels : (sites, blocks) DN^2, by pairs, and of how many pixels each."""
+
+    site_variance: Array
+    freedom: float
+    variance: Array
+    pixels: Array
+
+
+@dataclass(frozen=True)
 class Repeats:
     """What the frames of one group say together.
 
-    mean : (H, W) float32 DN, without transients. known : (H, W) bool, where a pixel
-    counts and is clipped in no frame. clipped : share of the pixels that count and are,
-    at white, or of flats at 0 DN.
-    noise : None of a single frame. pairs : how many differences it is of.
-    transients : pixels of one frame far above the others; None of a single frame."""
+    number : of the group in the statistics. mean : (H, W) float32 DN, without
+    transients. known : (H, W) bool, where a pixel counts and is below white.
+    clipped : share of the pixels that count and are at white, or of flats at 0 DN.
+    noise : None of a single frame. pairs : of frames, disjoint.
+    transients : pixels of one frame far off the others; None of a single frame."""
 
     group: Group
+    number: int
     mean: NDArray[np.float32]
     known: NDArray[np.bool_]
     clipped: float
-    noise: PairNoise | None
+    noise: Noise | None
     pairs: int
     transients: int | None
-    single: Sequence[PairNoise] = field(default=(), repr=False)
 
     @property
     def count(self) -> int:
         return len(self.group.frames)
 
 
-def repeats_of(
-    group: Group,
-    todo: Todo,
-    black: Array,
-    system_gain: float | None,
-) -> Repeats:
-    """Return what a group's frames say; each is read once, two are held at a time.
+@dataclass(frozen=True)
+class Seen:
+    """All frames, after the pass over them."""
 
-    black : (sites,) DN; flats are scaled to one light above it. system_gain : DN per
-    electron, which tells how noisy a bright pixel is; None: it is taken of the
-    differences."""
-    sites, white = todo.sites, todo.white
-    frames = [scanned.frame for scanned in group.frames]
-    above = np.array([scanned.level for scanned in group.frames]) - black
-    lit = frames[0].kind == "flat"
-    total = highest = lowest = previous = None
-    pairs: list[PairNoise] = []
-    for index, raw in enumerate(read_ahead(frames, todo.threads)):
-        if total is None or highest is None or lowest is None or previous is None:
-            total, highest, lowest = raw.astype(np.uint32), raw.copy(), raw.copy()
-            previous = raw
-            continue
-        total += raw
-        np.maximum(highest, raw, out=highest)
-        np.minimum(lowest, raw, out=lowest)
-        scale = above[index] / above[index - 1] if lit else np.ones(sites.count)
-        between = noise_between(previous, raw, todo, scale, black)
-        if between is not None:
-            pairs.append(between)
-        previous = raw
-    if total is None or highest is None or lowest is None:
-        raise ValueError("a group of no frames: give at least one")
-    noise = pooled(pairs) if pairs else None
-    clipped = (highest >= white) | (lit & (lowest == 0))
-    counting = np.ones_like(clipped) if todo.counting is None else todo.counting
-    share = float(clipped[counting].mean()) if counting.any() else 1.0
-    variance, gain, level = _variance(noise, group, black, system_gain)
-    least = max(variance, sites.rounding)  # a pixel that goes to the next code is none
-    mean, transients = _without_transients(
-        total, highest, lowest, len(frames), (least, gain, level)
+    todo: Todo
+    groups: Sequence[Group]
+    statistics: ConstantStatistics
+    mean_of: Callable[[int], NDArray[np.float32]]
+
+    def repeats(self, number: int) -> Repeats:
+        """Return what the frames of a group say."""
+        group, found = self.groups[number], self.statistics
+        mean = self.mean_of(number)
+        lit = group.frames[0].frame.kind == "flat"
+        planes = found.planes
+        high = max(float(plane.high[number]) for plane in planes)
+        low = max(float(plane.low[number]) for plane in planes) if lit else 0.0
+        known = mean < self.todo.white
+        if self.todo.counting is not None:
+            known &= self.todo.counting
+        is_single = found.frames[number] < 2
+        return Repeats(
+            group,
+            number,
+            mean,
+            known,
+            high + low,
+            None if is_single or high > 1 - FEWEST_KEPT else self.noise(number),
+            int(found.pairs[number]),
+            None if is_single else int(found.transients[number]),
+        )
+
+    def noise(self, number: int) -> Noise:
+        """Return the noise of a group of several frames."""
+        again = int(self.statistics.frames[number]) - 1
+        pairs = int(self.statistics.pairs[number])
+        planes = self.statistics.planes
+        freedom = [plane.freedom[PIXEL] * again for plane in planes]
+        pixels = np.array([counts_of(plane.masked) for plane in planes])
+        squares = np.array([plane.noise[number] for plane in planes])
+        # Row and column means and the field took their part of the squares with them.
+        left = [plane.freedom[PIXEL] / (~plane.masked).sum() for plane in planes]
+        each = pixels * np.array(left)[:, None] * pairs
+        return Noise(
+            np.array([plane.scatter[number, PIXEL] for plane in planes]) / freedom,
+            float(min(freedom)),
+            squares / np.maximum(each, 1e-9),
+            pixels,
+        )
+
+
+def seen_all(
+    todo: Todo, groups: Sequence[Group], tell: Callable[[float], None]
+) -> Seen:
+    """Return what all groups say; each frame is read twice, or once if all fit.
+
+    tell : called with the share done."""
+    listed = []
+    for group in groups:
+        first = group.frames[0].frame
+        names = tuple(scanned.frame.name for scanned in group.frames)
+        info = GroupInfo(first.kind, names, group.exposure_time, group.temperature)
+        listed.append((info, [scanned.frame.pixels for scanned in group.frames]))
+    found, mean_of = statistics_and_means(
+        listed,
+        todo.sites.side,
+        todo.white,
+        step=todo.sites.step,
+        excluded=None if todo.counting is None else ~todo.counting,
+        threads=todo.threads,
+        progress=tell,
     )
-    seen = transients if pairs else None
-    known = counting & ~clipped
-    return Repeats(group, mean, known, share, noise, len(pairs), seen, pairs)
+    return Seen(todo, groups, found, mean_of)
 
 
-def noise_between(
-    first: RawImage,
-    second: RawImage,
-    todo: Todo,
-    scale: Array,
-    black: Array,
-) -> PairNoise | None:
-    """Return the noise of two frames, the second brighter by the factor @scale; None if
-    nearly all pixels of a site are saturated.
-
-    scale, black : (sites,) DN; both frames are brought to their geometric mean."""
-    sites, white = todo.sites, todo.white
-    difference = second.astype(np.float32)
-    other = first.astype(np.float32)
-    if not np.allclose(scale, 1, atol=1e-7):
-        level = sites.spread(black, difference.shape)
-        root = sites.spread(np.sqrt(scale), difference.shape)
-        difference -= level
-        difference /= root
-        other -= level
-        other *= root
-    difference -= other
-    keep = (first < white) & (second < white)
-    if todo.counting is not None:
-        keep &= todo.counting
-    if min(int(np.count_nonzero(site)) for site in sites.of(keep)) < FEWEST_KEPT:
-        return None
-    return pair_noise(difference, None if keep.all() else keep, sites)
-
-
-def _variance(
-    noise: PairNoise | None, group: Group, black: Array, system_gain: float | None
-) -> tuple[float, float, float]:
-    """Return (variance, system gain, level at which it holds) of one frame's pixels."""
-    if noise is None:
-        return 0.0, 0.0, 0.0
-    level = float(group.level.mean())
-    variance = float(noise.site_variance.max())
-    above = max(level - float(np.mean(black)), 1.0)
-    lit = group.frames[0].frame.kind == "flat"
-    gain = system_gain
-    if gain is None:
-        gain = variance / above if lit else 0.0
-    return variance, gain, level
-
-
-def _without_transients(
-    total: Array,
-    highest: RawImage,
-    lowest: RawImage,
-    count: int,
-    noise: tuple[float, float, float],
-) -> tuple[NDArray[np.float32], int]:
-    """Return (mean, transients): a pixel of one frame that lies 8 sigma above the mean
-    of the others does not count. A brighter pixel is noisier, by its charge."""
-    mean = total.astype(np.float32)
-    mean /= count
-    if count < 2:
-        return mean, 0
-    variance, system_gain, level = noise
-    others = (total - highest.astype(np.uint32)).astype(np.float32)
-    others /= count - 1
-    excess = highest - others
-    spread = np.maximum(others - level, 0) * np.float32(system_gain)
-    spread += np.float32(variance)
-    found = excess * excess > TRANSIENT**2 * (1 + 1 / (count - 1)) * spread
-    mean[found] = others[found]
-    return mean, int(np.count_nonzero(found))
-
-
-def read_ahead(frames: Sequence[UniformFrame], threads: int) -> Iterator[RawImage]:
-    """Yield the pixels of frames in order, the next being read meanwhile."""
-    if threads < 2:
-        for frame in frames:
-            yield frame.pixels()
-        return
-    with ThreadPoolExecutor(1) as pool:
-        waiting: deque[Future[RawImage]] = deque()
-        for frame in frames:
-            waiting.append(pool.submit(frame.pixels))
-            if len(waiting) == 2:
-                yield waiting.popleft().result()
-        while waiting:
-            yield waiting.popleft().result()
+def counts_of(masked: NDArray[np.bool_]) -> Array:
+    """Return (blocks,) how many pixels of a plane count."""
+    blocks = blocks_of(~masked, BLOCKS)
+    return np.array([float(np.count_nonzero(block)) for block in blocks])

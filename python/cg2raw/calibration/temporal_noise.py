@@ -13,13 +13,16 @@ import numpy as np
 
 from cg2raw.calibration.codes import COARSE, ROUNDING
 from cg2raw.calibration.measured import Measured, root_of
-from cg2raw.calibration.pair_noise import PairNoise, relative_error
+from cg2raw.calibration.photon_transfer import relative_error
+from cg2raw.calibration.repeats import PIXEL, Repeats, Seen
 from cg2raw.calibration.robust import Array
+from cg2raw.statistics.constant import BINS_PER_SIGMA, LAGS, PARTS, ConstantStatistics
 
 FOURTH_OF_ROUNDING = -1.2  # its fourth cumulant, of the square of its variance
 LEAST_NOISE = 12.0  # variance, of that of rounding, which shapes the tails below it
 # Excess kurtosis that pixels bring whose variances differ by a quarter: 3 times 0.25^2.
 TAILS_FLOOR = 0.19
+HISTOGRAM = np.linspace(-8, 8, 129)  # edges, standard deviations of the difference
 LEAST_LAMBDA = -0.2  # of Tukey's distribution; at -0.25 its kurtosis has no bound
 
 
@@ -33,7 +36,7 @@ class TemporalNoise:
     row_correlation, column_correlation : with the next pixel of the row, the column.
     excess_kurtosis : 0 of a normal distribution. tukey_lambda : of that kurtosis.
     blocks : variance of a pixel, DN^2, and its relative error, in blocks of the frame.
-    histogram : of differences, see pair_noise.HISTOGRAM. frames : how many went in."""
+    histogram : of differences of two (HISTOGRAM). frames : how many went in."""
 
     read_noise: tuple[Measured, ...]
     row_noise: Measured
@@ -70,74 +73,115 @@ class TemporalNoise:
 
 
 def temporal_noise(
-    noise: PairNoise,
-    pairs: int,
-    charge_variance: float,
-    rounding: float,
-    exposure_time: float | None,
+    seen: Seen, repeats: Repeats, charge_variance: float
 ) -> TemporalNoise:
-    """Return the noise of the darks of one exposure.
+    """Return the noise of a group of darks of one exposure.
 
-    charge_variance : DN^2, of dark current's shot noise in a pixel of them.
-    rounding : DN^2, of rounding to codes."""
-    pixels = noise.pixels.sum(1)
+    charge_variance : DN^2, of dark current's shot noise in a pixel of them."""
+    noise = repeats.noise
+    assert noise is not None
+    rounding, number, pairs = seen.todo.sites.rounding, repeats.number, repeats.pairs
     total = noise.site_variance
-    read = [
-        root_of(
-            float(v) - charge_variance, float(v) * relative_error(float(n), pairs), "DN"
-        )
-        for v, n in zip(total, pixels, strict=True)
-    ]
+    relative = math.sqrt(2 / noise.freedom)
     in_blocks = np.maximum(noise.pixels.sum(0), 1)
-    error_of_blocks = np.array([relative_error(float(n), pairs) for n in in_blocks])
-    many = float(pixels.sum())
-    per_pixel = math.sqrt(1.5 / (many * pairs)) if pairs > 1 else math.sqrt(1 / many)
-    along_row = Measured(noise.row_correlation, per_pixel, "1")
-    along_column = Measured(noise.column_correlation, per_pixel, "1")
-    kurtosis = _kurtosis(noise.kurtosis, float(total.mean()), many, pairs, rounding)
+    many = float(noise.pixels.sum()) * pairs
+    per_pixel = math.sqrt(1 / many)
+    planes = seen.statistics.planes
+    fourth = float(np.mean([plane.fourth[number] for plane in planes]))
+    kurtosis = _kurtosis(fourth - 3, float(total.mean()), many, rounding)
+    along_row, along_column = (
+        Measured(correlation(seen.statistics, number, *lag), per_pixel, "1")
+        for lag in ((0, 1), (1, 0))
+    )
     return TemporalNoise(
-        tuple(read),
-        line_noise(noise.row, noise.row_correlation, pairs),
-        line_noise(noise.column, noise.column_correlation, pairs),
+        tuple(
+            root_of(float(v) - charge_variance, float(v) * relative, "DN")
+            for v in total
+        ),
+        line_noise(seen.statistics, number, "fast_rows"),
+        line_noise(seen.statistics, number, "fast_columns"),
         along_row,
         along_column,
         kurtosis,
         None if kurtosis is None else lambda_of(kurtosis.value),
-        noise.histogram,
-        (noise.variance.mean(0), error_of_blocks),
-        pairs + 1,
-        exposure_time,
+        signed_histogram(sum(plane.residuals[number] for plane in planes)),
+        (
+            noise.variance.mean(0),
+            np.array([relative_error(float(n), pairs) for n in in_blocks]),
+        ),
+        repeats.count,
+        repeats.group.exposure_time,
     )
 
 
-def line_noise(
-    line: tuple[float, float, int], correlation: float, pairs: int
-) -> Measured:
-    """Return the own noise of rows or columns, DN.
+def correlation(
+    statistics: ConstantStatistics, number: int, down: int, across: int
+) -> float:
+    """Return that of a pixel's noise with its neighbour's, in one of LAGS, of a group.
+    Planes of the mosaic lose their own rows' and columns' means: within one, neighbours
+    anticorrelate by one over their number then."""
+    if (down, across) not in LAGS:
+        return 0.0
+    found = float(statistics.lags[number, LAGS.index((down, across))])
+    side = math.isqrt(len(statistics.planes))
+    if down % side or across % side:
+        return found
+    height, width = statistics.planes[0].shape
+    return found + (1 / width if across else 1 / height)
 
-    line : variance of their means, the pixels' share of it, how many they are. Pixels
-    that correlate with the next one have another share: (1 + r) / (1 - r) of it."""
-    variance, share, count = line
-    share *= (1 + correlation) / (1 - correlation)
-    error = variance * relative_error(count - 1, pairs)
-    return root_of(variance - share, error, "DN")
+
+def line_noise(statistics: ConstantStatistics, number: int, part: str) -> Measured:
+    """Return the own noise of rows or columns, DN: what the fast means of a frame's
+    lines vary by beyond the share of their pixels.
+
+    part : fast_rows or fast_columns. Pixels that correlate have another share: that of
+    the lowest frequencies along the row, or by the next one of the column. Planes of
+    the same lines have their noise together."""
+    planes, at = statistics.planes, PARTS.index(part)
+    side = math.isqrt(len(planes))
+    again = int(statistics.frames[number]) - 1
+    length = planes[0].shape[1 if part == "fast_rows" else 0]
+    freedom = np.array([plane.freedom[at] for plane in planes]) * again
+    if not freedom.all() or not all(p.along_freedom for p in planes):
+        return Measured(0.0, math.inf, "DN")
+    if part == "fast_rows":
+        shares = [p.along[number] / p.along_freedom for p in planes]
+        of_share = again * sum(p.along_freedom for p in planes)
+    else:
+        r = correlation(statistics, number, side, 0)
+        shares = [p.scatter[number, PIXEL] / p.freedom[PIXEL] for p in planes]
+        shares = [(1 + 2 * r) * share for share in shares]
+        of_share = again * sum(p.freedom[PIXEL] for p in planes)
+    share = float(np.mean(shares)) / again
+    total = float(np.mean([p.scatter[number, at] for p in planes] / freedom))
+    lines = float(freedom.sum()) / side  # of the mosaic
+    error = math.sqrt(2 / lines) * (max(total - share, 0.0) + share / side)
+    error = math.hypot(error, math.sqrt(2 / of_share) * share)
+    return root_of((total - share) / length, error / length, "DN")
+
+
+def signed_histogram(residuals: Array) -> Array:
+    """Return how often a residual is between the edges of HISTOGRAM, by the counts of
+    its size."""
+    width = int(round((HISTOGRAM[1] - HISTOGRAM[0]) * BINS_PER_SIGMA))
+    half = residuals[: len(HISTOGRAM) // 2 * width].reshape(-1, width).sum(1) / 2
+    return np.concatenate([half[::-1], half])
 
 
 def _kurtosis(
-    of_difference: float, variance: float, pixels: float, pairs: int, rounding: float
+    of_difference: float, variance: float, pixels: float, rounding: float
 ) -> Measured | None:
     """Return the excess kurtosis of one frame; None where rounding shapes the tails.
 
     Cumulants add up: a difference of two has half the excess kurtosis of one, and
-    rounding to codes, where noise spreads over them, adds its own."""
+    rounding to codes, where noise spreads over them, adds its own. pixels : of all
+    differences."""
     if variance < LEAST_NOISE * rounding:
         return None
     fourth = FOURTH_OF_ROUNDING * rounding**2
     inner = variance - rounding
     value = (2 * of_difference * variance**2 - fourth) / inner**2
-    # Pairs that share a frame: fourth powers of their differences correlate by 1/16.
-    error = 2 * math.sqrt(24 / pixels * (9 * pairs - 1) / 8) / pairs
-    return Measured(value, error, "1")
+    return Measured(value, 2 * math.sqrt(24 / pixels), "1")
 
 
 def lambda_of(excess_kurtosis: float) -> float:

@@ -66,10 +66,13 @@ class PlaneStatistics:
     field : (G, 5, 5) coefficients. whole : (G, G) DN^2, inner products of the mean
     images less their levels. scatter : (G, 8) DN^2, sums of squares of the frames'
     coefficients about those of their mean: freedom * (frames - 1) of them.
+    along : (G,) DN^2, of scatter, what is of low frequency along rows (polynomials of
+    degree 1 to FIELD) in pixel: along_freedom * (frames - 1) of them.
     power : (G,) DN^2, variance of a frame by the pixel part of (a - b) / sqrt(2) over
-    disjoint pairs of frames; nan without pairs. fourth : (G,) its mean fourth power
-    over power^2. residuals : (G, 512) histogram of its absolute value, in
-    1 / BINS_PER_SIGMA of the root of each pair's power; the last bin has all above.
+    disjoint pairs of frames; nan without pairs. fourth : (G,) mean fourth power of the
+    pairs' residuals over the square of their mean square. residuals : (G, 512) how many
+    there are, by their size in 1 / BINS_PER_SIGMA of the root of their pair's power;
+    the last of them are all above.
     places : (G, 25) DN, quantiles (PLACES) of what all parts but pixel say of the mean
     image, less its level, on a grid of at most MOST_LINES lines.
     low, high : (G,) shares of samples at 0 and at white or above.
@@ -84,6 +87,7 @@ class PlaneStatistics:
     field: Array
     whole: Array
     scatter: Array
+    along: Array
     power: Array
     fourth: Array
     residuals: NDArray[np.int64]
@@ -97,6 +101,13 @@ class PlaneStatistics:
     @property
     def shape(self) -> tuple[int, int]:
         return self.rows.shape[1], self.columns.shape[1]
+
+    @property
+    def along_freedom(self) -> float:
+        """Degrees of freedom of along, masked samples taken off."""
+        h, w = self.shape
+        down, across = (min(len(polynomials(n)) - 1, FIELD) for n in (h, w))
+        return across * (h - 1 - down) * (1 - float(self.masked.mean()))
 
     @cached_property
     def products(self) -> Array:

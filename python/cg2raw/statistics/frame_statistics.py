@@ -32,6 +32,7 @@ def statistics_and_means(
     side: int,
     white: int,
     *,
+    step: int = 1,
     excluded: NDArray[np.bool_] | None = None,
     threads: int = 2,
     progress: Callable[[float], None] | None = None,
@@ -41,7 +42,7 @@ def statistics_and_means(
 
     groups : frames that repeat each other, and what reads each of them.
     side : samples along the CFA's repeat, 1 of a camera without a CFA. white : DN.
-    excluded : (H, W) bool, samples that count in nothing.
+    step : DN between codes. excluded : (H, W) bool, samples that count in nothing.
     threads : the result is the same. progress : called with the share done, 0 to 1.
 
     At most a few frames, and of each group one image of four bytes a sample, are held
@@ -59,7 +60,7 @@ def statistics_and_means(
     for index, frame in enumerate(read_ahead(readers, kept, threads)):
         if seen is None:
             height, width = frame.shape
-            seen = _core.FrameStatistics(height, width, side, len(groups))
+            seen = _core.FrameStatistics(height, width, side, len(groups), step)
             if excluded is not None:
                 seen.exclude(excluded)
         found = seen.look(numbers[index], frame, threads)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.pair_noise import HISTOGRAM
 from cg2raw.calibration.table import told
+from cg2raw.calibration.temporal_noise import HISTOGRAM
 from cg2raw.io.plot import (
     HEIGHT,
     draw_profile,
