@@ -78,6 +78,32 @@ double product(const float* a, const float* b, int count)
 
 } // namespace
 
+CodeCounts code_counts(const Plane<const std::uint16_t>& frame, int side,
+                       const std::uint8_t* excluded, const ParallelFor& parallel)
+{
+    constexpr int shares = 2; // each has tables of its own
+    std::array<CodeCounts, shares> parts;
+    const auto repeat = std::size_t(side);
+    parallel(shares, [&](int share) {
+        CodeCounts& counts = parts[std::size_t(share)];
+        counts.assign(repeat * repeat, std::vector<std::uint32_t>(codes));
+        for (int r = frame.height * share / shares;
+             r < frame.height * (share + 1) / shares; ++r) {
+            const std::uint16_t* const row = frame.row(r);
+            const std::size_t at = std::size_t(r) * std::size_t(frame.width);
+            for (std::size_t q = 0; q < repeat; ++q) {
+                auto& count = counts[std::size_t(r) % repeat * repeat + q];
+                for (std::size_t c = q; c < std::size_t(frame.width); c += repeat)
+                    count[row[c]] += excluded ? excluded[at + c] ^ 1U : 1U;
+            }
+        }
+    });
+    for (std::size_t p = 0; p < parts[0].size(); ++p)
+        std::transform(parts[0][p].begin(), parts[0][p].end(), parts[1][p].begin(),
+                       parts[0][p].begin(), std::plus<>());
+    return std::move(parts[0]);
+}
+
 FrameStatistics::FrameStatistics(Size size, int side, int groups, int step)
     : m_size(size)
     , m_side(side)
@@ -108,9 +134,8 @@ Plane<const std::uint32_t> FrameStatistics::sum_of(int group) const
              m_size.width };
 }
 
-std::vector<std::vector<std::uint32_t>>
-FrameStatistics::look(int group, const Plane<const std::uint16_t>& frame,
-                      const ParallelFor& parallel)
+CodeCounts FrameStatistics::look(int group, const Plane<const std::uint16_t>& frame,
+                                 const ParallelFor& parallel)
 {
     if (frame.width != m_size.width || frame.height != m_size.height)
         throw Error("frame is " + words_of({ frame.width, frame.height })
@@ -121,30 +146,12 @@ FrameStatistics::look(int group, const Plane<const std::uint16_t>& frame,
         finish_look(parallel);
     m_current = group;
 
-    using Counts = std::vector<std::vector<std::uint32_t>>;
-    constexpr int shares = 2; // each has tables of its own
-    std::array<Counts, shares> parts;
+    const CodeCounts counts = code_counts(frame, m_side, m_excluded.data(), parallel);
     const auto side = std::size_t(m_side);
-    parallel(shares, [&](int share) {
-        Counts& counts = parts[std::size_t(share)];
-        counts.assign(m_planes.size(), std::vector<std::uint32_t>(codes));
-        for (int r = frame.height * share / shares;
-             r < frame.height * (share + 1) / shares; ++r)
-            for (std::size_t q = 0; q < side; ++q) {
-                auto& count = counts[std::size_t(r) % side * side + q];
-                const std::uint16_t* const row = frame.row(r);
-                const std::uint8_t* const excluded
-                    = &m_excluded[std::size_t(r) * std::size_t(frame.width)];
-                for (std::size_t c = q; c < std::size_t(frame.width); c += side)
-                    count[row[c]] += excluded[c] ^ 1U;
-            }
-    });
-    Counts counts = std::move(parts[0]);
     std::vector<std::int32_t> levels;
     for (std::size_t p = 0; p < counts.size(); ++p) {
         double sum = 0.0, samples = 0.0;
         for (std::size_t code = 0; code < codes; ++code) {
-            counts[p][code] += parts[1][p][code];
             sum += double(code) * counts[p][code];
             samples += counts[p][code];
         }

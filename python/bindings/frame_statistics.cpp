@@ -13,15 +13,8 @@ namespace {
 using Doubles = py::array_t<double>;
 
 /// (planes, codes up to the largest that occurs).
-py::array_t<std::uint32_t> look(FrameStatistics& self, int group, const RawArray& frame,
-                                int threads)
+py::array_t<std::uint32_t> array_of(const CodeCounts& counts)
 {
-    const auto plane = const_plane_of(frame, "frame");
-    std::vector<std::vector<std::uint32_t>> counts;
-    {
-        const py::gil_scoped_release release;
-        counts = self.look(group, plane, parallel_threads(threads));
-    }
     std::size_t most = 1;
     for (const auto& count : counts)
         for (std::size_t code = most; code < count.size(); ++code)
@@ -31,6 +24,31 @@ py::array_t<std::uint32_t> look(FrameStatistics& self, int group, const RawArray
     for (std::size_t p = 0; p < counts.size(); ++p)
         std::copy_n(counts[p].begin(), most, found.mutable_data(py::ssize_t(p), 0));
     return found;
+}
+
+py::array_t<std::uint32_t> counts_of(const RawArray& frame, int side, int threads)
+{
+    const auto plane = const_plane_of(frame, "frame");
+    if (side < 1)
+        throw Error("side " + std::to_string(side) + " must be at least 1");
+    CodeCounts counts;
+    {
+        const py::gil_scoped_release release;
+        counts = code_counts(plane, side, nullptr, parallel_threads(threads));
+    }
+    return array_of(counts);
+}
+
+py::array_t<std::uint32_t> look(FrameStatistics& self, int group, const RawArray& frame,
+                                int threads)
+{
+    const auto plane = const_plane_of(frame, "frame");
+    CodeCounts counts;
+    {
+        const py::gil_scoped_release release;
+        counts = self.look(group, plane, parallel_threads(threads));
+    }
+    return array_of(counts);
 }
 
 void measure(FrameStatistics& self, int group, const RawArray& frame,
@@ -160,6 +178,10 @@ py::tuple result(const FrameStatistics& self, int threads)
 
 void bind_frame_statistics(py::module_& m)
 {
+    m.def(
+        "code_counts", &counts_of, "frame"_a, "side"_a, "threads"_a = 1,
+        "(side * side, codes) how many samples of each plane of the CFA's repeat have "
+        "each code,\nup to the largest that occurs.");
     py::class_<FrameStatistics>(m, "FrameStatistics",
                                 "Sums over groups of frames that repeat each other.")
         .def(py::init([](int height, int width, int side, int groups, int step) {

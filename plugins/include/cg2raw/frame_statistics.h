@@ -30,6 +30,12 @@ inline constexpr std::array<std::array<int, 2>, 5> statistics_lags {
     { { 0, 1 }, { 1, 0 }, { 0, 2 }, { 2, 0 }, { 1, 1 } }
 };
 
+/// How many samples have each of the 65,536 codes, by planes of the CFA's repeat.
+using CodeCounts = std::vector<std::vector<std::uint32_t>>;
+/// @p excluded: 1 for samples that do not count, row by row; none if it is null.
+CodeCounts code_counts(const Plane<const std::uint16_t>& frame, int side,
+                       const std::uint8_t* excluded, const ParallelFor& parallel);
+
 /// Of the frames of a group, in one plane.
 struct PlaneOfGroup {
     double base = 0.0; ///< DN, close to the level
@@ -63,10 +69,9 @@ public:
     /// Before the first look: samples that are not 0 count in nothing. Throws Error.
     void exclude(const Plane<const std::uint8_t>& samples);
     /// The first look at a frame. Groups are looked at one after the other. Returns
-    /// how many samples have each code, by plane. Throws Error.
-    std::vector<std::vector<std::uint32_t>>
-    look(int group, const Plane<const std::uint16_t>& frame,
-         const ParallelFor& parallel);
+    /// what codes it has. Throws Error.
+    CodeCounts look(int group, const Plane<const std::uint16_t>& frame,
+                    const ParallelFor& parallel);
     /// After the first look at all: finds the samples that the parts do not describe,
     /// beyond 8 sigma in the mean of any group or in any frame of several, and lines
     /// beyond 10. Throws Error where nothing is left.

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from cg2raw import _core
 from cg2raw.arrays import RawImage, raw_plane
 from cg2raw.calibration import codes
 from cg2raw.calibration.robust import (
@@ -114,10 +115,8 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
             f"{frame.name}: is {raw.shape[1]}x{raw.shape[0]}; must be at least "
             f"{sites.side * sites.least_repeats} pixels wide and high"
         )
-    by_site = [np.bincount(plane.ravel(), minlength=1) for plane in sites.of(raw)]
-    counts = np.zeros(max(map(len, by_site)), np.int64)
-    for part in by_site:
-        counts[: len(part)] += part
+    by_site = list(_core.code_counts(raw, sites.side).astype(np.int64))
+    counts = np.sum(by_site, axis=0)
     _check_codes(frame, counts, sensor)
     steps = [codes.step_of(part[: sensor.white_level]) for part in by_site]
     step = math.gcd(*(step for step, _ in steps))

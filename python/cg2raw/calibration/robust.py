@@ -55,6 +55,8 @@ def clipped_moments_of_counts(
 ) -> tuple[float, float, int]:
     """Return clipped_moments of codes, DN in steps, that occur so often."""
     least = LEAST_SIGMA * step
+    occur = counts > 0
+    codes, counts = codes[occur], counts[occur]
     total = np.cumsum(counts)
     middle = float(codes[np.searchsorted(total, total[-1] / 2)])
     away = np.abs(codes - middle)
