@@ -28,13 +28,43 @@ double power_of_two(double stops)
 
 double stops_of(double gain) { return natural_log(gain) / natural_log(2.0); }
 
-double at_probability(const std::vector<std::array<double, 2>>& quantiles, double p)
+double at_probability(const Quantiles& quantiles, double p)
 {
     const auto above = std::find_if(quantiles.begin() + 1, quantiles.end() - 1,
                                     [&](const auto& one) { return one[0] >= p; });
     const auto& [low, from] = *(above - 1);
     const auto& [high, to] = *above;
     return from + (to - from) * (p - low) / (high - low);
+}
+
+/// The share of levels, by their quantiles, that lie below @p level.
+double share_below(const Quantiles& quantiles, double level)
+{
+    const auto above = std::find_if(quantiles.begin(), quantiles.end(),
+                                    [&](const auto& one) { return one[1] > level; });
+    if (above == quantiles.begin() || above == quantiles.end())
+        return above == quantiles.begin() ? 0.0 : 1.0;
+    const auto& [low, from] = *(above - 1);
+    const auto& [high, to] = *above;
+    return low + (high - low) * (level - from) / (to - from);
+}
+
+/// The rank of @p level among others, 0 to 1. All are known within a tenth of a stop:
+/// of those that are nearer, half lie below.
+double rank_among(const Quantiles& quantiles, double level)
+{
+    constexpr double near = 0.1;
+    return 0.5
+        * (share_below(quantiles, level - near) + share_below(quantiles, level + near));
+}
+
+/// The stops of a rule by which a meter has read @p luminance, above 0.
+double metered_stops(const ExposureRule& rule, double luminance)
+{
+    if (rule.kind == ExposureRule::Kind::meter)
+        return stops_of(rule.second / luminance);
+    const double level = stops_of(luminance);
+    return at_probability(rule.quantiles, rank_among(rule.renders, level)) - level;
 }
 
 /// The stops of a rule that needs no meter.
@@ -47,7 +77,7 @@ double drawn(const ExposureRule& rule, const Run& run)
         return rule.first + (rule.second - rule.first) * rng.uniform(0);
     case Kind::normal:
         return rule.first + rule.second * rng.normal(0);
-    case Kind::matched:
+    case Kind::drawn_match:
         return at_probability(rule.quantiles, rng.uniform(0));
     default:
         return rule.first;
@@ -96,13 +126,14 @@ private:
     }
 
     bool is_metered() const { return needs_meter(m_run); }
+    std::string asked() const { return m_name("exposure", m_run.exposure->text); }
 
     void decide_stops()
     {
         if (!m_run.exposure)
             return;
         const ExposureRule& rule = *m_run.exposure;
-        if (rule.kind == ExposureRule::Kind::matched && !m_profile.id.empty()
+        if (!rule.sensor.empty() && !m_profile.id.empty()
             && rule.sensor != m_profile.id)
             throw Error(m_name("exposure", rule.text) + " is of captures by sensor "
                         + rule.sensor + ", and this one is " + m_profile.id
@@ -112,12 +143,11 @@ private:
             return;
         }
         if (!m_run.meter)
-            throw Error(m_name("exposure", "auto")
+            throw Error(asked()
                         + " needs the whole image before its first pixel, and there is "
                           "none: give stops");
         // A black scene has no exposure, and nothing to be seen.
-        m_result.stops
-            = *m_run.meter > 0.0 ? stops_of(rule.second / *m_run.meter) : 0.0;
+        m_result.stops = *m_run.meter > 0.0 ? metered_stops(rule, *m_run.meter) : 0.0;
     }
 
     /// The gain of all settings that are there; 1 in the place of one that is not.
@@ -159,12 +189,11 @@ private:
         const std::string three = m_name("exposure_time", "") + ", "
             + m_name("f_number", "") + " and " + m_name("iso", "");
         if (missing.empty())
-            throw Error(m_name("exposure", "auto")
-                        + " has nothing to find: leave one of " + three + " out, or "
-                        + m_name("scene_luminance", ""));
+            throw Error(asked() + " has nothing to find: leave one of " + three
+                        + " out, or " + m_name("scene_luminance", ""));
         if (missing.size() > 1)
-            throw Error(m_name("exposure", "auto") + " with "
-                        + m_name("scene_luminance", "") + " finds one setting: add "
+            throw Error(asked() + " with " + m_name("scene_luminance", "")
+                        + " finds one setting: add "
                         + m_name(missing[0].first, missing[0].second) + " or "
                         + m_name(missing[1].first, missing[1].second));
         const double wanted = power_of_two(*m_result.stops);
@@ -245,7 +274,9 @@ SettledExposure settle(const SensorProfile& profile, const Run& run)
 
 bool needs_meter(const Run& run)
 {
-    return run.exposure && run.exposure->kind == ExposureRule::Kind::meter;
+    using Kind = ExposureRule::Kind;
+    return run.exposure
+        && (run.exposure->kind == Kind::meter || run.exposure->kind == Kind::matched);
 }
 
 } // namespace cg2raw

@@ -20,7 +20,7 @@ constexpr double most_stops = 64.0; ///< up or down
 constexpr std::uintmax_t largest_match = 1 << 20; ///< bytes
 constexpr const char* allowed
     = "stops from -64 to 64, auto, auto:PERCENTILE:LEVEL, random:LOW:HIGH, "
-      "normal:MEAN:SD or match:FILE";
+      "normal:MEAN:SD, match:FILE or match:FILE:draw";
 
 using Kind = ExposureRule::Kind;
 
@@ -75,47 +75,67 @@ ExposureRule normal_from_text(const std::string& text)
     return { Kind::normal, mean, sd };
 }
 
-/// "exposure": {"quantiles": [[0, -1.2], ... [1, 3.4]]} of a file of cg2raw match.
-std::vector<std::array<double, 2>> quantiles_of(const JsonTree& root)
+/// "@p group": {"@p name": [[0, -1.2], ... [1, 3.4]]} of a file of cg2raw match.
+Quantiles quantiles_of(const JsonTree& root, const char* group, const char* name)
 {
-    const JsonTree* const exposure = root.find("exposure");
+    const std::string where = std::string(group) + "." + name;
+    const JsonTree* const parent = root.find(group);
     const JsonTree* const listed
-        = exposure && exposure->is_object() ? exposure->find("quantiles") : nullptr;
+        = parent && parent->is_object() ? parent->find(name) : nullptr;
     if (!listed || !listed->is_array())
-        throw Error("has no exposure with quantiles");
-    std::vector<std::array<double, 2>> quantiles;
+        throw Error("has no " + where);
+    Quantiles quantiles;
     for (const JsonTree& one : listed->items()) {
         if (!one.is_array() || one.items().size() != 2)
-            throw Error("exposure.quantiles must be pairs of a probability and stops");
+            throw Error(where + " must be pairs of a probability and stops");
         const std::array<double, 2> pair { one.items()[0].number(),
                                            one.items()[1].number() };
         const bool rises = quantiles.empty()
             ? pair[0] == 0.0
             : pair[0] > quantiles.back()[0] && pair[1] >= quantiles.back()[1];
         if (!rises || !are_stops(pair[1]))
-            throw Error("exposure.quantiles must rise, from probability 0 to 1, within "
-                        "-64 to 64 stops");
+            throw Error(where
+                        + " must rise, from probability 0 to 1, within -64 to 64 "
+                          "stops");
         quantiles.push_back(pair);
     }
     if (quantiles.size() < 2 || quantiles.back()[0] != 1.0)
-        throw Error("exposure.quantiles must rise from probability 0 to 1");
+        throw Error(where + " must rise from probability 0 to 1");
     return quantiles;
 }
 
-ExposureRule matched_from_file(const std::string& file)
+/// Of "FILE", or of "FILE:draw".
+ExposureRule matched_from_text(const std::string& text)
 {
+    constexpr std::string_view draw = ":draw";
+    constexpr double median = 50.0;
+    const bool is_drawn = text.size() > draw.size()
+        && text.compare(text.size() - draw.size(), draw.size(), draw) == 0;
+    const std::string file = text.substr(0, text.size() - (is_drawn ? draw.size() : 0));
     const std::string remedy = "give a file that cg2raw match wrote";
     const auto check_size = [&](std::uintmax_t size) {
         if (size > largest_match)
             throw Error(file + ": has more than 1 MiB: " + remedy);
     };
-    const std::string text = read_text_file(path_of(file), remedy, check_size);
+    const std::string words = read_text_file(path_of(file), remedy, check_size);
     try {
-        const JsonTree root = JsonTree::parse(text);
+        const JsonTree root = JsonTree::parse(words);
         const JsonTree* const sensor = root.is_object() ? root.find("sensor") : nullptr;
         if (!sensor || !sensor->is_string())
             throw Error("names no sensor");
-        return { Kind::matched, 0.0, 0.0, quantiles_of(root), sensor->text() };
+        if (is_drawn)
+            return { Kind::drawn_match,
+                     0.0,
+                     0.0,
+                     quantiles_of(root, "exposure", "quantiles"),
+                     {},
+                     sensor->text() };
+        return { Kind::matched,
+                 median,
+                 0.0,
+                 quantiles_of(root, "levels", "captures"),
+                 quantiles_of(root, "levels", "renders"),
+                 sensor->text() };
     } catch (const Error& error) {
         throw Error(file + ": " + error.what() + ": " + remedy);
     }
@@ -133,7 +153,7 @@ ExposureRule rule_from_text(const std::string& text)
     if (word == "normal")
         return normal_from_text(text);
     if (word == "match" && text.size() > 6)
-        return matched_from_file(text.substr(6));
+        return matched_from_text(text.substr(6));
     const double stops = signed_number(text);
     if (!are_stops(stops))
         fail(text, allowed);

@@ -136,9 +136,12 @@ Run metered(const SensorProfile& profile, Run run, Size frame, const SceneRows& 
             total[bin] += counts[bin];
     });
     const Distribution scene(total);
+    // A level of captures is that of all of a frame.
+    const bool lamps_count = run.exposure->kind == ExposureRule::Kind::matched;
     run.meter = scene.pixels() == 0
         ? 0.0
-        : scene.percentile(run.exposure->first, without_lamps(scene));
+        : scene.percentile(run.exposure->first,
+                           lamps_count ? scene.pixels() : without_lamps(scene));
     return run;
 }
 

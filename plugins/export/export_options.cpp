@@ -111,11 +111,11 @@ const Row rows[] = {
         "clean" },
       [](Options& o, const Word& w) { o.iso = w.real(1.0, 1e7); } },
     { { "exposure", "exposure", "text",
-        "stops, auto, auto:PERCENTILE:LEVEL, random:LOW:HIGH, normal:MEAN:SD or "
-        "match:FILE",
+        "stops, auto, auto:PERCENTILE:LEVEL, random:LOW:HIGH, normal:MEAN:SD, "
+        "match:FILE or match:FILE:draw",
         "stops by which the scene is brightened before anything clips: a number, "
-        "metered (`auto`), drawn by seed and frame (`random`, `normal`), or drawn as "
-        "`cg2raw match` found it ([exposure.md](exposure.md))" },
+        "metered (`auto`; `match`, by what `cg2raw match` wrote), or drawn by seed and "
+        "frame ([exposure.md](exposure.md))" },
       [](Options& o, const Word& w) { o.exposure = w.exact(exposure_from_text); } },
     { { "exposure_time", "exposure", "text", "seconds above 0, such as 0.5 or 1/60",
         "Exif's ExposureTime, and what dark current grows by. Default: the file's "

@@ -31,7 +31,8 @@ class Run:
     seed, frame : key of everything random; noise differs from frame to frame.
     exposure : stops by which the scene is brightened before anything clips; or "auto"
         (metered), "auto:PERCENTILE:LEVEL", "random:LOW:HIGH", "normal:MEAN:SD" (drawn
-        by seed and frame), "match:FILE" (as `cg2raw match` found it). None for 0.
+        by seed and frame), "match:FILE" (metered: its level is that of captures, by
+        a file of `cg2raw match`), "match:FILE:draw" (drawn of that file). None for 0.
     exposure_time : seconds, or "1/60"; effects of dark current need it.
     f_number : of the lens.
     scene_luminance : cd/m2 of the value 1: brightness follows exposure_time, f_number
@@ -41,8 +42,8 @@ class Run:
     iso_limits, time_limits, f_number_limits : of what "auto" finds, (low, high) or
         "LOW:HIGH"; None for the calibrated ISOs, 1/8000 to 30 s, 1 to 32.
     bracket : stops by which exposure_time is another; noise differs between them.
-    meter : what a meter has read, as the luminance of "auto" in units of the value 1;
-        None: simulate, signal and predict read it of their image.
+    meter : what a meter has read, as luminance in units of the value 1; None:
+        simulate, signal and predict read it of their image.
     digital_gain : multiplies the white balance gains (0 to 1000); "sample" draws it
         from the profile, by seed and frame.
     convention : "dng" (inverse of a DNG renderer), "paper", or "sensor": the light as a

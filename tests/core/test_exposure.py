@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+from match.match_sets import match_file
 
 SENSOR = cg2raw.Sensor("samsung-s20fe")
 GREY = np.full((8, 8, 3), 0.125, np.float32)
@@ -57,18 +58,29 @@ def test_draws_follow_their_distributions():
     assert again == drawn[0, 0] != stops(exposure="random:-1:3", seed=8, frame=0)
 
 
-def match_file(folder, **changes):
-    found = {
-        "sensor": "samsung-s20fe",
-        "exposure": {"quantiles": [[0, -1], [0.5, 1], [1, 2]]},
-    }
-    path = folder / "match.json"
-    path.write_text(json.dumps(found | changes))
-    return f"match:{path}"
+@pytest.mark.parametrize(
+    ("level", "wanted"),
+    [(-5, -3), (-6, -6), (-4.5, -2), (-7, -9), (-4, -1), (-20, -9), (3, -1)],
+)
+def test_a_matched_level_is_that_of_as_many_captures(tmp_path, level, wanted):
+    """Levels within a tenth of a stop are alike, which draws in the ends."""
+    image = np.full((10, 10, 3), 2.0**level, np.float32)
+    pixels = image.reshape(-1, 3)
+    pixels[:20] *= 100  # lamps, which a captured frame's median counts
+    pixels[55:] /= 100
+    found = settled(image=image, exposure=match_file(tmp_path))
+    assert level + found["stops"] == pytest.approx(wanted, abs=0.2)
 
 
-def test_a_matched_exposure_has_the_quantiles_of_the_file(tmp_path):
-    rule = match_file(tmp_path)
+def test_renders_that_are_alike_get_the_median_level(tmp_path):
+    levels = {"captures": [[0, -9], [0.5, -2.5], [1, -1]]}
+    for renders in ([[0, -3], [1, -3]], [[0, -3.03], [0.1, -2.98], [1, -2.97]]):
+        rule = match_file(tmp_path, levels=levels | {"renders": renders})
+        assert stops(exposure=rule) == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_drawn_match_has_the_quantiles_of_the_file(tmp_path):
+    rule = match_file(tmp_path, levels=None) + ":draw"
     drawn = [stops(exposure=rule, frame=n) for n in range(400)]
     assert -1 <= min(drawn) and max(drawn) <= 2
     np.testing.assert_allclose(
@@ -81,15 +93,19 @@ def test_a_matched_exposure_has_the_quantiles_of_the_file(tmp_path):
     [
         ({"sensor": "nikon-d40"}, "by sensor nikon-d40, and this one is samsung-s20fe"),
         ({"sensor": 1}, "names no sensor"),
-        ({"exposure": {}}, "has no exposure with quantiles"),
+        ({"levels": None}, "has no levels.captures"),
+        ({"levels": {"captures": [[0, 1], [1, 2]]}}, "has no levels.renders"),
+        ({"levels": {"captures": [[0, 1], 2]}}, "levels.captures must be pairs"),
+        ({"exposure": {}}, "has no exposure.quantiles"),
         ({"exposure": {"quantiles": [[0, 1], [0.5, 0], [1, 2]]}}, "must rise"),
         ({"exposure": {"quantiles": [[0, 1], [0.9, 2]]}}, "from probability 0 to 1"),
         ({"exposure": {"quantiles": [[0, 1], [1, 1e9]]}}, "within -64 to 64 stops"),
     ],
 )
 def test_a_bad_match_file_is_refused(tmp_path, changes, message):
+    drawn = ":draw" if "exposure" in changes else ""
     with pytest.raises(ValueError, match=message):
-        stops(exposure=match_file(tmp_path, **changes))
+        stops(exposure=match_file(tmp_path, **changes) + drawn)
 
 
 def scene(lamps, white=0.2, shape=(100, 100)):

@@ -12,6 +12,7 @@ import cg2raw
 from cg2raw.dataset import sensor_of
 from cg2raw.io.image_file import read_image
 from dataset.data_sets import rows, write_image, write_spectra
+from match.match_sets import match_file
 from python.commands import fails, run
 
 OPTIONS = "--sensors samsung-s20fe,nikon-d40 --illuminants A,D65".split()
@@ -28,6 +29,7 @@ def images(tmp_path):
 
 
 def made(images, out, words):
+    words = words.replace("MATCH", match_file(images.parent))
     done = run("dataset", images, out, *OPTIONS, *words.split())
     assert done.code == 0, done
     return list(rows(out))
@@ -58,6 +60,7 @@ def test_all_files_of_an_image_have_its_exposure(images, tmp_path, words):
     [
         "--exposure random:-1:1 --iso clean,800 --sensors samsung-s20fe",
         "--exposure auto --crop 32x32",
+        "--exposure MATCH --crop 32x32 --sensors samsung-s20fe",
         "--scene-luminance 900 --f-number 2 --exposure auto --iso 800 --sensors "
         "samsung-s20fe",
         "--bracket=-2,0,2 --exposure-time 1/60 --exposure=0.3 --iso 800 --sensors "

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Sets of captures and renders whose exposures and tone are known."""
 
+import json
+
 import numpy as np
 
 from cg2raw import Sensor
@@ -13,6 +15,23 @@ SHAPE = (128, 192)
 LIGHTS = ("A", "D65", "3200K", "2500K", "5500K")
 MEDIAN, SPREAD = 1.5, 0.7  # stops
 LEVEL = -5.0  # stops of the scenes' median
+
+
+def match_file(folder, **changes):
+    """Return the exposure of a file of cg2raw match, with other fields.
+
+    Captures are brighter by two stops in the median, and twice as far apart or more."""
+    found = {
+        "sensor": "samsung-s20fe",
+        "exposure": {"quantiles": [[0, -1], [0.5, 1], [1, 2]]},
+        "levels": {
+            "captures": [[0, -9], [0.5, -3], [1, -1]],
+            "renders": [[0, -7], [0.5, -5], [1, -4]],
+        },
+    }
+    path = folder / "match.json"
+    path.write_text(json.dumps(found | changes))
+    return f"match:{path}"
 
 
 def scene(rng, spread, level=LEVEL, shape=SHAPE):

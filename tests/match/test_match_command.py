@@ -11,6 +11,7 @@ import pytest
 
 from cg2raw import Sensor, __version__, write_dng
 from cg2raw.match import captures_in
+from cg2raw.match.frame import REC709
 from match.match_sets import scene
 from oracles import cameras
 from python.commands import fails, run
@@ -71,7 +72,7 @@ def test_what_is_printed_and_written(folders, tmp_path):
     assert "stops darker" in text and text.count("<figure>") == 8
     written = json.loads(output.read_text())
     assert list(written) == [
-        *("cg2raw_match", "cg2raw", "sensor", "exposure", "white_balance"),
+        *("cg2raw_match", "cg2raw", "sensor", "exposure", "levels", "white_balance"),
         *("captures", "renders", "uncertainty"),
     ]
     assert (written["cg2raw_match"], written["cg2raw"]) == (1, __version__)
@@ -87,16 +88,31 @@ def test_what_is_printed_and_written(folders, tmp_path):
     assert low < 2.5 < high and written["uncertainty"]["confidence"] == 0.99
 
 
-def test_exposures_are_drawn_from_what_is_written(folders, tmp_path):
+def test_renders_get_the_levels_of_captures_by_what_is_written(folders, tmp_path):
+    """Exposures that are drawn lie within those of the captures."""
     output = tmp_path / "match.json"
     assert run(*words(folders, "-o", output, "--quiet")).code == 0
-    render, dng = folders / "renders/inside/1.exr", tmp_path / "1.dng"
-    options = ("-o", dng, "--illuminant", "D65", "--exposure", f"match:{output}")
-    done = run("convert", render, *options, "--sensor", SENSOR, "--json")
-    assert done.code == 0, done
+    levels = json.loads(output.read_text())["levels"]
+    options = ("--illuminant", "D65", "--sensor", SENSOR, "--json")
+    found = []
+    for index in range(COUNT):
+        render, dng = folders / f"renders/inside/{index}.exr", tmp_path / "1.dng"
+        done = run(
+            "convert", render, "-o", dng, *options, "--exposure", f"match:{output}"
+        )
+        assert done.code == 0, done
+        stops = json.loads(done.out)["files"][0]["exposure"]["stops"]
+        image = np.asarray(oiio.ImageInput.open(str(render)).read_image("float"))
+        found.append(stops + np.log2(np.median(image @ REC709)))
+    captured = [stops for _, stops in levels["captures"]]
+    for of in (np.min, np.mean, np.max):
+        assert of(found) == pytest.approx(of(captured), abs=0.15)
+    drawn = f"match:{output}:draw"
+    done = run("convert", render, "-o", dng, *options, "--exposure", drawn)
     assert 1.9 < json.loads(done.out)["files"][0]["exposure"]["stops"] < 3.1
-    line = fails("convert", render, *options, "--sensor", "sony-a7s-ii")
-    assert "run cg2raw match --sensor sony-a7s-ii" in line
+    other = (*options[:2], "--sensor", "nikon-d40")
+    line = fails("convert", render, "-o", dng, *other, "--exposure", drawn)
+    assert "run cg2raw match --sensor nikon-d40" in line
 
 
 def test_json_has_the_table_and_is_the_same_for_any_number_of_workers(folders):

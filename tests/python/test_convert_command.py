@@ -12,6 +12,7 @@ import pytest
 import cg2raw
 from cg2raw.io.image_file import read_image
 from images import read_dn, write_image
+from match.match_sets import match_file
 from python import commands
 
 BASE = ["--sensor", "samsung-s20fe", "--illuminant", "D65"]
@@ -67,6 +68,20 @@ def test_three_routes_write_the_same_bytes(oiiotool, exr, scene, tmp_path, combi
     arguments = plugin_arguments(seed, **given, convention=convention)
     oiiotool(exr, *arguments, "-o", out)
     assert out.read_bytes() == ours.read_bytes()
+
+
+def test_three_routes_match_captures(oiiotool, exr, scene, tmp_path):
+    rule, ours = match_file(tmp_path), tmp_path / "command.dng"
+    words = ["--sensor", "samsung-s20fe", "--illuminant", "A", "--exposure", rule]
+    done = commands.run("convert", exr, "-o", ours, *words)
+    assert done.code == 0 and "exposure " in done.out
+    raw = cg2raw.Sensor("samsung-s20fe").simulate(scene, illuminant="A", exposure=rule)
+    assert raw.simulation.exposure["stops"] not in (0, None)
+    cg2raw.write_dng(tmp_path / "python.dng", raw, shot=read_image(exr).shot)
+    assert (tmp_path / "python.dng").read_bytes() == ours.read_bytes()
+    given = {"sensor": "samsung-s20fe", "illuminant": "A", "exposure": rule}
+    oiiotool(exr, *plugin_arguments(0, **given), "-o", tmp_path / "plugin.dng")
+    assert (tmp_path / "plugin.dng").read_bytes() == ours.read_bytes()
 
 
 OPTIONS = {

@@ -15,8 +15,9 @@
 
 namespace cg2raw {
 
-/// "1.5" (stops), "auto", "auto:PERCENTILE:LEVEL", "random:LOW:HIGH", "normal:MEAN:SD"
-/// or "match:FILE", whose distribution is read. Throws Error that says what is allowed.
+/// "1.5" (stops), "auto", "auto:PERCENTILE:LEVEL", "random:LOW:HIGH", "normal:MEAN:SD",
+/// "match:FILE" or "match:FILE:draw", whose distributions are read. Throws Error that
+/// says what is allowed.
 ExposureRule exposure_from_text(const std::string& text);
 /// "LOW:HIGH", both above 0; numbers as seconds_from_text() takes them. Throws Error.
 Limits limits_from_text(const std::string& text);

@@ -29,6 +29,9 @@ struct Limits {
     double low, high;
 };
 
+/// Probability and stops; both rise.
+using Quantiles = std::vector<std::array<double, 2>>;
+
 /// How bright a scene is exposed, in stops on its scene-linear values.
 struct ExposureRule {
     enum class Kind {
@@ -36,11 +39,13 @@ struct ExposureRule {
         meter, ///< the luminance of percentile first becomes second, 1 being white
         uniform, ///< drawn between first and second
         normal, ///< drawn: mean first, standard deviation second
-        matched, ///< drawn by quantiles
+        matched, ///< the median gets the level that as many captures lie below
+        drawn_match, ///< drawn by quantiles
     } kind
         = Kind::stops;
     double first = 0.0, second = 0.0;
-    std::vector<std::array<double, 2>> quantiles {}; ///< probability, stops; both rise
+    Quantiles quantiles {}; ///< of what is drawn, or of captures' levels
+    Quantiles renders {}; ///< of renders' levels
     std::string sensor {}; ///< whose captures they are of
     std::string text {}; ///< as it was given
 };

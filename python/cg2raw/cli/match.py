@@ -5,7 +5,7 @@
 Renders go through the model of the sensor, under the lights of the captures and with
 noise of their ISO; then both are compared, in stops below white: luminance, clipped and
 black samples, colour after white balance, contrast, sharpness, noise. -o writes the
-distribution of exposure that makes the renders' levels those of the captures.
+levels of both and the distribution of exposure between them, for --exposure match:FILE.
 
 Without --illuminant the captures' neutrals are the renders' lights, in turn; without
 --iso their noise is that of the captures' ISO, where it is measured.

@@ -16,7 +16,15 @@ import numpy as np
 from cg2raw import __version__
 from cg2raw.match.frame import PROBABILITIES, Frame
 from cg2raw.match.scenes import pairs
-from cg2raw.match.shift import LEVEL, Array, Levels, Shift, shift_between, shift_of
+from cg2raw.match.shift import (
+    LEVEL,
+    Array,
+    Levels,
+    Shift,
+    empirical_quantiles,
+    shift_between,
+    shift_of,
+)
 from cg2raw.short_messages import plural
 
 LEAST = 10  # captures, and renders, from which an exposure is inferred
@@ -51,6 +59,10 @@ class Comparison:
             "cg2raw": __version__,
             "sensor": self.sensor,
             "exposure": distribution(self.exposure),
+            "levels": {
+                "captures": level_quantiles(self.captures),
+                "renders": level_quantiles(list(filter(is_seen, self.renders))),
+            },
         }
         if self.white_balance:
             found["white_balance"] = {
@@ -75,6 +87,12 @@ def distribution(shift: Shift) -> dict[str, Any]:
         "spread": round(shift.spread, 4),
         "quantiles": [[p, round(stops, 4)] for p, stops in shift.quantiles],
     }
+
+
+def level_quantiles(frames: Sequence[Frame]) -> list[list[float]]:
+    """Return [probability, stops] of levels, in JSON's types."""
+    found = empirical_quantiles(np.array([frame.level for frame in frames]))
+    return [[p, round(stops, 4)] for p, stops in found]
 
 
 def interval(shift: Shift) -> dict[str, list[float]]:
@@ -229,8 +247,7 @@ def spread_note(captures: Sequence[Frame], renders: Sequence[Frame]) -> list[str
         return []
     return [
         f"levels of captures differ by {ours:.2f} stops, those of renders by "
-        f"{theirs:.2f}: no drawn exposure brings them together; a meter may "
-        "(exposure auto)"
+        f"{theirs:.2f}: no drawn exposure brings them together, as match:FILE does"
     ]
 
 

@@ -89,7 +89,7 @@ def levels(found: Comparison) -> Drawn:
     )
     moved = (theirs[:, None] + stops).ravel()
     png = histograms("median luminance, stops from white", ours, theirs, moved)
-    words = "Each frame's median luminance; the line is the renders with the exposure"
+    words = "Each frame's median luminance; the line is renders with drawn ones"
     return "Levels", words, png
 
 
