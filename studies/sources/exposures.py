@@ -3,17 +3,23 @@
 """Sources of ours at the exposures that users of cg2raw may give renders.
 
 An exposure is a gain on scene-linear values before anything clips, of the words of
-cg2raw.Run; the core decides it."""
+cg2raw.Run; the core decides it. One is of the training captures, as `cg2raw match`
+finds it."""
 
+import json
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from cg2raw import Run, Sensor
+from cg2raw.match import Comparison, Frame, compare, look
+from cg2raw.match.renders import Model, simulated
 from studies.cameras import Camera
 from studies.sources.frames import Frames, Image, words_of
-from studies.sources.ours import ours
+from studies.sources.ours import drawn, ours
 from studies.sources.sets import Material, Sources
 from studies.world.exposure import exposed
 
@@ -26,12 +32,19 @@ def by_exposure(found: Material, camera: Camera, seed: int) -> Sources:
     """Return what makes the training frames of a seed: the camera, and arms of ours.
 
     "ours, dng" is that of the other studies: each render's highlights at white.
-    "captures' median" brightens all renders by as many stops as they are darker in the
-    median."""
+    "match" gives renders the levels of the captures, "match, drawn" exposures of the
+    distribution that is found, whatever the render; "captures' median" brightens all by
+    as many stops as they are darker in the median."""
     told, images = camera.told(found.captures.neutrals), found.as_rendered
 
     def at(exposure: str) -> Frames:
         return ours(exposed_by(told, images, exposure, seed), told, seed=seed)
+
+    def matched(how: str = "") -> Frames:
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "match.json"
+            path.write_text(json.dumps(matching(told, found.captures, images).fields()))
+            return at(f"match:{path}{how}")
 
     def as_bright() -> Frames:
         return at(str(darker(told, found.captures, images)))
@@ -41,6 +54,8 @@ def by_exposure(found: Material, camera: Camera, seed: int) -> Sources:
         "real, other scenes": lambda: found.other_captures,
         "ours, dng": lambda: ours(found.renders, told, seed=seed),
         **{f"ours, {name}": partial(at, word) for name, word in WORDS.items()},
+        "ours, match": matched,
+        "ours, match, drawn": partial(matched, ":draw"),
         "ours, captures' median": as_bright,
     }
 
@@ -58,6 +73,19 @@ def exposed_by(
     return made
 
 
+def matching(sensor: Sensor, captures: Frames, images: Sequence[Image]) -> Comparison:
+    """Return the Comparison of captures as a camera exposes them, and of images
+    (H, W, 3) under lights that are drawn as those of source ours."""
+    words = words_of(captures.neutrals)
+    seen = [
+        captured(sensor, exposed(image), word)
+        for image, word in zip(captures.images, words, strict=True)
+    ]
+    model = Model(sensor, drawn(len(images), 0))
+    made = [simulated("", image, frame, model) for frame, image in enumerate(images)]
+    return compare(sensor.id, seen, made)
+
+
 def darker(sensor: Sensor, captures: Frames, images: Sequence[Image]) -> float:
     """Return how many stops images (H, W, 3) are darker than captures as a camera
     exposes them: their median luminances, in the median."""
@@ -72,3 +100,9 @@ def darker(sensor: Sensor, captures: Frames, images: Sequence[Image]) -> float:
         for scenes in (developed, images)
     )
     return float(np.log2(bright / dark))
+
+
+def captured(sensor: Sensor, image: Image, word: str) -> Frame:
+    """Return the match's Frame of camera RGB (H, W, 3), white 1, under a light."""
+    plane = sensor.raw_from_signal(sensor.mosaic(image))
+    return look("", plane, sensor, sensor.illuminant(word))

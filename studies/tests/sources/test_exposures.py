@@ -54,10 +54,22 @@ def test_renders_are_as_bright_as_captures_in_the_median(found, camera):
     assert stops == pytest.approx(3.0, abs=1e-4)
 
 
+def test_a_match_gives_renders_the_levels_of_captures(found, camera):
+    """The ends of a dozen lie within a tenth of a stop of others, and are drawn in."""
+    compared = exposures.matching(camera.sensor, found.captures, found.as_rendered)
+    made = exposures.by_exposure(found, camera, 0)["ours, match"]()
+    pairs = zip(made.images, words_of(made.neutrals), strict=True)
+    images = [camera.sensor.to_scene(image, illuminant=word) for image, word in pairs]
+    levels = [np.log2(np.median(image @ exposures.REC709)) for image in images]
+    captured = [frame.level for frame in compared.captures]
+    assert np.median(levels) == pytest.approx(np.median(captured), abs=0.3)
+    assert np.std(levels) == pytest.approx(np.std(captured), rel=0.15)
+
+
 def test_arms_differ_by_exposure_alone(found, camera):
     made = exposures.by_exposure(found, camera, 0)
     frames = {name: make() for name, make in made.items() if name.startswith("ours")}
-    assert len(frames) == 5
+    assert len(frames) == 7
     own = frames.pop("ours, as rendered")
     for name, other in frames.items():
         assert np.array_equal(own.neutrals, other.neutrals), name
