@@ -15,9 +15,15 @@ from studies.diagnose.scores import HEAD, Record, line
 GATES = "gates"
 # Of sets that the first engine has answered.
 COUNTS = {
-    "single": 2,
+    "single": 6,
+    "pairs": 1,
+    "triples": 1,
+    "none": 2,
     "low-none": 11,
     "nine": 1,
+    "unknown": 1,
+    "nuisance-none": 2,
+    "real": 1,
     "cameras": 1,
 }
 OF_REAL_FRAMES = ("real", "cameras")
