@@ -36,6 +36,7 @@ ROOMS = (
     "cg2raw.quick_look",
     "cg2raw.dataset",
     "cg2raw.statistics",
+    "cg2raw.model",
     "cg2raw.calibration",
     "cg2raw.diagnose",
     "cg2raw.synthetic",

@@ -159,6 +159,14 @@ def test_a_file_has_all_of_it(tmp_path):
     np.testing.assert_array_equal(again.planes[0].products, found.planes[0].products)
 
 
+def test_some_of_the_groups():
+    """As of these alone, where nothing is masked for the others' sake."""
+    lists = drawn((48, 60), 4), drawn((48, 60), 1, seed=2), drawn((48, 60), 3, seed=3)
+    groups = groups_of(*lists)
+    some = [groups[2], groups[0]]
+    assert_alike(measured(groups, 2).only([2, 0]), measured(some, 2))
+
+
 @pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x05\x06" + bytes(18)])
 def test_a_file_of_something_else_is_refused(tmp_path, content):
     path = tmp_path / "statistics.npz"

@@ -27,6 +27,7 @@ from cg2raw.calibration.frames import (
 )
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.notes import notes_on
+from cg2raw.calibration.one_fit import fitted
 from cg2raw.calibration.parts import check_one_chain
 from cg2raw.calibration.repeats import Todo, seen_all
 from cg2raw.calibration.robust import CENSORED_TO
@@ -107,6 +108,7 @@ def calibrate(
         excluded=excluded,
         defects=defects,
         **{k: v for k, v in vars(darks).items() if k != "transients"},
+        figures=() if darks.lost else fitted(seen, flats, float(np.mean(levels))),
         **vars(light),
     )
     check_one_chain(found)

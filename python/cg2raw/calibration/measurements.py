@@ -3,7 +3,7 @@
 
 """Measurements: all that darks and flats show of a sensor, each with its error."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -21,6 +21,7 @@ from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.photon_transfer import PhotonTransfer
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.temporal_noise import TemporalNoise
+from cg2raw.model.figures import Figure
 from cg2raw.sensor import Sensor
 
 
@@ -50,6 +51,7 @@ class Measurements:
     distribution that has their shares, fixed patterns included. clipped : number of
     flats that show saturation alone. faint : of flats whose noise is rounding's.
     excluded : {name of a frame that is none of its repeats: how it is off}.
+    figures : of all frames by one likelihood, with 95 % intervals.
     likeliest : of fixed patterns, the parameters by the likelihood of all together, in
     the registry's units; what a profile says of those that stand out."""
 
@@ -79,6 +81,7 @@ class Measurements:
     excluded: Mapping[str, str] = field(default_factory=dict)
     defects: Defects = field(default_factory=Defects, repr=False)
     likeliest: Mapping[str, Mapping[str, Measured]] = field(default_factory=dict)
+    figures: Sequence[Figure] = ()
 
     @property
     def black(self) -> NDArray[np.float64]:

@@ -39,6 +39,7 @@ def rows_of(found: Measurements) -> list[Row]:
         noise_rows(found),
         dark_rows(found),
         light_rows(found),
+        fit_rows(found),
         profile_rows(found),
     )
     return [row for part in parts for row in part]
@@ -171,6 +172,24 @@ def light_rows(found: Measurements) -> Iterator[Row]:
     yield Row("light", "shading, rms", fall_off, None, more)
     lamp = found.lamp.scaled(100, "%") if found.lamp else None
     yield Row("light", "lamp, frame to frame", lamp)
+
+
+def fit_rows(found: Measurements) -> Iterator[Row]:
+    """Yield the figures of all frames by one likelihood, with their 95 % intervals."""
+    for one in found.figures:
+        name = one.name
+        if one.site is not None and found.sites.names[one.site]:
+            if len(found.sites.names) > MOST_SITES:
+                continue
+            name += f" {found.sites.names[one.site]}"
+        scale, unit = (100, "%") if one.unit == "1" else (1, one.unit)
+        if name.startswith("correlation"):
+            scale, unit = 1, "1"
+        value = Measured(one.value, one.standard_error, one.unit).scaled(scale, unit)
+        ends = f"95 %: {one.low * scale:.5g} to {one.high * scale:.5g}"
+        in_dn = one.unit.startswith("DN") and one.name != "black level"
+        electrons = in_electrons(found, value) if in_dn else None
+        yield Row("all frames, by one likelihood", name, value, electrons, ends)
 
 
 def profile_rows(found: Measurements) -> Iterator[Row]:

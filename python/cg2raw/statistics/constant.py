@@ -8,6 +8,7 @@ columns are means times the root of how many samples they are of.
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from io import BytesIO
@@ -139,6 +140,23 @@ class ConstantStatistics:
     lags: Array
     white: int
     transients: NDArray[np.int64]
+
+    def only(self, numbers: Sequence[int]) -> "ConstantStatistics":
+        """Return the statistics of some of the groups."""
+        at = list(numbers)
+        planes = []
+        for plane in self.planes:
+            given = {field.name: getattr(plane, field.name) for field in fields(plane)}
+            for name in given.keys() - {"freedom", "masked", "levels", "whole"}:
+                given[name] = given[name][at]
+            given["levels"] = tuple(plane.levels[n] for n in at)
+            given["whole"] = plane.whole[np.ix_(at, at)]
+            planes.append(PlaneStatistics(**given))
+        whole = {name: getattr(self, name)[at] for name in WHOLE}
+        groups = tuple(self.groups[n] for n in at)
+        return ConstantStatistics(
+            groups=groups, planes=tuple(planes), white=self.white, **whole
+        )
 
     def save(self, path: str) -> None:
         """Write all of it to an .npz file, whole or not at all. Raises OSError."""

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""One fit: figures of all frames by one likelihood, beside those of moments."""
+
+from collections.abc import Sequence
+
+from cg2raw.calibration.flats import Flats
+from cg2raw.calibration.photon_transfer import LINEAR
+from cg2raw.calibration.repeats import Seen
+from cg2raw.model.figures import Figure, figures_of
+from cg2raw.model.fit import fit
+
+
+def fitted(seen: Seen, flats: Flats, black: float) -> Sequence[Figure]:
+    """Return the figures of all darks and of flats up to LINEAR of saturation; none
+    where no two frames repeat each other, or where codes come in steps.
+
+    black : DN."""
+    white = seen.todo.sensor.white_level - black
+    most = LINEAR * (flats.ceiling[0].value if flats.ceiling else white)
+    unclipped = {id(group) for group in flats.groups}
+    used = [
+        number
+        for number, group in enumerate(seen.groups)
+        if group.frames[0].frame.kind == "dark"
+        or (id(group) in unclipped and float(group.level.mean()) - black <= most)
+    ]
+    found = seen.statistics.only(used)
+    if seen.todo.sites.step > 1 or not (found.frames > 1).any():
+        return ()
+    return tuple(figures_of(found, fit(found)))

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What the parts of the likelihood have in common: parameters, and sums of terms."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cg2raw.model.components import FIXED, TEMPORAL
+from cg2raw.statistics.constant import Array
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What the likelihood is a function of: where each is in the vector.
+
+    sites : planes with a black level, read noise and gain of their own."""
+
+    sites: int
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """One for each entry; of planes' own, one after the other."""
+        of_sites = [
+            name
+            for name in ("black_level", "read_noise", "gain")
+            for _ in range(self.sites)
+        ]
+        shared = ["dark_current", "black_level_drift"]
+        components = [c.name for c in (*TEMPORAL, *FIXED)]
+        return (*of_sites, *shared, *components)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def of(self, name: str, site: int = 0) -> int:
+        """Return the place of a parameter. site : of a plane's own."""
+        return self.names.index(name) + site
+
+
+class Evaluation:
+    """A value, its slope and Fisher's information, summed up."""
+
+    def __init__(self, count: int) -> None:
+        self.value = 0.0
+        self.score: Array = np.zeros(count)
+        self.information: Array = np.zeros((count, count))
+
+    def add_chi_square(
+        self, measured: Array, expected: Array, slopes: Array, freedom: Array
+    ) -> None:
+        """Add variances (N,) of given freedom, whose expectation has slopes (N, n)."""
+        relative = slopes / expected[:, None]
+        self.value -= float(
+            (freedom / 2 * (np.log(expected) + measured / expected)).sum()
+        )
+        self.score += freedom / 2 * (measured / expected - 1) @ relative
+        self.information += (relative * (freedom / 2)[:, None]).T @ relative
+
+    def add_normal(
+        self,
+        rest: Array,
+        slopes: Array,
+        variance: Array,
+        variance_slopes: Array,
+        share: float,
+    ) -> None:
+        """Add residuals (N,) and their variances. share : of their freedom that the
+        parameters of their mean leave."""
+        relative = variance_slopes / variance[:, None]
+        squares = rest**2 / variance
+        self.value -= float((share * np.log(variance) + squares).sum()) / 2
+        self.score += (squares - share) / 2 @ relative - rest / variance @ slopes
+        self.information += (slopes / variance[:, None]).T @ slopes
+        self.information += share / 2 * relative.T @ relative

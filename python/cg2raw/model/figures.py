@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The figures of a sensor by one fit of its darks and flats, with 95 % intervals.
+
+Patterns are of what is not masked, and leave out polynomials (statistics.constant):
+those up to degree SLOW down and across are structure (of the bias, of the shading).
+A PRNU that is measured above a higher frequency, as EMVA 1288 has it, is smaller where
+the response also varies from ten pixels to a hundred."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+from scipy.stats import chi2
+
+from cg2raw.model.correlation import neighbours
+from cg2raw.model.fit import Fit
+from cg2raw.model.levels import Line
+from cg2raw.model.structure import structure_of
+from cg2raw.statistics.constant import ConstantStatistics
+
+NORMAL = 1.959964  # standard errors to each side of 95 %
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A named value. low, high : its 95 % interval. site : the plane whose it is, in
+    raster order of the CFA's repeat; None if it is of all."""
+
+    name: str
+    unit: str
+    value: float
+    standard_error: float
+    low: float
+    high: float
+    site: int | None = None
+
+
+def figures_of(statistics: ConstantStatistics, found: Fit) -> list[Figure]:
+    """Return what the frames show, in the order of the physics; what they do not show
+    is missing."""
+    all_of_them = (
+        *_levels(statistics, found),
+        *_noise(found),
+        *_correlations(statistics),
+        *_patterns(found),
+        *_light(found),
+    )
+    return [figure for figure in all_of_them if np.isfinite(figure.standard_error)]
+
+
+def _levels(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure]:
+    line = found.likelihood.levels.line(found.theta)
+    if line is None:
+        return
+    for site in range(found.parameters.sites):
+        value, error = found.of("black_level", site)
+        yield _by_student("black level", "DN", value, error, line, site)
+    yield _drift(statistics, found)
+    value, error = found.of("dark_current")
+    yield _by_student("dark current", "DN/s", value, error, line)
+
+
+def _by_student(
+    name: str,
+    unit: str,
+    value: float,
+    error: float,
+    line: Line,
+    site: int | None = None,
+) -> Figure:
+    """Return a figure of the levels. Few frames tell their drift, so the interval is
+    Student's; and it is wider where the line misses the levels."""
+    error = error * line.misfit
+    half = float(stdtrit(line.freedom, 0.975)) * error if line.freedom > 0 else np.inf
+    return Figure(name, unit, value, error, value - half, value + half, site)
+
+
+def _drift(statistics: ConstantStatistics, found: Fit) -> Figure:
+    """Return the sd of the level of the shortest darks that repeat each other, less
+    what noise moves it; its interval is that of chi-square."""
+    planes = found.likelihood.planes
+    repeated = np.flatnonzero(~planes[0].is_flat & planes[0].repeats)
+    if not len(repeated):
+        return Figure("black level drift", "DN", np.nan, np.nan, np.nan, np.nan)
+    shortest = planes[0].time[repeated].min()
+    total = freedom = floor = 0.0
+    for g in repeated[planes[0].time[repeated] == shortest]:
+        levels = np.mean([plane.plane.levels[g] for plane in planes], axis=0)
+        response = float(
+            np.mean([plane.records(found.theta)[0][3, g] for plane in planes])
+        )
+        again = len(levels) - 1
+        total += float(levels.var(ddof=1)) * again / response**2
+        noise = float(found.likelihood.levels.noise()[0][g])
+        floor += again * noise / response**2
+        freedom += again
+    total, floor = total / freedom, floor / freedom
+    ends = total * freedom / chi2.ppf([0.975, 0.025], freedom)
+    error = total * np.sqrt(2 / freedom)
+    return _root(
+        "black level drift",
+        "DN",
+        total - floor,
+        error,
+        (ends[0] - floor, ends[1] - floor),
+    )
+
+
+def _root(
+    name: str,
+    unit: str,
+    square: float,
+    error: float,
+    ends: tuple[float, float] | None = None,
+    site: int | None = None,
+) -> Figure:
+    """Return the root of a variance with its error and interval; 0 for one below 0."""
+    low, high = ends or (square - NORMAL * error, square + NORMAL * error)
+    low, value, high = (float(np.sqrt(max(x, 0.0))) for x in (low, square, high))
+    # The root of a variance near 0 has no slope: there the error is half the interval.
+    by_slope = error / 2 / value if value > 0 else np.inf
+    error = min(by_slope, (high - low) / 2 / NORMAL)
+    return Figure(name, unit, value, error, low, high, site)
+
+
+def _of_variance(found: Fit, parameter: str, name: str, unit: str) -> Figure:
+    return _root(name, unit, *found.of(parameter))
+
+
+def _noise(found: Fit) -> Iterator[Figure]:
+    for site, plane in enumerate(found.likelihood.planes):
+        read, error = found.of("read_noise", site)
+        yield _root("read noise", "DN", read, error, site=site)
+        shortest = int(np.argmin(np.where(plane.is_flat, np.inf, plane.time)))
+        records, slopes = plane.records(found.theta)
+        known = np.isfinite(np.diagonal(found.covariance))
+        of_lines = [found.parameters.of(n) for n in ("row_noise", "column_noise")]
+        slope = slopes[1, shortest]
+        slope[of_lines] += 1.0
+        slope, covariance = slope[known], found.covariance[np.ix_(known, known)]
+        yield _root(
+            "temporal dark noise",
+            "DN",
+            float(records[1, shortest] + found.theta[of_lines].sum()),
+            float(np.sqrt(slope @ covariance @ slope)),
+            site=site,
+        )
+    yield _of_variance(found, "row_noise", "row noise", "DN")
+    yield _of_variance(found, "column_noise", "column noise", "DN")
+
+
+def _correlations(statistics: ConstantStatistics) -> Iterator[Figure]:
+    """Yield the correlation of a dark's noise with its next neighbours, of the shortest
+    darks that repeat each other."""
+    darks = [
+        g
+        for g, info in enumerate(statistics.groups)
+        if info.kind == "dark" and statistics.pairs[g]
+    ]
+    if not darks:
+        return
+    times = np.array([statistics.groups[g].exposure_time or 0.0 for g in darks])
+    used = [g for g, time in zip(darks, times, strict=True) if time == times.min()]
+    pairs = statistics.pairs[used].astype(float)
+    samples = sum(float((~plane.masked).sum()) for plane in statistics.planes)
+    for name, lag in (
+        ("correlation, next in row", (0, 1)),
+        ("correlation, next in column", (1, 0)),
+    ):
+        measured = neighbours(statistics, *lag)
+        if measured is None:
+            continue
+        value = float(np.average(measured[used], weights=pairs))
+        error = float(1 / np.sqrt(pairs.sum() * samples))
+        yield Figure(
+            name, "1", value, error, value - NORMAL * error, value + NORMAL * error
+        )
+
+
+def _patterns(found: Fit) -> Iterator[Figure]:
+    yield _of_variance(found, "dsnu", "DSNU", "DN")
+    yield _of_variance(found, "column_fixed_pattern", "fixed column pattern", "DN")
+    yield _of_variance(found, "row_fixed_pattern", "fixed row pattern", "DN")
+    yield _structure(found, "constant", "bias structure", "DN")
+    yield _of_variance(
+        found, "dark_current_nonuniformity", "dark current nonuniformity", "DN/s"
+    )
+    yield _structure(found, "time", "glow", "DN/s")
+
+
+def _light(found: Fit) -> Iterator[Figure]:
+    for site in range(found.parameters.sites):
+        value, error = found.of("gain", site)
+        ends = _inverse(value + NORMAL * error), _inverse(value - NORMAL * error)
+        relative = error / value if value > 0 else np.nan
+        yield Figure(
+            "gain", "e-/DN", _inverse(value), relative * _inverse(value), *ends, site
+        )
+    yield _of_variance(found, "prnu", "PRNU", "1")
+    yield _structure(found, "light", "shading", "1")
+
+
+def _inverse(value: float) -> float:
+    return 1 / value if value > 0 else np.inf
+
+
+def _structure(found: Fit, signature: str, name: str, unit: str) -> Figure:
+    return _root(name, unit, *structure_of(found, signature))

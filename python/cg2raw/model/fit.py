@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The fit of the likelihood: Fisher scoring from a start by least squares.
+
+Variances may come out a little below 0: that is within their errors, and a bound at 0
+would move the others."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.model.components import FIXED, TEMPORAL
+from cg2raw.model.evaluation import Parameters
+from cg2raw.model.likelihood import Likelihood
+from cg2raw.model.planes import PIXEL, PlaneLikelihood
+from cg2raw.model.recorded import ROUNDING
+from cg2raw.statistics.constant import Array, ConstantStatistics
+
+ROUNDS = 60  # of scoring; ten are usual
+HALVINGS = 20  # of a step that does not rise
+# Fits with the light and, if codes are coarse, the offsets by the one before.
+AGAIN = 6
+SETTLED = 0.05  # standard errors that nothing moves any more
+DONE = 1e-7  # nats that a round gains
+# Of a parameter's own information that the others leave: below, it is not known.
+UNKNOWN = 1e-10
+LEAST_START = 1e-3  # of its largest value by one group: a start above 0
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Parameters with their covariance; nan where the frames do not show them."""
+
+    parameters: Parameters
+    theta: Array
+    covariance: Array
+    value: float
+    likelihood: Likelihood
+
+    def of(self, name: str, site: int = 0) -> tuple[float, float]:
+        """Return (value, standard error); nan, nan where it is not known."""
+        at = self.parameters.of(name, site)
+        error = float(np.sqrt(self.covariance[at, at]))
+        return (float(self.theta[at]) if np.isfinite(error) else np.nan), error
+
+
+def fit(statistics: ConstantStatistics) -> Fit:
+    """Return the fit of darks and flats.
+
+    Raises ValueError if no two frames repeat each other: noise is not known then."""
+    if not (statistics.frames > 1).any():
+        raise ValueError("frames: no two repeat each other, so noise is not known")
+    likelihood = Likelihood(statistics)
+    theta, free = start_of(likelihood)
+    found = _scored(likelihood, theta, free)
+    for _ in range(AGAIN if likelihood.is_coarse else 1):
+        before = found.theta
+        found = _scored(Likelihood(statistics, before), before, free)
+        with np.errstate(invalid="ignore"):
+            moved = (found.theta - before) ** 2 / np.diagonal(found.covariance)
+        if np.nanmax(moved) < SETTLED**2:
+            break
+    return found
+
+
+def _scored(likelihood: Likelihood, theta: Array, free: NDArray[np.bool_]) -> Fit:
+    """Return the fit that scoring finds from a start."""
+    found = likelihood(theta)
+    for _ in range(ROUNDS):
+        step, _ = _solved(found.score, found.information, free)
+        for halving in range(HALVINGS):
+            trial = theta + step / 2**halving
+            better = likelihood(trial)
+            if better.value >= found.value:
+                break
+        else:
+            break
+        gain = better.value - found.value
+        theta, found = trial, better
+        if gain < DONE:
+            break
+    _, covariance = _solved(found.score, found.information, free)
+    return Fit(likelihood.parameters, theta, covariance, found.value, likelihood)
+
+
+def _solved(
+    score: Array, information: Array, free: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Return (step, covariance): 0 and nan of what is not free or not known."""
+    own = np.diagonal(information)
+    used = np.flatnonzero(free & (own > 0))
+    scale = 1 / np.sqrt(own[used])
+    values, vectors = np.linalg.eigh(
+        information[np.ix_(used, used)] * np.outer(scale, scale)
+    )
+    known = values > UNKNOWN
+    inverse = vectors[:, known] / values[known] @ vectors[:, known].T
+    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 0.01
+    step, covariance = np.zeros(len(score)), np.full(information.shape, np.nan)
+    step[used] = scale * (inverse @ (scale * score[used]))
+    inverse[lost] = inverse[:, lost] = np.nan
+    covariance[np.ix_(used, used)] = inverse * np.outer(scale, scale)
+    return step, covariance
+
+
+def start_of(likelihood: Likelihood) -> tuple[Array, NDArray[np.bool_]]:
+    """Return a start by least squares, and which parameters the frames can show."""
+    parameters = likelihood.parameters
+    theta, free = np.zeros(len(parameters)), np.ones(len(parameters), bool)
+    first = likelihood.planes[0]
+    darks, flats = ~first.is_flat, first.is_flat
+    has_times = len(set(first.time[darks])) > 1
+    of_signature = {"constant": True, "light": bool(flats.any())}
+    of_signature |= {"time": has_times, "constant and time": has_times}
+    for component in (*TEMPORAL, *FIXED):
+        at = parameters.of(component.name)
+        free[at] = of_signature[component.signature]
+    free[parameters.of("dark_current")] = has_times
+    drifts = parameters.of("black_level_drift")
+    free[drifts] = (darks & first.repeats).any()
+    sites = slice(parameters.of("black_level"), parameters.sites)
+    free[sites] = darks.any()
+    _start_levels(likelihood, theta, darks)
+    for plane in likelihood.planes:
+        _start_noise(plane, theta, free)
+    for plane in likelihood.planes[:1]:
+        _start_patterns(plane, theta, free)
+    return theta, free
+
+
+def _start_levels(
+    likelihood: Likelihood, theta: Array, darks: NDArray[np.bool_]
+) -> None:
+    parameters, first = likelihood.parameters, likelihood.planes[0]
+    if not darks.any():
+        return
+    noise = max(float(first.scatter[first.repeats, PIXEL].min()) - ROUNDING, 0.02)
+    places = np.array(
+        [
+            [r(r.about._replace(noise=noise))[0][0] for r in p.recorders]
+            for p in likelihood.planes
+        ]
+    )
+    time, weights = first.time[darks], np.sqrt(first.frames[darks])
+    design = np.column_stack([np.ones(len(time)), time])
+    if not np.ptp(time):
+        design = design[:, :1]
+    values = np.linalg.lstsq(
+        design * weights[:, None], places[:, darks].T * weights[:, None], rcond=None
+    )[0]
+    at = parameters.of("black_level")
+    theta[at : at + parameters.sites] = values[0]
+    if len(values) > 1:
+        theta[parameters.of("dark_current")] = max(float(values[1].mean()), 0.0)
+    levels = [
+        np.mean([p.plane.levels[g] for p in likelihood.planes], axis=0)
+        for g in np.flatnonzero(darks & first.repeats)
+    ]
+    if levels:
+        squares = sum(((x - x.mean()) ** 2).sum() for x in levels)
+        theta[parameters.of("black_level_drift")] = squares / sum(
+            len(x) - 1 for x in levels
+        )
+
+
+def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) -> None:
+    """Least squares of the scatter, each weighted by its own measured size."""
+    place = plane.parameters.of
+    read, gain = place("read_noise", plane.site), place("gain", plane.site)
+    theta[read], theta[gain] = 1.0, 0.0
+    signal = plane.signal(theta)
+    again = plane.repeats
+    free[gain] = np.ptp(signal[again]) > 0
+    names = [place(c.name) for c in TEMPORAL]
+    columns = [n for n in (read, gain, *names) if free[n]]
+    records, slopes = np.ones((5, len(signal))), np.zeros((5, len(signal), len(theta)))
+    slopes[1, :, read], slopes[1, :, gain] = 1.0, signal
+    _, by = plane.temporal(theta, records, slopes)
+    known = (plane.freedom > 0) & (plane.scatter > 0)
+    weights = np.sqrt(plane.freedom[known]) / plane.scatter[known]
+    design = by[known][:, columns] * weights[:, None]
+    scale = np.abs(design).max(axis=0) + 1e-300
+    values = np.linalg.lstsq(
+        design / scale, (plane.scatter[known] - ROUNDING) * weights, rcond=None
+    )[0]
+    theta[columns] = np.maximum(values / scale, 0.0)
+    theta[read] = max(theta[read], 0.02)
+
+
+def _start_patterns(
+    plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]
+) -> None:
+    """Least squares of the products less the noise, likewise; each above 0."""
+    records, slopes = plane.records(theta)
+    expected, _ = plane.temporal(theta, records, slopes)
+    signatures = np.array([plane.signature(c) for c in FIXED])
+    size = np.sqrt(np.diagonal(plane.products, axis1=1, axis2=2))  # (8, G)
+    rest = plane.products.copy()
+    groups = np.arange(len(plane.frames))
+    rest[:, groups, groups] -= expected.T / plane.frames
+    weights = 1 / (size[:, :, None] * size[:, None, :] + 1e-300)
+    weights *= np.sqrt(plane.products_freedom)[:, None, None]
+    each = plane.fixed[:, :, None, None] * signatures[:, None] * weights
+    names = [plane.parameters.of(c.name) for c in FIXED]
+    used = [i for i, n in enumerate(names) if free[n]]
+    design = each[used].reshape(len(used), -1).T
+    scale = np.abs(design).max(axis=0) + 1e-300
+    values = np.linalg.lstsq(design / scale, (rest * weights).ravel(), rcond=None)[0]
+    least = LEAST_START * np.sqrt(plane.products_freedom.max())
+    for i, value in zip(
+        used, np.maximum(values, least) / scale[: len(used)], strict=True
+    ):
+        theta[names[i]] = value

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The levels of darks: black level, dark current and drift."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.model.evaluation import Evaluation, Parameters
+from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.statistics.constant import Array
+
+
+class Line(NamedTuple):
+    """How well levels are on a line. freedom : of their scatter about it, frame by
+    frame. misfit : by how much groups miss it, over what their frames' scatter makes;
+    at least 1 (R. Birge, Physical Review 40, 1932)."""
+
+    freedom: int
+    misfit: float
+
+
+class LevelLikelihood:
+    """The levels of darks: of each plane, what all planes have in common apart.
+
+    In the mean of the planes the drift is as large as in each; what they differ by has
+    none. Means over groups are normal, the scatter within is chi-square."""
+
+    def __init__(
+        self,
+        planes: list[PlaneLikelihood],
+        parameters: Parameters,
+        frames: NDArray[np.int64],
+    ) -> None:
+        self.planes, self.parameters = planes, parameters
+        self.darks = np.flatnonzero(~planes[0].is_flat)
+        self.frames = frames[self.darks].astype(float)
+        self.time = planes[0].time[self.darks]
+        count = len(planes)
+        # Orthonormal: the first row is the mean, times the root of their number.
+        self.turn = np.linalg.qr(np.column_stack([np.ones(count), np.eye(count)]))[0].T
+        self.turn *= np.where(self.turn[:1].sum() < 0, -1.0, 1.0)
+        self.parameters_of_means = (
+            1 + int(np.ptp(self.time) > 0) if len(self.time) else 0
+        )
+
+    def add_to(self, found: Evaluation, theta: Array, has_drift: bool) -> None:
+        """Add what darks' levels say. has_drift : whether repeats tell the drift."""
+        if not len(self.darks):
+            return
+        at, g = self.parameters.of, self.darks
+        count, number = len(self.planes), len(theta)
+        all_records = [plane.records(theta) for plane in self.planes]
+        places = np.array([records[0, g] for records, _ in all_records])
+        response = np.mean([records[3, g] for records, _ in all_records], axis=0)
+        by_place = np.array([slopes[0, g] for _, slopes in all_records])
+        floor, rest = (noise[g] / response**2 for noise in self.noise())
+        for axis in range(count):
+            weights = self.turn[axis]
+            mean = weights.sum() * theta[at("dark_current")] * self.time
+            mean = mean + weights @ theta[at("black_level") : at("black_level") + count]
+            slopes = np.einsum("p,pgn->gn", weights, by_place)
+            slopes[:, at("black_level") : at("black_level") + count] -= weights
+            slopes[:, at("dark_current")] -= weights.sum() * self.time
+            each = count if axis == 0 else 0
+            variance = each * theta[at("black_level_drift")]
+            variance = variance + (floor * count if axis == 0 else rest)
+            if (variance <= 0).any():
+                found.value = -np.inf
+                return
+            by = np.zeros((len(g), number))
+            by[:, at("black_level_drift")] = each
+            used = self.parameters_of_means if axis == 0 else 1
+            share = max(1 - used / len(g), 0.0) if has_drift else 0.0
+            found.add_normal(
+                weights @ places - mean,
+                slopes,
+                variance / self.frames,
+                by / self.frames[:, None],
+                share if axis == 0 else 0.0,
+            )
+            if axis == 0 and has_drift:
+                self._add_scatter(found, weights, response, variance, by)
+
+    def _add_scatter(
+        self,
+        found: Evaluation,
+        weights: Array,
+        response: Array,
+        variance: Array,
+        by: Array,
+    ) -> None:
+        for i, g in enumerate(self.darks):
+            if self.frames[i] < 2:
+                continue
+            levels = sum(
+                w * plane.plane.levels[g]
+                for w, plane in zip(weights, self.planes, strict=True)
+            )
+            measured = np.var(levels, ddof=1) / response[i] ** 2
+            found.add_chi_square(
+                np.array([measured]),
+                variance[i : i + 1],
+                by[i : i + 1],
+                np.array([self.frames[i] - 1.0]),
+            )
+
+    def noise(self) -> tuple[Array, Array]:
+        """Return (G,) DN^2 each, the variances of a frame's mean level, and of what a
+        plane's level differs from it, by the noise of pixels and lines."""
+        count, side = len(self.planes), self.planes[0].side
+        each = [plane.level_noise() for plane in self.planes]
+        pixel, lines = np.mean(each, axis=0)
+        # Each line is shared by as many planes as the repeat has sites along it.
+        apart = lines * (count - side) / max(count - 1, 1)
+        return pixel / count + lines / side, pixel + apart
+
+    def line(self, theta: Array) -> Line | None:
+        """Return how well the darks' levels are on their line; None without darks."""
+        if not len(self.darks):
+            return None
+        freedom = int(self.frames.sum()) - self.parameters_of_means
+        left = len(self.darks) - self.parameters_of_means
+        levels = np.mean([p.records(theta)[0][0, self.darks] for p in self.planes], 0)
+        design = np.column_stack([np.ones(len(levels)), self.time])
+        at, count = self.parameters.of("black_level"), len(self.planes)
+        line = [
+            theta[at : at + count].mean(),
+            theta[self.parameters.of("dark_current")],
+        ]
+        floor = self.noise()[0][self.darks]
+        variance = theta[self.parameters.of("black_level_drift")] + floor
+        squares = (levels - design @ np.array(line)) ** 2 * self.frames / variance
+        misfit = np.sqrt(max(float(squares.sum()) / left, 1.0)) if left > 0 else 1.0
+        return Line(freedom, float(misfit))

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The likelihood of the statistics of darks and flats, linear in variances."""
+
+import numpy as np
+
+from cg2raw.model.evaluation import Evaluation, Parameters
+from cg2raw.model.levels import LevelLikelihood
+from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.statistics.constant import Array, ConstantStatistics
+
+
+class Likelihood:
+    """The likelihood of all planes, as a function of Parameters.
+
+    theta : of a fit before, which tells the offsets that were recorded; without it they
+    are those of the codes."""
+
+    def __init__(
+        self, statistics: ConstantStatistics, theta: Array | None = None
+    ) -> None:
+        self.parameters = Parameters(len(statistics.planes))
+        self.planes = [
+            PlaneLikelihood(statistics, site, self.parameters, theta)
+            for site in range(len(statistics.planes))
+        ]
+        self.is_coarse = any(
+            recorder.table is not None
+            for plane in self.planes
+            for recorder in plane.recorders
+        )
+        self.levels = LevelLikelihood(self.planes, self.parameters, statistics.frames)
+
+    def __call__(self, theta: Array) -> Evaluation:
+        """Return value, slope and information at a vector of parameters."""
+        found = Evaluation(len(theta))
+        for plane in self.planes:
+            plane.add_to(found, theta)
+            if not np.isfinite(found.value):
+                return found
+        self.levels.add_to(found, theta, True)
+        return found

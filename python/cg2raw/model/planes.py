@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The scatter and the products of a plane: linear in variances, but for rounding.
+
+Coefficients of a part over the groups' mean images are normal with the covariance
+
+    sum over FIXED of variance * multiplicity * v v'  +  diag(T / frames),
+
+v the component's signature over the groups, so their products are Wishart; the scatter
+within a group is T times chi-square, T = read noise + gain * signal + TEMPORAL, as it
+is recorded. Weights (freedoms) come from the data alone: those that moved with
+a parameter would make a likelihood that rises by their moves."""
+
+import numpy as np
+
+from cg2raw.model.components import (
+    EVEN_ACROSS,
+    EVEN_DOWN,
+    FITTED,
+    FIXED,
+    TEMPORAL,
+    Component,
+)
+from cg2raw.model.correlation import neighbours
+from cg2raw.model.evaluation import Evaluation, Parameters
+from cg2raw.model.recorded import Offsets, Recorder, recorder_of
+from cg2raw.statistics.constant import (
+    LAGS,
+    PARTS,
+    Array,
+    ConstantStatistics,
+    PlaneStatistics,
+)
+
+PIXEL = PARTS.index("pixel")
+FAST_LINES = (PARTS.index("fast_rows"), PARTS.index("fast_columns"))
+NARROW = 0.05  # DN: places that differ by less are one within a code
+
+
+class PlaneLikelihood:
+    """The scatter and the products of one plane."""
+
+    def __init__(
+        self,
+        statistics: ConstantStatistics,
+        site: int,
+        parameters: Parameters,
+        theta: Array | None = None,
+    ) -> None:
+        plane = statistics.planes[site]
+        self.plane, self.site, self.parameters = plane, site, parameters
+        self.frames = statistics.frames
+        self.is_flat = np.array([g.kind == "flat" for g in statistics.groups])
+        self.time = np.array([g.exposure_time or 0.0 for g in statistics.groups])
+        self.repeats = self.frames > 1
+        self.side = side = round(len(statistics.planes) ** 0.5)
+        self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
+        self.fixed = np.array([c.multiplicity(*plane.shape) for c in FIXED])
+        again = np.maximum(self.frames - 1, 1)[:, None]
+        self.scatter = plane.scatter / np.maximum(plane.freedom, 1) / again
+        # A lamp's shape changes slowly: frames next to each other have it in common.
+        self.paired = self.is_flat & (statistics.pairs > 0) & (plane.freedom[PIXEL] > 0)
+        self.scatter[self.paired, PIXEL] = plane.power[self.paired]
+        self.correlation = correlation_of(statistics, side)
+        self.freedom = freedom_of(plane, statistics, self.scatter, side)
+        pairs = statistics.pairs / np.maximum(self.frames - 1, 1)
+        self.freedom[self.paired, PIXEL] *= pairs[self.paired]
+        self.products = plane.products / np.maximum(plane.freedom, 1)[:, None, None]
+        self.products_freedom = plane.freedom * FITTED * self._independent_lines(side)
+        self.light = self._light(theta)
+        self.recorders = self._recorders(statistics.white, theta)
+
+    def _independent_lines(self, side: int) -> Array:
+        """Return (8,) 1, less for lines whose pattern planes share."""
+        found = np.ones(len(PARTS))
+        power = np.diagonal(self.products, axis1=1, axis2=2)  # (8, G)
+        for part in FAST_LINES:
+            pairs = zip(power[part], power[PIXEL], strict=True)
+            found[part] = min(shared(lines, pixel, side) for lines, pixel in pairs)
+        return found
+
+    def _recorders(self, white: int, theta: Array | None) -> list[Recorder]:
+        about = self._recorded_offsets() if theta is None else self.offsets(theta)[0]
+        usual = self.scatter[self.repeats, PIXEL].min(initial=np.inf)
+        noise = np.where(self.repeats, self.scatter[:, PIXEL], usual)
+        found = []
+        for g in range(len(self.frames)):
+            places = self.plane.levels[g][:, None] - self.plane.level[g]
+            if np.ptp(self.plane.places[g]) > NARROW:
+                places = places + self.plane.places[g]
+            level = float(self.plane.level[g])
+            offsets = Offsets(*about[:, g])
+            inside = self.plane.low[g] == 0 and self.plane.high[g] == 0
+            one = recorder_of(level, places, offsets, float(noise[g]), white, inside)
+            found.append(one)
+        return found
+
+    def _recorded_offsets(self) -> Array:
+        """Return (3, G) Offsets as they were recorded, without a fit."""
+        noise = self.scatter[:, PIXEL]
+        h, w = self.plane.shape
+        lines = self.scatter[:, list(FAST_LINES)] - noise[:, None]
+        lines = np.maximum(lines / np.array([w, h]), 0).sum(axis=1)
+        fixed = np.diagonal(self.products[PIXEL]) - noise / self.frames
+        return np.array([noise, lines, np.maximum(fixed, 0)])
+
+    def offsets(self, theta: Array) -> tuple[Array, Array]:
+        """Return (3, G) Offsets before they were recorded and (3, G, n) their slopes.
+        Those of fixed lines are among the places."""
+        place = self.parameters.of
+        read, gain = place("read_noise", self.site), place("gain", self.site)
+        by = np.zeros((3, len(self.time), len(theta)))
+        signal = self.signal(theta)
+        by[0, :, read], by[0, :, gain] = 1.0, signal
+        by[0, self.is_flat, place("black_level", self.site)] = -theta[gain]
+        charge = theta[gain] * self.time[~self.is_flat]
+        by[0, ~self.is_flat, place("dark_current")] = charge
+        for n, components, parts in ((1, TEMPORAL, FAST_LINES), (2, FIXED, (PIXEL,))):
+            for component in components:
+                if component.parts[list(parts)].any():
+                    size = np.diagonal(self.signature(component))
+                    by[n, :, place(component.name)] = size
+        noise = theta[read] + theta[gain] * signal
+        found = np.array([noise, *(by[1:] @ theta)])
+        by[1:][found[1:] < 0] = 0.0
+        found[1:] = np.maximum(found[1:], 0.0)
+        return found, by
+
+    def _light(self, theta: Array | None) -> Array:
+        """Return (G,) DN, what light adds to a level, by a fit before; else it is what
+        is above the shortest dark."""
+        if theta is not None:
+            charge = theta[self.parameters.of("dark_current")] * self.time
+            found = self.signal(theta) - charge
+        elif self.is_flat.all():
+            found = self.plane.level
+        else:
+            shortest = np.argmin(np.where(self.is_flat, np.inf, self.time))
+            found = self.plane.level - self.plane.level[shortest]
+        return np.where(self.is_flat, np.maximum(found, 0.0), 0.0)
+
+    def signal(self, theta: Array) -> Array:
+        """Return (G,) DN above black: a flat's by its level, a dark's by its time."""
+        black = theta[self.parameters.of("black_level", self.site)]
+        charge = theta[self.parameters.of("dark_current")] * self.time
+        found: Array = np.where(self.is_flat, self.plane.level - black, charge)
+        return found
+
+    def records(self, theta: Array) -> tuple[Array, Array]:
+        """Return (5, G) Recordings and (5, G, n) their slopes by parameters."""
+        offsets, by = self.offsets(theta)
+        known = [
+            recorder(Offsets(*each))
+            for recorder, each in zip(self.recorders, offsets.T, strict=True)
+        ]
+        slopes = np.array([slope for _, slope in known])
+        values: Array = np.array([value for value, _ in known]).T
+        return values, np.einsum("gro,ogn->rgn", slopes, by)
+
+    def temporal(
+        self, theta: Array, records: Array, slopes: Array
+    ) -> tuple[Array, Array]:
+        """Return (G, 8) variances of a frame's coefficients and (G, 8, n) slopes."""
+        share = 1 + self.correlation
+        expected = records[1][:, None] * share
+        by = share[:, :, None] * slopes[1][:, None, :]
+        for component, multiplicity in zip(TEMPORAL, self.multiplicity, strict=True):
+            at = self.parameters.of(component.name)
+            size = np.diagonal(self.signature(component))[:, None] * multiplicity
+            response = records[2][:, None]
+            expected = expected + theta[at] * size * response**2
+            by[:, :, at] += size * response**2
+            by += theta[at] * (2 * size * response)[:, :, None] * slopes[2][:, None, :]
+        return expected, by
+
+    def signature(self, component: Component) -> Array:
+        """Return (G, G) what a component's share of the covariance is proportional to;
+        its diagonal is that of the variance of one group."""
+        vectors = {
+            "constant": np.ones(len(self.time)),
+            "time": self.time,
+            "light": self.light,
+        }
+        first, *others = (vectors[n] for n in component.signature.split(" and "))
+        both: Array = np.outer(first, others[0] if others else first)
+        found: Array = both + both.T if others else both
+        return found
+
+    def add_to(self, found: Evaluation, theta: Array) -> None:
+        """Add all that the plane says. The value is -inf where a variance is not
+        above 0."""
+        if (self.offsets(theta)[0][0] <= 0).any():
+            found.value = -np.inf
+            return
+        records, slopes = self.records(theta)
+        expected, by = self.temporal(theta, records, slopes)
+        if (expected <= 0).any():
+            found.value = -np.inf
+            return
+        self._add_scatter(found, expected, by)
+        self._add_products(found, theta, records, expected, by, slopes)
+
+    def level_noise(self) -> tuple[Array, Array]:
+        """Return (G,) DN^2 each, the variances of a frame's level by the noise of its
+        pixels and of its lines, as measured; without repeats, those of the darks."""
+        pixel = self.scatter[:, PIXEL]
+        lines = self.scatter[:, list(FAST_LINES)].sum(axis=1) - 2 * pixel
+        low = self.correlation[:, PARTS.index("field")]
+        good = max(int((~self.plane.masked).sum()), 1)
+        found = np.array([pixel * (1 + low), np.maximum(lines, 0)]) / good
+        usual = self.repeats & ~self.is_flat
+        if usual.any():
+            found[:, ~self.repeats] = found[:, usual].mean(axis=1, keepdims=True)
+        return found[0], found[1]
+
+    def _add_scatter(self, found: Evaluation, expected: Array, by: Array) -> None:
+        known = self.freedom > 0
+        found.add_chi_square(
+            self.scatter[known], expected[known], by[known], self.freedom[known]
+        )
+
+    def _add_products(
+        self,
+        found: Evaluation,
+        theta: Array,
+        records: Array,
+        expected: Array,
+        by: Array,
+        slopes: Array,
+    ) -> None:
+        _, _, _, response, steps = records
+        both = np.outer(response, response)
+        signatures = np.array([self.signature(c) * both for c in FIXED])
+        first = self.parameters.of(FIXED[0].name)
+        count = len(self.frames)
+        for part in np.flatnonzero(self.products_freedom > 0):
+            freedom = self.products_freedom[part]
+            # Slopes of the covariance: one diagonal for each temporal parameter.
+            fixed = signatures * self.fixed[:, part, None, None]
+            diagonal = by[:, part] / self.frames[:, None]
+            diagonal = diagonal + slopes[4]
+            patterns = np.tensordot(theta[first:], fixed, 1)
+            covariance = patterns.copy()
+            covariance[np.diag_indices(count)] += (
+                expected[:, part] / self.frames + steps
+            )
+            try:
+                root = np.linalg.cholesky(covariance)
+            except np.linalg.LinAlgError:
+                found.value = -np.inf
+                return
+            inverse = np.linalg.inv(covariance)
+            measured = inverse @ self.products[part]
+            found.value -= freedom * float(np.log(np.diagonal(root)).sum())
+            found.value -= freedom / 2 * float(np.trace(measured))
+            misfit = measured @ inverse - inverse
+            found.score += freedom / 2 * np.diagonal(misfit) @ diagonal
+            # The response moves all patterns: by too little for the information.
+            moved = (misfit * patterns).sum(axis=1) / response
+            found.score += freedom * moved @ slopes[3]
+            found.score[first:] += freedom / 2 * np.tensordot(fixed, misfit, 2)
+            turned = inverse @ fixed
+            mixed = np.einsum("egh,hg->eg", turned, inverse)  # of the diagonals
+            mixed = freedom / 2 * mixed @ diagonal
+            flat = turned.reshape(len(FIXED), -1)
+            turned = turned.transpose(0, 2, 1).reshape(len(FIXED), -1)
+            found.information += freedom / 2 * diagonal.T @ inverse**2 @ diagonal
+            found.information[first:] += mixed
+            found.information[:, first:] += mixed.T
+            found.information[first:, first:] += freedom / 2 * flat @ turned.T
+
+
+def correlation_of(statistics: ConstantStatistics, side: int) -> Array:
+    """Return (G, 8) by how much the correlation of next neighbours raises the variance
+    of a part, as measured; groups without pairs have it of the darks, or of all."""
+    found = np.zeros((len(statistics.groups), len(PARTS)))
+    for down, across, parts in ((0, side, EVEN_ACROSS), (side, 0, EVEN_DOWN)):
+        if (measured := neighbours(statistics, down, across)) is not None:
+            found += 2 * measured[:, None] * parts
+    known = statistics.pairs > 0
+    darks = known & np.array([g.kind == "dark" for g in statistics.groups])
+    usual = darks if darks.any() else known
+    if usual.any():
+        found[~known] = found[usual].mean(axis=0)
+    return found
+
+
+def freedom_of(
+    plane: PlaneStatistics, statistics: ConstantStatistics, scatter: Array, side: int
+) -> Array:
+    """Return (G, 8) degrees of freedom of the scatter: fewer where noise has tails, is
+    correlated, or is of lines that planes share."""
+    again = statistics.frames - 1
+    found: Array = plane.freedom * FITTED * again[:, None]
+    tails = np.nan_to_num(plane.fourth - 3) * again / statistics.frames
+    within = [lag for lag in LAGS if not (lag[0] % side or lag[1] % side)]
+    places = [LAGS.index(lag) for lag in within]
+    of_lags = 2 * (statistics.lags[:, places] ** 2).sum(axis=1)
+    found[:, PIXEL] /= np.maximum(1 + tails + of_lags, 0.2)
+    for part in FAST_LINES:
+        for g in np.flatnonzero(again):
+            found[g, part] *= shared(scatter[g, part], scatter[g, PIXEL], side)
+    return found
+
+
+def shared(lines: float, pixel: float, side: int) -> float:
+    """Return by how much the freedom of lines is less for planes that share them: what
+    they share is that above the pixels' variance."""
+    if side == 1 or lines <= pixel:
+        return 1.0
+    return 1 / (1 + (side - 1) * (1 - pixel / lines) ** 2)

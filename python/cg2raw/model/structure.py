@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Structure: what is smooth of an offset, of a dark current, or of a response to light.
+
+It is a shape, not a draw of a law: its size is that of its own coefficients."""
+
+import numpy as np
+
+from cg2raw.model.components import FITTED, FIXED
+from cg2raw.model.fit import Fit
+from cg2raw.model.planes import PIXEL, PlaneLikelihood
+from cg2raw.statistics.constant import Array
+
+NOT_KNOWN = (np.nan, np.nan)
+
+
+def structure_of(found: Fit, signature: str) -> tuple[float, float]:
+    """Return the mean square over the frame and its standard error; nan where the
+    frames do not show it. signature : "constant", "time" or "light"."""
+    squares, variances, samples = 0.0, 0.0, 0
+    for plane in found.likelihood.planes:
+        signatures = {"constant": np.ones(len(plane.time))}
+        if len(set(plane.time[~plane.is_flat])) > 1:
+            signatures["time"] = plane.time
+        if plane.is_flat.any():
+            signatures["light"] = plane.light
+        if signature not in signatures:
+            return NOT_KNOWN
+        one, variance = _in_plane(found, plane, signatures, signature)
+        squares, variances = squares + one, variances + variance
+        samples += plane.plane.masked.size
+    return squares / samples, float(np.sqrt(variances)) / samples
+
+
+def _in_plane(
+    found: Fit, plane: PlaneLikelihood, signatures: dict[str, Array], wanted: str
+) -> tuple[float, float]:
+    """Return the sum of squares of the low coefficients, and its variance."""
+    response = plane.records(found.theta)[0][3]
+    design = np.column_stack(list(signatures.values())) * response[:, None]
+    largest = np.abs(design).max(axis=0)
+    if not (np.isfinite(largest) & (largest > 0)).all():  # codes hide all of it
+        return NOT_KNOWN
+    if np.linalg.matrix_rank(design / largest) < design.shape[1]:
+        return NOT_KNOWN
+    noises = low_noise(plane)
+    weighted = design / (noises[:, PIXEL] / plane.frames)[:, None]
+    weights = np.linalg.solve(weighted.T @ design, weighted.T)
+    weights = weights[list(signatures).index(wanted)]
+    square = variance = 0.0
+    for part in map(int, np.flatnonzero(FITTED == 0)):
+        freedom = plane.plane.freedom[part]
+        noise = weights**2 * noises[:, part] / plane.frames
+        pixel = float((weights**2 * noises[:, PIXEL] / plane.frames).sum())
+        pixel += _patterns_in(found, plane, part, wanted, "sample")
+        chance = float(noise.sum()) + _patterns_in(found, plane, part, wanted)
+        size = freedom * float(weights @ plane.products[part] @ weights - chance)
+        square += size
+        # Of coefficients with their chance, which planes share but for the pixels', and
+        # of the noise as it was measured.
+        shared = (plane.side - 1) * max(chance - pixel, 0.0)
+        variance += 2 * freedom * (chance + shared) * chance
+        variance += 4 * (chance + shared) * max(size, 0.0)
+        of_noise = 2 * freedom * noise**2 / np.maximum(plane.frames - 1, 1)
+        variance += float(of_noise.sum())
+    return square, variance
+
+
+def low_noise(plane: PlaneLikelihood) -> Array:
+    """Return (G, 8) variances of a frame's coefficients as measured; of groups without
+    repeats, the mean of the darks' that have them, or of all."""
+    usual = plane.repeats & ~plane.is_flat
+    usual = usual if usual.any() else plane.repeats
+    mean = plane.scatter[usual].mean(axis=0)
+    found: Array = np.where(plane.repeats[:, None], plane.scatter, mean)
+    return found
+
+
+def _patterns_in(
+    found: Fit, plane: PlaneLikelihood, part: int, signature: str, per: str = ""
+) -> float:
+    """Return what patterns of pixels and lines, or of one of both, are in a coefficient
+    of a low part."""
+    each = [
+        found.theta[found.parameters.of(c.name)] * plane.fixed[n, part]
+        for n, c in enumerate(FIXED)
+        if c.signature == signature and c.per in (per or c.per,)
+    ]
+    return max(float(sum(each)), 0.0)

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Laws of the likelihood and its fit."""
+
+import numpy as np
+import pytest
+
+from cg2raw.model.components import FIXED
+from cg2raw.model.fit import fit, start_of
+from cg2raw.model.likelihood import Likelihood
+from cg2raw.statistics.constant import GroupInfo
+from model.planted import planted
+from oracles.plain_statistics import plain_statistics
+
+
+@pytest.fixture(scope="module", params=[(1, False), (1, True), (2, False)])
+def likelihood(request):
+    side, low = request.param
+    made = planted(11, low=low, shape=(64, 80), side=side, black=16)
+    return Likelihood(made.statistics)
+
+
+def test_the_score_is_the_slope_of_the_value(likelihood):
+    """By differences of the value, a thousandth of a standard error to each side."""
+    theta, free = start_of(likelihood)
+    found = likelihood(theta)
+    scale = 1 / np.sqrt(np.diagonal(found.information) + 1e-300)
+    names = likelihood.parameters.names
+    for at in np.flatnonzero(free & (np.diagonal(found.information) > 0)):
+        step = np.zeros(len(theta))
+        step[at] = 1e-3 * scale[at]
+        rise = likelihood(theta + step).value - likelihood(theta - step).value
+        slope = rise / 2e-3  # nats per standard error
+        expected = found.score[at] * scale[at]
+        assert slope == pytest.approx(expected, rel=0.02, abs=0.02), names[at]
+
+
+def test_the_information_is_that_of_the_score(likelihood):
+    """It has no negative direction, and steps of scoring end where the score is 0."""
+    theta, free = start_of(likelihood)
+    used = np.flatnonzero(free)
+    information = likelihood(theta).information[np.ix_(used, used)]
+    scale = 1 / np.sqrt(np.diagonal(information) + 1e-300)
+    assert np.linalg.eigvalsh(information * np.outer(scale, scale)).min() > -1e-9
+
+
+def test_a_fit_ends_where_the_score_is_zero():
+    found = fit(planted(12, shape=(64, 80)).statistics)
+    end = found.likelihood(found.theta)
+    known = np.isfinite(np.diagonal(found.covariance))
+    error = np.sqrt(np.diagonal(found.covariance)[known])
+    assert np.abs(end.score[known] * error).max() < 0.05  # of a standard error
+
+
+def test_values_are_the_same_in_other_units():
+    """Frames with all times in ms in place of s: the same nats, rates a thousandth."""
+    made = planted(13, shape=(64, 80))
+    slow = [
+        (type(info)(info.kind, info.frames, 1000 * info.exposure_time), frames)
+        for info, frames in made.groups
+    ]
+    one, other = fit(made.statistics), fit(made._replace(groups=slow).statistics)
+    assert other.value == pytest.approx(one.value, abs=1e-4)
+    rate = one.of("dark_current")[0]
+    assert other.of("dark_current")[0] == pytest.approx(rate / 1000, rel=1e-4)
+    assert other.of("prnu")[0] == pytest.approx(one.of("prnu")[0], rel=1e-4)
+
+
+def test_groups_of_two_splits_are_fitted_together():
+    """The frames of each group dealt to two: errors are those of all frames."""
+    made = planted(14, shape=(64, 80))
+    dealt = [
+        (type(info)(info.kind, info.frames[k::2], info.exposure_time), frames[k::2])
+        for info, frames in made.groups
+        for k in (0, 1)
+    ]
+    one, two = fit(made.statistics), fit(made._replace(groups=dealt).statistics)
+    for name in ("read_noise", "gain", "prnu", "dsnu"):
+        (value, error), (again, wider) = one.of(name), two.of(name)
+        assert again == pytest.approx(value, abs=1.5 * error), name
+        assert wider == pytest.approx(error, rel=0.25), name
+
+
+def test_darks_alone_show_no_light():
+    made = planted(15, shape=(64, 80))
+    darks = [group for group in made.groups if group[0].kind == "dark"]
+    found = fit(made._replace(groups=darks).statistics)
+    for name in ("prnu", "columns of light"):
+        assert np.isnan(found.of(name)[0])
+    assert np.isfinite(found.of("dark_current_nonuniformity")[0])
+
+
+def test_biases_alone():
+    made = planted(16, shape=(64, 80))
+    found = fit(made._replace(groups=made.groups[:1]).statistics)
+    value, error = found.of("read_noise")
+    assert np.sqrt(value) == pytest.approx(made.truth["read noise 0"], abs=4 * error)
+    for name in (
+        "gain",
+        "dark_current",
+        *(c.name for c in FIXED if c.signature != "constant"),
+    ):
+        assert np.isnan(found.of(name)[0]), name
+
+
+def test_frames_without_repeats_are_refused():
+    made = planted(17, shape=(64, 80))
+    single = [(info, frames[:1]) for info, frames in made.groups]
+    with pytest.raises(ValueError, match="no two repeat each other"):
+        fit(made._replace(groups=single).statistics)
+
+
+def test_correlated_noise_is_no_row_noise():
+    """Neighbours that share a third of their variance: means of rows vary 1.67 times as
+    much as those of white noise, and no row has an offset of its own."""
+    rng = np.random.default_rng(18)
+    noise = rng.standard_normal((8, 64, 81))
+    noise = (noise[:, :, 1:] + 0.382 * noise[:, :, :-1]) / np.sqrt(1 + 0.382**2)
+    frames = list(np.rint(300 + 6 * noise).astype(np.uint16))
+    info = GroupInfo("dark", tuple("abcdefgh"), 0.0)
+    value, error = fit(plain_statistics([(info, frames)], 1, 4095)).of("row_noise")
+    assert abs(value) < 3 * error

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Moments of codes, against published series and against drawn samples."""
+
+import numpy as np
+import pytest
+
+from cg2raw.model.recorded import Offsets, Recording, recorded, recorder_of
+
+WHITE = 4095
+
+
+@pytest.mark.parametrize("sigma", [0.25, 0.4, 0.8])
+@pytest.mark.parametrize("place", [0.0, 0.2, 0.5])
+def test_moments_are_those_of_sheppards_series(sigma, place):
+    """Mean and second moment about it by the Fourier series of rounding (B. Widrow,
+    I. Kollar, Quantization Noise, 2008, 4.2): five terms leave 1e-30."""
+    mean = 100 + place
+    k = np.arange(1, 6)
+    damped = np.exp(-2 * np.pi**2 * k**2 * sigma**2) * (-1.0) ** k
+    error = (damped / (np.pi * k) * np.sin(2 * np.pi * k * mean)).sum()
+    square = 1 / 12 + (damped / (np.pi * k) ** 2 * np.cos(2 * np.pi * k * mean)).sum()
+    with_signal = 2 * sigma**2 * (damped * np.cos(2 * np.pi * k * mean)).sum() * 2
+    found = recorded(np.array([mean]), sigma**2, WHITE)
+    assert found.mean[0] == pytest.approx(mean + error, abs=1e-9)
+    variance = sigma**2 + square + with_signal - error**2
+    assert found.variance[0] == pytest.approx(variance, rel=1e-8)
+
+
+def test_codes_of_black_at_zero_are_cut():
+    """Half of a normal distribution about 0 has the mean sigma / sqrt(2 pi) and the
+    variance (1 / 2 - 1 / (2 pi)) sigma^2, if codes are fine: 1/50 sigma here."""
+    found = recorded(np.array([0.0]), 50.0**2, 10**6)
+    assert found.mean[0] == pytest.approx(50 / np.sqrt(2 * np.pi), rel=1e-3)
+    half = (0.5 - 0.5 / np.pi) * 50**2
+    assert found.variance[0] == pytest.approx(half, rel=1e-3)
+
+
+def test_white_is_the_mirror_of_zero():
+    low = recorded(np.array([0.3]), 0.5, WHITE)
+    high = recorded(np.array([WHITE - 0.3]), 0.5, WHITE)
+    assert WHITE - high.mean[0] == pytest.approx(low.mean[0])
+    assert high.variance[0] == pytest.approx(low.variance[0])
+    assert high.kurtosis[0] == pytest.approx(low.kurtosis[0])
+
+
+@pytest.mark.parametrize("black", [64.0, 64.3, 0.2])
+def test_a_group_is_what_is_drawn(black):
+    """Place, variance, response and excess of 20,000 pixels with 40 frames each; the
+    tolerances are four standard errors of these draws."""
+    rng = np.random.default_rng(5)
+    sigma, lines, fixed = 0.3, 0.1, 0.2
+    pattern = fixed * rng.standard_normal((20000, 1))
+    offsets = pattern + lines * rng.standard_normal((20000, 40))
+    noise = sigma * rng.standard_normal((20000, 40))
+    codes = np.clip(np.rint(black + offsets + noise), 0, WHITE)
+    about = Offsets(sigma**2, lines**2, fixed**2)
+    recorder = recorder_of(
+        codes.mean(), np.zeros((1, 1)), about, codes.var(), WHITE, black > 9
+    )
+    values, slopes = recorder(about)
+    found = Recording(*values)
+    assert found.place == pytest.approx(black, abs=0.01)
+    variance = codes.var(axis=1, ddof=1).mean()
+    expected = found.variance + found.lines**2 * lines**2
+    assert expected == pytest.approx(variance, rel=0.01)
+    means = codes.mean(axis=1)
+    response = np.cov(means, pattern[:, 0])[0, 1] / pattern.var()
+    assert found.fixed == pytest.approx(response, abs=0.02)
+    rest = means.var() - variance / 40 - response**2 * pattern.var()
+    assert found.steps == pytest.approx(rest, abs=6e-4)
+    for n, name in enumerate(Offsets._fields):
+        more = about._replace(**{name: about[n] + 1e-5})
+        by_steps = (recorder(more)[0] - values) / 1e-5
+        np.testing.assert_allclose(slopes[:, n], by_steps, rtol=1e-2, atol=2e-3)
+
+
+def test_fine_codes_need_no_table():
+    about, places = Offsets(4.0, 0.1, 0.1), np.zeros((1, 1))
+    values, slopes = recorder_of(200.0, places, about, 4.0, WHITE, True)(about)
+    assert Recording(*values) == (200.0, 4.0 + 1 / 12, 1.0, 1.0, 0.0)
+    assert slopes.sum() == slopes[1, 0] == 1
+    table = recorder_of(200.0, places, about, 1.0, WHITE, True)
+    np.testing.assert_allclose(table(about)[0], values, rtol=1e-4, atol=1e-9)
