@@ -63,7 +63,6 @@ DIAGNOSE = (
     "cg2raw.diagnose.assessment",
     "cg2raw.diagnose.report",
     "cg2raw.diagnose.pipeline",
-    "cg2raw.diagnose.refinement",
 )
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -19,10 +19,10 @@ from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.reader import divided, read_frames, stratum
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.inference.nameable import DISTINCT
-from cg2raw.diagnose.refinement import refine
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.synthetic_camera import stream
 from studies.diagnose.planted import PLANTS, levels_of, planted
+from studies.diagnose.refinement import refined
 
 MANIFEST = "captures.yaml"  # of a folder
 PLANTED, CALIBRATED = 6, 4  # frames that repeat each other; 6 are two a split
@@ -107,8 +107,7 @@ def calibrated(path: Path, division: int | None) -> tuple[Sensor, tuple[Frame, .
     rng = None if division is None else stream(division, "halves")
     first, second = halves(frames, rng)
     calm = [uniform(frame.capture) for frame in first]
-    found = refine(calibrate(sensor, calm, threads=1), calm, threads=1)
-    profile = Sensor.from_json(found.updated_profile(), f"{sensor.id} of one half")
+    profile = refined(calibrate(sensor, calm, threads=1), calm)
     return profile, tuple(replace(frame, borders=()) for frame in second)
 
 

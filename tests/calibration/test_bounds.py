@@ -65,7 +65,6 @@ def found_with(**fields):
     values = {"dark": line, "glow": None, "transfer": None, "spread": None, **fields}
     for name in Measurements.__dataclass_fields__:
         object.__setattr__(empty, name, values.get(name))
-    object.__setattr__(empty, "likeliest", {})
     object.__setattr__(empty, "sites", Sites(1, ("",)))
     return empty
 

@@ -11,6 +11,7 @@ from calibration.planted import GAIN, RANGE, frames_of, sensor_of
 from cg2raw import write_dng
 from cg2raw.cli._uniform_frames import Said, files_in, uniform_frame
 from cg2raw.io.raw_header import Area, RawFile, RawHeader
+from cg2raw.statistics.kept import Kept
 from python.commands import fails, run
 
 EFFECTS = {"dsnu": {"sigma": 2 / RANGE}, "prnu": {"sigma": 0.01}}
@@ -173,5 +174,5 @@ def test_a_row_of_a_table_is_of_all_frames_in_a_file():
     file = RawFile(header, lambda levels: np.zeros((4, 4), np.uint16))
     for name in ("a", "a.tif", "a.tif[1]"):
         table = {name: Said(exposure_time=3.0)}
-        found = uniform_frame(file, sensor_of(), table, Said(kind="dark"))
+        found = uniform_frame(file, sensor_of(), table, Said(kind="dark"), Kept())
         assert (found.name, found.exposure_time) == ("a.tif[1]", 3.0)

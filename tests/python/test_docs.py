@@ -19,6 +19,8 @@ import pytest
 
 import cg2raw
 import cg2raw.match
+import cg2raw.model
+import cg2raw.statistics
 from cg2raw import _core, _public, calibration, dataset, diagnose, synthetic
 from cg2raw.cli import make_parser, subcommands
 from cg2raw.diagnose import diagnosis
@@ -219,6 +221,8 @@ def test_the_reference_lists_all_public_names_and_no_others():
         "cg2raw.dataset",
         "cg2raw.diagnose",
         "cg2raw.match",
+        "cg2raw.model",
+        "cg2raw.statistics",
         "cg2raw.synthetic",
         *(f"cg2raw.{name}" for name in cg2raw.__all__),
         *(f"cg2raw.calibration.{name}" for name in calibration.__all__),
@@ -226,6 +230,8 @@ def test_the_reference_lists_all_public_names_and_no_others():
         *(f"cg2raw.diagnose.{name}" for name in diagnose.__all__),
         *(f"cg2raw.diagnose.diagnosis.{name}" for name in parts),
         *(f"cg2raw.match.{name}" for name in cg2raw.match.__all__),
+        *(f"cg2raw.model.{name}" for name in cg2raw.model.__all__),
+        *(f"cg2raw.statistics.{name}" for name in cg2raw.statistics.__all__),
         *(f"cg2raw.synthetic.{name}" for name in synthetic.__all__),
     }
 

@@ -256,7 +256,7 @@ def test_samples_are_excluded():
 
 
 def test_a_frame_is_read_again_where_all_do_not_fit(monkeypatch):
-    from cg2raw.statistics import frame_statistics as module
+    from cg2raw.statistics import kept
 
     groups, read = groups_of(drawn((40, 50), 3)), []
 
@@ -270,7 +270,7 @@ def test_a_frame_is_read_again_where_all_do_not_fit(monkeypatch):
     ]
     whole = frame_statistics(readers, 1, WHITE)
     assert sorted(read) == [0, 1, 2]
-    monkeypatch.setattr(module, "KEPT", 40 * 50 * 2)
+    monkeypatch.setattr(kept.Kept.__init__, "__defaults__", (40 * 50 * 2,))
     assert_alike(frame_statistics(readers, 1, WHITE), whole, exactly=True)
     assert sorted(read) == [0, 0, 1, 1, 1, 2, 2, 2]
 

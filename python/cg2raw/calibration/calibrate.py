@@ -35,6 +35,7 @@ from cg2raw.calibration.screening import screened
 from cg2raw.calibration.sites import sites_of
 from cg2raw.calibration.updated_profile import updated_profile
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.kept import Kept
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,8 @@ def calibrate(
     Standard 1288, release 4.0; all steps are robust against hot pixels and transients.
     """
     tell = progress or (lambda words, share: None)
+    kept = Kept()
+    frames = [replace(frame, raw=kept.reader(frame.raw)) for frame in frames]
     iso = one_iso(frames)
     scanned = scan_all(sensor, frames, threads, tell)
     step, scanned = in_steps(scanned, sensor.white_level)

@@ -101,7 +101,7 @@ def mean_of(group: Group, threads: int) -> NDArray[np.float32]:
     """Return (H, W) float32 DN, of a group's first frames."""
     frames = [scanned.frame.pixels for scanned in group.frames[:FRAMES]]
     total: NDArray[np.float32] | None = None
-    for raw in read_ahead(frames, {}, threads):
+    for raw in read_ahead(frames, threads):
         total = raw.astype(np.float32) if total is None else total + raw
     assert total is not None
     return total / np.float32(len(frames))

@@ -51,9 +51,7 @@ class Measurements:
     distribution that has their shares, fixed patterns included. clipped : number of
     flats that show saturation alone. faint : of flats whose noise is rounding's.
     excluded : {name of a frame that is none of its repeats: how it is off}.
-    figures : of all frames by one likelihood, with 95 % intervals.
-    likeliest : of fixed patterns, the parameters by the likelihood of all together, in
-    the registry's units; what a profile says of those that stand out."""
+    figures : of all frames by one likelihood, with 95 % intervals."""
 
     sensor: Sensor
     sites: Sites
@@ -80,7 +78,6 @@ class Measurements:
     faint: int = 0
     excluded: Mapping[str, str] = field(default_factory=dict)
     defects: Defects = field(default_factory=Defects, repr=False)
-    likeliest: Mapping[str, Mapping[str, Measured]] = field(default_factory=dict)
     figures: Sequence[Figure] = ()
 
     @property

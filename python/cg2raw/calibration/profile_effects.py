@@ -31,7 +31,7 @@ def effects_found(
     for name, look in LOOKS.items():
         answer = look(found)
         if answer is not False:
-            answers[name] = answer and found.likeliest.get(name, answer)
+            answers[name] = answer
     if has_shapes and "row_noise" in answers:
         answers["row_noise"] = None
     wanted = [name for name, values in answers.items() if values is not None]

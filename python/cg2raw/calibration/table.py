@@ -40,7 +40,6 @@ def rows_of(found: Measurements) -> list[Row]:
         dark_rows(found),
         light_rows(found),
         fit_rows(found),
-        profile_rows(found),
     )
     return [row for part in parts for row in part]
 
@@ -190,13 +189,6 @@ def fit_rows(found: Measurements) -> Iterator[Row]:
         in_dn = one.unit.startswith("DN") and one.name != "black level"
         electrons = in_electrons(found, value) if in_dn else None
         yield Row("all frames, by one likelihood", name, value, electrons, ends)
-
-
-def profile_rows(found: Measurements) -> Iterator[Row]:
-    """Yield what the profile says of fixed patterns, once they are taken together."""
-    for effect, values in found.likeliest.items():
-        for name, value in values.items():
-            yield Row("profile, all maps together", f"{effect} {name}", value)
 
 
 def gains(found: Measurements) -> str:

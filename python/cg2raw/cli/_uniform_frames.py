@@ -12,6 +12,7 @@ import numpy as np
 from cg2raw.calibration import UniformFrame
 from cg2raw.io.raw_header import RawFile, RawHeader
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.kept import Kept
 
 Kind = Literal["dark", "flat"]
 NO_FRAMES = (".csv", ".json", ".md", ".txt", ".yaml", ".yml", ".xmp", ".jpg")
@@ -57,12 +58,13 @@ def files_in(paths: Sequence[str]) -> list[str]:
 
 
 def uniform_frame(
-    file: RawFile, sensor: Sensor, table: dict[str, Said], given: Said
+    file: RawFile, sensor: Sensor, table: dict[str, Said], given: Said, kept: Kept
 ) -> UniformFrame:
     """Return a RAW frame as a dark or a flat.
 
     table : says of frames by name what their files do not. given : of all, where
-    neither does; its kind goes before. Raises ValueError, OSError."""
+    neither does; its kind goes before. kept : keeps its pixels.
+    Raises ValueError, OSError."""
     header = file.header
     said = Said(header.exposure_time, header.iso, header.temperature)
     rows = [table[name] for name in names_of(header) if name in table]
@@ -71,7 +73,7 @@ def uniform_frame(
     frame = UniformFrame(
         header.name,
         "dark",
-        lambda: file.mosaic(sensor=sensor),
+        kept.reader(lambda: file.mosaic(sensor=sensor)),
         said.exposure_time,
         said.iso,
         said.temperature,

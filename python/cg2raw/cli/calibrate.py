@@ -88,7 +88,6 @@ def run_calibration(arguments: argparse.Namespace) -> int:
     """Read, measure, write what was asked for."""
     from cg2raw.calibration import calibrate
     from cg2raw.cli._uniform_frames import sensor_of
-    from cg2raw.diagnose import refine
 
     check(arguments)
     sensor = sensor_of(arguments.sensor)
@@ -96,7 +95,6 @@ def run_calibration(arguments: argparse.Namespace) -> int:
     notes = notes_on(arguments, headers, sensor)
     with stages(arguments.quiet) as progress:
         found = calibrate(sensor, frames, progress=progress)
-        found = refine(found, frames, progress=progress)
     notes += gain_notes(headers, found)
     found = replace(found, notes=(*notes, *found.notes))
     write(arguments, found)
@@ -120,9 +118,11 @@ def frames_of(
     from cg2raw.cli import _uniform_frames as files
     from cg2raw.cli._frame_table import read_frame_table
     from cg2raw.io.raw_file import frames_in
+    from cg2raw.statistics.kept import Kept
 
     table = read_frame_table(arguments.table) if arguments.table else {}
     said = files.Said(arguments.exposure, arguments.iso, arguments.temperature)
+    kept = Kept()
     found: list[UniformFrame] = []
     headers: list[RawHeader] = []
     for kind, paths in (
@@ -135,7 +135,7 @@ def frames_of(
         for path in tracked(named, "reading", arguments.quiet):
             for file in frames_in(path, arguments.image):
                 headers.append(file.header)
-                found.append(files.uniform_frame(file, sensor, table, given))
+                found.append(files.uniform_frame(file, sensor, table, given, kept))
     names = {name for header in headers for name in files.names_of(header)}
     if table and not names & set(table):
         raise ValueError(

@@ -18,7 +18,6 @@ assessment  held-out frames become evidence: residual tests, gap, verdict
 report      a Diagnosis becomes files
 
 pipeline is diagnose(): the same sentence as code; diagnosis holds its result.
-refinement is refine(): the likelihood on a calibration's own frames.
 """
 
 from importlib import import_module
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from cg2raw.diagnose.captures.reader import read_captures
     from cg2raw.diagnose.diagnosis import Diagnosis
     from cg2raw.diagnose.pipeline import diagnose
-    from cg2raw.diagnose.refinement import refine
     from cg2raw.diagnose.report import write_report
 
 __all__ = [
@@ -38,7 +36,6 @@ __all__ = [
     "Diagnosis",
     "diagnose",
     "read_captures",
-    "refine",
     "write_report",
 ]
 
@@ -48,7 +45,6 @@ _HOMES = {
     "Diagnosis": "diagnosis",
     "diagnose": "pipeline",
     "read_captures": "captures.reader",
-    "refine": "refinement",
     "write_report": "report",
 }
 

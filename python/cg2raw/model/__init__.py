@@ -1,3 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What darks and flats say of a sensor, by one likelihood of their statistics."""
+"""One likelihood of darks and flats: fit(statistics), and figures_of what it found."""
+
+from cg2raw.model.figures import Figure, figures_of
+from cg2raw.model.fit import Fit, fit
+
+__all__ = ["Figure", "Fit", "figures_of", "fit"]

@@ -3,7 +3,7 @@
 """From frames to ConstantStatistics: each frame is read twice, or once if all fit."""
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -22,9 +22,7 @@ from cg2raw.statistics.constant import (
     PlaneStatistics,
     polynomials,
 )
-
-Reader = Callable[[], RawImage]  # () -> (H, W) uint16 DN
-KEPT = 2**28  # bytes of frames that are kept from the first look to the second
+from cg2raw.statistics.kept import Kept, Reader
 
 
 def statistics_and_means(
@@ -46,18 +44,17 @@ def statistics_and_means(
     threads : the result is the same. progress : called with the share done, 0 to 1.
 
     At most a few frames, and of each group one image of four bytes a sample, are held
-    at a time; frames of less than KEPT bytes in all are read once.
+    at a time; frames are read twice, or once if they can be Kept.
     Raises ValueError for a group without frames and for frames of several sizes."""
     if not groups or any(not readers for _, readers in groups):
         raise ValueError("frames: a group has none; give darks or flats")
-    readers = [reader for _, members in groups for reader in members]
+    kept = Kept()
+    readers = [kept.reader(read) for _, members in groups for read in members]
     numbers = [g for g, (_, members) in enumerate(groups) for _ in members]
     tell = progress or (lambda share: None)
-    kept: dict[int, RawImage] = {}
     seen: _core.FrameStatistics | None = None
     counts: list[NDArray[np.uint32]] = []
-    held = 0
-    for index, frame in enumerate(read_ahead(readers, kept, threads)):
+    for index, frame in enumerate(read_ahead(readers, threads)):
         if seen is None:
             height, width = frame.shape
             seen = _core.FrameStatistics(height, width, side, len(groups), step)
@@ -68,13 +65,10 @@ def statistics_and_means(
             counts.append(found)
         else:
             counts[-1] = added(counts[-1], found)
-        held += frame.nbytes
-        if held <= KEPT:
-            kept[index] = frame
         tell((index + 1) / len(readers) / 2)
     assert seen is not None
     seen.mask(threads)
-    frames = read_ahead(readers, kept, threads)
+    frames = read_ahead(readers, threads)
     done = len(readers)
     for group, (_, members) in enumerate(groups):
         for first in range(0, len(members), 2):
@@ -143,20 +137,12 @@ def added(a: NDArray[np.uint32], b: NDArray[np.uint32]) -> NDArray[np.uint32]:
     return found
 
 
-def read_ahead(
-    readers: Sequence[Reader], kept: Mapping[int, RawImage], threads: int
-) -> Iterator[RawImage]:
-    """Yield frames in order, others being read meanwhile.
-
-    kept : those that need not be read, by their number."""
-
-    def frame_of(index: int) -> RawImage:
-        return kept[index] if index in kept else readers[index]()
-
+def read_ahead(readers: Sequence[Reader], threads: int) -> Iterator[RawImage]:
+    """Yield frames in order, others being read meanwhile."""
     with ThreadPoolExecutor(max(threads, 1)) as pool:
         waiting: deque[Future[RawImage]] = deque()
-        for index in range(len(readers)):
-            waiting.append(pool.submit(frame_of, index))
+        for reader in readers:
+            waiting.append(pool.submit(reader))
             if len(waiting) > threads:
                 yield waiting.popleft().result()
         while waiting:

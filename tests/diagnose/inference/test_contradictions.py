@@ -10,13 +10,13 @@ import pytest
 
 from calibration.planted import PATTERNS, RANGE, frames_of, sensor_of
 from cg2raw.diagnose import diagnose
-from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.reader import LIGHT_OF_DARKS, dark
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.inference.contradictions import contradicted
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.refinement import capture_of
 from cg2raw.diagnose.report.text import verdict_sentence
 from diagnose.planted import ONE, READ, drawn, model_of
 from diagnose.planted import SHAPE as FRAME
@@ -25,6 +25,22 @@ from diagnose.planted import frames_of as planted_frames
 from diagnose.planted import sensor_of as made
 
 SHAPE = (96, 128)
+
+
+def as_capture(frame, group):
+    """Return a dark or flat of a calibration as a capture."""
+    return Capture(
+        name=frame.name,
+        kind=frame.kind,
+        shape=SHAPE,
+        group=group,
+        set=frame.name,
+        illuminant=LIGHT_OF_DARKS,
+        iso=frame.iso,
+        exposure_time=frame.exposure_time,
+        raw=frame.pixels,
+        scene=dark if frame.kind == "dark" else None,
+    )
 
 
 def diagnosed(without=(), **said):
@@ -37,7 +53,7 @@ def diagnosed(without=(), **said):
     for frame in frames:
         group = GROUPS[turns[frame.kind] % 3]
         turns[frame.kind] += 1
-        captures.append(replace(capture_of(frame, SHAPE), group=group))
+        captures.append(as_capture(frame, group))
     sensor = sensor_of(PATTERNS | said, shape=SHAPE)
     return diagnose(CaptureSet(sensor, captures), details=False, without=without)
 

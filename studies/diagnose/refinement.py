@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Refinement: a calibration whose fixed patterns are as strong as is likeliest.
+"""Refinement: the profile of a calibration, its fixed patterns as strong as the search
+engine finds them likeliest, all together: that profile it does not contradict."""
 
-Moments take them one by one: what is wrong with one map is in the next, and where hot
-pixels begin is a bound. Their likelihood takes them together, as a diagnosis does.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+import json
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.calibrate import Calibration
-from cg2raw.calibration.frames import UniformFrame
-from cg2raw.calibration.measured import Measured
+from cg2raw import _core
+from cg2raw.calibration import Calibration, Measured, UniformFrame
+from cg2raw.calibration.updated_profile import setting
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.reader import LIGHT_OF_DARKS, dark
 from cg2raw.diagnose.diagnosis import Estimate
@@ -33,34 +30,38 @@ from cg2raw.diagnose.likelihood.workers import Workers
 from cg2raw.sensor import Sensor
 
 
-def refine(
-    found: Calibration,
-    frames: Sequence[UniformFrame],
-    *,
-    threads: int = 2,
-    progress: Callable[[str, float], None] | None = None,
-) -> Calibration:
-    """Return a calibration with the likeliest strengths of the fixed patterns that
-    stand out, which its profile then says.
-
-    frames : that were calibrated. threads : the result does not depend on it.
-    progress : called with what is done now, and the share done, 0 to 1. Raises
-    ValueError for a profile that cannot be written."""
-    say = progress or (lambda words, share: None)
-    sensor = Sensor.from_json(found.updated_profile(), "the calibrated profile")
+def refined(found: Calibration, frames: Sequence[UniformFrame]) -> Sensor:
+    """Return the calibrated sensor with the likeliest strengths of the fixed patterns
+    that its profile has. frames : that were calibrated."""
+    text = found.updated_profile()
+    sensor = Sensor.from_json(text, f"{found.sensor.id}, calibrated")
     patterns = _stated_patterns(sensor)
     if not patterns or found.iso is None:
-        return found
+        return sensor
     used = [one for one in frames if one.name not in found.excluded]
     counting = found.defects.counting
     captures = CaptureSet(
         sensor, [capture_of(one, found.shape, counting) for one in used]
     )
-    shown = read_frames(captures, noise_models(captures), None, say)
-    splits = Splits(shown, Workers(threads, None))
-    say("fixed patterns, all together", 0.5)
-    model = freely_mapped(baseline_of(captures, splits, say), patterns)
-    return found if model is None else replace(found, likeliest=_laws(model))
+    shown = read_frames(captures, noise_models(captures), None, _silent)
+    splits = Splits(shown, Workers(1, None))
+    model = freely_mapped(baseline_of(captures, splits, _silent), patterns)
+    if model is None:
+        return sensor
+    known = {effect["name"]: effect for effect in _core.effects()}
+    profile = json.loads(text)
+    laws = _laws(model)
+    profile["effects"] = [
+        setting(name, laws[name], known[name], "the frames that were calibrated")
+        if (name := effect["name"]) in laws
+        else effect
+        for effect in profile["effects"]
+    ]
+    return Sensor.from_json(json.dumps(profile), f"{found.sensor.id}, calibrated")
+
+
+def _silent(words: str, share: float) -> None:
+    """Report nothing."""
 
 
 def _stated_patterns(sensor: Sensor) -> list[Effect]:
