@@ -120,3 +120,33 @@ def test_correlated_noise_is_no_row_noise():
     info = GroupInfo("dark", tuple("abcdefgh"), 0.0)
     value, error = fit(plain_statistics([(info, frames)], 1, 4095)).of("row_noise")
     assert abs(value) < 3 * error
+
+
+@pytest.mark.parametrize(
+    ("groups", "words"),
+    [
+        ([(1, 100)], "no two repeat each other"),
+        ([(3, 100), (3, 4095)], "1-0: has the same pixels as its 2 repeats, or all"),
+    ],
+)
+def test_frames_that_show_no_noise_are_refused(groups, words):
+    rng = np.random.default_rng(1)
+    listed = []
+    for g, (count, level) in enumerate(groups):
+        drawn = level + 3 * rng.standard_normal((count, 40, 50))
+        frames = list(np.clip(np.rint(drawn), 0, 4095 if g else 9999).astype(np.uint16))
+        if g:
+            frames = [np.full((40, 50), 4095, np.uint16)] * count
+        names = tuple(f"{g}-{n}" for n in range(count))
+        listed.append((GroupInfo("dark", names, float(g)), frames))
+    with pytest.raises(ValueError, match=words):
+        fit(plain_statistics(listed, 1, 4095))
+
+
+def test_frames_of_a_few_pixels_are_refused():
+    frames = list(np.arange(45, dtype=np.uint16).reshape(3, 3, 5) ** 2)
+    info = GroupInfo("dark", ("a", "b", "c"), 0.0)
+    with pytest.raises(
+        ValueError, match="has 3 x 2 samples, fewer than noise is known"
+    ):
+        fit(plain_statistics([(info, frames)], 2, 4095))

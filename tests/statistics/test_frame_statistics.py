@@ -239,6 +239,29 @@ def test_bad_frames_are_refused(lists, side, words):
         measured(groups_of(*lists), side)
 
 
+def test_what_is_no_frame_is_refused():
+    info = GroupInfo("dark", ("a", "b"))
+    for bad in (np.zeros((8, 9)), np.zeros((8, 9, 3), np.uint16), "frame"):
+        with pytest.raises(ValueError, match="raw must be|raw is"):
+            frame_statistics(
+                [(info, [lambda: drawn((8, 9), 1)[0], lambda b=bad: b])], 1, 99
+            )
+    for side, white, words in (
+        (0, 99, "side: 0; must be"),
+        (1, 0, "white: 0; must be"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            frame_statistics([(info, [lambda: drawn((8, 9), 1)[0]])], side, white)
+
+
+def test_a_reader_that_fails_says_why():
+    def fails():
+        raise OSError("a.dng: cannot be read")
+
+    with pytest.raises(OSError, match=r"a\.dng: cannot be read"):
+        frame_statistics([(GroupInfo("dark", ("a",)), [fails])], 1, 99)
+
+
 def test_samples_are_excluded():
     groups = groups_of(drawn((48, 60), 3), drawn((48, 60), 2, seed=4))
     excluded = np.zeros((48, 60), bool)

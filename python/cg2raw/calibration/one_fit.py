@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cg2raw.calibration.flats import Flats
 from cg2raw.calibration.photon_transfer import LINEAR
-from cg2raw.calibration.repeats import Seen
+from cg2raw.calibration.repeats import PIXEL, Seen
 from cg2raw.model.figures import Figure, figures_of
 from cg2raw.model.fit import fit
 
@@ -26,7 +26,14 @@ def fitted(seen: Seen, flats: Flats, black: float) -> Sequence[Figure]:
         if group.frames[0].frame.kind == "dark"
         or (id(group) in unclipped and float(group.level.mean()) - black <= most)
     ]
-    found = seen.statistics.only(used)
+    found = seen.statistics.only([n for n in used if shows_noise(seen, n)])
     if seen.todo.sites.step > 1 or not (found.frames > 1).any():
         return ()
     return tuple(figures_of(found, fit(found)))
+
+
+def shows_noise(seen: Seen, number: int) -> bool:
+    """Return whether the frames of a group differ in all planes, or are one."""
+    planes = seen.statistics.planes
+    is_single = seen.statistics.frames[number] < 2
+    return bool(is_single or all(p.scatter[number, PIXEL] > 0 for p in planes))

@@ -25,6 +25,7 @@ SETTLED = 0.05  # standard errors that nothing moves any more
 DONE = 1e-7  # nats that a round gains
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
+LEAST_FREEDOM = 16  # of pixels, that a variance is taken of: it is known to a third
 LEAST_START = 1e-3  # of its largest value by one group: a start above 0
 
 
@@ -48,9 +49,9 @@ class Fit:
 def fit(statistics: ConstantStatistics) -> Fit:
     """Return the fit of darks and flats.
 
-    Raises ValueError if no two frames repeat each other: noise is not known then."""
-    if not (statistics.frames > 1).any():
-        raise ValueError("frames: no two repeat each other, so noise is not known")
+    Raises ValueError where noise is not known: if no two frames repeat each other, all
+    of a group are the same, or they are too small."""
+    check_noise(statistics)
     likelihood = Likelihood(statistics)
     theta, free = start_of(likelihood)
     found = _scored(likelihood, theta, free)
@@ -62,6 +63,27 @@ def fit(statistics: ConstantStatistics) -> Fit:
         if np.nanmax(moved) < SETTLED**2:
             break
     return found
+
+
+def check_noise(statistics: ConstantStatistics) -> None:
+    """Raise ValueError where frames do not show their noise."""
+    if not (statistics.frames > 1).any():
+        raise ValueError("frames: no two repeat each other, so noise is not known")
+    for plane in statistics.planes:
+        if plane.freedom[PIXEL] < LEAST_FREEDOM:
+            h, w = plane.shape
+            raise ValueError(
+                f"frames: a plane of the CFA has {w} x {h} samples, fewer than noise "
+                f"is known of: their pixel part must have {LEAST_FREEDOM} degrees of "
+                "freedom"
+            )
+        same = (plane.scatter[:, PIXEL] <= 0) & (statistics.frames > 1)
+        if same.any():
+            names = statistics.groups[int(np.flatnonzero(same)[0])].frames
+            raise ValueError(
+                f"{names[0]}: has the same pixels as its {len(names) - 1} repeats, or "
+                "all of them are clipped: noise is not known; leave them out"
+            )
 
 
 def _scored(likelihood: Likelihood, theta: Array, free: NDArray[np.bool_]) -> Fit:

@@ -48,6 +48,9 @@ def statistics_and_means(
     Raises ValueError for a group without frames and for frames of several sizes."""
     if not groups or any(not readers for _, readers in groups):
         raise ValueError("frames: a group has none; give darks or flats")
+    for name, value in (("side", side), ("white", white)):
+        if value < 1:
+            raise ValueError(f"{name}: {value}; must be at least 1")
     kept = Kept()
     readers = [kept.reader(read) for _, members in groups for read in members]
     numbers = [g for g, (_, members) in enumerate(groups) for _ in members]

@@ -5,7 +5,7 @@
 import threading
 from collections.abc import Callable
 
-from cg2raw.arrays import RawImage
+from cg2raw.arrays import RawImage, raw_plane
 
 Reader = Callable[[], RawImage]  # () -> (H, W) uint16 DN
 BYTES = 2**28  # that are kept
@@ -19,13 +19,14 @@ class Kept:
         self._guard = threading.Lock()
 
     def reader(self, read: Reader) -> Reader:
-        """Return a reader that reads again what is not kept."""
+        """Return a reader that reads again what is not kept; it raises ValueError for
+        what is no (H, W) array of uint16."""
         found: list[RawImage] = []
 
         def frame() -> RawImage:
             if found:
                 return found[0]
-            raw = read()
+            raw = raw_plane(read())
             with self._guard:
                 if not found and raw.nbytes <= self._left:
                     self._left -= raw.nbytes
