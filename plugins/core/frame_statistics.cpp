@@ -17,7 +17,7 @@ namespace cg2raw {
 namespace {
 
 constexpr std::size_t codes = 1 << 16;
-std::string words_of(Size size)
+std::string text_of(Size size)
 {
     return std::to_string(size.width) + " x " + std::to_string(size.height);
 }
@@ -114,9 +114,9 @@ FrameStatistics::FrameStatistics(Size size, int side, int groups, int step)
     if (step < 1)
         throw Error("step " + std::to_string(step) + " must be at least 1 DN");
     if (side < 1 || size.width < side || size.height < side)
-        throw Error("frames are " + words_of(size)
+        throw Error("frames are " + text_of(size)
                     + " pixels; must be at least as large as the CFA's repeat, "
-                    + words_of({ side, side }));
+                    + text_of({ side, side }));
     for (int r = 0; r < side; ++r)
         for (int c = 0; c < side; ++c)
             m_planes.push_back({ r, c, side,
@@ -134,12 +134,17 @@ Plane<const std::uint32_t> FrameStatistics::sum_of(int group) const
              m_size.width };
 }
 
+void FrameStatistics::check_size(const Plane<const std::uint16_t>& frame) const
+{
+    if (frame.width != m_size.width || frame.height != m_size.height)
+        throw Error("frame is " + text_of({ frame.width, frame.height })
+                    + " pixels, the first " + text_of(m_size));
+}
+
 CodeCounts FrameStatistics::look(int group, const Plane<const std::uint16_t>& frame,
                                  const ParallelFor& parallel)
 {
-    if (frame.width != m_size.width || frame.height != m_size.height)
-        throw Error("frame is " + words_of({ frame.width, frame.height })
-                    + " pixels, the first " + words_of(m_size));
+    check_size(frame);
     if (group < m_current || group >= int(m_groups.size()))
         throw Error("group " + std::to_string(group) + " is out of order");
     if (group != m_current)
@@ -192,8 +197,8 @@ CodeCounts FrameStatistics::look(int group, const Plane<const std::uint16_t>& fr
 void FrameStatistics::exclude(const Plane<const std::uint8_t>& samples)
 {
     if (samples.width != m_size.width || samples.height != m_size.height)
-        throw Error("mask is " + words_of({ samples.width, samples.height })
-                    + " pixels, the frames " + words_of(m_size));
+        throw Error("mask is " + text_of({ samples.width, samples.height })
+                    + " pixels, the frames " + text_of(m_size));
     for (int r = 0; r < m_size.height; ++r)
         std::transform(samples.row(r), samples.row(r) + m_size.width,
                        &m_excluded[std::size_t(r) * std::size_t(m_size.width)],
@@ -205,6 +210,12 @@ void FrameStatistics::measure(int group, const Plane<const std::uint16_t>& frame
                               const Plane<const std::uint16_t>* other,
                               const ParallelFor& parallel)
 {
+    if (m_masks.empty() || group < 0 || group >= int(m_groups.size()))
+        throw Error("group " + std::to_string(group)
+                    + " cannot be measured: look at all frames, then mask");
+    check_size(frame);
+    if (other)
+        check_size(*other);
     const auto sums = filled_sums(group, frame, parallel);
     add_frame(group, sums);
     if (!other)
@@ -343,9 +354,8 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
             blocks.back().push_back(std::uint8_t(block_of(x, plane.width())));
     }
 
-    const int strips = (m_size.height + strip_rows - 1) / strip_rows;
     std::vector<PairStrip> parts;
-    parts.resize(std::size_t(strips));
+    parts.resize(std::size_t(strips_of(m_size.height)));
     each_strip(m_size.height, parallel, [&](int first, int count) {
         PairStrip& part = parts[std::size_t(first / strip_rows)];
         part.planes.resize(m_planes.size());
@@ -449,8 +459,7 @@ FrameStatistics::products(const ParallelFor& parallel) const
     const std::size_t groups = m_groups.size(), side = std::size_t(m_side);
     using Matrices = std::vector<std::vector<double>>;
     const Matrices none(m_planes.size(), std::vector<double>(groups * groups));
-    const int strips = (m_size.height + strip_rows - 1) / strip_rows;
-    std::vector<Matrices> parts(std::size_t(strips), none);
+    std::vector<Matrices> parts(std::size_t(strips_of(m_size.height)), none);
     each_strip(m_size.height, parallel, [&](int first, int count) {
         Matrices& part = parts[std::size_t(first / strip_rows)];
         std::vector<std::vector<double>> rows(groups);
@@ -484,10 +493,8 @@ FrameStatistics::products(const ParallelFor& parallel) const
                 const auto& samples = m_masks[p].samples;
                 const auto width = std::uint32_t(plane.width());
                 for (std::size_t i = 0; i < samples.size(); ++i) {
-                    const Site site {
-                        plane.first_row + int(samples[i] / width) * plane.side,
-                        plane.first_col + int(samples[i] % width) * plane.side
-                    };
+                    const Site site
+                        = plane.site(int(samples[i] / width), int(samples[i] % width));
                     const auto raw = [&](std::size_t group) {
                         return sum_of(int(group))(site) / double(m_groups[group].frames)
                             - m_looks[group].base[p];

@@ -214,13 +214,15 @@ void bind_frame_statistics(py::module_& m)
              "transients).")
         .def(
             "mean",
-            [](const FrameStatistics& self, int group, int height, int width) {
-                FloatArray found({ height, width });
+            [](const FrameStatistics& self, int group) {
+                if (group < 0 || group >= int(self.groups().size()))
+                    throw Error("group " + std::to_string(group) + " is none");
+                const Size size = self.size();
+                FloatArray found({ size.height, size.width });
                 self.mean(group, plane_of(found));
                 return found;
             },
-            "group"_a, "height"_a, "width"_a,
-            "(H, W) float32 DN: the mean image of a group.");
+            "group"_a, "(H, W) float32 DN: the mean image of a group.");
 }
 
 } // namespace cg2raw::python

@@ -92,8 +92,13 @@ TEST(FrameStatistics, RefusesFramesThatAreNotOfTheFirst)
     EXPECT_THROW(found.look(0, frame.rows(0, 5), parallel), Error);
     EXPECT_THROW(found.look(2, frame, parallel), Error);
     EXPECT_THROW(FrameStatistics({ 8, 6 }, 7, 1), Error);
+    EXPECT_THROW(found.measure(0, frame, nullptr, parallel), Error);
+    found.look(0, frame, parallel);
     found.look(1, frame, parallel);
     EXPECT_THROW(found.look(0, frame, parallel), Error);
+    found.mask(parallel);
+    EXPECT_THROW(found.measure(2, frame, nullptr, parallel), Error);
+    EXPECT_THROW(found.measure(0, frame.rows(0, 5), nullptr, parallel), Error);
 }
 
 } // namespace

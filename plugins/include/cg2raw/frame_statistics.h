@@ -77,9 +77,11 @@ public:
     /// beyond 10. Throws Error where nothing is left.
     void mask(const ParallelFor& parallel);
     /// A frame again, or two that are in no other pair: then their difference, too.
+    /// Throws Error, for a frame of another size, too.
     void measure(int group, const Plane<const std::uint16_t>& frame,
                  const Plane<const std::uint16_t>* other, const ParallelFor& parallel);
 
+    Size size() const { return m_size; }
     const std::vector<PlaneParts>& planes() const { return m_planes; }
     const std::vector<PlaneMask>& masks() const { return m_masks; }
     const std::vector<GroupSums>& groups() const { return m_groups; }
@@ -101,6 +103,7 @@ private:
         std::vector<std::int64_t> offset; ///< DN, by plane: sum of rounded levels
     };
 
+    void check_size(const Plane<const std::uint16_t>& frame) const;
     void finish_look(const ParallelFor& parallel);
     void mark_outliers(int group, const ParallelFor& parallel);
     void add_frame(int group, const std::vector<PlaneSums>& sums);

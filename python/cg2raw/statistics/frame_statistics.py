@@ -101,7 +101,7 @@ def statistics_and_means(
         white=white,
         transients=transients,
     )
-    return statistics, lambda group: seen.mean(group, height, width)
+    return statistics, seen.mean
 
 
 def frame_statistics(
