@@ -20,8 +20,9 @@ from cg2raw.diagnose.effects.base import NORMAL_95, Effect
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.reader import read_frames
-from cg2raw.diagnose.inference.baseline import baseline_of
-from cg2raw.diagnose.inference.calibrated_start import freely_mapped
+from cg2raw.diagnose.inference.baseline import Baseline, baseline_of
+from cg2raw.diagnose.inference.calibrated_start import calibrated_start, settled
+from cg2raw.diagnose.inference.contradictions import as_finding
 from cg2raw.diagnose.inference.illumination import SHADING
 from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.splits import Splits
@@ -58,6 +59,18 @@ def refined(found: Calibration, frames: Sequence[UniformFrame]) -> Sensor:
         for effect in profile["effects"]
     ]
     return Sensor.from_json(json.dumps(profile), f"{found.sensor.id}, calibrated")
+
+
+def freely_mapped(baseline: Baseline, effects: Sequence[Effect]) -> Model | None:
+    """Return the profile with its maps as strong as its frames show them, whatever it
+    says of that; None where there are none."""
+    start = calibrated_start(baseline, effects)
+    if start is None:
+        return None
+    model = start.model
+    for term, _, _ in start.model.maps:
+        model = as_finding(model, term.name)
+    return settled(model, start.splits.fit)
 
 
 def _silent(words: str, share: float) -> None:

@@ -18,7 +18,6 @@ from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Mask
 from cg2raw.diagnose.inference.baseline import Baseline
-from cg2raw.diagnose.inference.contradictions import as_finding
 from cg2raw.diagnose.inference.fitting import fit_alone, scored
 from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.full_start import MOST_OUT, MOST_OUTLIERS, Start
@@ -64,23 +63,11 @@ def calibrated_start(baseline: Baseline, effects: Sequence[Effect]) -> Start | N
             model = fit_alone(model, SHADING, shown.fit)
     light = model
     splits, gain = as_lit_with_gain(light, splits)
-    model = _settled(model, without_transients(model, splits).fit)
+    model = settled(model, without_transients(model, splits).fit)
     return Start(model, without_transients(model, splits), light, gain)
 
 
-def freely_mapped(baseline: Baseline, effects: Sequence[Effect]) -> Model | None:
-    """Return the profile with its maps as strong as its frames show them, whatever it
-    says of that; None where there are none."""
-    start = calibrated_start(baseline, effects)
-    if start is None:
-        return None
-    model = start.model
-    for term, _, _ in start.model.maps:
-        model = as_finding(model, term.name)
-    return _settled(model, start.splits.fit)
-
-
-def _settled(model: Model, likelihood: Likelihood) -> Model:
+def settled(model: Model, likelihood: Likelihood) -> Model:
     """Return the model with maps that agree with each other: pixels that jump and maps
     of means explain the same frames, and settle between them by halves."""
     for _ in range(MOST_TURNS_OF_ALL):
