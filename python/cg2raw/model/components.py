@@ -6,6 +6,7 @@ Each component is a variance times what one coefficient of a part has of it. Com
 are nested: an offset of each pixel is in all parts, one of each column in those of the
 columns. If each part had its own, one cause would get many names."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -25,9 +26,7 @@ def _in(*parts: str) -> Array:
 ALL = _in("")
 ROWS, COLUMNS = _in("rows"), _in("columns")
 LOW, FAST = _in("smooth", "slow", "field"), _in("fast")
-# A low part is few coefficients of a shape, not draws of a law, and drifts of the
-# read-out and changes of a lamp are in them: they tell no variance (structure.py).
-FITTED = 1 - LOW
+LOW_PARTS = tuple(part for part, is_low in zip(PARTS, LOW, strict=True) if is_low)
 # Parts of low frequency along a row or down a column: there the covariance of next
 # neighbours adds to the variance, twice.
 EVEN_ACROSS = np.maximum(ROWS, LOW)
@@ -55,13 +54,25 @@ class Component:
         return self.parts * np.where(ROWS > 0, width, height)
 
 
-# New in every frame.
+def _structure(name: str, signature: Signature) -> Iterator[Component]:
+    """Yield what each low part has for itself.
+
+    A low part is few coefficients of a shape. Each has a variance of its own, so that
+    shapes do not tell those of patterns, which are in all parts."""
+    for part in LOW_PARTS:
+        yield Component(f"{name}, {part}", _in(part), signature)
+
+
+# New in every frame. Those whose names no effect has: the read-out drifts within
+# a frame, and a lamp's shape from frame to frame.
 TEMPORAL = (
     Component("row_noise", ROWS, per="line"),
     Component("column_noise", COLUMNS, per="line"),
+    *_structure("drift", "constant"),
+    *_structure("lamp", "light"),
 )
 # The same in every frame. Those with spaces have no name of their own among effects.
-FIXED = (
+PATTERNS = (
     Component("dsnu", ALL),
     Component("column_fixed_pattern", COLUMNS, per="line"),
     Component("row_fixed_pattern", ROWS, per="line"),
@@ -71,4 +82,10 @@ FIXED = (
     Component("prnu", ALL, "light"),
     Component("columns of light", COLUMNS * FAST, "light", "line"),
     Component("rows of light", ROWS * FAST, "light", "line"),
+)
+FIXED = (
+    *PATTERNS,
+    *_structure("bias_structure", "constant"),
+    *_structure("amplifier_glow", "time"),
+    *_structure("lens_shading", "light"),
 )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.model.components import FIXED, TEMPORAL
 from cg2raw.statistics.constant import Array
@@ -33,6 +34,12 @@ class Parameters:
 
     def __len__(self) -> int:
         return len(self.names)
+
+    @cached_property
+    def are_variances(self) -> NDArray[np.bool_]:
+        """(n,) of lines, patterns and the drift: without any, none is there."""
+        sites = 3 * self.sites + 1
+        return np.arange(len(self)) >= sites
 
     def of(self, name: str, site: int = 0) -> int:
         """Return the place of a parameter. site : of a plane's own."""
@@ -74,3 +81,10 @@ class Evaluation:
         self.score += (squares - share) / 2 @ relative - rest / variance @ slopes
         self.information += (slopes / variance[:, None]).T @ slopes
         self.information += share / 2 * relative.T @ relative
+
+    def add_correlated(self, rest: Array, slopes: Array, covariance: Array) -> None:
+        """Add residuals (N,) of a covariance (N, N) that no parameter moves."""
+        inverse = np.linalg.inv(covariance)
+        self.value -= float(rest @ inverse @ rest) / 2
+        self.score -= rest @ inverse @ slopes
+        self.information += slopes.T @ inverse @ slopes

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.components import FIXED, TEMPORAL
-from cg2raw.model.evaluation import Parameters
+from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.likelihood import Likelihood
 from cg2raw.model.planes import PIXEL, PlaneLikelihood
 from cg2raw.model.recorded import ROUNDING
@@ -54,10 +54,10 @@ def fit(statistics: ConstantStatistics) -> Fit:
     check_noise(statistics)
     likelihood = Likelihood(statistics)
     theta, free = start_of(likelihood)
-    found = _scored(likelihood, theta, free)
+    found = refitted(likelihood, theta, free)
     for _ in range(AGAIN if likelihood.is_coarse else 1):
         before = found.theta
-        found = _scored(Likelihood(statistics, before), before, free)
+        found = refitted(Likelihood(statistics, before), before, free)
         with np.errstate(invalid="ignore"):
             moved = (found.theta - before) ** 2 / np.diagonal(found.covariance)
         if np.nanmax(moved) < SETTLED**2:
@@ -86,14 +86,50 @@ def check_noise(statistics: ConstantStatistics) -> None:
             )
 
 
-def _scored(likelihood: Likelihood, theta: Array, free: NDArray[np.bool_]) -> Fit:
-    """Return the fit that scoring finds from a start."""
-    found = likelihood(theta)
+@dataclass(frozen=True)
+class Prior:
+    """Parameters of which something is known: their places, means and covariance."""
+
+    places: NDArray[np.int64]
+    means: Array
+    covariance: Array
+
+    def add_to(self, found: Evaluation, theta: Array) -> None:
+        """Add the logarithm of the normal density, 0 at its mean."""
+        inverse = np.linalg.inv(self.covariance)
+        rest = theta[self.places] - self.means
+        found.value -= float(rest @ inverse @ rest) / 2
+        found.score[self.places] -= inverse @ rest
+        found.information[np.ix_(self.places, self.places)] += inverse
+
+
+def refitted(
+    likelihood: Likelihood,
+    theta: Array,
+    free: NDArray[np.bool_],
+    prior: Prior | None = None,
+) -> Fit:
+    """Return the fit that scoring finds from a start; what is not free stays."""
+
+    def evaluated(theta: Array) -> Evaluation:
+        found = likelihood(theta)
+        if prior is not None:
+            prior.add_to(found, theta)
+        return found
+
+    drift = likelihood.parameters.of("black_level_drift")
+    found = evaluated(theta)
+    if not np.isfinite(found.value):
+        theta = np.where(free & likelihood.parameters.are_variances, 0.0, theta)
+        found = evaluated(theta)
     for _ in range(ROUNDS):
-        step, _ = _solved(found.score, found.information, free)
+        let = free.copy()
+        let[drift] &= theta[drift] > 0 or found.score[drift] > 0
+        step, _ = _solved(found.score, found.information, let)
         for halving in range(HALVINGS):
             trial = theta + step / 2**halving
-            better = likelihood(trial)
+            trial[drift] = max(trial[drift], 0.0)
+            better = evaluated(trial)
             if better.value >= found.value:
                 break
         else:
@@ -216,7 +252,7 @@ def _start_patterns(
     """Least squares of the products less the noise, likewise; each above 0."""
     records, slopes = plane.records(theta)
     expected, _ = plane.temporal(theta, records, slopes)
-    signatures = np.array([plane.signature(c) for c in FIXED])
+    signatures = np.array([plane.signatures[c.name] for c in FIXED])
     size = np.sqrt(np.diagonal(plane.products, axis1=1, axis2=2))  # (8, G)
     rest = plane.products.copy()
     groups = np.arange(len(plane.frames))

@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """The levels of darks: black level, dark current and drift."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ class LevelLikelihood:
         planes: list[PlaneLikelihood],
         parameters: Parameters,
         frames: NDArray[np.int64],
+        theta: Array | None = None,
     ) -> None:
         self.planes, self.parameters = planes, parameters
         self.darks = np.flatnonzero(~planes[0].is_flat)
@@ -41,20 +43,28 @@ class LevelLikelihood:
         # Orthonormal: the first row is the mean, times the root of their number.
         self.turn = np.linalg.qr(np.column_stack([np.ones(count), np.eye(count)]))[0].T
         self.turn *= np.where(self.turn[:1].sum() < 0, -1.0, 1.0)
+        # Planes differ in dark current by the chance of their pixels'.
+        at = parameters.of("dark_current_nonuniformity")
+        uneven = 0.0 if theta is None else max(float(theta[at]), 0.0)
+        self.uneven = uneven / planes[0].plane.masked.size
         self.parameters_of_means = (
             1 + int(np.ptp(self.time) > 0) if len(self.time) else 0
         )
 
-    def add_to(self, found: Evaluation, theta: Array, has_drift: bool) -> None:
-        """Add what darks' levels say. has_drift : whether repeats tell the drift."""
+    def add_to(
+        self,
+        found: Evaluation,
+        theta: Array,
+        recorded: Sequence[tuple[Array, Array]],
+    ) -> None:
+        """Add what darks' levels say. recorded : of each plane, records at theta."""
         if not len(self.darks):
             return
         at, g = self.parameters.of, self.darks
         count, number = len(self.planes), len(theta)
-        all_records = [plane.records(theta) for plane in self.planes]
-        places = np.array([records[0, g] for records, _ in all_records])
-        response = np.mean([records[3, g] for records, _ in all_records], axis=0)
-        by_place = np.array([slopes[0, g] for _, slopes in all_records])
+        places = np.array([records[0, g] for records, _ in recorded])
+        response = np.mean([records[3, g] for records, _ in recorded], axis=0)
+        by_place = np.array([slopes[0, g] for _, slopes in recorded])
         floor, rest = (noise[g] / response**2 for noise in self.noise())
         for axis in range(count):
             weights = self.turn[axis]
@@ -63,25 +73,26 @@ class LevelLikelihood:
             slopes = np.einsum("p,pgn->gn", weights, by_place)
             slopes[:, at("black_level") : at("black_level") + count] -= weights
             slopes[:, at("dark_current")] -= weights.sum() * self.time
-            each = count if axis == 0 else 0
-            variance = each * theta[at("black_level_drift")]
-            variance = variance + (floor * count if axis == 0 else rest)
+            if axis > 0:
+                covariance = np.diag(rest / self.frames)
+                covariance += self.uneven * np.outer(self.time, self.time)
+                found.add_correlated(weights @ places - mean, slopes, covariance)
+                continue
+            variance = count * (theta[at("black_level_drift")] + floor)
             if (variance <= 0).any():
                 found.value = -np.inf
                 return
             by = np.zeros((len(g), number))
-            by[:, at("black_level_drift")] = each
-            used = self.parameters_of_means if axis == 0 else 1
-            share = max(1 - used / len(g), 0.0) if has_drift else 0.0
+            by[:, at("black_level_drift")] = count
+            share = max(1 - self.parameters_of_means / len(g), 0.0)
             found.add_normal(
                 weights @ places - mean,
                 slopes,
                 variance / self.frames,
                 by / self.frames[:, None],
-                share if axis == 0 else 0.0,
+                share,
             )
-            if axis == 0 and has_drift:
-                self._add_scatter(found, weights, response, variance, by)
+            self._add_scatter(found, weights, response, variance, by)
 
     def _add_scatter(
         self,

@@ -29,14 +29,20 @@ class Likelihood:
             for plane in self.planes
             for recorder in plane.recorders
         )
-        self.levels = LevelLikelihood(self.planes, self.parameters, statistics.frames)
+        self.levels = LevelLikelihood(
+            self.planes, self.parameters, statistics.frames, theta
+        )
 
     def __call__(self, theta: Array) -> Evaluation:
         """Return value, slope and information at a vector of parameters."""
         found = Evaluation(len(theta))
-        for plane in self.planes:
-            plane.add_to(found, theta)
+        if any((plane.offsets(theta)[0][0] <= 0).any() for plane in self.planes):
+            found.value = -np.inf
+            return found
+        recorded = [plane.records(theta) for plane in self.planes]
+        for plane, known in zip(self.planes, recorded, strict=True):
+            plane.add_to(found, theta, *known)
             if not np.isfinite(found.value):
                 return found
-        self.levels.add_to(found, theta, True)
+        self.levels.add_to(found, theta, recorded)
         return found

@@ -16,7 +16,6 @@ import numpy as np
 from cg2raw.model.components import (
     EVEN_ACROSS,
     EVEN_DOWN,
-    FITTED,
     FIXED,
     TEMPORAL,
     Component,
@@ -66,17 +65,27 @@ class PlaneLikelihood:
         pairs = statistics.pairs / np.maximum(self.frames - 1, 1)
         self.freedom[self.paired, PIXEL] *= pairs[self.paired]
         self.products = plane.products / np.maximum(plane.freedom, 1)[:, None, None]
-        self.products_freedom = plane.freedom * FITTED * self._independent_lines(side)
+        self.products_freedom = plane.freedom * self._independent_lines(side)
         self.light = self._light(theta)
+        self.signatures = {c.name: self._signature(c) for c in (*TEMPORAL, *FIXED)}
+        sizes = [np.diagonal(one) for one in self.signatures.values()]
+        # (K, G, 8), of one unit of a component in a coefficient of a frame.
+        self.sizes = np.array(sizes[: len(TEMPORAL)])[:, :, None]
+        self.sizes = self.sizes * np.array(self.multiplicity)[:, None]
+        # (2, G, K), of one unit in the places of samples: lines', and pixels'.
+        lines = [bool(c.parts[list(FAST_LINES)].any()) for c in TEMPORAL]
+        pixels = [bool(c.parts[PIXEL]) for c in FIXED]
+        these = [lines + len(pixels) * [False], len(lines) * [False] + pixels]
+        self.in_places = np.array(these)[:, None] * np.array(sizes).T
         self.recorders = self._recorders(statistics.white, theta)
 
     def _independent_lines(self, side: int) -> Array:
         """Return (8,) 1, less for lines whose pattern planes share."""
         found = np.ones(len(PARTS))
         power = np.diagonal(self.products, axis1=1, axis2=2)  # (8, G)
-        for part in FAST_LINES:
+        for part in range(PIXEL):
             pairs = zip(power[part], power[PIXEL], strict=True)
-            found[part] = min(shared(lines, pixel, side) for lines, pixel in pairs)
+            found[part] = min(shared(of, pixel, part, side) for of, pixel in pairs)
         return found
 
     def _recorders(self, white: int, theta: Array | None) -> list[Recorder]:
@@ -115,11 +124,7 @@ class PlaneLikelihood:
         by[0, self.is_flat, place("black_level", self.site)] = -theta[gain]
         charge = theta[gain] * self.time[~self.is_flat]
         by[0, ~self.is_flat, place("dark_current")] = charge
-        for n, components, parts in ((1, TEMPORAL, FAST_LINES), (2, FIXED, (PIXEL,))):
-            for component in components:
-                if component.parts[list(parts)].any():
-                    size = np.diagonal(self.signature(component))
-                    by[n, :, place(component.name)] = size
+        by[1:, :, place(TEMPORAL[0].name) :] = self.in_places
         noise = theta[read] + theta[gain] * signal
         found = np.array([noise, *(by[1:] @ theta)])
         by[1:][found[1:] < 0] = 0.0
@@ -162,18 +167,18 @@ class PlaneLikelihood:
     ) -> tuple[Array, Array]:
         """Return (G, 8) variances of a frame's coefficients and (G, 8, n) slopes."""
         share = 1 + self.correlation
+        response = records[2][:, None]
         expected = records[1][:, None] * share
         by = share[:, :, None] * slopes[1][:, None, :]
-        for component, multiplicity in zip(TEMPORAL, self.multiplicity, strict=True):
-            at = self.parameters.of(component.name)
-            size = np.diagonal(self.signature(component))[:, None] * multiplicity
-            response = records[2][:, None]
-            expected = expected + theta[at] * size * response**2
-            by[:, :, at] += size * response**2
-            by += theta[at] * (2 * size * response)[:, :, None] * slopes[2][:, None, :]
+        first = self.parameters.of(TEMPORAL[0].name)
+        own = slice(first, first + len(TEMPORAL))
+        more = np.tensordot(theta[own], self.sizes, 1)
+        expected = expected + more * response**2
+        by[:, :, own] += self.sizes.transpose(1, 2, 0) * response[:, :, None] ** 2
+        by += (2 * more * response)[:, :, None] * slopes[2][:, None, :]
         return expected, by
 
-    def signature(self, component: Component) -> Array:
+    def _signature(self, component: Component) -> Array:
         """Return (G, G) what a component's share of the covariance is proportional to;
         its diagonal is that of the variance of one group."""
         vectors = {
@@ -186,13 +191,11 @@ class PlaneLikelihood:
         found: Array = both + both.T if others else both
         return found
 
-    def add_to(self, found: Evaluation, theta: Array) -> None:
-        """Add all that the plane says. The value is -inf where a variance is not
-        above 0."""
-        if (self.offsets(theta)[0][0] <= 0).any():
-            found.value = -np.inf
-            return
-        records, slopes = self.records(theta)
+    def add_to(
+        self, found: Evaluation, theta: Array, records: Array, slopes: Array
+    ) -> None:
+        """Add all that the plane says. records, slopes : at theta. The value is -inf
+        where a variance is not above 0."""
         expected, by = self.temporal(theta, records, slopes)
         if (expected <= 0).any():
             found.value = -np.inf
@@ -229,45 +232,44 @@ class PlaneLikelihood:
         slopes: Array,
     ) -> None:
         _, _, _, response, steps = records
-        both = np.outer(response, response)
-        signatures = np.array([self.signature(c) * both for c in FIXED])
         first = self.parameters.of(FIXED[0].name)
-        count = len(self.frames)
-        for part in np.flatnonzero(self.products_freedom > 0):
-            freedom = self.products_freedom[part]
-            # Slopes of the covariance: one diagonal for each temporal parameter.
-            fixed = signatures * self.fixed[:, part, None, None]
-            diagonal = by[:, part] / self.frames[:, None]
-            diagonal = diagonal + slopes[4]
-            patterns = np.tensordot(theta[first:], fixed, 1)
-            covariance = patterns.copy()
-            covariance[np.diag_indices(count)] += (
-                expected[:, part] / self.frames + steps
-            )
-            try:
-                root = np.linalg.cholesky(covariance)
-            except np.linalg.LinAlgError:
-                found.value = -np.inf
-                return
-            inverse = np.linalg.inv(covariance)
-            measured = inverse @ self.products[part]
-            found.value -= freedom * float(np.log(np.diagonal(root)).sum())
-            found.value -= freedom / 2 * float(np.trace(measured))
-            misfit = measured @ inverse - inverse
-            found.score += freedom / 2 * np.diagonal(misfit) @ diagonal
-            # The response moves all patterns: by too little for the information.
-            moved = (misfit * patterns).sum(axis=1) / response
-            found.score += freedom * moved @ slopes[3]
-            found.score[first:] += freedom / 2 * np.tensordot(fixed, misfit, 2)
-            turned = inverse @ fixed
-            mixed = np.einsum("egh,hg->eg", turned, inverse)  # of the diagonals
-            mixed = freedom / 2 * mixed @ diagonal
-            flat = turned.reshape(len(FIXED), -1)
-            turned = turned.transpose(0, 2, 1).reshape(len(FIXED), -1)
-            found.information += freedom / 2 * diagonal.T @ inverse**2 @ diagonal
-            found.information[first:] += mixed
-            found.information[:, first:] += mixed.T
-            found.information[first:, first:] += freedom / 2 * flat @ turned.T
+        used = np.flatnonzero(self.products_freedom > 0)
+        half = self.products_freedom[used] / 2
+        # Slopes of the covariance: one diagonal for each temporal parameter.
+        signatures = np.array([self.signatures[c.name] for c in FIXED])
+        signatures = signatures * np.outer(response, response)
+        fixed = signatures * self.fixed.T[used, :, None, None]  # (P, E, G, G)
+        diagonal = by[:, used].transpose(1, 0, 2) / self.frames[:, None] + slopes[4]
+        patterns = np.einsum("e,peij->pij", theta[first:], fixed)
+        noise = expected[:, used].T / self.frames + steps
+        covariance = patterns + noise[:, :, None] * np.eye(len(self.frames))
+        try:
+            root = np.linalg.cholesky(covariance)
+        except np.linalg.LinAlgError:
+            found.value = -np.inf
+            return
+        inverse = np.linalg.inv(covariance)
+        measured = inverse @ self.products[used]
+        logarithm = 2 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+        found.value -= float(half @ (logarithm + np.trace(measured, axis1=1, axis2=2)))
+        misfit = measured @ inverse - inverse
+        weighted = half[:, None, None] * misfit
+        found.score += np.einsum("pii,pin->n", weighted, diagonal)
+        # The response moves all patterns: by too little for the information.
+        moved = 2 * (weighted * patterns).sum(axis=(0, 1)) / response
+        found.score += moved @ slopes[3]
+        found.score[first:] += np.einsum("peij,pji->e", fixed, weighted)
+        turned = inverse[:, None] @ fixed
+        mixed = np.einsum("p,peij,pji->pei", half, turned, inverse)  # diagonals
+        mixed = np.tensordot(mixed, diagonal, ([0, 2], [0, 1]))
+        found.information[first:] += mixed
+        found.information[:, first:] += mixed.T
+        weighted = half[:, None, None] * inverse**2 @ diagonal
+        found.information += np.tensordot(diagonal, weighted, ([0, 1], [0, 1]))
+        flat = turned.transpose(1, 0, 2, 3).reshape(len(FIXED), -1)
+        turned = half[:, None, None, None] * turned.swapaxes(2, 3)
+        turned = turned.transpose(1, 0, 2, 3).reshape(len(FIXED), -1)
+        found.information[first:, first:] += flat @ turned.T
 
 
 def correlation_of(statistics: ConstantStatistics, side: int) -> Array:
@@ -291,21 +293,23 @@ def freedom_of(
     """Return (G, 8) degrees of freedom of the scatter: fewer where noise has tails, is
     correlated, or is of lines that planes share."""
     again = statistics.frames - 1
-    found: Array = plane.freedom * FITTED * again[:, None]
+    found: Array = plane.freedom * again[:, None]
     tails = np.nan_to_num(plane.fourth - 3) * again / statistics.frames
     within = [lag for lag in LAGS if not (lag[0] % side or lag[1] % side)]
     places = [LAGS.index(lag) for lag in within]
     of_lags = 2 * (statistics.lags[:, places] ** 2).sum(axis=1)
     found[:, PIXEL] /= np.maximum(1 + tails + of_lags, 0.2)
-    for part in FAST_LINES:
+    for part in range(PIXEL):
         for g in np.flatnonzero(again):
-            found[g, part] *= shared(scatter[g, part], scatter[g, PIXEL], side)
+            found[g, part] *= shared(scatter[g, part], scatter[g, PIXEL], part, side)
     return found
 
 
-def shared(lines: float, pixel: float, side: int) -> float:
-    """Return by how much the freedom of lines is less for planes that share them: what
-    they share is that above the pixels' variance."""
-    if side == 1 or lines <= pixel:
+def shared(size: float, pixel: float, part: int, side: int) -> float:
+    """Return by how much the freedom of a part is less for planes that share it: what
+    they share is that above the pixels' variance. Lines run through as many planes as
+    the repeat has sites along them; what is smooth is in all."""
+    planes = side if part in FAST_LINES else side**2
+    if planes == 1 or size <= pixel:
         return 1.0
-    return 1 / (1 + (side - 1) * (1 - pixel / lines) ** 2)
+    return 1 / (1 + (planes - 1) * (1 - pixel / size) ** 2)

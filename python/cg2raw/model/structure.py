@@ -6,7 +6,7 @@ It is a shape, not a draw of a law: its size is that of its own coefficients."""
 
 import numpy as np
 
-from cg2raw.model.components import FITTED, FIXED
+from cg2raw.model.components import LOW, PATTERNS
 from cg2raw.model.fit import Fit
 from cg2raw.model.planes import PIXEL, PlaneLikelihood
 from cg2raw.statistics.constant import Array
@@ -48,7 +48,7 @@ def _in_plane(
     weights = np.linalg.solve(weighted.T @ design, weighted.T)
     weights = weights[list(signatures).index(wanted)]
     square = variance = 0.0
-    for part in map(int, np.flatnonzero(FITTED == 0)):
+    for part in map(int, np.flatnonzero(LOW)):
         freedom = plane.plane.freedom[part]
         noise = weights**2 * noises[:, part] / plane.frames
         pixel = float((weights**2 * noises[:, PIXEL] / plane.frames).sum())
@@ -83,7 +83,7 @@ def _patterns_in(
     of a low part."""
     each = [
         found.theta[found.parameters.of(c.name)] * plane.fixed[n, part]
-        for n, c in enumerate(FIXED)
+        for n, c in enumerate(PATTERNS)
         if c.signature == signature and c.per in (per or c.per,)
     ]
     return max(float(sum(each)), 0.0)

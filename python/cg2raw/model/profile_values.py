@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What a profile says of the likelihood's parameters: the null of each name."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from cg2raw.model.evaluation import Parameters
+from cg2raw.sensor import Sensor
+from cg2raw.statistics.constant import Array
+
+Values = Mapping[str, float]
+
+
+def square_of(parameter: str) -> Callable[[Values, float], float]:
+    """Return what gives the variance, DN^2, of a deviation that is a share of white."""
+    return lambda values, white: (values[parameter] * white) ** 2
+
+
+def log_normal_variance(values: Values, white: float) -> float:
+    """Return the variance, (DN/s)^2, of dark current with a log-normal law."""
+    square = values["log_sigma"] ** 2
+    median = values["rate"] * white
+    return float(median**2 * np.exp(square) * np.expm1(square))
+
+
+# Effects of a profile that set one of the parameters; white is above black, DN.
+OF_EFFECTS: Mapping[str, tuple[str, Callable[[Values, float], float]]] = {
+    "dark_current": ("dark_current", lambda values, w: values["per_second"] * w),
+    "black_level_drift": ("black_level_drift", square_of("sigma")),
+    "row_noise": ("row_noise", square_of("sigma")),
+    "dsnu": ("dsnu", square_of("sigma")),
+    "column_fixed_pattern": ("column_fixed_pattern", square_of("sigma")),
+    "dark_current_nonuniformity": (
+        "dark_current_nonuniformity",
+        log_normal_variance,
+    ),
+    "prnu": ("prnu", lambda values, w: values["sigma"] ** 2),
+}
+
+
+def profile_values(sensor: Sensor, iso: float, parameters: Parameters) -> Array:
+    """Return the parameters, (n,), as a sensor's profile has them: variances DN^2, of
+    light relative. Raises ValueError for an ISO without noise."""
+    found = np.zeros(len(parameters))
+    black = np.asarray(sensor.black_level, float)
+    white = float(sensor.white_level - black.mean())
+    row = sensor.noise_at(iso)
+    effects = {e["name"]: e["parameters"] for e in sensor.effects or ()}
+    sites = range(parameters.sites)
+    for site in sites:
+        read, gain = (
+            float(np.broadcast_to(row[name], len(black))[site])
+            for name in ("beta2", "beta1")
+        )
+        more = effects.get("read_noise", {}).get("log_variance", 0.0)
+        found[parameters.of("read_noise", site)] = read * white**2 * np.exp(more)
+        more = effects.get("shot_noise", {}).get("log_gain", 0.0)
+        found[parameters.of("gain", site)] = gain * white * np.exp(more)
+        offset = effects.get("black_level", {}).get(f"offset_{site:02b}", 0.0)
+        found[parameters.of("black_level", site)] = black[site] + offset * white
+    for name, (parameter, value) in OF_EFFECTS.items():
+        if name in effects:
+            found[parameters.of(parameter)] = value(effects[name], white)
+    return found

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Names that frames show: of a sensor whose effects are all there, those that a profile
+lacks."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.model.evaluation import Parameters
+from cg2raw.model.fit import fit
+from cg2raw.model.profile_values import profile_values
+from cg2raw.model.selection import NAMES, selection
+from model.planted import planted
+
+LEAST = float(np.log(len(NAMES) / 0.01))
+# Shapes, which no number of the profile's stands for.
+STRUCTURES = {"bias_structure", "lens_shading"}
+OTHERS = sorted(set(NAMES) - STRUCTURES - {"amplifier_glow"})
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def fits(request):
+    """Fits of frames of one sensor, in two halves, and its truth as parameters."""
+    made = planted(21, side=request.param, shape=(120, 160))
+    halves = [
+        [(info, frames[half::2]) for info, frames in made.groups] for half in (0, 1)
+    ]
+    first, second = (fit(made._replace(groups=groups).statistics) for groups in halves)
+    truth = np.zeros(len(first.parameters))
+    at = first.parameters.of
+    for site in range(first.parameters.sites):
+        truth[at("black_level", site)] = made.truth[f"black level {site}"]
+        truth[at("read_noise", site)] = made.truth[f"read noise {site}"] ** 2
+        truth[at("gain", site)] = 1 / made.truth[f"gain {site}"]
+    truth[at("dark_current")] = made.truth["dark current"]
+    for name, figure in {
+        "black_level_drift": "black level drift",
+        "row_noise": "row noise",
+        "column_noise": "column noise",
+        "dsnu": "DSNU",
+        "column_fixed_pattern": "fixed column pattern",
+        "dark_current_nonuniformity": "dark current nonuniformity",
+        "prnu": "PRNU",
+    }.items():
+        truth[at(name)] = made.truth[figure] ** 2
+    return first, second, truth
+
+
+def test_what_the_profile_has_is_not_named(fits):
+    first, second, truth = fits
+    assert set(selection(first, second, truth).kept(LEAST)) == STRUCTURES
+
+
+@pytest.mark.parametrize("fits", [2], indirect=True)
+@pytest.mark.parametrize("name", OTHERS)
+def test_what_the_profile_lacks_is_named(fits, name):
+    first, second, truth = fits
+    lacks = truth.copy()
+    own = np.isin(first.parameters.names, NAMES[name])
+    factor = 1.3 if name in ("read_noise", "shot_noise") else 0.0
+    lacks[own] = truth[own] - 40 if name == "black_level" else truth[own] * factor
+    found = selection(first, second, lacks).kept(LEAST)
+    assert set(found) == STRUCTURES | {name}
+
+
+def test_a_profile_is_in_units_of_the_frames():
+    """White above black is 1000 DN; variances are squares of shares of it."""
+    text = json.loads(Sensor("nikon-d40").to_json()) | {
+        "black_level": [64] * 4,
+        "white_level": 1064,
+        "noise": [{"iso": 100, "beta1": [2e-4] * 4, "beta2": [4e-6] * 4}],
+        "effects": [
+            {"name": "row_noise", "parameters": {"sigma": 3e-4}},
+            {"name": "dark_current", "parameters": {"per_second": 5e-4}},
+            {"name": "prnu", "parameters": {"sigma": 0.01}},
+            {
+                "name": "dark_current_nonuniformity",
+                "parameters": {"rate": 1e-3, "log_sigma": 1.0},
+            },
+        ],
+    }
+    parameters = Parameters(4)
+    found = profile_values(Sensor.from_json(json.dumps(text)), 100, parameters)
+    e = np.e
+    wanted = {
+        "black_level": 64,
+        "read_noise": 4,
+        "gain": 0.2,
+        "row_noise": 0.09,
+        "dark_current": 0.5,
+        "prnu": 1e-4,
+        "dark_current_nonuniformity": e * (e - 1),
+    }
+    for name, value in wanted.items():
+        assert found[parameters.of(name)] == pytest.approx(value)
+    rest = [n for n in parameters.names if n not in wanted]
+    assert not any(found[parameters.of(name)] for name in rest)
