@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 namespace cg2raw {
 namespace {
@@ -123,16 +122,18 @@ std::vector<std::uint8_t> lines_that_stand_out(std::vector<double> sums, double 
 void FrameStatistics::finish_look(const ParallelFor& parallel)
 {
     Look& look = m_looks[std::size_t(m_current)];
-    GroupSums& group = m_groups[std::size_t(m_current)];
-    const double frames = group.frames;
+    const double frames = m_groups[std::size_t(m_current)].frames;
     if (frames < 2)
         return;
-    const double range = mean_range(group.frames);
+    const double range = mean_range(int(look.levels.size()));
     const double others = std::sqrt((frames - 1.0) / frames);
-    std::vector<std::int64_t> counts(m_planes.size());
+    std::vector<std::vector<Transient>> found(m_planes.size());
     parallel(int(m_planes.size()), [&](int p) {
         const PlaneParts& plane = m_planes[std::size_t(p)];
-        const double level = double(look.offset[std::size_t(p)]) / frames;
+        std::int64_t offset = 0;
+        for (const auto& levels : look.levels)
+            offset += levels[std::size_t(p)];
+        const double level = double(offset) / frames;
         const auto each = [&](const auto& work) {
             for (int y = 0; y < plane.height(); ++y) {
                 const Site first = plane.site(y, 0);
@@ -158,13 +159,16 @@ void FrameStatistics::finish_look(const ParallelFor& parallel)
             if (std::max(above, below) <= most)
                 return;
             m_marked[at] = 1;
-            counts[std::size_t(p)] += m_excluded[at] ? 0 : 1;
-            const double own = above >= below ? m_highest[at] : m_lowest[at];
+            const std::int16_t own = above >= below ? m_highest[at] : m_lowest[at];
+            if (!m_excluded[at])
+                found[std::size_t(p)].push_back(
+                    { std::uint32_t(at), own, above >= below });
             const double rest = (mean * frames - own) / (frames - 1.0);
             look.sum[at] = std::uint32_t(std::max(rest + level, 0.0) * frames + 0.5);
         });
     });
-    group.transients = std::accumulate(counts.begin(), counts.end(), std::int64_t {});
+    for (const auto& of_plane : found)
+        look.transients.insert(look.transients.end(), of_plane.begin(), of_plane.end());
 }
 
 void FrameStatistics::mask(const ParallelFor& parallel)
@@ -204,10 +208,11 @@ void FrameStatistics::mask(const ParallelFor& parallel)
     }
 }
 
-/// Of the mean of a group: points beyond what the other parts say, then lines.
+/// Of the mean of a group: points beyond what the other parts say, then lines. What is
+/// among them is no transient.
 void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
 {
-    const Look& look = m_looks[std::size_t(group)];
+    Look& look = m_looks[std::size_t(group)];
     const int frames = m_groups[std::size_t(group)].frames;
     if (frames == 0)
         throw Error("group " + std::to_string(group) + " has no frame");
@@ -272,6 +277,10 @@ void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
                 if (rows[std::size_t(y)] || columns[std::size_t(x)])
                     mark(y, x);
     });
+    auto& alone = look.transients; // hot pixels are noisy in all frames
+    alone.erase(std::remove_if(alone.begin(), alone.end(),
+                               [&](const Transient& one) { return points[one.at]; }),
+                alone.end());
     std::transform(points.begin(), points.end(), m_marked.begin(), m_marked.begin(),
                    std::bit_or<>());
 }

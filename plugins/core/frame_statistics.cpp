@@ -169,13 +169,11 @@ CodeCounts FrameStatistics::look(int group, const Plane<const std::uint16_t>& fr
     if (sums.frames == 0) {
         look.sum.assign(samples, 0);
         look.base.assign(levels.begin(), levels.end());
-        look.offset.assign(levels.size(), 0);
         m_highest.assign(samples, std::numeric_limits<std::int16_t>::min());
         m_lowest.assign(samples, std::numeric_limits<std::int16_t>::max());
     }
     ++sums.frames;
-    for (std::size_t p = 0; p < m_planes.size(); ++p)
-        look.offset[p] += levels[p];
+    look.levels.push_back(levels);
     each_strip(frame.height, parallel, [&](int first, int count) {
         for (int r = first; r < first + count; ++r) {
             const std::uint16_t* const row = frame.row(r);
@@ -217,11 +215,11 @@ void FrameStatistics::measure(int group, const Plane<const std::uint16_t>& frame
     if (other)
         check_size(*other);
     const auto sums = filled_sums(group, frame, parallel);
-    add_frame(group, sums);
+    add_frame(group, frame, sums);
     if (!other)
         return;
     const auto others = filled_sums(group, *other, parallel);
-    add_frame(group, others);
+    add_frame(group, *other, others);
     add_pair(group, frame, *other, sums, others, parallel);
 }
 
@@ -260,8 +258,10 @@ FrameStatistics::filled_sums(int group, const Plane<const std::uint16_t>& frame,
     return sums;
 }
 
-void FrameStatistics::add_frame(int group, const std::vector<PlaneSums>& sums)
+void FrameStatistics::add_frame(int group, const Plane<const std::uint16_t>& frame,
+                                const std::vector<PlaneSums>& sums)
 {
+    add_transients(group, frame);
     GroupSums& of_group = m_groups[std::size_t(group)];
     for (std::size_t p = 0; p < m_planes.size(); ++p) {
         const PlaneParts& plane = m_planes[p];
@@ -282,6 +282,25 @@ void FrameStatistics::add_frame(int group, const std::vector<PlaneSums>& sums)
         to.scatter[part_count - 1] += pixel;
         to.along += squares_along(plane, rest);
     }
+}
+
+/// Finds which of its group's transients a frame has.
+void FrameStatistics::add_transients(int group, const Plane<const std::uint16_t>& frame)
+{
+    Look& look = m_looks[std::size_t(group)];
+    auto& found = m_groups[std::size_t(group)].transients;
+    const auto& levels = look.levels[found.size()];
+    auto& counts = found.emplace_back();
+    const auto is_own = [&](const Transient& one) {
+        const Site site { int(one.at) / m_size.width, int(one.at) % m_size.width };
+        const int plane = site.row % m_side * m_side + site.col % m_side;
+        if (saturated(frame(site) - levels[std::size_t(plane)]) != one.own)
+            return false;
+        ++counts[one.is_above ? 0 : 1];
+        return true;
+    };
+    auto& left = look.transients;
+    left.erase(std::remove_if(left.begin(), left.end(), is_own), left.end());
 }
 
 namespace {

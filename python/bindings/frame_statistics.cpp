@@ -26,15 +26,29 @@ py::array_t<std::uint32_t> array_of(const CodeCounts& counts)
     return found;
 }
 
-py::array_t<std::uint32_t> counts_of(const RawArray& frame, int side, int threads)
+using MaskArray = py::array_t<bool, py::array::c_style | py::array::forcecast>;
+
+py::array_t<std::uint32_t> counts_of(const RawArray& frame, int side,
+                                     const std::optional<MaskArray>& excluded,
+                                     int threads)
 {
     const auto plane = const_plane_of(frame, "frame");
     if (side < 1)
         throw Error("side " + std::to_string(side) + " must be at least 1");
+    const std::uint8_t* out = nullptr;
+    if (excluded) {
+        const auto mask = const_plane_of(*excluded, "mask");
+        if (mask.width != plane.width || mask.height != plane.height)
+            throw Error("mask is " + std::to_string(mask.width) + " x "
+                        + std::to_string(mask.height) + " pixels, the frame "
+                        + std::to_string(plane.width) + " x "
+                        + std::to_string(plane.height));
+        out = reinterpret_cast<const std::uint8_t*>(mask.data);
+    }
     CodeCounts counts;
     {
         const py::gil_scoped_release release;
-        counts = code_counts(plane, side, nullptr, parallel_threads(threads));
+        counts = code_counts(plane, side, out, parallel_threads(threads));
     }
     return array_of(counts);
 }
@@ -168,9 +182,16 @@ py::tuple result(const FrameStatistics& self, int threads)
               }
               return room.data();
           });
-    py::array_t<std::int64_t> transients(py::ssize_t(self.groups().size()));
+    std::size_t most = 0;
+    for (const GroupSums& group : self.groups())
+        most = std::max(most, group.transients.size());
+    py::array_t<std::int64_t> transients(
+        { self.groups().size(), most, std::size_t(2) });
+    std::fill_n(transients.mutable_data(), transients.size(), 0);
     for (std::size_t g = 0; g < self.groups().size(); ++g)
-        transients.mutable_at(py::ssize_t(g)) = self.groups()[g].transients;
+        for (std::size_t i = 0; i < self.groups()[g].transients.size(); ++i)
+            std::copy_n(self.groups()[g].transients[i].begin(), 2,
+                        transients.mutable_data(py::ssize_t(g), py::ssize_t(i), 0));
     return py::make_tuple(planes, lags, transients);
 }
 
@@ -179,9 +200,11 @@ py::tuple result(const FrameStatistics& self, int threads)
 void bind_frame_statistics(py::module_& m)
 {
     m.def(
-        "code_counts", &counts_of, "frame"_a, "side"_a, "threads"_a = 1,
+        "code_counts", &counts_of, "frame"_a, "side"_a, "excluded"_a = py::none(),
+        "threads"_a = 1,
         "(side * side, codes) how many samples of each plane of the CFA's repeat have "
-        "each code,\nup to the largest that occurs.");
+        "each code,\nup to the largest that occurs. excluded : (H, W) bool, samples "
+        "that do not count.");
     py::class_<FrameStatistics>(m, "FrameStatistics",
                                 "Sums over groups of frames that repeat each other.")
         .def(py::init([](int height, int width, int side, int groups, int step) {
@@ -192,9 +215,7 @@ void bind_frame_statistics(py::module_& m)
              "(planes, codes) counts of a frame; groups one after the other.")
         .def(
             "exclude",
-            [](FrameStatistics& self,
-               const py::array_t<bool, py::array::c_style | py::array::forcecast>&
-                   samples) {
+            [](FrameStatistics& self, const MaskArray& samples) {
                 const auto plane = const_plane_of(samples, "mask");
                 self.exclude({ reinterpret_cast<const std::uint8_t*>(plane.data),
                                plane.width, plane.height, plane.pitch });
@@ -210,7 +231,7 @@ void bind_frame_statistics(py::module_& m)
         .def("measure", &measure, "group"_a, "frame"_a, "other"_a = py::none(),
              "threads"_a = 2, "A frame again, or a pair.")
         .def("result", &result, "threads"_a = 2,
-             "(list of the planes' arrays, (G, 5) correlations at the lags, (G,) "
+             "(list of the planes' arrays, (G, 5) correlations at the lags, (G, F, 2) "
              "transients).")
         .def(
             "mean",

@@ -353,7 +353,10 @@ def posterior_of_mixture(
     law: NDArray[np.float64], estimates: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def code_counts(
-    frame: NDArray[np.uint16], side: int, threads: int = 1
+    frame: NDArray[np.uint16],
+    side: int,
+    excluded: NDArray[np.bool] | None = None,
+    threads: int = 1,
 ) -> NDArray[np.uint32]: ...
 
 class FrameStatistics:

@@ -66,7 +66,7 @@ def plain_statistics(groups, side, white, excluded=None):
         pairs=counts // 2,
         lags=np.array(lags),
         white=white,
-        transients=np.zeros(len(groups), int),
+        transients=np.zeros((len(groups), 1, 2), int),
     )
 
 

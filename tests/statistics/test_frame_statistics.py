@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from cg2raw import _core
 from cg2raw.statistics.constant import (
     PARTS,
     ConstantStatistics,
@@ -134,7 +135,9 @@ def test_what_one_frame_has_alone_is_counted_and_in_no_mean():
         for info, frames in groups_of(first, second)
     ]
     found, mean = statistics_and_means(readers, 2, WHITE)
-    assert list(found.transients) == [1, 1]
+    above, below = found.transients[..., 0], found.transients[..., 1]
+    assert above.tolist() == [[0, 0, 1, 0], [0, 0, 0, 0]]
+    assert below.tolist() == [[0, 0, 0, 0], [0, 1, 0, 0]]
     expected = np.mean(first, axis=0)
     levels = [round(frame[::2, ::2].mean()) for frame in first]
     others = [int(first[i][40, 50]) - levels[i] for i in (0, 1, 3)]
@@ -142,6 +145,48 @@ def test_what_one_frame_has_alone_is_counted_and_in_no_mean():
     np.testing.assert_allclose(mean(0), expected, atol=0.13)  # of a sum of integers
     others = np.mean([second[0][70, 80], second[2][70, 80]])
     assert mean(1)[70, 80] == pytest.approx(others, abs=2)  # levels drift
+
+
+def test_the_noise_of_a_hot_pixel_is_no_transient():
+    frames = drawn((96, 120), 5)
+    for frame, charge in zip(frames, (900, 1000, 1100, 1000, 1300), strict=True):
+        frame[10, 20:40] = charge
+    found = measured(groups_of(frames), 2)
+    assert not found.transients.any()
+    assert sum(int(plane.masked.sum()) for plane in found.planes) == 20
+
+
+def test_codes_of_each_frame_are_handed_on():
+    frames, found = drawn((48, 60), 3), []
+    readers = [
+        (info, [lambda f=f: f for f in given]) for info, given in groups_of(frames)
+    ]
+    frame_statistics(readers, 2, WHITE, looked=lambda *one: found.append(one))
+    assert [number for number, _ in found] == [0, 1, 2]
+    for (_, counts), frame in zip(found, frames, strict=True):
+        expected = np.bincount(frame[1::2, ::2].ravel(), minlength=counts.shape[1])
+        np.testing.assert_array_equal(counts[2], expected)
+
+
+def test_codes_of_masked_samples_are_left_out():
+    (frame,) = drawn((48, 60), 1)
+    excluded = np.random.default_rng(3).random((48, 60)) < 0.5
+    counts = _core.code_counts(frame, 2, excluded).sum(axis=0)
+    np.testing.assert_array_equal(counts, np.bincount(frame[~excluded]))
+    with pytest.raises(ValueError, match="mask is 48 x 60 pixels, the frame 60 x 48"):
+        _core.code_counts(frame, 2, excluded.T)
+
+
+@pytest.mark.parametrize(("part", "planted"), [("pixel", 25), ("fast_rows", 25 + 1080)])
+def test_the_variance_of_a_part(part, planted):
+    """Of rows that move by 6 DN, on 30 samples of a plane's row."""
+    frames = drawn((160, 60), 6, seed=7)
+    rng = np.random.default_rng(8)
+    moved = [f + np.rint(rng.normal(0, 6, (160, 1))) for f in frames]
+    found = measured(groups_of([f.astype(np.uint16) for f in moved], frames[:1]), 2)
+    assert found.variance(0, part).mean() == pytest.approx(planted, rel=0.1)
+    # Of a single frame, with its fixed pattern of 3 DN.
+    assert found.variance(1).mean() == pytest.approx(25 + 9, rel=0.05)
 
 
 @pytest.mark.parametrize("side", [1, 2, 6])
@@ -181,10 +226,10 @@ def test_a_file_of_another_version_is_refused(tmp_path):
     with np.load(path) as file:
         arrays = dict(file)
     arrays["about"] = np.array(
-        str(arrays["about"]).replace('"version": 1', '"version": 0')
+        str(arrays["about"]).replace('"version": 2', '"version": 0')
     )
     np.savez(path, **arrays)
-    with pytest.raises(ValueError, match="of version 0; must be 1: measure the frames"):
+    with pytest.raises(ValueError, match="of version 0; must be 2: measure the frames"):
         ConstantStatistics.load(path)
 
 

@@ -53,7 +53,10 @@ struct PlaneOfGroup {
 /// Frames of one kind, exposure and light, by planes: the rows of the repeat in turn.
 struct GroupSums {
     int frames = 0, pairs = 0;
-    std::int64_t transients = 0; ///< samples that one of the frames has alone
+    /// Of each frame: how many samples it has alone, far above all others and far
+    /// below, where the others are as their surroundings. Counted as frames are
+    /// measured.
+    std::vector<std::array<std::int64_t, 2>> transients;
     std::vector<PlaneOfGroup> planes;
     /// Sums of products of standardised residuals with those of neighbours.
     std::array<double, statistics_lags.size()> lags {};
@@ -94,19 +97,28 @@ public:
     void mean(int group, const Plane<float>& to) const;
 
 private:
+    /// A sample that one frame has alone: the first with this value.
+    struct Transient {
+        std::uint32_t at;
+        std::int16_t own; ///< DN, less the frame's level
+        bool is_above;
+    };
     /// What the first look at a group's frames leaves.
     struct Look {
         std::vector<std::uint32_t> sum;
         std::vector<double> base; ///< DN, by plane
         std::vector<std::vector<double>>
             filled; ///< masked samples, less base, by plane
-        std::vector<std::int64_t> offset; ///< DN, by plane: sum of rounded levels
+        std::vector<std::vector<std::int32_t>> levels; ///< DN, rounded, by frame, plane
+        std::vector<Transient> transients; ///< that no frame was found to have
     };
 
     void check_size(const Plane<const std::uint16_t>& frame) const;
     void finish_look(const ParallelFor& parallel);
     void mark_outliers(int group, const ParallelFor& parallel);
-    void add_frame(int group, const std::vector<PlaneSums>& sums);
+    void add_frame(int group, const Plane<const std::uint16_t>& frame,
+                   const std::vector<PlaneSums>& sums);
+    void add_transients(int group, const Plane<const std::uint16_t>& frame);
     std::vector<PlaneSums> filled_sums(int group,
                                        const Plane<const std::uint16_t>& frame,
                                        const ParallelFor& parallel) const;

@@ -103,7 +103,7 @@ class Seen:
             high + low,
             None if is_single or high > 1 - FEWEST_KEPT else self.noise(number),
             int(found.pairs[number]),
-            None if is_single else int(found.transients[number]),
+            None if is_single else int(found.transients[number].sum()),
         )
 
     def noise(self, number: int) -> Noise:
@@ -118,7 +118,7 @@ class Seen:
         left = [plane.freedom[PIXEL] / (~plane.masked).sum() for plane in planes]
         each = pixels * np.array(left)[:, None] * pairs
         return Noise(
-            np.array([plane.scatter[number, PIXEL] for plane in planes]) / freedom,
+            self.statistics.variance(number),
             float(min(freedom)),
             squares / np.maximum(each, 1e-9),
             pixels,

@@ -22,7 +22,7 @@ from cg2raw.io.atomic_file import write_atomically
 
 Array = NDArray[np.float64]
 
-VERSION = 1  # of saved files
+VERSION = 2  # of saved files
 WHOLE = ("frames", "pairs", "lags", "transients")  # arrays that are of no plane
 
 SMOOTH, SLOW, FIELD = 3, 11, 5  # highest degrees of polynomials
@@ -39,6 +39,7 @@ PARTS = (
 LAGS = ((0, 1), (1, 0), (0, 2), (2, 0), (1, 1))  # rows, columns to a neighbour
 BINS_PER_SIGMA = 32  # of the histogram of residuals, which has 512 bins
 BLOCKS = 8  # along each side of a plane
+POINT_SIGMAS = 8.0  # beyond which a sample is masked: of a million, none is by chance
 PLACES = np.linspace(0.02, 0.98, 25)  # quantiles of the smooth part of a mean image
 MOST_LINES = 256  # along each side, of which the quantiles are taken
 
@@ -131,7 +132,9 @@ class ConstantStatistics:
 
     frames, pairs : (G,) counts. lags : (G, 5) correlations of the residuals of pairs
     with those of neighbours in the mosaic (LAGS), 0 without pairs. white : DN.
-    transients : (G,) samples that one frame has alone, far off its repeats."""
+    transients : (G, F, 2) of the F frames of the largest group: how many samples each
+    has alone, more than POINT_SIGMAS above the mean of the others or below it, where
+    that is as in the surroundings; a hot pixel's noise is none."""
 
     groups: tuple[GroupInfo, ...]
     planes: tuple[PlaneStatistics, ...]
@@ -157,6 +160,19 @@ class ConstantStatistics:
         return ConstantStatistics(
             groups=groups, planes=tuple(planes), white=self.white, **whole
         )
+
+    def variance(self, number: int, part: str = "pixel") -> Array:
+        """Return (planes,) DN^2, of a group: what a coefficient of one of PARTS varies
+        by from frame to frame; of a single frame what its coefficients do, patterns
+        included. nan where no sample is left to tell."""
+        at, again = PARTS.index(part), int(self.frames[number]) - 1
+        freedom = np.array([plane.freedom[at] or np.nan for plane in self.planes])
+        if again:
+            squares = [plane.scatter[number, at] / again for plane in self.planes]
+        else:
+            squares = [plane.products[at, number, number] for plane in self.planes]
+        found: Array = np.array(squares) / freedom
+        return found
 
     def save(self, path: str) -> None:
         """Write all of it to an .npz file, whole or not at all. Raises OSError."""

@@ -34,6 +34,7 @@ def statistics_and_means(
     excluded: NDArray[np.bool_] | None = None,
     threads: int = 2,
     progress: Callable[[float], None] | None = None,
+    looked: Callable[[int, NDArray[np.uint32]], None] | None = None,
 ) -> tuple[ConstantStatistics, Callable[[int], NDArray[np.float32]]]:
     """Return what groups of frames say, and what gives the (H, W) DN mean image of
     a group by its number, in which transients are left out.
@@ -42,6 +43,8 @@ def statistics_and_means(
     side : samples along the CFA's repeat, 1 of a camera without a CFA. white : DN.
     step : DN between codes. excluded : (H, W) bool, samples that count in nothing.
     threads : the result is the same. progress : called with the share done, 0 to 1.
+    looked : called with the number of each frame, in order, and how many of its samples
+    of each plane have each code, (planes, codes).
 
     At most a few frames, and of each group one image of four bytes a sample, are held
     at a time; frames are read twice, or once if they can be Kept.
@@ -64,6 +67,8 @@ def statistics_and_means(
             if excluded is not None:
                 seen.exclude(excluded)
         found = seen.look(numbers[index], frame, threads)
+        if looked:
+            looked(index, found)
         if numbers[index] == len(counts):
             counts.append(found)
         else:
