@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cg2raw import Sensor
-from cg2raw.calibration import UniformFrame, calibrate, codes
+from cg2raw.calibration import UniformFrame, calibrate
 from cg2raw.calibration.robust import censored_moments_of_counts
 from cg2raw.calibration.table import rows_of
 from cg2raw.diagnose.captures import quality
@@ -129,21 +129,6 @@ def test_darks_of_which_nothing_is_left_say_no_number():
     alone = calibrate(sensor_of(12, 0, 4095), frames[:5])
     assert alone.read_variance is None
     assert "noise" not in json.loads(alone.updated_profile())
-
-
-@pytest.mark.parametrize(
-    ("counts", "share"),
-    [
-        ([0, 0, 30, 200, 300, 200, 30], 0),  # no code is cut
-        ([3, 0, 0, 0, 0, 200, 300, 200], 0),  # dead pixels
-        ([500, 80, 79, 70, 50, 20], 500 / 799),
-        ([900, 90, 0, 0], 900 / 990),  # most are at 0
-        ([0, 900, 90, 3], 0),  # quiet, with hot pixels
-        ([0, 500, 80, 79, 70, 50, 20], 500 / 799),
-    ],
-)
-def test_the_share_of_noise_that_is_cut(counts, share):
-    assert codes.cut_share(np.array(counts)) == pytest.approx(share)
 
 
 @pytest.mark.parametrize(("mean", "sigma"), [(0.2, 5.0), (-3.0, 6.0), (20.0, 0.4)])

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cg2raw.calibration.codes import COARSE
 from cg2raw.calibration.darks import DarkResults, words_of
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.light import Light, Linearity, lamp_drift, light_of, linearity
@@ -28,6 +27,7 @@ from cg2raw.calibration.repeats import Repeats, Seen, Todo
 from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.codes import COARSE
 
 RISING = 1.2  # levels of flats whose wells are full are closer than by this
 

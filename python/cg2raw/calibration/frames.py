@@ -12,7 +12,6 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.arrays import RawImage, raw_plane
-from cg2raw.calibration import codes
 from cg2raw.calibration.robust import (
     LEAST_SIGMA,
     Array,
@@ -21,6 +20,7 @@ from cg2raw.calibration.robust import (
 )
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
+from cg2raw.statistics import codes
 
 SAME_TEMPERATURE = 1.0  # K; what lies closer is the jitter of one set point
 SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
@@ -117,7 +117,8 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
         )
     by_site = list(_core.code_counts(raw, sites.side).astype(np.int64))
     counts = np.sum(by_site, axis=0)
-    _check_codes(frame, counts, sensor)
+    if words := codes.misfit(counts, sensor.bits, sensor.white_level):
+        raise ValueError(f"{frame.name}: {words}")
     steps = [codes.step_of(part[: sensor.white_level]) for part in by_site]
     step = math.gcd(*(step for step, _ in steps))
     is_dark = frame.kind == "dark"
@@ -151,21 +152,6 @@ def moments_of(
         if whole := censored_moments_of_counts(counts[low::step]):
             mean, sigma = low + step * whole[0], step * whole[1]
     return mean, sigma, count, share
-
-
-def _check_codes(frame: UniformFrame, counts: Array, sensor: Sensor) -> None:
-    highest = int(np.flatnonzero(counts)[-1])
-    if highest >= 2**sensor.bits:
-        raise ValueError(
-            f"{frame.name}: {highest} DN does not fit into the {sensor.bits} bits of "
-            f"{sensor.id}: give the sensor of these frames"
-        )
-    if sensor.white_level > codes.BYTE and codes.piles_up_at_byte(counts):
-        raise ValueError(
-            f"{frame.name}: nothing is above {codes.BYTE} DN, where pixels pile up; "
-            f"white is {sensor.white_level} DN: a copy of 8 bits; give the camera's "
-            "own RAW"
-        )
 
 
 def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]]:

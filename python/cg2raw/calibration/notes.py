@@ -6,11 +6,11 @@
 import math
 from collections.abc import Sequence
 
-from cg2raw.calibration.codes import COARSE, ROUNDING
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.photon_transfer import LINEAR, MOST_CLIPPED
 from cg2raw.calibration.profile_effects import STEADY
+from cg2raw.statistics.codes import COARSE, hidden
 
 HIGH_CHI2 = 2.0  # of the photon-transfer points, per degree of freedom
 
@@ -57,7 +57,7 @@ def of_lost(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
             "camera has one"
         ]
     if found.lost == "coarse":
-        limit = math.sqrt(COARSE - ROUNDING) * found.sites.step
+        limit = hidden(found.sites.step)
         return [
             f"read noise: below {limit:.2g} DN, where rounding hides it, and with it "
             "drift, DSNU and the noise of rows and columns: capture at a higher ISO or "

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cg2raw.calibration.codes import COARSE, wave_of_rounding
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.repeats import Repeats
 from cg2raw.calibration.robust import LEAST_SIGMA, Array, clipped_moments
 from cg2raw.calibration.sites import Sites, blocks_of
+from cg2raw.statistics.codes import COARSE, wave_of_rounding
 
 LINEAR = 0.7  # of saturation, up to which the slope is taken
 CEILING = 0.5  # of the largest variance of darker flats; below it the well is full

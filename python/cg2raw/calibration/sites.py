@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.codes import ROUNDING
 from cg2raw.cfa import is_mono
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.codes import ROUNDING
 
 Number = TypeVar("Number", bound=np.generic)
 BLOCKS = 8  # along each side of a frame, for what changes over the field

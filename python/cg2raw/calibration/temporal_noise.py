@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cg2raw.calibration.codes import COARSE, ROUNDING
 from cg2raw.calibration.measured import Measured, root_of
 from cg2raw.calibration.photon_transfer import relative_error
 from cg2raw.calibration.repeats import PIXEL, Repeats, Seen
 from cg2raw.calibration.robust import Array
+from cg2raw.statistics.codes import COARSE, ROUNDING
 from cg2raw.statistics.constant import BINS_PER_SIGMA, LAGS, PARTS, ConstantStatistics
 
 FOURTH_OF_ROUNDING = -1.2  # its fourth cumulant, of the square of its variance

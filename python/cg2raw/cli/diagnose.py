@@ -250,18 +250,19 @@ def exit_code(arguments: argparse.Namespace, found: "Diagnosis") -> int:
 
 def run_check(arguments: argparse.Namespace) -> int:
     """Print what the frames' pixels say; return 1 if something is wrong."""
-    from cg2raw.cli._progress import tracked
+    from cg2raw.cli._progress import stages
     from cg2raw.cli._verdict import integrity_text
     from cg2raw.diagnose.captures.check import check
     from cg2raw.diagnose.captures.reader import read_frames
 
     manifest, sensor, frames, notes = read_frames(arguments.captures)
-    found = check(
-        frames,
-        sensor,
-        manifest.nuisances,
-        lambda captures: tracked(captures, "reading", arguments.quiet),
-    )
+    with stages(arguments.quiet) as progress:
+        found = check(
+            frames,
+            sensor,
+            manifest.nuisances,
+            lambda share: progress("reading", share),
+        )
     if not arguments.quiet:
         print(integrity_text(sensor, found, notes))
     return 0 if found.is_right else 1

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw.diagnose.captures.check import check
 from cg2raw.diagnose.captures.phase_correlation import shift_between
-from cg2raw.diagnose.captures.quality import integrity
 from cg2raw.diagnose.captures.reader import read_frames
 from diagnose import capture_files as files
 
@@ -15,7 +15,7 @@ from diagnose import capture_files as files
 def checked(folder, lines):
     """Return the Integrity of each frame of a manifest."""
     _, sensor, frames, _ = read_frames(files.manifest(folder, lines))
-    return [integrity(frame.capture, sensor) for frame in frames]
+    return check(frames, sensor).integrities
 
 
 def smooth(shape, down=0.0, right=0.0, seed=1):
@@ -48,8 +48,7 @@ def test_another_picture_does_not_correlate():
 def test_frames_that_are_right(tmp_path):
     path = files.standard_set(tmp_path)
     _, sensor, frames, _ = read_frames(path)
-    for frame in frames:
-        found = integrity(frame.capture, sensor)
+    for found in check(frames, sensor).integrities:
         assert found.complaints == (), found
         assert (found.shift is None) == (found.kind != "scene")
     assert abs(found.shift.down) < 0.2 and abs(found.shift.right) < 0.2
@@ -115,10 +114,10 @@ def dark(folder, values):
     ("sigma", "scale", "complaint", "remark"),
     [
         (3.0, 1, "", ""),
-        (0.3, 1, "", "its read noise is below 0.5 DN: its size and tails"),
+        (0.3, 1, "", "its read noise is below 0.4 DN: its size and tails"),
         (3.0, 4, "only every 4th code occurs: scaled from fewer bits", ""),
         (0.7, 16, "only every 16th code occurs: scaled from fewer bits", ""),
-        (0.2, 16, "codes occur, most of them without a neighbour: a copy of few", ""),
+        (0.15, 16, "codes occur, most of them without a neighbour: a copy of few", ""),
         (3.0, 1.5, "of the codes between frequent ones are missing", ""),
     ],
 )

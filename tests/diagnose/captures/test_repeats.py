@@ -9,12 +9,13 @@ import pytest
 
 from cg2raw.diagnose.captures.check import check
 from cg2raw.diagnose.captures.reader import read_frames
-from cg2raw.diagnose.captures.repeats import FALSE_ALARM, Series, trimmed_mean
+from cg2raw.diagnose.captures.repeats import FALSE_ALARM, Repeats, repeats_of
+from cg2raw.statistics import GroupInfo, frame_statistics
 from diagnose import capture_files as files
-from diagnose.planted import capture_of
 
 BLACK, READ = 64.0, 3.0  # DN
 DN_PER_ELECTRON = 0.5
+MASKED = "kind: dark, mask: m.npy"
 
 
 def darks(count, seed=1, shape=(60, 80), drift=0.3, hot=20):
@@ -36,29 +37,31 @@ def flats(count, seed=1, lamp=0.0, shape=(60, 80)):
 
 
 def series(frames, kind="dark"):
-    """Return the Series of frames, named 0, 1, ..."""
-    capture = capture_of(kind, shape=frames[0].shape)
-    found = Series(capture, DN_PER_ELECTRON)
-    for number, frame in enumerate(frames):
-        raw = np.rint(frame).clip(0, 65535).astype(np.uint16)
-        found.add(replace(capture, name=str(number)), raw)
-    return found
+    """Return the Repeats of frames, named 0, 1, ..."""
+    raws = np.rint(frames).clip(0, 4095).astype(np.uint16)
+    info = GroupInfo(kind, tuple(map(str, range(len(raws)))))
+    found = frame_statistics([(info, [lambda r=r: r for r in raws])], 2, 4095)
+    return repeats_of(found, 1)
 
 
 def test_the_noise_is_that_of_a_frame_without_outliers():
     frames = darks(5, shape=(200, 300))
     frames[2, :5] += 300
     expected = np.hypot(READ, 12**-0.5)
-    assert series(frames).noise() == pytest.approx(expected, rel=0.01)
+    assert series(frames).noise == pytest.approx(expected, rel=0.01)
 
 
-def test_a_trimmed_mean_knows_its_error():
+@pytest.mark.parametrize(("rows", "columns"), [(0, 0), (2, 0), (0, 2)])
+def test_a_level_knows_its_error(rows, columns):
+    """By pixels' noise and by that of whole rows or columns; patterns add nothing."""
     rng = np.random.default_rng(2)
-    frames = np.rint(rng.normal(100, 5, (2000, 30, 40))).astype(np.uint16)
-    means, errors = np.array([trimmed_mean(frame) for frame in frames]).T
-    assert means.std() == pytest.approx(errors.mean(), rel=0.05)  # 2000 frames: 1.6 %
-    frames[:, 0, :5] = 60000
-    assert abs(np.mean([trimmed_mean(f)[0] for f in frames]) - 100) < 0.1
+    frames = rng.normal(BLACK, READ, (400, 60, 80)) + rng.normal(0, 9, (60, 80))
+    frames += rows * rng.standard_normal((400, 60, 1))
+    frames += columns * rng.standard_normal((400, 1, 80))
+    frames[1:, 0, :5] = 4000
+    found = series(frames)
+    assert found.levels.std() == pytest.approx(found.error, rel=0.11)  # 3 x 3.5 %
+    assert abs(found.levels.mean() - BLACK) < 0.5
 
 
 @pytest.mark.parametrize("away", [4.0, -4.0])
@@ -79,10 +82,16 @@ def test_three_frames_do_not_say_that_the_first_is_off():
     assert series(frames).first_is_off() is None
 
 
+def by_chance(count, seed):
+    """Return Repeats of levels that differ by noise of 0.2 DN, at 800 DN of light."""
+    levels = BLACK + 800 + 0.2 * np.random.default_rng(seed).standard_normal(count)
+    return Repeats([str(n) for n in range(count)], levels, 0.2)
+
+
 def test_a_first_frame_is_off_by_chance_as_rarely_as_stated():
-    found = [series(darks(4, n, (12, 16), hot=0)).first_is_off() for n in range(2000)]
+    found = [replace(by_chance(4, n), error=0.0).first_is_off() for n in range(2000)]
     # Poisson: 2 are expected, and 9 or more come once in 4000 times.
-    assert sum(words is not None for words in found) < 9 and FALSE_ALARM == 1e-3
+    assert 0 < sum(words is not None for words in found) < 9 and FALSE_ALARM == 1e-3
 
 
 @pytest.mark.parametrize("lamp", [0.002, 0.02])
@@ -95,9 +104,14 @@ def test_a_lamp_that_drifts(lamp):
 
 
 def test_a_steady_lamp_drifts_by_chance_as_rarely_as_stated():
-    found = [series(flats(3, n, shape=(12, 16)), "flat") for n in range(2000)]
-    assert sum(one.lamp_drift(BLACK) is not None for one in found) < 9
-    assert series(darks(5, drift=5)).lamp_drift(BLACK) is None  # there is no lamp
+    found = [by_chance(3, n).lamp_drift(BLACK) for n in range(2000)]
+    assert 0 < sum(words is not None for words in found) < 9
+    assert by_chance(3, 1).lamp_drift(BLACK + 900) is None  # there is no light
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_is_no_lamp(seed):
+    assert series(flats(5, seed), "flat").lamp_drift(BLACK) is None
 
 
 @pytest.mark.parametrize("count", [3, 10])
@@ -159,6 +173,51 @@ def test_frames_stay_in_order(tmp_path):
     found = manifest(tmp_path, darks(3), lines)
     assert [one.name for one in found.integrities] == ["0.npy", "1.npy", "2.npy"]
     assert [capture.name for capture in found.captures] == ["0.npy", "1.npy", "2.npy"]
+
+
+def test_pictures_of_one_set_are_repeats_by_their_means(tmp_path):
+    picture = np.kron(
+        np.random.default_rng(3).uniform(90, 900, (6, 8)), np.ones((8, 8))
+    )
+    same = picture + np.random.default_rng(4).normal(0, READ, (3, *files.SHAPE))
+    frames = [frame * (1.3 if n == 2 else 1) for n, frame in enumerate(same)]
+    np.save(tmp_path / "r.npy", files.picture())
+    line = "kind: scene, scene: r.npy, illuminant: D65, set: s"
+    [words] = manifest(tmp_path, frames, [line] * 3).remarks
+    assert "0.npy and its 2 repeats: their light differs by 17" in words
+    assert manifest(tmp_path, same, [line] * 3).remarks == []
+
+
+def test_a_mask_that_leaves_too_little_to_compare(tmp_path):
+    mask = np.zeros(files.SHAPE, np.uint8)
+    mask[20:23, 30:33] = 1
+    np.save(tmp_path / "m.npy", mask)
+    found = manifest(tmp_path, darks(3, shape=files.SHAPE), [MASKED] * 3)
+    [words] = found.remarks
+    assert words.startswith("0.npy and its 2 repeats: nearly all samples are masked")
+    assert found.is_right and found.integrities[2].high < 80
+
+
+def test_masked_pixels_count_in_nothing(tmp_path):
+    frames = darks(5, shape=files.SHAPE, hot=0)
+    frames[1, :8] = 4000  # light that leaks in
+    mask = np.ones(files.SHAPE, np.uint8)
+    mask[:8] = 0
+    np.save(tmp_path / "m.npy", mask)
+    found = manifest(tmp_path, frames, [MASKED] * 5)
+    assert found.is_right and found.remarks == []
+    assert found.integrities[1].high < 200
+    assert not manifest(tmp_path, frames, ["kind: dark"] * 5).is_right
+
+
+def test_progress_ends_with_all_frames(tmp_path):
+    shares = []
+    path = files.standard_set(tmp_path)
+    _, sensor, frames, _ = read_frames(path)
+    check(frames, sensor, progress=shares.append)
+    assert shares[-1] == 1
+    steps = np.diff([0, *shares])
+    assert steps.min() >= 0 and steps.max() < 1.01 / len(frames)
 
 
 @pytest.mark.parametrize(("bright", "is_companded"), [(8, False), (40, True)])

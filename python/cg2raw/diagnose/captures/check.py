@@ -3,22 +3,27 @@
 
 """The check of captures: each frame by itself, then the repeats of a series."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cg2raw.arrays import RawImage
-from cg2raw.calibration import codes
+from cg2raw import _core
+from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture
-from cg2raw.diagnose.captures.consistency import dn_per_electron
 from cg2raw.diagnose.captures.frame import Frame
-from cg2raw.diagnose.captures.quality import Integrity, integrity, of_means
-from cg2raw.diagnose.captures.repeats import Series, series_of
+from cg2raw.diagnose.captures.quality import (
+    Integrity,
+    integrity,
+    noise_remarks,
+    of_means,
+    registration,
+    step_of,
+)
+from cg2raw.diagnose.captures.repeats import Repeats, repeats_of, series_of
 from cg2raw.sensor import Sensor
-
-Tracked = Callable[[Sequence[Capture]], Iterable[Capture]]
+from cg2raw.statistics import GroupInfo, codes, frame_statistics
 
 
 @dataclass(frozen=True)
@@ -41,59 +46,115 @@ def check(
     frames: Sequence[Frame],
     sensor: Sensor,
     nuisances: Collection[str] = (),
-    tracked: Tracked = iter,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> Check:
-    """Return what all frames' pixels say; each frame is read once.
+    """Return what all frames' pixels say, one series of repeats after the other.
 
-    tracked : yields the captures it is given, as they are looked at."""
-    series = series_of(frames)
-    borders = [border for frame in frames for border in frame.borders]
-    order = iter(tracked([*(capture for ours in series for capture in ours), *borders]))
+    progress : called with the share of the frames that are done, 0 to 1."""
+    captures = [c for frame in frames for c in (frame.capture, *frame.borders)]
+    borders = [[border] for frame in frames for border in frame.borders]
     found: dict[str, Integrity] = {}
     complaints: list[str] = []
     remarks: list[str] = []
+    for ours in [*series_of(frames), *borders]:
+        done = len(found)
 
-    def look(capture: Capture) -> RawImage:
-        raw = capture.raw()
-        found[capture.name] = integrity(replace(capture, raw=lambda: raw), sensor)
-        return raw
+        def tell(share: float, done: int = done, count: int = len(ours)) -> None:
+            progress((done + share * count) / len(captures))
 
-    for ours in series:
-        repeats = Series(ours[0], gain_of(sensor, ours[0]))
-        for capture in islice(order, len(ours)):
-            repeats.add(capture, look(capture))
-        said, more = said_of(repeats, sensor, nuisances)
-        complaints += said
-        remarks += more
-    for border in order:
-        look(border)
+        look = of_pictures if ours[0].shows.image else of_uniform
+        integrities, repeats = look(ours, sensor, tell)
+        found |= {one.name: one for one in integrities}
+        if isinstance(repeats, str):
+            remarks.append(repeats)
+            continue
+        complaints += [words] if (words := repeats.first_is_off()) else []
+        remarks += remarks_on(repeats, ours[0].shows.light, sensor, nuisances)
     for frame in frames:
         if frame.capture.means is not None:
             found[frame.capture.name] = of_means(frame.capture, sensor)
     uniform = [i for i in found.values() if i.kind in ("dark", "flat")]
     words = codes.companded([(i.name, i.mean, i.spacing) for i in uniform])
     complaints += [words] if words else []
-    captures = [c for frame in frames for c in (frame.capture, *frame.borders)]
-    integrities = [found[capture.name] for capture in captures]
-    return Check(captures, integrities, complaints, remarks)
+    return Check(captures, [found[c.name] for c in captures], complaints, remarks)
 
 
-def gain_of(sensor: Sensor, capture: Capture) -> float:
-    """Return DN per electron at a capture's ISO; 1 where the profile has no noise."""
-    if capture.iso is None or not sensor.noise:
-        return 1.0
-    return dn_per_electron(sensor, capture.iso)
+def of_pictures(
+    series: Sequence[Capture], sensor: Sensor, tell: Callable[[float], None]
+) -> tuple[list[Integrity], Repeats]:
+    """Return what scenes or charts say; their contrast counts as noise."""
+    found = []
+    for number, capture in enumerate(series):
+        raw = capture.raw()
+        counts = _core.code_counts(raw, 1, excluded_of(capture))
+        shift = None
+        if (
+            capture.shows.render
+            and capture.scene
+            and (scene := capture.scene()).ndim == 3
+        ):
+            shift = registration(raw, scene, capture, sensor)
+        found.append(integrity(capture, sensor, counts, shift))
+        tell((number + 1) / len(series))
+    levels, errors = np.array([(one.mean, one.error) for one in found]).T
+    names = [capture.name for capture in series]
+    return found, Repeats(names, levels, float(errors.mean()))
 
 
-def said_of(
-    series: Series, sensor: Sensor, nuisances: Collection[str]
-) -> tuple[list[str], list[str]]:
-    """Return (complaints, remarks) on a series whose frames were all read."""
-    first = series.first_is_off()
-    remarks = [ray] if (ray := series.cosmic_rays()) else []
-    if drift := series.lamp_drift(float(np.mean(sensor.black_level))):
-        is_free = "light" in nuisances
-        remedy = "covers it" if is_free else "would cover it: add it, or effects may"
-        tail = "" if is_free else " be named for the lamp's sake"
-        remarks.append(f"{drift}, a lamp that drifts; nuisance: [light] {remedy}{tail}")
-    return [first] if first else [], remarks
+def of_uniform(
+    series: Sequence[Capture], sensor: Sensor, tell: Callable[[float], None]
+) -> tuple[list[Integrity], Repeats | str]:
+    """Return what darks or flats say, or why they say nothing of each other."""
+    found: list[Integrity] = []
+    first, step = series[0], step_of(sensor)
+    side = repeat_of(sensor.cfa)
+
+    def looked(number: int, counts: NDArray[np.uint32]) -> None:
+        found.append(integrity(series[number], sensor, counts))
+
+    names = tuple(capture.name for capture in series)
+    info = GroupInfo("flat" if first.shows.light else "dark", names)
+    try:
+        statistics = frame_statistics(
+            [(info, [capture.raw for capture in series])],
+            side if min(first.shape) >= side else 1,
+            sensor.white_level,
+            step=step,
+            excluded=excluded_of(first),
+            progress=tell,
+            looked=looked,
+        )
+    except ValueError as error:
+        if len(found) < len(series):  # a frame cannot be read
+            raise
+        return found, f"{first.name} and its {len(series) - 1} repeats: {error}"
+    if not first.shows.light:
+        variance = float(statistics.variance(0).mean())
+        found = [with_noise(one, variance, sensor) for one in found]
+    return found, repeats_of(statistics, step)
+
+
+def with_noise(found: Integrity, variance: float, sensor: Sensor) -> Integrity:
+    """Return a dark's Integrity with what its noise cannot show, if it is right."""
+    more = [] if found.complaints else noise_remarks(found, variance, sensor)
+    return replace(found, remarks=(*found.remarks, *more))
+
+
+def excluded_of(capture: Capture) -> NDArray[np.bool_] | None:
+    """Return (H, W) bool, samples that do not count; None where all do."""
+    return ~capture.mask() if capture.mask else None
+
+
+def remarks_on(
+    repeats: Repeats, is_lit: bool, sensor: Sensor, nuisances: Collection[str]
+) -> list[str]:
+    """Return what is no fault of the frames but worth a word."""
+    if not is_lit:
+        return [words] if (words := repeats.cosmic_rays()) else []
+    drift = repeats.lamp_drift(float(np.mean(sensor.black_level)))
+    if not drift:
+        return []
+    is_free = "light" in nuisances
+    remedy = "covers it" if is_free else "would cover it: add it, or effects may"
+    tail = "" if is_free else " be named for the lamp's sake"
+    return [f"{drift}, a lamp that drifts; nuisance: [light] {remedy}{tail}"]

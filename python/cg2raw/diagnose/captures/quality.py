@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.arrays import RawImage
-from cg2raw.calibration import codes
 from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import KINDS, Capture, Kind
 from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.sensor import Sensor
+from cg2raw.statistics import codes
 
 MUCH_CLIPPING = 0.05  # of a frame's pixels; then its highlights say nothing
 LEAST_CORRELATION = 0.3  # of a scene and its render; unrelated ones have below 0.1
@@ -30,9 +30,10 @@ ALONE = 0.5  # share of pixels at codes without neighbours; noise leaves none
 class Integrity:
     """What one frame's pixels say.
 
-    low, high, mean : DN. below, clipped : share of pixels at 0 and at the white level
-    or above. step : DN, of which all codes are multiples, from the lowest. missing :
-    share of codes that no pixel has where they are dense, of those at that step.
+    low, high, mean : DN. error : DN, standard error of the mean, if all that differs is
+    chance. below, clipped : share of pixels at 0 and at the white level or above.
+    step : DN, of which all codes are multiples, from the lowest. missing : share of
+    codes that no pixel has between frequent ones, at that step.
     spacing : DN, from one frequent code to the next, 0 where none are.
     shift : px, of a scene against its render. complaints : sentences on what is wrong.
     remarks : sentences on what the frame cannot show, though nothing is wrong."""
@@ -44,51 +45,54 @@ class Integrity:
     mean: float
     below: float
     clipped: float
-    step: int
-    missing: float
-    shift: Shift | None
+    step: int = 1
+    missing: float = 0.0
+    shift: Shift | None = None
+    error: float = 0.0
     spacing: int = 0
     complaints: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
 
-def integrity(capture: Capture, sensor: Sensor) -> Integrity:
-    """Return what the pixels of a capture say; all of it is read."""
-    raw = capture.raw()
-    mask = capture.mask() if capture.mask else None
-    values = raw if mask is None else raw[mask]
-    counts = np.bincount(values.ravel())
-    present = np.flatnonzero(counts)
+def integrity(
+    capture: Capture,
+    sensor: Sensor,
+    by_plane: NDArray[np.uint32],
+    shift: Shift | None = None,
+) -> Integrity:
+    """Return what the pixels of a capture say.
+
+    by_plane : (planes, codes) how many of those that count have each code."""
+    counts = by_plane.sum(axis=0, dtype=np.int64)
+    present, total = np.flatnonzero(counts), int(counts.sum())
+    mean = float(counts @ np.arange(len(counts))) / total
+    variance = float(counts @ (np.arange(len(counts)) - mean) ** 2) / total
     known = step_of(sensor)
-    in_steps = np.bincount(values.ravel() // known)
-    step, missing = codes.comb(in_steps)
-    scene = capture.scene() if capture.scene else None
-    shift = None
-    if scene is not None and scene.ndim == 3 and capture.shows.render:
-        shift = registration(raw, scene, capture, sensor)
+    in_steps = np.add.reduceat(counts, np.arange(0, len(counts), known))
+    step, number = codes.step_of(in_steps[: sensor.white_level // known])
+    if number < codes.LEAST_CODES or total < codes.FEW:
+        step = 1
     found = Integrity(
         name=capture.name,
         kind=capture.kind,
         low=int(present[0]),
         high=int(present[-1]),
-        mean=float(values.mean()),
-        below=float(counts[0] / values.size),
-        clipped=float(counts[sensor.white_level :].sum() / values.size),
+        mean=mean,
+        error=float(np.sqrt(variance / total)),
+        below=float(counts[0] / total),
+        clipped=float(counts[sensor.white_level :].sum() / total),
         step=step * known,
-        missing=missing,
+        missing=codes.gaps(in_steps[int(in_steps.argmax()) % step :: step]),
         shift=shift,
         spacing=codes.spacing(counts[: sensor.white_level]),
     )
-    scaled = code_complaints(found, in_steps, sensor)
+    misfit = codes.misfit(counts, sensor.bits, sensor.white_level)
     words = [
-        *level_complaints(found, values, sensor),
-        *scaled,
+        *level_complaints(found, variance**0.5, sensor),
+        *([misfit] if misfit else code_complaints(found, in_steps, sensor)),
         *scene_complaints(shift),
     ]
-    remarks = zero_remarks(found)
-    if not scaled and not capture.shows.light:
-        remarks += noise_remarks(found, raw, sensor)
-    return replace(found, complaints=tuple(words), remarks=tuple(remarks))
+    return replace(found, complaints=tuple(words), remarks=tuple(zero_remarks(found)))
 
 
 def of_means(capture: Capture, sensor: Sensor) -> Integrity:
@@ -113,25 +117,18 @@ def of_means(capture: Capture, sensor: Sensor) -> Integrity:
         mean=float(values.mean()),
         below=float((means.side < 0).mean()),
         clipped=float((means.side > 0).mean()),
-        step=1,
-        missing=0.0,
-        shift=None,
         complaints=tuple(words),
     )
 
 
-def level_complaints(found: Integrity, values: RawImage, sensor: Sensor) -> list[str]:
-    """Return what is wrong with a frame's levels."""
+def level_complaints(found: Integrity, spread: float, sensor: Sensor) -> list[str]:
+    """Return what is wrong with a frame's levels. spread : DN, standard deviation."""
     words = []
-    most = 2**sensor.bits - 1
-    if found.high > most:
-        words.append(f"{found.high} DN does not fit into {sensor.bits} bits ({most})")
     if found.low == found.high:
         words.append(f"all pixels are {found.low} DN: holds no picture")
     if found.clipped > MUCH_CLIPPING:
         words.append(f"{found.clipped:.0%} of the pixels are clipped: expose less")
     black = float(np.mean(sensor.black_level))
-    spread = float(np.std(values))
     is_lit = KINDS[found.kind].light
     if not is_lit and found.mean - black > max(DARK_SIGMAS * spread, 1.0):
         words.append(
@@ -167,16 +164,11 @@ def code_complaints(
             f"only {np.count_nonzero(counts)} codes occur, most of them without a "
             "neighbour: a copy of fewer bits; give the camera's own file"
         ]
-    if sensor.white_level > codes.BYTE and codes.piles_up_at_byte(counts):
+    if found.missing > HOLES:
         return [
-            f"nothing is above {codes.BYTE} DN, where pixels pile up, and white is "
-            f"{sensor.white_level} DN: an 8-bit copy; give the camera's own file"
-        ]
-    share = codes.gaps(counts)
-    if share > HOLES:
-        return [
-            f"{share:.0%} of the codes between frequent ones are missing: the camera "
-            "or a program has scaled its values; noise of a few DN cannot be judged"
+            f"{found.missing:.0%} of the codes between frequent ones are missing: the "
+            "camera or a program has scaled its values; noise of a few DN cannot be "
+            "judged"
         ]
     return []
 
@@ -191,16 +183,19 @@ def zero_remarks(found: Integrity) -> list[str]:
     ]
 
 
-def noise_remarks(found: Integrity, raw: RawImage, sensor: Sensor) -> list[str]:
-    """Return what a dark's noise cannot show, since codes are too coarse for it."""
+def noise_remarks(found: Integrity, variance: float, sensor: Sensor) -> list[str]:
+    """Return what a dark's noise cannot show, since codes are too coarse for it.
+
+    variance : of its pixels, DN^2, nan where it is not known."""
     if found.below > MOST_ZEROS:
         return ["most pixels are 0: its read noise cannot be judged at all"]
-    side = repeat_of(sensor.cfa)
     step = step_of(sensor)
-    if found.below <= MANY_ZEROS and codes.is_coarse(raw // np.uint16(step), side):
+    is_seen = found.below <= MANY_ZEROS and found.low < found.high
+    if is_seen and variance < codes.COARSE * step**2:
         return [
-            f"its read noise is below {step / 2:g} DN: its size and tails (a Tukey "
-            "lambda, heavy tails) are those of the rounding, and cannot be judged"
+            f"its read noise is below {codes.hidden(step):.2g} DN: its size and tails "
+            "(a Tukey lambda, heavy tails) are those of the rounding, and cannot be "
+            "judged"
         ]
     return []
 

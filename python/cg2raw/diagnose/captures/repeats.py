@@ -1,111 +1,51 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Repeats: frames of one series against each other, before they are diagnosed.
+"""Repeats: what frames that should differ by noise alone say of each other."""
 
-A series are frames that should differ by noise alone: one kind, light, exposure time,
-ISO and temperature."""
-
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm, t
+from scipy.special import chdtrc, ndtri, stdtrit
 
-from cg2raw.arrays import RawImage
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.consistency import SAME_TEMPERATURE
 from cg2raw.diagnose.captures.frame import Frame
+from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.constant import POINT_SIGMAS, ConstantStatistics
 
 FALSE_ALARM = 1e-3  # chance that a series without a fault has a remark, of each kind
-OUTER = 0.05  # of the pixels at either end that a level leaves out: hot ones, rays
 FEWEST_FOR_FIRST = 4  # frames whose spread says how far one may be off
 FEWEST_FOR_RAYS = 3  # frames of which two outvote one
-# That a pixel lies above all other frames of a series. Of N normal frames the largest
-# does by 8 sigma once in 10^8 pixels.
-RAY_SIGMAS = 8.0
-CUT = 4.0  # sigma; deviations are of what is within
-SHRUNK = 0.99946  # standard deviation of a normal variable within CUT
-MOST_CUTS = 20  # of cutting, at most
-ROUNDED = 12**-0.5  # DN, standard deviation of what rounding adds
-LARGEST_DIFFERENCE = 4096  # DN, of two frames; beyond it, it counts as this
 
 
-@dataclass
-class _Extremes:
-    """Of every pixel over the frames so far: the two largest values, the two smallest,
-    in DN from each frame's level, and which frame has the largest."""
+@dataclass(frozen=True)
+class Repeats:
+    """Frames of one kind, light, exposure time, ISO and temperature.
 
-    high: NDArray[np.int32]
-    second: NDArray[np.int32]
-    low: NDArray[np.int32]
-    last: NDArray[np.int32]
-    owner: NDArray[np.uint8]
+    names, levels : (frames,) of each, DN. error : DN, a level's standard error by noise
+    alone. noise : DN, of a pixel from frame to frame. transients : (frames, 2) pixels
+    that each has alone, above and below; None of pictures."""
 
-    def add(self, plane: NDArray[np.int32], number: int) -> None:
-        above = plane > self.high
-        self.second = np.where(above, self.high, np.maximum(self.second, plane))
-        self.owner[above] = number
-        np.maximum(self.high, plane, out=self.high)
-        below = plane < self.low
-        self.last = np.where(below, self.low, np.minimum(self.last, plane))
-        np.minimum(self.low, plane, out=self.low)
-
-
-class Series:
-    """The frames of a series as they are read, one at a time; of all of them together
-    about 20 bytes a pixel are kept.
-
-    dn_per_electron : which makes pixels with more charge noisier."""
-
-    def __init__(self, first: Capture, dn_per_electron: float) -> None:
-        self.light = first.shows.light
-        self.dn_per_electron = dn_per_electron
-        self.names: list[str] = []
-        self.levels: list[float] = []
-        self.errors: list[float] = []
-        self._extremes: _Extremes | None = None
-        self._before: NDArray[np.int32] | None = None
-        self._differences = np.zeros(2 * LARGEST_DIFFERENCE + 1, np.int64)
-
-    def add(self, capture: Capture, raw: RawImage) -> None:
-        """Take in the pixels (H, W) of one frame."""
-        values = raw[capture.mask()] if capture.mask else raw
-        level, error = trimmed_mean(values)
-        self.names.append(capture.name)
-        self.levels.append(level)
-        self.errors.append(error)
-        if self.light:
-            return
-        plane = raw.astype(np.int32) - round(level)
-        if capture.mask:
-            plane *= capture.mask()
-        if self._extremes is None or self._before is None:
-            far = np.int32(1 << 20)
-            empty = np.zeros(plane.shape, np.uint8)
-            self._extremes = _Extremes(plane, plane - far, plane.copy(), plane + far,
-                                       empty)  # fmt: skip
-        else:
-            away = np.clip(
-                plane - self._before, -LARGEST_DIFFERENCE, LARGEST_DIFFERENCE
-            )
-            self._differences += np.bincount(
-                (away + LARGEST_DIFFERENCE).ravel(), minlength=len(self._differences)
-            )
-            self._extremes.add(plane, min(len(self.names) - 1, 255))
-        self._before = plane
+    names: Sequence[str]
+    levels: NDArray[np.float64]
+    error: float
+    noise: float = 0.0
+    transients: NDArray[np.int64] | None = None
 
     def first_is_off(self) -> str | None:
         """Return a sentence if the first level is away from the others by more than
         their spread allows: a prediction interval of Student's t. None if not."""
         if len(self.levels) < FEWEST_FOR_FIRST:
             return None
-        others = np.array(self.levels[1:])
+        others = self.levels[1:]
         n = len(others)
-        spread = np.hypot(others.std(ddof=1), np.mean(self.errors))
-        away = self.levels[0] - others.mean()
-        bound = t.isf(FALSE_ALARM / 2, n - 1) * spread * np.sqrt(1 + 1 / n)
+        spread = float(np.hypot(others.std(ddof=1), self.error))
+        away = float(self.levels[0] - others.mean())
+        bound = stdtrit(n - 1, 1 - FALSE_ALARM / 2) * spread * math.sqrt(1 + 1 / n)
         if abs(away) <= bound:
             return None
         return (
@@ -115,70 +55,57 @@ class Series:
         )
 
     def lamp_drift(self, black: float) -> str | None:
-        """Return a sentence if the levels of lit frames differ by more than noise."""
-        if not self.light or len(self.levels) < 2:
-            return None
-        light = np.array(self.levels) - black
-        noise = float(np.mean(np.square(self.errors)))
-        statistic = (len(light) - 1) * light.var(ddof=1) / noise
-        if light.mean() <= 0 or chi2.sf(statistic, len(light) - 1) > FALSE_ALARM:
+        """Return a sentence if levels of light above black, DN, differ by more than
+        noise; None if not."""
+        light = self.levels - black
+        again = len(light) - 1
+        if again < 1 or light.mean() <= 0:
             return None
         drift, most = light.std(ddof=1) / light.mean(), np.ptp(light) / light.mean()
+        if chdtrc(again, again * light.var(ddof=1) / self.error**2) > FALSE_ALARM:
+            return None
         return (
-            f"{self.names[0]} and its {len(light) - 1} repeats: their light differs by "
+            f"{self.names[0]} and its {again} repeats: their light differs by "
             f"{drift:.2%} (standard deviation; {most:.2%} at most)"
         )
 
     def cosmic_rays(self) -> str | None:
-        """Return a sentence on pixels that one frame alone has far above the others."""
-        if self._extremes is None or len(self.names) < FEWEST_FOR_RAYS:
+        """Return a sentence on pixels that one frame alone has far above the others, if
+        they are more than those below."""
+        if self.transients is None or len(self.names) < FEWEST_FOR_RAYS:
             return None
-        found, sigma = self._extremes, self.noise()
-        shot = np.maximum(found.second, 0) * self.dn_per_electron
-        bound = RAY_SIGMAS * np.sqrt(sigma**2 + shot)
-        up = found.high - found.second > bound
-        down = int(np.count_nonzero(found.last - found.low > bound))
-        count = int(np.count_nonzero(up))
-        if count - down <= norm.isf(FALSE_ALARM) * np.sqrt(count + down) + 1:
+        up, down = map(int, self.transients.sum(axis=0))
+        if up - down <= ndtri(1 - FALSE_ALARM) * math.sqrt(up + down) + 1:
             return None
-        most = np.bincount(found.owner[up], minlength=len(self.names))
-        worst = int(most.argmax())
+        worst = int(self.transients[:, 0].argmax())
         return (
-            f"{self.names[0]} and its {len(self.names) - 1} repeats: {count} pixels "
-            f"lie above all other frames by more than {RAY_SIGMAS:g} sigma (one is "
-            f"{sigma:.2f} DN) in one frame alone, {down} below: cosmic rays; most, "
-            f"{most[worst]}, in {self.names[worst]}"
+            f"{self.names[0]} and its {len(self.names) - 1} repeats: {up} pixels lie "
+            f"above all other frames by more than {POINT_SIGMAS:g} sigma (one is "
+            f"{self.noise:.2f} DN) in one frame alone, {down} below: cosmic rays; "
+            f"most, {self.transients[worst, 0]}, in {self.names[worst]}"
         )
 
-    def noise(self) -> float:
-        """Return the temporal noise of a pixel, DN: a clipped standard deviation."""
-        counts = self._differences
-        middle = int(np.searchsorted(np.cumsum(counts), counts.sum() / 2))
-        square = (np.arange(len(counts)) - middle) ** 2.0
-        deviation = float(np.sqrt((counts * square).sum() / counts.sum()))
-        for _ in range(MOST_CUTS):
-            weight = counts * (square <= (CUT * deviation) ** 2)
-            before = deviation
-            deviation = float(np.sqrt((weight * square).sum() / weight.sum())) / SHRUNK
-            if deviation >= before:
-                break
-        return max(deviation / 2**0.5, ROUNDED)
 
+def repeats_of(found: ConstantStatistics, step: int) -> Repeats:
+    """Return what the first group says, whose codes are step DN apart.
 
-def trimmed_mean(values: RawImage) -> tuple[float, float]:
-    """Return the mean of values without OUTER at either end, and its standard error,
-    which is that of noise alone where there is no fixed pattern, and larger than it
-    where there is. Source: J. W. Tukey, D. H. McLaughlin, Sankhya A 25(3), 1963."""
-    counts = np.bincount(values.ravel())
-    total = np.cumsum(counts)
-    low, high = total[-1] * OUTER, total[-1] * (1 - OUTER)
-    weight = np.diff(np.clip(total, low, high), prepend=low)
-    code = np.arange(float(len(counts)))
-    mean = float((weight * code).sum() / weight.sum())
-    bounded = np.clip(code, *np.searchsorted(total, [low, high]))
-    variance = float((counts * (bounded - mean) ** 2).sum() / total[-1])
-    error = np.sqrt((variance + ROUNDED**2) / total[-1]) / (1 - 2 * OUTER)
-    return mean, float(error)
+    A level varies by a share of the noise of pixels, and of that of whole rows and
+    columns, which all planes of these rows and columns have together."""
+    side = math.isqrt(len(found.planes))
+    samples = sum(plane.masked.size for plane in found.planes)
+    pixel, *lines = (
+        np.nan_to_num(found.variance(0, part)).mean()
+        for part in ("pixel", "fast_rows", "fast_columns")
+    )
+    pixel = max(pixel, ROUNDING * step**2)
+    own = sum(max(line - pixel, 0.0) for line in lines)
+    return Repeats(
+        found.groups[0].frames,
+        np.mean([plane.levels[0] for plane in found.planes], axis=0),
+        math.sqrt((pixel + side * own) / samples),
+        math.sqrt(pixel),
+        found.transients[0],
+    )
 
 
 def series_of(frames: Sequence[Frame]) -> list[list[Capture]]:
@@ -191,7 +118,8 @@ def series_of(frames: Sequence[Frame]) -> list[list[Capture]]:
         light = (entry.scene, entry.gain, entry.patches, entry.corners)
         is_known = isinstance(entry.scene, tuple) or not capture.shows.light
         place = None if is_known else capture.set
-        key = (capture.kind, capture.iso, capture.exposure_time, light, place)
+        seen = (light, place, entry.mask)
+        key = (capture.kind, capture.iso, capture.exposure_time, seen)
         alike.setdefault(key, []).append(capture)
     return [series for every in alike.values() for series in by_temperature(every)]
 

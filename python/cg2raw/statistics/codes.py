@@ -5,6 +5,7 @@
 
 counts is always (most + 1,) int64: how many pixels have each DN."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,7 +21,7 @@ COARSE = 0.24
 
 GROWTH = 2.0  # of the distance of codes, that no scaling brings
 MANY = 0.001  # share of the pixels at one code that is no chance
-FEW = 100  # pixels whose values are worth a look at their comb
+FEW = 100  # pixels whose values are worth a look at their step
 LEAST_CODES = 3  # that a step is told from
 # Pixels of a code whose neighbours are not empty by chance: of a Poisson number with
 # this mean none is there with a probability of 2e-9.
@@ -29,12 +30,6 @@ LONGEST_GAP = 8  # codes between dense ones that are missing, and not between tw
 BYTE = 255  # the most of 8 bits
 PILE = 5.0  # standard deviations that pixels at a code exceed those of codes below
 PILE_CODES = 16  # below it, that it is compared with
-# Of pairs of pixels with normal noise of half a DN, the smallest share, of those that
-# differ by 3 DN or less, that differ by 2 or 3: it is 0.0445 where their mean lies
-# between two codes, and up to 0.0540 in the middle of one.
-APART_AT_HALF_A_DN = 0.0445
-MOST_APART = 3  # DN; what differs more is hot, or an edge
-CERTAIN = 5.0  # standard deviations of that share; one-sided chance 3e-7
 
 
 def wave_of_rounding(variance: Array, mean: Array, spread: Array) -> Array:
@@ -50,6 +45,11 @@ def wave_of_rounding(variance: Array, mean: Array, spread: Array) -> Array:
         damped = np.exp(-2 * np.pi**2 * (own + spread))
         wave = -(4 * own + 1 / np.pi**2) * damped * np.cos(2 * np.pi * mean)
     return wave
+
+
+def hidden(step: int) -> float:
+    """Return the noise, DN, below which codes that are step DN apart hide its size."""
+    return step * math.sqrt(COARSE - ROUNDING)
 
 
 def step_of(counts: Counts) -> tuple[int, int]:
@@ -113,33 +113,14 @@ def cut_share(counts: Counts) -> float:
     return first / total if is_cut or all_cut else 0.0
 
 
-def comb(counts: Counts) -> tuple[int, float]:
-    """Return (step of the codes that occur, share of missing ones at that step).
-
-    Codes are looked for between the quartiles, where none is missing by chance, or, if
-    those are the same few codes, in the middle 98 % of the pixels."""
-    total = np.cumsum(counts)
-    for share in (0.25, 0.01):
-        ends = np.searchsorted(total, [total[-1] * share, total[-1] * (1 - share)])
-        codes = np.flatnonzero(counts[ends[0] : ends[1] + 1])
-        if len(codes) >= LEAST_CODES:
-            break
-    if len(codes) < LEAST_CODES or total[-1] < FEW:
-        return 1, 0.0
-    step = int(np.gcd.reduce(np.diff(codes)))
-    return step, 1 - len(codes) / ((codes[-1] - codes[0]) // step + 1)
-
-
 def gaps(counts: Counts) -> float:
     """Return the share of codes that no pixel has among those between dense ones.
 
     Chance leaves none: a gap counts where codes of DENSE pixels are on both sides, up
     to LONGEST_GAP codes away."""
     dense = np.flatnonzero(counts >= DENSE)
-    missing = 0
-    for low, high in zip(dense[:-1], dense[1:], strict=True):
-        if high - low - 1 <= LONGEST_GAP:
-            missing += int(np.count_nonzero(counts[low + 1 : high] == 0))
+    empty = np.diff(np.cumsum(counts == 0)[dense])
+    missing = int(empty[np.diff(dense) - 1 <= LONGEST_GAP].sum())
     return missing / (missing + len(dense)) if missing else 0.0
 
 
@@ -167,17 +148,18 @@ def piles_up_at_byte(counts: Counts) -> bool:
     return bool(counts[BYTE] > 2 * below + PILE * np.sqrt(2 * below) + DENSE)
 
 
-def is_coarse(plane: NDArray[np.uint16], side: int) -> bool:
-    """Return whether noise of a dark (H, W) is certainly below half a DN.
-
-    side : of the CFA's repeat; pixels one repeat apart are compared, whose fixed
-    pattern adds to the noise, so that what is below is below."""
-    away = abs(plane[:, side:].astype(np.int32) - plane[:, :-side])
-    by = np.bincount(np.minimum(away, MOST_APART + 1).ravel(), minlength=MOST_APART + 2)
-    count = int(by[: MOST_APART + 1].sum())
-    if count < FEW:
-        return False
-    expected = APART_AT_HALF_A_DN
-    # Neighbouring pairs share a pixel, which at most doubles the variance.
-    error = np.sqrt(2 * expected * (1 - expected) / count)
-    return bool(by[2 : MOST_APART + 1].sum() / count < expected - CERTAIN * error)
+def misfit(counts: Counts, bits: int, white: int) -> str:
+    """Return why a frame is none of a camera's bits and white level, DN; "" if it may
+    be one."""
+    most = len(np.trim_zeros(counts, "b")) - 1
+    if most >= 2**bits:
+        return (
+            f"{most} DN does not fit into {bits} bits ({2**bits - 1}): give the sensor "
+            "that recorded this frame"
+        )
+    if white > BYTE and piles_up_at_byte(counts):
+        return (
+            f"nothing is above {BYTE} DN, where pixels pile up, and white is {white} "
+            "DN: an 8-bit copy; give the camera's own file"
+        )
+    return ""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from cg2raw.calibration import codes
+from cg2raw.statistics import codes
 
 
 def counts_of(values):
@@ -24,22 +24,6 @@ def picture(seed=1):
     """Return greys of a picture, 0 to 4000 DN, with noise of 4 DN."""
     rng = np.random.default_rng(seed)
     return rng.uniform(0, 4000, 200_000) + rng.normal(0, 4, 200_000)
-
-
-@pytest.mark.parametrize(
-    ("values", "step", "missing"),
-    [
-        (np.arange(1000), 1, 0.0),
-        (np.arange(0, 4000, 4), 4, 0.0),
-        (np.arange(1000)[np.arange(1000) % 4 != 3], 1, 0.25),
-        (np.full(1000, 7), 1, 0.0),
-        (np.rint(noise(3) / 16) * 16, 1, 0.0),  # two codes alone tell no step
-        (np.rint(noise(12) / 16) * 16, 16, 0.0),
-    ],
-)
-def test_a_comb_is_seen(values, step, missing):
-    found = codes.comb(counts_of(np.repeat(values, 3)))
-    assert found[0] == step and found[1] == pytest.approx(missing, abs=0.01)
 
 
 # Codes 1 to 3, 6 and 7 never occur, as in a dark of a real camera.
@@ -98,22 +82,38 @@ def test_white_of_eight_bits(values, piles):
     assert codes.piles_up_at_byte(counts_of(values)) == piles
 
 
-@pytest.mark.parametrize("mean", [64.0, 64.25, 64.5])
-@pytest.mark.parametrize("hot", [0, 300])
-@pytest.mark.parametrize(("sigma", "coarse"), [(0.35, True), (0.5, False), (3, False)])
-def test_noise_below_half_a_dn(mean, hot, sigma, coarse):
-    rng = np.random.default_rng(3)
-    dark = np.rint(rng.normal(mean, sigma, (200, 300))).astype(np.uint16)
-    dark.ravel()[rng.choice(dark.size, hot, replace=False)] += 50
-    assert codes.is_coarse(dark, 2) == coarse
+@pytest.mark.parametrize(
+    ("highest", "bits", "white", "words"),
+    [
+        (1023, 10, 1023, ""),
+        (1024, 10, 1023, "1024 DN does not fit into 10 bits (1023): give the sensor"),
+        (255, 8, 255, ""),
+        (
+            255,
+            10,
+            1023,
+            "nothing is above 255 DN, where pixels pile up, and white is 1",
+        ),
+    ],
+)
+def test_what_a_camera_does_not_write(highest, bits, white, words):
+    found = codes.misfit(counts_of(np.minimum(picture(), highest)), bits, white)
+    assert found.startswith(words) and bool(found) == bool(words)
 
 
-@pytest.mark.parametrize("mean", [64, 64.5])
-def test_chance_makes_no_noise_coarse(mean):
-    """At half a DN exactly, in 400 frames; once in 3 million it may."""
-    rng = np.random.default_rng(4)
-    darks = np.rint(rng.normal(mean, 0.5, (400, 48, 64))).astype(np.uint16)
-    assert not any(codes.is_coarse(dark, 2) for dark in darks)
+@pytest.mark.parametrize(
+    ("counts", "share"),
+    [
+        ([0, 0, 30, 200, 300, 200, 30], 0),  # no code is cut
+        ([3, 0, 0, 0, 0, 200, 300, 200], 0),  # dead pixels
+        ([500, 80, 79, 70, 50, 20], 500 / 799),
+        ([900, 90, 0, 0], 900 / 990),  # most are at 0
+        ([0, 900, 90, 3], 0),  # quiet, with hot pixels
+        ([0, 500, 80, 79, 70, 50, 20], 500 / 799),
+    ],
+)
+def test_the_share_of_noise_that_is_cut(counts, share):
+    assert codes.cut_share(np.array(counts)) == pytest.approx(share)
 
 
 @pytest.mark.parametrize("sigma", [0.4, 0.5, 0.7])
