@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 """One table of what is fast and what is not, with peers in the same run: oiiotool
-writing a TIFF, the paper's way in NumPy, tifffile, and PiDNG where it is installed.
+writing a TIFF, NumPy, tifffile, and PiDNG where it is installed.
 
 Rounds run every row of a group once; what counts is the median. A ratio is against the
 group's peer. CPU seconds hardly depend on what else the machine does, seconds do."""
@@ -19,7 +19,7 @@ from functools import partial
 
 import numpy as np
 
-from studies.bench import processes
+from studies.bench import processes, uniform
 from studies.bench.dataset import paper_arguments, paper_raw
 from studies.bench.peers import writers
 from studies.bench.processes import FLOOR, FOLDER, HEIGHT, OIIOTOOLS, WIDTH
@@ -175,6 +175,13 @@ def files(rounds):
     return rows_of("RAW to file, 1 thread", results, raw.size / 1e6, "tifffile (peer)")
 
 
+def statistics_of_darks(rounds):
+    """Return Rows of what darks say, one thread, against NumPy."""
+    actions, megapixels, peer = uniform.actions()
+    found = in_rounds(actions, rounds)
+    return rows_of("statistics of darks, 1 thread", found, megapixels, peer)
+
+
 def scaling(rounds):
     """Return Rows over threads and over sizes; the first of each is the peer."""
     import cg2raw
@@ -271,7 +278,14 @@ def bench(rounds, path):
     before = about()
     print(", ".join(f"{name} {value}" for name, value in before.items()))
     rows = []
-    for measure in (hosts, conversions, simulations, files, scaling):
+    for measure in (
+        hosts,
+        conversions,
+        simulations,
+        files,
+        statistics_of_darks,
+        scaling,
+    ):
         found = measure(rounds)
         print_rows(found)
         rows += found
