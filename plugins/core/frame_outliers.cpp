@@ -87,6 +87,24 @@ std::vector<double> running_median(const std::vector<double>& profile)
     return found;
 }
 
+/// How far a running median of @p profile may be off at each line for a slope: it
+/// mirrors at the ends, by as many of the steps that are usual there as are missing.
+std::vector<double> flattened(const std::vector<double>& profile)
+{
+    const int count = int(profile.size());
+    std::vector<double> steps;
+    for (int line = 0; line + 1 < count; ++line)
+        steps.push_back(
+            std::abs(profile[std::size_t(line + 1)] - profile[std::size_t(line)]));
+    steps.push_back(steps.empty() ? 0.0 : steps.back());
+    auto found = running_median(steps);
+    for (int line = 0; line < count; ++line) {
+        const int to_end = std::min(line, count - 1 - line);
+        found[std::size_t(line)] *= std::max(median_reach - to_end, 0);
+    }
+    return found;
+}
+
 /// The lines whose means stand out of those around, once polynomials are taken off,
 /// which the running median shows without them. @p samples: of each line.
 /// @p least: sigma of a sample.
@@ -95,6 +113,7 @@ std::vector<std::uint8_t> lines_that_stand_out(std::vector<double> sums, double 
 {
     for (double& sum : sums)
         sum /= samples;
+    const auto slack = flattened(sums);
     const auto clean = running_median(sums);
     const double mean = total(clean.data(), low.length()) / low.length();
     for (double& value : sums)
@@ -110,8 +129,8 @@ std::vector<std::uint8_t> lines_that_stand_out(std::vector<double> sums, double 
     const double most
         = line_sigmas * std::max(spread_of(sums).sigma, least / std::sqrt(samples));
     std::vector<std::uint8_t> found;
-    for (const double jump : sums)
-        found.push_back(std::uint8_t(std::abs(jump) > most));
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        found.push_back(std::uint8_t(std::abs(sums[i]) > most + slack[i]));
     return found;
 }
 

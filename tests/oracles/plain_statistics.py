@@ -237,7 +237,13 @@ def lost_lines(profile, shape):
     rest = profile - low.T @ (low @ median_filter(profile, WINDOW, mode="mirror"))
     jump = rest - median_filter(rest, WINDOW, mode="mirror")
     of_each = shape[0] * shape[1] // len(profile)
-    return np.abs(jump) > LINE * max(spread(jump), LEAST_SIGMA / np.sqrt(of_each))
+    steps = np.abs(np.diff(profile))
+    steps = np.append(steps, steps[-1:] if len(steps) else 0.0)
+    to_end = np.minimum(np.arange(len(profile)), np.arange(len(profile))[::-1])
+    slack = median_filter(steps, WINDOW, mode="mirror")
+    slack = slack * np.maximum(WINDOW // 2 - to_end, 0)
+    most = LINE * max(spread(jump), LEAST_SIGMA / np.sqrt(of_each))
+    return np.abs(jump) > most + slack
 
 
 def spread(values):

@@ -307,6 +307,18 @@ def test_a_reader_that_fails_says_why():
         frame_statistics([(GroupInfo("dark", ("a",)), [fails])], 1, 99)
 
 
+def test_a_strong_shading_masks_no_line():
+    """cos^4 that is 0.45 in the corner: polynomials do not follow it to the edge."""
+    rng = np.random.default_rng(3)
+    down, across = np.mgrid[-1 : 1 : 56 * 1j, -1.28 : 1.28 : 72 * 1j]
+    light = 4000 / (1 + 0.36 * ((down - 0.1) ** 2 + (across + 0.15) ** 2)) ** 2
+    frames = [np.rint(light + 3 * rng.standard_normal(light.shape)) for _ in range(4)]
+    group = GroupInfo("flat", tuple("abcd"))
+    readers = [lambda f=f: f.astype(np.uint16) for f in frames]
+    found = frame_statistics([(group, readers)], 1, 65535)
+    assert not found.planes[0].masked.any()
+
+
 def test_samples_are_excluded():
     groups = groups_of(drawn((48, 60), 3), drawn((48, 60), 2, seed=4))
     excluded = np.zeros((48, 60), bool)
