@@ -18,13 +18,12 @@ from model.planted import planted
 LEAST = float(np.log(len(NAMES) / 0.01))
 # Shapes, which no number of the profile's stands for.
 STRUCTURES = {"bias_structure", "lens_shading"}
-OTHERS = sorted(set(NAMES) - STRUCTURES - {"amplifier_glow"})
+PUT_IN = {"amplifier_glow", "color_shading", "mains_flicker"}  # below
+OTHERS = sorted(set(NAMES) - STRUCTURES - PUT_IN)
 
 
-@pytest.fixture(scope="module", params=[1, 2])
-def fits(request):
-    """Fits of frames of one sensor, in two halves, and its truth as parameters."""
-    made = planted(21, side=request.param, shape=(120, 160))
+def fits_of(made):
+    """Return fits of frames of one sensor, in two halves, and its truth."""
     halves = [
         [(info, frames[half::2]) for info, frames in made.groups] for half in (0, 1)
     ]
@@ -49,6 +48,11 @@ def fits(request):
     return first, second, truth
 
 
+@pytest.fixture(scope="module", params=[1, 2])
+def fits(request):
+    return fits_of(planted(21, side=request.param, shape=(120, 160)))
+
+
 def test_what_the_profile_has_is_not_named(fits):
     first, second, truth = fits
     assert set(selection(first, second, truth).kept(LEAST)) == STRUCTURES
@@ -63,6 +67,53 @@ def test_what_the_profile_lacks_is_named(fits, name):
     factor = 1.3 if name in ("read_noise", "shot_noise") else 0.0
     lacks[own] = truth[own] - 40 if name == "black_level" else truth[own] * factor
     found = selection(first, second, lacks).kept(LEAST)
+    assert set(found) == STRUCTURES | {name}
+
+
+def shone_on(frame, rng, gain):
+    """A frame whose rows have a wave of brightness, of another phase each time."""
+    phase = rng.uniform(0, 2 * np.pi)
+    wave = 1 + 0.01 * np.sin(2 * np.pi * np.arange(len(frame)) / 23 + phase)
+    return np.rint(BLACK + (frame - BLACK) * wave[:, None])
+
+
+def red_shaded(frame, rng, gain):
+    shaded = frame.astype(float)
+    across = np.linspace(-1, 1, shaded[::2, ::2].shape[1])
+    shaded[::2, ::2] = BLACK + (shaded[::2, ::2] - BLACK) * (1 + 0.05 * across**2)
+    return np.rint(shaded)
+
+
+def glowing(frame, rng, gain):
+    """Charge that gathers towards a corner, with its noise. gain : e-/DN."""
+    down, across = (np.exp(-5 * np.arange(n) / n) for n in frame.shape)
+    return frame + np.rint(rng.poisson(40 * gain * down[:, None] * across) / gain)
+
+
+BLACK = 600.0  # DN, of the frames that these are put into
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "kind"),
+    [
+        ("mains_flicker", shone_on, "flat"),
+        ("color_shading", red_shaded, "flat"),
+        ("amplifier_glow", glowing, "dark"),
+    ],
+)
+def test_what_is_put_in_is_named(name, change, kind):
+    rng = np.random.default_rng(7)
+    made = planted(22, side=2, shape=(120, 160), black=BLACK)
+    groups = [
+        (
+            info,
+            [change(f, rng, made.truth["gain 0"]).astype(np.uint16) for f in frames]
+            if info.kind == kind and info.exposure_time
+            else frames,
+        )
+        for info, frames in made.groups
+    ]
+    found = selection(*fits_of(made._replace(groups=groups))).kept(LEAST)
     assert set(found) == STRUCTURES | {name}
 
 

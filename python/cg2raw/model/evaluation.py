@@ -41,6 +41,13 @@ class Parameters:
         sites = 3 * self.sites + 1
         return np.arange(len(self)) >= sites
 
+    @cached_property
+    def are_bounded(self) -> NDArray[np.bool_]:
+        """(n,) of a drift, and of what single parts have for themselves: few
+        coefficients, so that values below 0 would be far below."""
+        few = [name == "black_level_drift" or ", " in name for name in self.names]
+        return np.array(few)
+
     def of(self, name: str, site: int = 0) -> int:
         """Return the place of a parameter. site : of a plane's own."""
         return self.names.index(name) + site
@@ -88,3 +95,40 @@ class Evaluation:
         self.value -= float(rest @ inverse @ rest) / 2
         self.score -= rest @ inverse @ slopes
         self.information += slopes.T @ inverse @ slopes
+
+    def add_wishart(
+        self,
+        products: Array,
+        freedom: float,
+        covariance: Array,
+        terms: Array,
+        places: NDArray[np.int64],
+        diagonal: Array,
+    ) -> Array | None:
+        """Add mean products (N, N) of given freedom, and return the score by their
+        covariance, (N, N); None, and a value of -inf, where that is not positive.
+
+        covariance : (N, N), of which terms, (K, N, N), are the slopes by the parameters
+        at places, and diagonal, (N, n), those by all others, on the diagonal alone."""
+        try:
+            root = np.linalg.cholesky(covariance)
+        except np.linalg.LinAlgError:
+            self.value = -np.inf
+            return None
+        half = freedom / 2
+        inverse = np.linalg.inv(covariance)
+        measured = inverse @ products
+        logarithm = 2 * float(np.log(np.diagonal(root)).sum())
+        self.value -= half * (logarithm + float(np.trace(measured)))
+        misfit: Array = half * (measured @ inverse - inverse)
+        self.score += np.diagonal(misfit) @ diagonal
+        self.score[places] += np.tensordot(terms, misfit, 2)
+        turned = inverse @ terms
+        mixed = np.diagonal(turned @ inverse, axis1=1, axis2=2) @ diagonal
+        self.information[places] += half * mixed
+        self.information[:, places] += half * mixed.T
+        self.information += half * diagonal.T @ inverse**2 @ diagonal
+        flat = turned.reshape(len(terms), -1)
+        other = turned.swapaxes(1, 2).reshape(len(terms), -1)
+        self.information[np.ix_(places, places)] += half * flat @ other.T
+        return misfit

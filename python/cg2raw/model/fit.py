@@ -26,7 +26,6 @@ DONE = 1e-7  # nats that a round gains
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
 LEAST_FREEDOM = 16  # of pixels, that a variance is taken of: it is known to a third
-LEAST_START = 1e-3  # of its largest value by one group: a start above 0
 
 
 @dataclass(frozen=True)
@@ -117,18 +116,15 @@ def refitted(
             prior.add_to(found, theta)
         return found
 
-    drift = likelihood.parameters.of("black_level_drift")
+    bounded = likelihood.parameters.are_bounded
     found = evaluated(theta)
     if not np.isfinite(found.value):
         theta = np.where(free & likelihood.parameters.are_variances, 0.0, theta)
         found = evaluated(theta)
     for _ in range(ROUNDS):
-        let = free.copy()
-        let[drift] &= theta[drift] > 0 or found.score[drift] > 0
-        step, _ = _solved(found.score, found.information, let)
+        step = _step(found, theta, free, bounded)
         for halving in range(HALVINGS):
             trial = theta + step / 2**halving
-            trial[drift] = max(trial[drift], 0.0)
             better = evaluated(trial)
             if better.value >= found.value:
                 break
@@ -140,6 +136,26 @@ def refitted(
             break
     _, covariance = _solved(found.score, found.information, free)
     return Fit(likelihood.parameters, theta, covariance, found.value, likelihood)
+
+
+def _step(
+    found: Evaluation,
+    theta: Array,
+    free: NDArray[np.bool_],
+    bounded: NDArray[np.bool_],
+) -> Array:
+    """Return the step of scoring that leaves no bounded parameter below 0: those that
+    would be go to 0, and the others' step is the best beside theirs."""
+    let = free & ~(bounded & (theta <= 0) & (found.score < 0))
+    clamped, step = np.zeros_like(let), np.zeros(len(theta))
+    while True:
+        fixed = np.where(clamped, -theta, 0.0)
+        score = found.score + found.information @ -fixed
+        step = _solved(score, found.information, let & ~clamped)[0] + fixed
+        below = bounded & let & ~clamped & (theta + step < 0)
+        if not below.any():
+            return step
+        clamped |= below
 
 
 def _solved(
@@ -174,6 +190,8 @@ def start_of(likelihood: Likelihood) -> tuple[Array, NDArray[np.bool_]]:
     for component in (*TEMPORAL, *FIXED):
         at = parameters.of(component.name)
         free[at] = of_signature[component.signature]
+        if parameters.sites == 1 and component.name.startswith("color_shading"):
+            free[at] = False
     free[parameters.of("dark_current")] = has_times
     drifts = parameters.of("black_level_drift")
     free[drifts] = (darks & first.repeats).any()
@@ -182,8 +200,7 @@ def start_of(likelihood: Likelihood) -> tuple[Array, NDArray[np.bool_]]:
     _start_levels(likelihood, theta, darks)
     for plane in likelihood.planes:
         _start_noise(plane, theta, free)
-    for plane in likelihood.planes[:1]:
-        _start_patterns(plane, theta, free)
+    _start_patterns(likelihood, theta, free)
     return theta, free
 
 
@@ -247,26 +264,28 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
 
 
 def _start_patterns(
-    plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]
+    likelihood: Likelihood, theta: Array, free: NDArray[np.bool_]
 ) -> None:
-    """Least squares of the products less the noise, likewise; each above 0."""
-    records, slopes = plane.records(theta)
-    expected, _ = plane.temporal(theta, records, slopes)
-    signatures = np.array([plane.signatures[c.name] for c in FIXED])
-    size = np.sqrt(np.diagonal(plane.products, axis1=1, axis2=2))  # (8, G)
-    rest = plane.products.copy()
-    groups = np.arange(len(plane.frames))
-    rest[:, groups, groups] -= expected.T / plane.frames
-    weights = 1 / (size[:, :, None] * size[:, None, :] + 1e-300)
-    weights *= np.sqrt(plane.products_freedom)[:, None, None]
-    each = plane.fixed[:, :, None, None] * signatures[:, None] * weights
-    names = [plane.parameters.of(c.name) for c in FIXED]
-    used = [i for i, n in enumerate(names) if free[n]]
-    design = each[used].reshape(len(used), -1).T
+    """Least squares of the products less the noise, each weighted by its size; none of
+    those that pixels have is 0."""
+    designs, rests = [], []
+    names = range(likelihood.parameters.of(FIXED[0].name), len(theta))
+    used = [n for n in names if free[n]]
+    for block in likelihood.means.blocks:
+        planes = [likelihood.planes[s] for s in block.planes]
+        noise = [p.scatter[:, block.part] / p.frames for p in planes]
+        size = np.sqrt(np.diagonal(block.products) + 1e-300)
+        weights = np.sqrt(block.freedom) / np.outer(size, size)
+        rests.append(
+            ((block.products - np.diag(np.concatenate(noise))) * weights).ravel()
+        )
+        design = np.zeros((len(used), block.products.size))
+        for place, term in zip(block.fixed_places, block.fixed, strict=True):
+            if free[place]:
+                design[used.index(place)] = (term * weights).ravel()
+        designs.append(design)
+    design = np.concatenate(designs, axis=1).T
     scale = np.abs(design).max(axis=0) + 1e-300
-    values = np.linalg.lstsq(design / scale, (rest * weights).ravel(), rcond=None)[0]
-    least = LEAST_START * np.sqrt(plane.products_freedom.max())
-    for i, value in zip(
-        used, np.maximum(values, least) / scale[: len(used)], strict=True
-    ):
-        theta[names[i]] = value
+    values = np.linalg.lstsq(design / scale, np.concatenate(rests), rcond=None)[0]
+    theta[used] = np.maximum(values, 0.0) / scale
+    theta[likelihood.parameters.of("dsnu and dark current")] = 0.0

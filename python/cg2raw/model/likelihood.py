@@ -6,6 +6,7 @@ import numpy as np
 
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.levels import LevelLikelihood
+from cg2raw.model.mean_images import MeanImageLikelihood
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.statistics.constant import Array, ConstantStatistics
 
@@ -29,6 +30,7 @@ class Likelihood:
             for plane in self.planes
             for recorder in plane.recorders
         )
+        self.means = MeanImageLikelihood(self.planes, self.parameters)
         self.levels = LevelLikelihood(
             self.planes, self.parameters, statistics.frames, theta
         )
@@ -44,5 +46,6 @@ class Likelihood:
             plane.add_to(found, theta, *known)
             if not np.isfinite(found.value):
                 return found
+        self.means.add_to(found, theta, recorded)
         self.levels.add_to(found, theta, recorded)
         return found

@@ -1,14 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The scatter and the products of a plane: linear in variances, but for rounding.
+"""The scatter of a plane's frames: linear in variances, but for rounding.
 
-Coefficients of a part over the groups' mean images are normal with the covariance
-
-    sum over FIXED of variance * multiplicity * v v'  +  diag(T / frames),
-
-v the component's signature over the groups, so their products are Wishart; the scatter
-within a group is T times chi-square, T = read noise + gain * signal + TEMPORAL, as it
-is recorded. Weights (freedoms) come from the data alone: those that moved with
+Within a group it is T times chi-square, T = read noise + gain * signal + TEMPORAL, as
+it is recorded. Weights (freedoms) come from the data alone: those that moved with
 a parameter would make a likelihood that rises by their moves."""
 
 import numpy as np
@@ -37,7 +32,7 @@ NARROW = 0.05  # DN: places that differ by less are one within a code
 
 
 class PlaneLikelihood:
-    """The scatter and the products of one plane."""
+    """The scatter of one plane, and how its codes are recorded."""
 
     def __init__(
         self,
@@ -54,7 +49,6 @@ class PlaneLikelihood:
         self.repeats = self.frames > 1
         self.side = side = round(len(statistics.planes) ** 0.5)
         self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
-        self.fixed = np.array([c.multiplicity(*plane.shape) for c in FIXED])
         again = np.maximum(self.frames - 1, 1)[:, None]
         self.scatter = plane.scatter / np.maximum(plane.freedom, 1) / again
         # A lamp's shape changes slowly: frames next to each other have it in common.
@@ -65,10 +59,9 @@ class PlaneLikelihood:
         pairs = statistics.pairs / np.maximum(self.frames - 1, 1)
         self.freedom[self.paired, PIXEL] *= pairs[self.paired]
         self.products = plane.products / np.maximum(plane.freedom, 1)[:, None, None]
-        self.products_freedom = plane.freedom * self._independent_lines(side)
         self.light = self._light(theta)
-        self.signatures = {c.name: self._signature(c) for c in (*TEMPORAL, *FIXED)}
-        sizes = [np.diagonal(one) for one in self.signatures.values()]
+        vectors = [self.vectors(c) for c in (*TEMPORAL, *FIXED)]
+        sizes = [len(v) * np.prod(v, axis=0) * v[-1] ** (2 - len(v)) for v in vectors]
         # (K, G, 8), of one unit of a component in a coefficient of a frame.
         self.sizes = np.array(sizes[: len(TEMPORAL)])[:, :, None]
         self.sizes = self.sizes * np.array(self.multiplicity)[:, None]
@@ -78,15 +71,6 @@ class PlaneLikelihood:
         these = [lines + len(pixels) * [False], len(lines) * [False] + pixels]
         self.in_places = np.array(these)[:, None] * np.array(sizes).T
         self.recorders = self._recorders(statistics.white, theta)
-
-    def _independent_lines(self, side: int) -> Array:
-        """Return (8,) 1, less for lines whose pattern planes share."""
-        found = np.ones(len(PARTS))
-        power = np.diagonal(self.products, axis1=1, axis2=2)  # (8, G)
-        for part in range(PIXEL):
-            pairs = zip(power[part], power[PIXEL], strict=True)
-            found[part] = min(shared(of, pixel, part, side) for of, pixel in pairs)
-        return found
 
     def _recorders(self, white: int, theta: Array | None) -> list[Recorder]:
         about = self._recorded_offsets() if theta is None else self.offsets(theta)[0]
@@ -178,30 +162,29 @@ class PlaneLikelihood:
         by += (2 * more * response)[:, :, None] * slopes[2][:, None, :]
         return expected, by
 
-    def _signature(self, component: Component) -> Array:
-        """Return (G, G) what a component's share of the covariance is proportional to;
-        its diagonal is that of the variance of one group."""
-        vectors = {
+    def vectors(self, component: Component) -> list[Array]:
+        """Return one (G,), what a component is proportional to, or two, of a covariance
+        of what is proportional to each."""
+        known = {
             "constant": np.ones(len(self.time)),
             "time": self.time,
             "light": self.light,
         }
-        first, *others = (vectors[n] for n in component.signature.split(" and "))
-        both: Array = np.outer(first, others[0] if others else first)
-        found: Array = both + both.T if others else both
-        return found
+        return [known[name] for name in component.signature.split(" and ")]
 
     def add_to(
         self, found: Evaluation, theta: Array, records: Array, slopes: Array
     ) -> None:
-        """Add all that the plane says. records, slopes : at theta. The value is -inf
+        """Add the scatter. records, slopes : at theta. The value is -inf
         where a variance is not above 0."""
         expected, by = self.temporal(theta, records, slopes)
         if (expected <= 0).any():
             found.value = -np.inf
             return
-        self._add_scatter(found, expected, by)
-        self._add_products(found, theta, records, expected, by, slopes)
+        known = self.freedom > 0
+        found.add_chi_square(
+            self.scatter[known], expected[known], by[known], self.freedom[known]
+        )
 
     def level_noise(self) -> tuple[Array, Array]:
         """Return (G,) DN^2 each, the variances of a frame's level by the noise of its
@@ -215,61 +198,6 @@ class PlaneLikelihood:
         if usual.any():
             found[:, ~self.repeats] = found[:, usual].mean(axis=1, keepdims=True)
         return found[0], found[1]
-
-    def _add_scatter(self, found: Evaluation, expected: Array, by: Array) -> None:
-        known = self.freedom > 0
-        found.add_chi_square(
-            self.scatter[known], expected[known], by[known], self.freedom[known]
-        )
-
-    def _add_products(
-        self,
-        found: Evaluation,
-        theta: Array,
-        records: Array,
-        expected: Array,
-        by: Array,
-        slopes: Array,
-    ) -> None:
-        _, _, _, response, steps = records
-        first = self.parameters.of(FIXED[0].name)
-        used = np.flatnonzero(self.products_freedom > 0)
-        half = self.products_freedom[used] / 2
-        # Slopes of the covariance: one diagonal for each temporal parameter.
-        signatures = np.array([self.signatures[c.name] for c in FIXED])
-        signatures = signatures * np.outer(response, response)
-        fixed = signatures * self.fixed.T[used, :, None, None]  # (P, E, G, G)
-        diagonal = by[:, used].transpose(1, 0, 2) / self.frames[:, None] + slopes[4]
-        patterns = np.einsum("e,peij->pij", theta[first:], fixed)
-        noise = expected[:, used].T / self.frames + steps
-        covariance = patterns + noise[:, :, None] * np.eye(len(self.frames))
-        try:
-            root = np.linalg.cholesky(covariance)
-        except np.linalg.LinAlgError:
-            found.value = -np.inf
-            return
-        inverse = np.linalg.inv(covariance)
-        measured = inverse @ self.products[used]
-        logarithm = 2 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
-        found.value -= float(half @ (logarithm + np.trace(measured, axis1=1, axis2=2)))
-        misfit = measured @ inverse - inverse
-        weighted = half[:, None, None] * misfit
-        found.score += np.einsum("pii,pin->n", weighted, diagonal)
-        # The response moves all patterns: by too little for the information.
-        moved = 2 * (weighted * patterns).sum(axis=(0, 1)) / response
-        found.score += moved @ slopes[3]
-        found.score[first:] += np.einsum("peij,pji->e", fixed, weighted)
-        turned = inverse[:, None] @ fixed
-        mixed = np.einsum("p,peij,pji->pei", half, turned, inverse)  # diagonals
-        mixed = np.tensordot(mixed, diagonal, ([0, 2], [0, 1]))
-        found.information[first:] += mixed
-        found.information[:, first:] += mixed.T
-        weighted = half[:, None, None] * inverse**2 @ diagonal
-        found.information += np.tensordot(diagonal, weighted, ([0, 1], [0, 1]))
-        flat = turned.transpose(1, 0, 2, 3).reshape(len(FIXED), -1)
-        turned = half[:, None, None, None] * turned.swapaxes(2, 3)
-        turned = turned.transpose(1, 0, 2, 3).reshape(len(FIXED), -1)
-        found.information[first:, first:] += flat @ turned.T
 
 
 def correlation_of(statistics: ConstantStatistics, side: int) -> Array:

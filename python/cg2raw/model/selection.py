@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.model.components import FIXED, LOW_PARTS
+from cg2raw.model.components import FIXED
 from cg2raw.model.fit import Fit, Prior, refitted
 from cg2raw.statistics.constant import PARTS, Array
 
@@ -22,11 +22,7 @@ LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
 SKEWED = 0.3
 
 
-def _low(name: str) -> tuple[str, ...]:
-    return tuple(f"{name}, {part}" for part in LOW_PARTS)
-
-
-# Names and their parameters.
+# Names and their parameters; of those that each part has, their beginning.
 NAMES: Mapping[str, tuple[str, ...]] = {
     "black_level": ("black_level",),
     "dark_current": ("dark_current",),
@@ -36,14 +32,16 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "row_noise": ("row_noise",),
     "dsnu": ("dsnu", "dsnu and dark current"),
     "column_fixed_pattern": ("column_fixed_pattern",),
-    "bias_structure": _low("bias_structure"),
+    "bias_structure": ("bias_structure",),
     "dark_current_nonuniformity": (
         "dark_current_nonuniformity",
         "dsnu and dark current",
     ),
-    "amplifier_glow": _low("amplifier_glow"),
+    "amplifier_glow": ("amplifier_glow",),
     "prnu": ("prnu",),
-    "lens_shading": _low("lens_shading"),
+    "lens_shading": ("lens_shading",),
+    "color_shading": ("color_shading",),
+    "mains_flicker": ("mains_flicker",),
 }
 
 
@@ -63,10 +61,10 @@ class Selection:
 
 def selection(training: Fit, validation: Fit, profile: Array) -> Selection:
     """Return what each name gains. profile : (n,) parameters of the null."""
-    names = np.array(training.parameters.names)
+    names = training.parameters.names
     gains = {}
     for name, parameters in NAMES.items():
-        own = np.isin(names, parameters)
+        own = np.isin([name.partition(",")[0] for name in names], parameters)
         own &= np.isfinite(np.diagonal(training.covariance))
         own &= np.isfinite(np.diagonal(validation.covariance))
         if own.any():

@@ -82,8 +82,9 @@ def _patterns_in(
     """Return what patterns of pixels and lines, or of one of both, are in a coefficient
     of a low part."""
     each = [
-        found.theta[found.parameters.of(c.name)] * plane.fixed[n, part]
-        for n, c in enumerate(PATTERNS)
+        found.theta[found.parameters.of(c.name)]
+        * c.multiplicity(*plane.plane.shape)[part]
+        for c in PATTERNS
         if c.signature == signature and c.per in (per or c.per,)
     ]
     return max(float(sum(each)), 0.0)

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The products of mean images: what repeats, of all planes together.
+
+Coefficients of a part, of all planes and groups, are normal with the covariance
+
+    sum over FIXED of variance * multiplicity * v v'
+    + sum over TEMPORAL likewise, within each group, over its frames
+    + diag(recorded noise / frames),
+
+v the component's signature over the groups, for planes that share it, so the products
+of their mean images are Wishart. What pixels have is of each plane alone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import Legendre
+from numpy.typing import NDArray
+
+from cg2raw.model.components import FIXED, TEMPORAL, Component
+from cg2raw.model.evaluation import Evaluation, Parameters
+from cg2raw.model.planes import PIXEL, PlaneLikelihood
+from cg2raw.statistics.constant import (
+    PARTS,
+    SMOOTH,
+    Array,
+    PlaneStatistics,
+    polynomials,
+)
+
+
+@dataclass(frozen=True)
+class Block:
+    """One part of some planes: N of their mean images.
+
+    products : (N, N) DN^2, mean over its freedom. fixed, temporal : (K, N, N), what one
+    unit of the parameters at fixed_places, temporal_places adds to the covariance;
+    temporal for one frame of each."""
+
+    part: int
+    planes: Sequence[int]
+    freedom: float
+    products: Array
+    fixed: Array
+    fixed_places: NDArray[np.int64]
+    temporal: Array
+    temporal_places: NDArray[np.int64]
+
+
+class MeanImageLikelihood:
+    """The products of the mean images of all planes."""
+
+    def __init__(
+        self, planes: Sequence[PlaneLikelihood], parameters: Parameters
+    ) -> None:
+        self.planes, self.parameters = planes, parameters
+        everything = list(range(len(planes)))
+        chosen = [(part, everything) for part in range(PIXEL)]
+        chosen += [(PIXEL, [site]) for site in everything]
+        side = planes[0].side
+        coefficients = [
+            coefficients_of(plane.plane, divmod(site, side), side)
+            for site, plane in enumerate(planes)
+        ]
+        self.blocks = []
+        for part, sites in chosen:
+            freedom = float(np.mean([planes[s].plane.freedom[part] for s in sites]))
+            if freedom <= 0:
+                continue
+            if part == PIXEL:
+                products = planes[sites[0]].products[PIXEL]
+            else:
+                stacked = np.concatenate([coefficients[s][part] for s in sites])
+                products = stacked @ stacked.T / freedom
+            self.blocks.append(self._block(part, sites, freedom, products))
+
+    def _block(
+        self, part: int, sites: Sequence[int], freedom: float, products: Array
+    ) -> Block:
+        terms = []
+        for components in (FIXED, TEMPORAL):
+            used = [c for c in components if c.parts[part]]
+            each = [self._term(c, part, sites) for c in used]
+            places = np.array([self.parameters.of(c.name) for c in used], int)
+            terms += [np.array(each).reshape(len(used), *products.shape), places]
+        frames = np.tile(np.arange(len(self.planes[0].frames)), len(sites))
+        terms[2] *= np.equal.outer(frames, frames)
+        return Block(part, sites, freedom, products, *terms)
+
+    def _term(self, component: Component, part: int, sites: Sequence[int]) -> Array:
+        """Return (N, N), what one unit of a component adds to the covariance."""
+        first = self.planes[0]
+        of_part = float(component.multiplicity(*first.plane.shape)[part])
+        shared = component.shared(first.side)[np.ix_(sites, sites)]
+        found = [
+            [
+                shared[i, j] * self._signature(component, a, b)
+                for j, b in enumerate(sites)
+            ]
+            for i, a in enumerate(sites)
+        ]
+        return of_part * np.block(found)
+
+    def _signature(self, component: Component, a: int, b: int) -> Array:
+        """Return (G, G), a component's share between the groups of two planes."""
+        one, two = self.planes[a].vectors(component), self.planes[b].vectors(component)
+        pairs = zip(one, two[::-1], strict=True)
+        return np.asarray(sum(np.outer(x, y) for x, y in pairs))
+
+    def add_to(
+        self,
+        found: Evaluation,
+        theta: Array,
+        recorded: Sequence[tuple[Array, Array]],
+    ) -> None:
+        """Add what mean images say. recorded : of each plane, records at theta."""
+        frames = self.planes[0].frames
+        for block in self.blocks:
+            records = np.concatenate([recorded[s][0] for s in block.planes], axis=1)
+            slopes = np.concatenate([recorded[s][1] for s in block.planes], axis=1)
+            share = np.concatenate(
+                [1 + self.planes[s].correlation[:, block.part] for s in block.planes]
+            )
+            over = np.tile(1.0 / frames, len(block.planes))
+            _, noise, lines, response, steps = records
+            fixed = block.fixed * np.outer(response, response)
+            temporal = block.temporal * np.outer(lines, lines) * over
+            patterns = np.tensordot(theta[block.fixed_places], fixed, 1)
+            moving = np.tensordot(theta[block.temporal_places], temporal, 1)
+            misfit = found.add_wishart(
+                block.products,
+                block.freedom,
+                patterns + moving + np.diag(share * over * noise + steps),
+                np.concatenate([fixed, temporal]),
+                np.concatenate([block.fixed_places, block.temporal_places]),
+                (share * over)[:, None] * slopes[1] + slopes[4],
+            )
+            if misfit is None:
+                return
+            # Responses move them, too: by too little for the information.
+            for size, by, of in ((response, 3, patterns), (lines, 2, moving)):
+                found.score += 2 * (misfit * of).sum(axis=0) / size @ slopes[by]
+
+
+def coefficients_of(
+    plane: PlaneStatistics, site: tuple[int, int], side: int
+) -> list[Array]:
+    """Return (G, n) coefficients of each part but pixel, in the order of PARTS, of
+    polynomials whose places are those of the middle of the CFA's repeat.
+
+    site : row and column of the plane's samples in it. side : px."""
+    h, w = plane.shape
+    down, across = polynomials(h), polynomials(w)
+    # (G, degrees down, degrees across)
+    low = np.zeros((len(plane.rows), len(down), len(across)))
+    low[:, 1:, 0] = plane.rows @ down[1:].T * np.sqrt(w)
+    low[:, 0, 1:] = plane.columns @ across[1:].T * np.sqrt(h)
+    rows = plane.rows * np.sqrt(w) - low[:, 1:, 0] @ down[1:]
+    columns = plane.columns * np.sqrt(h) - low[:, 0, 1:] @ across[1:]
+    _, fields_down, fields_across = plane.field.shape
+    field = np.s_[:, 1 : fields_down + 1, 1 : fields_across + 1]  # fewer of few degrees
+    low[field] = plane.field[:, : len(down) - 1, : len(across) - 1]
+    moved = [
+        moved_by(length, (of - (side - 1) / 2) / side)
+        for length, of in zip((h, w), site, strict=True)
+    ]
+    low = np.einsum("jk,gkl,ml->gjm", moved[0], low, moved[1])
+    of_rows, of_columns = low[:, 1:, 0], low[:, 0, 1:]
+    found = {
+        "smooth_rows": of_rows[:, :SMOOTH],
+        "smooth_columns": of_columns[:, :SMOOTH],
+        "slow_rows": of_rows[:, SMOOTH:],
+        "slow_columns": of_columns[:, SMOOTH:],
+        "fast_rows": rows,
+        "fast_columns": columns,
+        "field": low[field].reshape(len(low), -1),
+    }
+    return [found[part] for part in PARTS[:PIXEL]]
+
+
+def moved_by(length: int, by: float) -> Array:
+    """Return (degrees, degrees), what makes coefficients of polynomials over samples
+    those of the same curve where the samples lie @by samples farther on."""
+    low = polynomials(length)
+    degree = len(low) - 1
+    along = np.arange(length)
+    curves = [Legendre.fit(along, one, degree) for one in low]
+    before = [curve(along - by) for curve in curves]
+    return np.asarray(low @ np.array(before).T)
