@@ -14,6 +14,7 @@ from cg2raw.statistics.constant import (
     GroupInfo,
     PlaneStatistics,
     polynomials,
+    set_points,
 )
 from cg2raw.statistics.frame_statistics import (
     frame_statistics,
@@ -353,6 +354,18 @@ def test_a_frame_is_read_again_where_all_do_not_fit(monkeypatch):
     monkeypatch.setattr(kept.Kept.__init__, "__defaults__", (40 * 50 * 2,))
     assert_alike(frame_statistics(readers, 1, WHITE), whole, exactly=True)
     assert sorted(read) == [0, 0, 1, 1, 1, 2, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("temperatures", "points"),
+    [
+        ([20.0, 25.0, 20.9, 21.9, 24.5], [0, 1, 0, 0, 1]),  # each within 1 K of another
+        ([None, 3.0, 1.0], [0, 1, 0]),
+        ([None, None], [0, 0]),
+    ],
+)
+def test_temperatures_of_one_set_point(temperatures, points):
+    assert set_points(temperatures) == points
 
 
 def test_groups_say_what_they_are():

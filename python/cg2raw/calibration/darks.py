@@ -19,7 +19,7 @@ from cg2raw.calibration.black import (
 from cg2raw.calibration.dark_current import DarkCurrent, DarkPoint, dark_current
 from cg2raw.calibration.dark_maps import DarkMaps, DarkSums
 from cg2raw.calibration.dark_spread import DarkSpread, dark_spread
-from cg2raw.calibration.frames import MOST_CUT, Group, set_points
+from cg2raw.calibration.frames import MOST_CUT, Group
 from cg2raw.calibration.glow import Glow, glow
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Lost, Transients
@@ -27,6 +27,7 @@ from cg2raw.calibration.repeats import Repeats, Seen
 from cg2raw.calibration.robust import CENSORED_TO, LEAST_SIGMA
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.temporal_noise import TemporalNoise, temporal_noise
+from cg2raw.statistics.constant import set_points
 
 
 @dataclass(frozen=True)

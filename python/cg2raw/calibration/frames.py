@@ -21,8 +21,8 @@ from cg2raw.calibration.robust import (
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
+from cg2raw.statistics.constant import set_points
 
-SAME_TEMPERATURE = 1.0  # K; what lies closer is the jitter of one set point
 SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
 FEWEST_CODES = 8  # DN that must occur before a missing one is no chance
 MOST_CUT = 0.001  # of a dark's pixels, at 0 DN; more move its mean
@@ -196,16 +196,6 @@ def groups_of(scanned: Sequence[Scanned]) -> list[Group]:
         parts = by_level(members) if key[0] == "flat" else [members]
         found += [Group(tuple(part)) for part in parts]
     return found
-
-
-def set_points(temperatures: Sequence[float | None]) -> list[int]:
-    """Return the number of the set point that each temperature belongs to."""
-    known = sorted({t for t in temperatures if t is not None})
-    number, numbers = 0, {}
-    for before, t in zip([None, *known], known, strict=False):
-        number += before is not None and t - before > SAME_TEMPERATURE
-        numbers[t] = number
-    return [0 if t is None else numbers[t] for t in temperatures]
 
 
 def by_level(frames: Sequence[Scanned]) -> list[list[Scanned]]:

@@ -41,6 +41,7 @@ BINS_PER_SIGMA = 32  # of the histogram of residuals, which has 512 bins
 BLOCKS = 8  # along each side of a plane
 POINT_SIGMAS = 8.0  # beyond which a sample is masked: of a million, none is by chance
 PLACES = np.linspace(0.02, 0.98, 25)  # quantiles of the smooth part of a mean image
+SAME_TEMPERATURE = 1.0  # K; what lies closer is the jitter of one set point
 MOST_LINES = 256  # along each side, of which the quantiles are taken
 
 
@@ -222,6 +223,16 @@ class ConstantStatistics:
             )
         parts = tuple(PlaneStatistics(**planes[str(p)]) for p in range(len(planes)))
         return cls(groups=groups, planes=parts, white=int(about["white"]), **whole)
+
+
+def set_points(temperatures: Sequence[float | None]) -> list[int]:
+    """Return the number of the set point that each temperature belongs to."""
+    known = sorted({t for t in temperatures if t is not None})
+    number, numbers = 0, {}
+    for before, t in zip([None, *known], known, strict=False):
+        number += before is not None and t - before > SAME_TEMPERATURE
+        numbers[t] = number
+    return [0 if t is None else numbers[t] for t in temperatures]
 
 
 def polynomials(length: int) -> Array:

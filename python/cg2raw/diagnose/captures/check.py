@@ -4,7 +4,7 @@
 """The check of captures: each frame by itself, then the repeats of a series."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,10 @@ from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.quality import (
     Integrity,
     integrity,
-    noise_remarks,
     of_means,
     registration,
     step_of,
+    with_noise_remarks,
 )
 from cg2raw.diagnose.captures.repeats import Repeats, repeats_of, series_of
 from cg2raw.sensor import Sensor
@@ -130,14 +130,8 @@ def of_uniform(
         return found, f"{first.name} and its {len(series) - 1} repeats: {error}"
     if not first.shows.light:
         variance = float(statistics.variance(0).mean())
-        found = [with_noise(one, variance, sensor) for one in found]
+        found = [with_noise_remarks(one, variance, sensor) for one in found]
     return found, repeats_of(statistics, step)
-
-
-def with_noise(found: Integrity, variance: float, sensor: Sensor) -> Integrity:
-    """Return a dark's Integrity with what its noise cannot show, if it is right."""
-    more = [] if found.complaints else noise_remarks(found, variance, sensor)
-    return replace(found, remarks=(*found.remarks, *more))
 
 
 def excluded_of(capture: Capture) -> NDArray[np.bool_] | None:

@@ -21,6 +21,10 @@ LEAST_CORRELATION = 0.3  # of a scene and its render; unrelated ones have below 
 DARK_SIGMAS = 10.0  # that a dark's mean may be off black: a light leak is more
 # Of the pixels, at 0: more than a normal dark leaves whose black is 2.3 sigma above 0.
 MANY_ZEROS = 0.01
+ZERO_WORDS = (
+    f"more than {MANY_ZEROS:.0%} of the pixels are 0, where the ADC cuts off what is "
+    "darker: they count as censored; mean and deviation of blacks are wrong"
+)
 MOST_ZEROS = 0.5  # of the pixels, at 0: the median is cut off, too
 HOLES = 0.05  # share of missing codes that is worth a word; small frames have some
 ALONE = 0.5  # share of pixels at codes without neighbours; noise leaves none
@@ -92,7 +96,8 @@ def integrity(
         *([misfit] if misfit else code_complaints(found, in_steps, sensor)),
         *scene_complaints(shift),
     ]
-    return replace(found, complaints=tuple(words), remarks=tuple(zero_remarks(found)))
+    remarks = [ZERO_WORDS] if found.below > MANY_ZEROS else []
+    return replace(found, complaints=tuple(words), remarks=tuple(remarks))
 
 
 def of_means(capture: Capture, sensor: Sensor) -> Integrity:
@@ -173,31 +178,24 @@ def code_complaints(
     return []
 
 
-def zero_remarks(found: Integrity) -> list[str]:
-    """Return what is said of blacks that the ADC cuts off."""
-    if found.below <= MANY_ZEROS:
-        return []
-    return [
-        f"more than {MANY_ZEROS:.0%} of the pixels are 0, where the ADC cuts off what "
-        "is darker: they count as censored; mean and deviation of blacks are wrong"
-    ]
-
-
-def noise_remarks(found: Integrity, variance: float, sensor: Sensor) -> list[str]:
-    """Return what a dark's noise cannot show, since codes are too coarse for it.
+def with_noise_remarks(found: Integrity, variance: float, sensor: Sensor) -> Integrity:
+    """Return a dark's Integrity with what its noise cannot show, if it is right.
 
     variance : of its pixels, DN^2, nan where it is not known."""
-    if found.below > MOST_ZEROS:
-        return ["most pixels are 0: its read noise cannot be judged at all"]
     step = step_of(sensor)
-    is_seen = found.below <= MANY_ZEROS and found.low < found.high
-    if is_seen and variance < codes.COARSE * step**2:
-        return [
+    if found.complaints:
+        return found
+    if found.below > MOST_ZEROS:
+        words = "most pixels are 0: its read noise cannot be judged at all"
+    elif found.below <= MANY_ZEROS and variance < codes.COARSE * step**2:
+        words = (
             f"its read noise is below {codes.hidden(step):.2g} DN: its size and tails "
             "(a Tukey lambda, heavy tails) are those of the rounding, and cannot be "
             "judged"
-        ]
-    return []
+        )
+    else:
+        return found
+    return replace(found, remarks=(*found.remarks, words))
 
 
 def scene_complaints(shift: Shift | None) -> list[str]:

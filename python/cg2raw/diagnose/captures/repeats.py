@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from cg2raw.diagnose.captures.capture import Capture
-from cg2raw.diagnose.captures.consistency import SAME_TEMPERATURE
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.statistics.codes import ROUNDING
-from cg2raw.statistics.constant import POINT_SIGMAS, ConstantStatistics
+from cg2raw.statistics.constant import POINT_SIGMAS, ConstantStatistics, set_points
 
 FALSE_ALARM = 1e-3  # chance that a series without a fault has a remark, of each kind
 FEWEST_FOR_FIRST = 4  # frames whose spread says how far one may be off
@@ -121,17 +120,10 @@ def series_of(frames: Sequence[Frame]) -> list[list[Capture]]:
         seen = (light, place, entry.mask)
         key = (capture.kind, capture.iso, capture.exposure_time, seen)
         alike.setdefault(key, []).append(capture)
-    return [series for every in alike.values() for series in by_temperature(every)]
-
-
-def by_temperature(captures: Sequence[Capture]) -> list[list[Capture]]:
-    """Return captures apart where the sensor's temperature was another."""
-    order = sorted(captures, key=lambda capture: capture.temperature or 0.0)
-    parts: list[list[Capture]] = []
-    for capture in order:
-        warm = capture.temperature or 0.0
-        if parts and warm - (parts[-1][-1].temperature or 0.0) <= SAME_TEMPERATURE:
-            parts[-1].append(capture)
-        else:
-            parts.append([capture])
-    return [sorted(part, key=captures.index) for part in parts]
+    series = []
+    for every in alike.values():
+        points = set_points([capture.temperature for capture in every])
+        for point in sorted(set(points)):
+            here = zip(every, points, strict=True)
+            series.append([capture for capture, its in here if its == point])
+    return series
