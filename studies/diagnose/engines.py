@@ -4,11 +4,13 @@
 """Engines: what a suite asks to diagnose its sets. This is the one place that calls
 them, so that two can answer the same sets."""
 
+import math
+import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.diagnose.diagnosis import Diagnosis, Estimate, Finding, Gap
 
 # Captures, and alpha, without and limits as of cg2raw.diagnose.diagnose.
 Engine = Callable[..., Diagnosis]
@@ -21,4 +23,36 @@ def search(captures: CaptureSet, **options: Any) -> Diagnosis:
     return diagnose(captures, threads=1, details=False, **options)
 
 
-ENGINES: Mapping[str, Engine] = {"search": search}
+def likelihood(captures: CaptureSet, *, alpha: float = 0.01, **_: Any) -> Diagnosis:
+    """One model of darks and flats, which looks at nothing else."""
+    from cg2raw.diagnose.darks_and_flats import darks_and_flats
+
+    start = time.monotonic()
+    found = darks_and_flats(captures, alpha)
+    values: dict[str, dict[str, Estimate]] = {}
+    for one in found.values:
+        given = values.setdefault(one.effect, {})
+        given[one.parameter] = Estimate(one.value, "", (one.low, one.high))
+    nowhere = Gap(math.nan, math.nan, math.nan, math.nan, None, None, [])
+    gains = found.selection.gains
+    return Diagnosis(
+        verdict="identified" if found.names else "no gap",
+        sensor_id=captures.sensor.id,
+        effects=[
+            Finding(name, values.get(name, {}), gains[name], 0.0, [], [], "", "")
+            for name in found.names
+        ],
+        gap=nowhere,
+        tests_before=[],
+        tests_after=[],
+        unexplained=[],
+        ladder=[],
+        detection_limits=[],
+        next_captures=[],
+        notes=[],
+        groups={},
+        seconds=time.monotonic() - start,
+    )
+
+
+ENGINES: Mapping[str, Engine] = {"search": search, "likelihood": likelihood}

@@ -55,7 +55,7 @@ def fits(request):
 
 def test_what_the_profile_has_is_not_named(fits):
     first, second, truth = fits
-    assert set(selection(first, second, truth).kept(LEAST)) == STRUCTURES
+    assert set(selection(first, second, truth, LEAST).kept(LEAST)) == STRUCTURES
 
 
 @pytest.mark.parametrize("fits", [2], indirect=True)
@@ -66,7 +66,7 @@ def test_what_the_profile_lacks_is_named(fits, name):
     own = np.isin(first.parameters.names, NAMES[name])
     factor = 1.3 if name in ("read_noise", "shot_noise") else 0.0
     lacks[own] = truth[own] - 40 if name == "black_level" else truth[own] * factor
-    found = selection(first, second, lacks).kept(LEAST)
+    found = selection(first, second, lacks, LEAST).kept(LEAST)
     assert set(found) == STRUCTURES | {name}
 
 
@@ -113,7 +113,7 @@ def test_what_is_put_in_is_named(name, change, kind):
         )
         for info, frames in made.groups
     ]
-    found = selection(*fits_of(made._replace(groups=groups))).kept(LEAST)
+    found = selection(*fits_of(made._replace(groups=groups)), LEAST).kept(LEAST)
     assert set(found) == STRUCTURES | {name}
 
 

@@ -10,6 +10,7 @@ import pytest
 from cg2raw import _core
 from cg2raw.statistics.constant import (
     PARTS,
+    VERSION,
     ConstantStatistics,
     GroupInfo,
     PlaneStatistics,
@@ -227,10 +228,10 @@ def test_a_file_of_another_version_is_refused(tmp_path):
     with np.load(path) as file:
         arrays = dict(file)
     arrays["about"] = np.array(
-        str(arrays["about"]).replace('"version": 2', '"version": 0')
+        str(arrays["about"]).replace(f'"version": {VERSION}', '"version": 0')
     )
     np.savez(path, **arrays)
-    with pytest.raises(ValueError, match="of version 0; must be 2: measure the frames"):
+    with pytest.raises(ValueError, match=f"of version 0; must be {VERSION}: measure"):
         ConstantStatistics.load(path)
 
 

@@ -26,8 +26,8 @@ inline constexpr std::size_t statistics_blocks = 8; ///< along each side of a pl
 inline constexpr std::size_t statistics_bins = 512; ///< of the histogram of residuals
 inline constexpr int statistics_bins_per_sigma = 32;
 /// Rows and columns from a sample of the mosaic to its neighbour.
-inline constexpr std::array<std::array<int, 2>, 5> statistics_lags {
-    { { 0, 1 }, { 1, 0 }, { 0, 2 }, { 2, 0 }, { 1, 1 } }
+inline constexpr std::array<std::array<int, 2>, 6> statistics_lags {
+    { { 0, 1 }, { 1, 0 }, { 0, 2 }, { 2, 0 }, { 1, 1 }, { 2, 2 } }
 };
 
 /// How many samples have each of the 65,536 codes, by planes of the CFA's repeat.

@@ -5,10 +5,12 @@
 Variances may come out a little below 0: that is within their errors, and a bound at 0
 would move the others."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from cg2raw.model.components import FIXED, TEMPORAL
 from cg2raw.model.evaluation import Evaluation, Parameters
@@ -92,6 +94,15 @@ class Prior:
     places: NDArray[np.int64]
     means: Array
     covariance: Array
+
+    @classmethod
+    def of_all(cls, priors: Sequence["Prior"]) -> "Prior":
+        """Return that of all their parameters; none says anything of another's."""
+        places, means = (
+            np.concatenate(some)
+            for some in zip(*((p.places, p.means) for p in priors), strict=True)
+        )
+        return cls(places, means, block_diag(*(p.covariance for p in priors)))
 
     def add_to(self, found: Evaluation, theta: Array) -> None:
         """Add the logarithm of the normal density, 0 at its mean."""

@@ -22,6 +22,7 @@ from cg2raw.model.components import FIXED, TEMPORAL, Component
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.planes import PIXEL, PlaneLikelihood
 from cg2raw.statistics.constant import (
+    FIELD,
     PARTS,
     SMOOTH,
     Array,
@@ -143,40 +144,62 @@ class MeanImageLikelihood:
                 found.score += 2 * (misfit * of).sum(axis=0) / size @ slopes[by]
 
 
-def coefficients_of(
-    plane: PlaneStatistics, site: tuple[int, int], side: int
-) -> list[Array]:
-    """Return (G, n) coefficients of each part but pixel, in the order of PARTS, of
-    polynomials whose places are those of the middle of the CFA's repeat.
+def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:
+    """Return (G, degrees down, degrees across), the coefficients of polynomials of mean
+    images, but for the level; none of both, rows and columns, is above FIELD. Their
+    places are those of the middle of the CFA's repeat.
 
     site : row and column of the plane's samples in it. side : px."""
     h, w = plane.shape
     down, across = polynomials(h), polynomials(w)
-    # (G, degrees down, degrees across)
-    low = np.zeros((len(plane.rows), len(down), len(across)))
-    low[:, 1:, 0] = plane.rows @ down[1:].T * np.sqrt(w)
-    low[:, 0, 1:] = plane.columns @ across[1:].T * np.sqrt(h)
-    rows = plane.rows * np.sqrt(w) - low[:, 1:, 0] @ down[1:]
-    columns = plane.columns * np.sqrt(h) - low[:, 0, 1:] @ across[1:]
-    _, fields_down, fields_across = plane.field.shape
-    field = np.s_[:, 1 : fields_down + 1, 1 : fields_across + 1]  # fewer of few degrees
-    low[field] = plane.field[:, : len(down) - 1, : len(across) - 1]
+    found: Array = np.zeros((len(plane.rows), len(down), len(across)))
+    found[:, 1:, 0] = plane.rows @ down[1:].T * np.sqrt(w)
+    found[:, 0, 1:] = plane.columns @ across[1:].T * np.sqrt(h)
+    of_field = found[:, 1 : FIELD + 1, 1 : FIELD + 1]
+    of_field[:] = plane.field[:, : of_field.shape[1], : of_field.shape[2]]
     moved = [
         moved_by(length, (of - (side - 1) / 2) / side)
         for length, of in zip((h, w), site, strict=True)
     ]
-    low = np.einsum("jk,gkl,ml->gjm", moved[0], low, moved[1])
+    found = np.einsum("jk,gkl,ml->gjm", moved[0], found, moved[1])
+    found[:, 0, 0] = 0.0
+    return found
+
+
+def coefficients_of(
+    plane: PlaneStatistics, site: tuple[int, int], side: int
+) -> list[Array]:
+    """Return (G, n) coefficients of each part but pixel, in the order of PARTS."""
+    h, w = plane.shape
+    down, across = polynomials(h)[1:], polynomials(w)[1:]
+    rows, columns = plane.rows * np.sqrt(w), plane.columns * np.sqrt(h)
+    low = low_of(plane, site, side)
     of_rows, of_columns = low[:, 1:, 0], low[:, 0, 1:]
     found = {
         "smooth_rows": of_rows[:, :SMOOTH],
         "smooth_columns": of_columns[:, :SMOOTH],
         "slow_rows": of_rows[:, SMOOTH:],
         "slow_columns": of_columns[:, SMOOTH:],
-        "fast_rows": rows,
-        "fast_columns": columns,
-        "field": low[field].reshape(len(low), -1),
+        "fast_rows": rows - rows @ down.T @ down,
+        "fast_columns": columns - columns @ across.T @ across,
+        "field": low[:, 1 : FIELD + 1, 1 : FIELD + 1].reshape(len(low), -1),
     }
     return [found[part] for part in PARTS[:PIXEL]]
+
+
+def middle_of(plane: PlaneStatistics, low: Array) -> tuple[Array, float]:
+    """Return (G,) DN, how far the middle of the frame is above its mean, of what low_of
+    returns; and of how many samples its variance is the mean."""
+    here = []
+    for length in plane.shape:
+        around = polynomials(length)[:, [(length - 1) // 2, length // 2]]
+        here.append(around.mean(axis=1))
+    both = np.outer(*here)
+    used = np.zeros(both.shape, bool)
+    used[1:, 0] = used[0, 1:] = True
+    used[1 : FIELD + 1, 1 : FIELD + 1] = True
+    found: Array = np.einsum("gjk,jk->g", low, both * used)
+    return found, 1 / float((both[used] ** 2).sum())
 
 
 def moved_by(length: int, by: float) -> Array:

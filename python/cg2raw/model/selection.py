@@ -13,20 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.model.components import FIXED
+from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.fit import Fit, Prior, refitted
-from cg2raw.statistics.constant import PARTS, Array
-
-LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
-# The mean of a log-normal law lies above its median by so many deviations at most.
-SKEWED = 0.3
-
+from cg2raw.model.lags import Blended, Lags, lag_gains
+from cg2raw.statistics.constant import Array
 
 # Names and their parameters; of those that each part has, their beginning.
 NAMES: Mapping[str, tuple[str, ...]] = {
-    "black_level": ("black_level",),
-    "dark_current": ("dark_current",),
-    "black_level_drift": ("black_level_drift",),
+    **{name: (name,) for name in LEVELS},
     "read_noise": ("read_noise",),
     "shot_noise": ("gain",),
     "row_noise": ("row_noise",),
@@ -59,64 +53,58 @@ class Selection:
         return [name for name in order if self.gains[name] > least]
 
 
-def selection(training: Fit, validation: Fit, profile: Array) -> Selection:
-    """Return what each name gains. profile : (n,) parameters of the null."""
+def selection(
+    training: Fit,
+    validation: Fit,
+    profile: Array,
+    least: float,
+    lags: tuple[Lags, Lags] | None = None,
+) -> Selection:
+    """Return what each name gains.
+
+    profile : (n,) parameters of the null. least : nats that a name needs. lags : of
+    both, of repeats."""
     names = training.parameters.names
-    gains = {}
-    for name, parameters in NAMES.items():
-        own = np.isin([name.partition(",")[0] for name in names], parameters)
-        own &= np.isfinite(np.diagonal(training.covariance))
-        own &= np.isfinite(np.diagonal(validation.covariance))
-        if own.any():
-            gains[name] = gain_of(own, training, validation, profile)
+    gains: dict[str, float] = {}
+    blended = None
+    if lags is not None:
+        gains, trained, covariance = lag_gains(*lags)
+        if gains["noise_reduction"] > least:
+            blended = Blended.of(trained, covariance)
+    known = np.isfinite(np.diagonal(training.covariance))
+    known &= np.isfinite(np.diagonal(validation.covariance))
+    places = {
+        name: np.isin([name.partition(",")[0] for name in names], parameters) & known
+        for name, parameters in NAMES.items()
+    }
+    places = {name: own for name, own in places.items() if own.any()}
+    for name, own in places.items():
+        if name in LEVELS:
+            continue
+        prior = None
+        if blended is not None and name in ("read_noise", "shot_noise"):
+            prior = blended.prior(np.flatnonzero(own), profile)
+        gains[name] = gain_of(own, training, validation, profile, prior)
+    levels = {name: places[name] for name in LEVELS if name in places}
+    if levels:
+        gains |= DarkLevels(levels, training, validation, profile).gains(least)
     return Selection(gains, training, validation)
 
 
 def gain_of(
-    own: NDArray[np.bool_], training: Fit, validation: Fit, profile: Array
+    own: NDArray[np.bool_],
+    training: Fit,
+    validation: Fit,
+    profile: Array,
+    prior: Prior | None = None,
 ) -> float:
-    """Return the nats of parameters @own, (n,), as trained over those of a profile."""
+    """Return the nats of parameters @own, (n,), as trained over those of a profile.
+
+    prior : of how far something else moves them from the profile's."""
     free = np.isfinite(np.diagonal(validation.covariance)) & ~own
     values = []
-    for pinned, prior in (
-        (training.theta, None),
-        (profile, level_prior(own, training, profile)),
-    ):
+    for pinned, known in ((training.theta, None), (profile, prior)):
         start = np.where(own, pinned, validation.theta)
-        let = free if prior is None else free | own
-        values.append(refitted(validation.likelihood, start, let, prior).value)
+        let = free if known is None else free | own
+        values.append(refitted(validation.likelihood, start, let, known).value)
     return values[0] - values[1]
-
-
-def level_prior(own: NDArray[np.bool_], training: Fit, profile: Array) -> Prior | None:
-    """Return where patterns of a mean other than 0 may move levels from a profile's;
-    None if @own are no levels."""
-    at, sites = training.parameters.of, training.parameters.sites
-    levels = slice(at("black_level"), at("black_level") + sites)
-    plane = training.likelihood.planes[0]
-    side = plane.side
-    h, w = plane.plane.shape
-    if own[levels].all():
-        signature, places = "constant", np.arange(levels.start, levels.stop)
-    elif own[at("dark_current")]:
-        signature, places = "time", np.array([at("dark_current")])
-    else:
-        return None
-    row, column = np.divmod(np.arange(len(places)), side)
-    covariance = LEAST_LEVEL * np.eye(len(places))
-    for component in FIXED:
-        if component.signature != signature:
-            continue
-        square = max(float(training.theta[at(component.name)]), 0.0)
-        if component.per == "line":
-            is_row = bool(component.parts[PARTS.index("fast_rows")])
-            line = row if is_row else column
-            covariance += square / (h if is_row else w) * np.equal.outer(line, line)
-        elif component.name in ("dsnu", "prnu"):
-            covariance += square / (h * w) * np.eye(len(places))
-        elif component.name == "dark_current_nonuniformity":
-            covariance += SKEWED**2 * square
-        else:
-            parts = float(component.parts @ plane.plane.freedom)
-            covariance += square * parts / (h * w)
-    return Prior(places, profile[places], covariance)

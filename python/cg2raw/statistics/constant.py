@@ -22,7 +22,7 @@ from cg2raw.io.atomic_file import write_atomically
 
 Array = NDArray[np.float64]
 
-VERSION = 2  # of saved files
+VERSION = 3  # of saved files
 WHOLE = ("frames", "pairs", "lags", "transients")  # arrays that are of no plane
 
 SMOOTH, SLOW, FIELD = 3, 11, 5  # highest degrees of polynomials
@@ -36,7 +36,8 @@ PARTS = (
     "field",  # products of polynomials down and across, 1 to FIELD each
     "pixel",  # all that is left
 )
-LAGS = ((0, 1), (1, 0), (0, 2), (2, 0), (1, 1))  # rows, columns to a neighbour
+# Rows and columns to a neighbour.
+LAGS = ((0, 1), (1, 0), (0, 2), (2, 0), (1, 1), (2, 2))
 BINS_PER_SIGMA = 32  # of the histogram of residuals, which has 512 bins
 BLOCKS = 8  # along each side of a plane
 POINT_SIGMAS = 8.0  # beyond which a sample is masked: of a million, none is by chance
@@ -131,7 +132,7 @@ class PlaneStatistics:
 class ConstantStatistics:
     """Of groups of frames: planes in raster order of the CFA's square repeat.
 
-    frames, pairs : (G,) counts. lags : (G, 5) correlations of the residuals of pairs
+    frames, pairs : (G,) counts. lags : (G, 6) correlations of the residuals of pairs
     with those of neighbours in the mosaic (LAGS), 0 without pairs. white : DN.
     transients : (G, F, 2) of the F frames of the largest group: how many samples each
     has alone, more than POINT_SIGMAS above the mean of the others or below it, where

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What the levels of darks name: a black level, a dark current, a drift.
+
+Each can stand for another, and would hide it if it were free: the set of names is
+chosen that needs fewest."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.model.components import FIXED
+from cg2raw.model.fit import Fit, Prior, refitted
+from cg2raw.model.smallest_set import gains_in_smallest_set
+from cg2raw.statistics.constant import PARTS, Array
+
+LEVELS = ("black_level", "dark_current", "black_level_drift")
+LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
+# The mean of a log-normal law lies above its median by so many deviations at most.
+SKEWED = 0.3
+
+
+class DarkLevels:
+    """places : (n,) which parameters are of each of LEVELS. profile : (n,) the null."""
+
+    def __init__(
+        self,
+        places: Mapping[str, NDArray[np.bool_]],
+        training: Fit,
+        validation: Fit,
+        profile: Array,
+    ) -> None:
+        self.places, self.profile = places, profile
+        self.training, self.validation = training, validation
+        self.priors = {name: self._prior(name) for name in places}
+
+    def gains(self, least: float) -> dict[str, float]:
+        """Return the nats of each name of the smallest set that explains levels.
+
+        least : nats that a name needs."""
+        return gains_in_smallest_set(
+            {name: int(own.sum()) for name, own in self.places.items()},
+            least,
+            train=lambda names: self._fitted(self.training, names, ()).theta,
+            value=lambda names, theta: (
+                self._fitted(self.validation, (), names, theta).value
+            ),
+            refitted=lambda names: self._fitted(self.validation, names, ()).value,
+        )
+
+    def _fitted(
+        self,
+        fit: Fit,
+        fitted: Sequence[str],
+        pinned: Sequence[str],
+        theta: Array | None = None,
+    ) -> Fit:
+        """Return the fit of the levels. fitted : names whose parameters are. pinned :
+        those whose are as in @theta; all others' are as the profile has them, and its
+        patterns let them be."""
+        start, free = fit.theta.copy(), np.zeros(len(self.profile), bool)
+        priors = []
+        for name, own in self.places.items():
+            if name in fitted:
+                free |= own
+            elif name in pinned and theta is not None:
+                start[own] = theta[own]
+            else:
+                start[own] = self.profile[own]
+                if (prior := self.priors[name]) is not None:
+                    priors.append(prior)
+                    free[prior.places] = True
+        prior = Prior.of_all(priors) if priors else None
+        return refitted(fit.likelihood, start, free, prior)
+
+    def _prior(self, name: str) -> Prior | None:
+        """Return where patterns whose mean is not 0 move a level from a profile's."""
+        if name == "black_level_drift":
+            return None
+        signature = "constant" if name == "black_level" else "time"
+        places, at = np.flatnonzero(self.places[name]), self.training.parameters.of
+        plane = self.training.likelihood.planes[0]
+        h, w = plane.plane.shape
+        row, column = np.divmod(np.arange(len(places)), plane.side)
+        covariance = LEAST_LEVEL * np.eye(len(places))
+        for component in FIXED:
+            if component.signature != signature:
+                continue
+            square = max(float(self.training.theta[at(component.name)]), 0.0)
+            if component.per == "line":
+                is_row = bool(component.parts[PARTS.index("fast_rows")])
+                line, count = (row, h) if is_row else (column, w)
+                covariance += square / count * np.equal.outer(line, line)
+            elif component.name == "dark_current_nonuniformity":
+                covariance += SKEWED**2 * square
+            elif component.planes == "none":
+                covariance += square / (h * w) * np.eye(len(places))
+            else:
+                parts = float(component.parts @ plane.plane.freedom)
+                covariance += square * parts / (h * w)
+        return Prior(places, self.profile[places], covariance)

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The levels of flats of known light: exposure, white balance, greens, a bent response,
+crosstalk.
+
+Each has its own pattern over the sites of the CFA and over the light. Several together
+can look like another: the set of names is chosen that needs fewest."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.model.fit import Fit
+from cg2raw.model.mean_images import low_of, middle_of
+from cg2raw.model.planes import PIXEL, PlaneLikelihood
+from cg2raw.model.smallest_set import gains_in_smallest_set
+from cg2raw.model.structure import low_noise
+from cg2raw.statistics.constant import Array
+
+FREE = 1e4  # variance of a nuisance that may be anything
+LEAST_ERROR = 1e-5  # relative; a profile's own digits
+STEP = 1e-6  # of a slope by differences
+ROUNDS = 6  # of Gauss-Newton; two are usual
+ALIKE = 1e-9  # of the largest singular value: directions that others make up for
+
+Change = Callable[["FlatLevels", Array, Array], Array]
+
+
+@dataclass(frozen=True)
+class FlatLevels:
+    """ratios : (sites * G,) levels of flats over those that are predicted. covariance :
+    of them. predicted : (sites, G), 1 at white. letters : (sites,) of the CFA."""
+
+    ratios: Array
+    covariance: Array
+    predicted: Array
+    letters: Array
+
+    @property
+    def side(self) -> int:
+        return int(round(len(self.letters) ** 0.5))
+
+    @property
+    def names(self) -> list[str]:
+        """What such flats can show."""
+        of_sides = {1: ("exposure", "nonlinearity"), 2: tuple(CHANGES)}
+        some = ("exposure", "white_balance", "nonlinearity")
+        return [n for n in CHANGES if n in of_sides.get(self.side, some)]
+
+    def value(self, names: Sequence[str], values: Array) -> float:
+        """Return the log-likelihood, nats, but for a constant."""
+        rest = self.ratios - self.expected(names, values)
+        return -float(rest @ np.linalg.solve(self.covariance, rest)) / 2
+
+    def fitted(self, names: Sequence[str]) -> Array:
+        """Return the likeliest values of the parameters of names, one after the other;
+        the smallest of those that are alike."""
+        values = np.zeros(sum(CHANGES[name][0] for name in names))
+        for _ in range(ROUNDS if len(values) else 0):
+            now = self.expected(names, values)
+            moved = (values + STEP * one for one in np.eye(len(values)))
+            slopes = np.array([self.expected(names, one) - now for one in moved]) / STEP
+            weighted = np.linalg.solve(self.covariance, slopes.T)
+            inverse = np.linalg.pinv(slopes @ weighted, rcond=ALIKE, hermitian=True)
+            values = values + inverse @ (weighted.T @ (self.ratios - now))
+        return values
+
+    def expected(self, names: Sequence[str], values: Array) -> Array:
+        """Return the ratios with effects of names, in the order of the physics."""
+        level = self.predicted
+        given, at = dict[str, Array](), 0
+        for name in names:
+            count = CHANGES[name][0]
+            given[name] = values[at : at + count]
+            at += count
+        for name, (_, change) in CHANGES.items():
+            if name in given:
+                level = change(self, level, given[name])
+        return (level / self.predicted).ravel()
+
+
+def _exposure(flats: FlatLevels, level: Array, values: Array) -> Array:
+    found: Array = level * (1 + values[0])
+    return found
+
+
+def _white_balance(flats: FlatLevels, level: Array, values: Array) -> Array:
+    red, blue = (flats.letters[:, None] == letter for letter in "RB")
+    found: Array = level * (1 + values[0] * red + values[1] * blue)
+    return found
+
+
+def _crosstalk(flats: FlatLevels, level: Array, values: Array) -> Array:
+    """Both neighbours along a line of a Bayer CFA are of one site."""
+    row, column = np.divmod(np.arange(4), 2)
+    beside, under = level[2 * row + 1 - column], level[2 * (1 - row) + column]
+    found: Array = level + values[0] * (beside - level) + values[1] * (under - level)
+    return found
+
+
+def _gr_gb_imbalance(flats: FlatLevels, level: Array, values: Array) -> Array:
+    green, row = flats.letters == "G", np.arange(4) // 2
+    in_red_rows = np.isin(row, row[flats.letters == "R"])
+    red_row, blue_row = green & in_red_rows, green & ~in_red_rows
+    found: Array = level * (1 + values[0] * red_row + values[1] * blue_row)[:, None]
+    return found
+
+
+def _nonlinearity(flats: FlatLevels, level: Array, values: Array) -> Array:
+    found: Array = level - values[0] * level**2 - values[1] * level**3
+    return found
+
+
+# Numbers of parameters, and what they do to (sites, G) levels.
+CHANGES: Mapping[str, tuple[int, Change]] = {
+    "exposure": (1, _exposure),
+    "white_balance": (2, _white_balance),
+    "crosstalk": (2, _crosstalk),
+    "gr_gb_imbalance": (2, _gr_gb_imbalance),
+    "nonlinearity": (2, _nonlinearity),
+}
+
+
+def flat_levels(
+    found: Fit,
+    predicted: Array,
+    cfa: str,
+    *,
+    white: float,
+    light: float = 0.0,
+    nuisances: frozenset[str] = frozenset(),
+    is_shaded: bool = False,
+    is_colored: bool = False,
+) -> FlatLevels | None:
+    """Return the levels of flats; None if there are none of known light.
+
+    predicted : (sites, G) DN above black, nan of darks and of unknown light. cfa : the
+    letters of its repeat, row by row. white : DN above black. light : relative, how far
+    each frame's may be off. nuisances : of a capture set. is_shaded, is_colored :
+    whether light falls off towards the corners, of colours differently: then levels are
+    those of the middle of the frame."""
+    planes = found.likelihood.planes
+    groups = np.flatnonzero((predicted > 0).all(axis=0))
+    if not len(groups):
+        return None
+    predicted = predicted[:, groups]
+    light_of = np.array([plane.light[groups] for plane in planes])
+    frames = planes[0].frames[groups]
+    noise = [plane.level_noise() for plane in planes]
+    variance = np.array([pixel[groups] + lines[groups] for pixel, lines in noise])
+    covariance = np.diag((variance / frames / light_of**2).ravel() + LEAST_ERROR**2)
+    at, count = found.parameters.of("black_level"), len(planes)
+    blacks = found.covariance[at : at + count, at : at + count]
+    blacks = np.where(np.isfinite(blacks), blacks, 0.0)
+    site = np.repeat(np.arange(count), len(groups))
+    flat = np.tile(np.arange(len(groups)), count)
+    of_site, one_light = 1 / light_of.ravel(), np.equal.outer(flat, flat)
+    covariance += np.outer(of_site, of_site) * blacks[np.ix_(site, site)]
+    letters = np.array(list(cfa) if count > 1 else ["W"])
+    covariance += one_light * light**2 / frames[flat]
+    if "exposure" in nuisances:
+        covariance += FREE * one_light
+    if "white_balance" in nuisances:
+        color = letters[site]
+        covariance += FREE * one_light * np.equal.outer(color, color)
+    ratios = light_of / predicted
+    if is_shaded or is_colored:
+        brighter, more = _middles(planes, groups, light_of, is_colored)
+        ratios = ratios * (1 + brighter[:, None])
+        covariance += more[np.ix_(site, site)]
+    ratios = ratios.ravel()
+    return FlatLevels(ratios, covariance, predicted / white, letters)
+
+
+def _middles(
+    planes: Sequence[PlaneLikelihood],
+    groups: NDArray[np.int64],
+    light: Array,
+    is_colored: bool,
+) -> tuple[Array, Array]:
+    """Return (sites,) how much brighter the middle is than the mean, relative, and the
+    covariance of that."""
+    side, count = planes[0].side, len(planes)
+    values, variances = np.zeros(light.shape), np.zeros(light.shape)
+    for site, plane in enumerate(planes):
+        low = low_of(plane.plane, divmod(site, side), side)
+        above, samples = middle_of(plane.plane, low)
+        values[site] = above[groups] / light[site]
+        noise = low_noise(plane)[groups, PIXEL] / plane.frames[groups] / samples
+        variances[site] = noise / light[site] ** 2
+    axis = 1 if is_colored else None
+    total = (1 / variances).sum(axis=axis)
+    mean = np.broadcast_to((values / variances).sum(axis=axis) / total, count)
+    alike = np.eye(count) if is_colored else np.ones((count, count))
+    return mean, alike * np.broadcast_to(1 / total, count)
+
+
+def level_gains(
+    training: FlatLevels, validation: FlatLevels, least: float
+) -> dict[str, float]:
+    """Return the nats of each name of the set that explains levels best, on validation
+    frames with its parameters as trained, over the same set without it, fitted anew.
+
+    least : nats that a name needs."""
+    return gains_in_smallest_set(
+        {name: CHANGES[name][0] for name in validation.names},
+        least,
+        train=training.fitted,
+        value=validation.value,
+        refitted=lambda names: validation.value(names, validation.fitted(names)),
+    )

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Values of named effects, in the units of the registry, with 95 % intervals."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cg2raw.model.figures import NORMAL, figures_of
+from cg2raw.model.fit import Fit
+from cg2raw.statistics.constant import Array, ConstantStatistics
+
+# Effects whose parameter is one of the figures; DN are shares of white.
+FIGURES = {
+    "row noise": ("row_noise", "sigma"),
+    "black level drift": ("black_level_drift", "sigma"),
+    "dark current": ("dark_current", "per_second"),
+    "DSNU": ("dsnu", "sigma"),
+    "fixed column pattern": ("column_fixed_pattern", "sigma"),
+    "PRNU": ("prnu", "sigma"),
+}
+LOGARITHMS = {
+    "read_noise": ("read_noise", "log_variance"),
+    "shot_noise": ("gain", "log_gain"),
+}
+
+
+class Value(NamedTuple):
+    """A parameter of an effect. low, high : its 95 % interval."""
+
+    effect: str
+    parameter: str
+    value: float
+    low: float
+    high: float
+
+
+def values_of(
+    statistics: ConstantStatistics, found: Fit, profile: Array, white: float
+) -> Iterator[Value]:
+    """Yield what the frames show, named or not. profile : (n,) parameters of the null.
+    white : DN above black."""
+    for figure in figures_of(statistics, found):
+        if figure.name in FIGURES:
+            scale = 1.0 if figure.unit == "1" else white
+            numbers = (figure.value, figure.low, figure.high)
+            yield Value(*FIGURES[figure.name], *(x / scale for x in numbers))
+    at, count = found.parameters.of, found.parameters.sites
+    side = round(count**0.5)
+    for effect, (parameter, name) in LOGARITHMS.items():
+        places = at(parameter) + np.arange(count)
+        ratio = found.theta[places] / profile[places]
+        covariance = found.covariance[np.ix_(places, places)]
+        if not (np.isfinite(covariance).all() and (ratio > 0).all()):
+            continue
+        slope = 1 / found.theta[places] / count
+        value = float(np.log(ratio).mean())
+        half = NORMAL * float(np.sqrt(slope @ covariance @ slope))
+        yield Value(effect, name, value, value - half, value + half)
+    for site in range(count):
+        place = at("black_level", site)
+        half = NORMAL * float(np.sqrt(found.covariance[place, place]))
+        if np.isfinite(half):
+            row, column = divmod(site, side)
+            value = float(found.theta[place] - profile[place])
+            ends = (value, value - half, value + half)
+            yield Value(
+                "black_level", f"offset_{row}{column}", *(x / white for x in ends)
+            )

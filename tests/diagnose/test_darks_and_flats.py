@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What one model of darks and flats names, in frames of the generator."""
+
+from dataclasses import replace
+
+import pytest
+
+from cg2raw.diagnose.darks_and_flats import darks_and_flats
+from cg2raw.synthetic.captures import draw_hidden, simulate_captures
+from cg2raw.synthetic.sensors import drawn_sensor
+
+SENSOR = drawn_sensor(5)
+
+
+def found(strengths, seed=3, captures=lambda it: it):
+    hidden = draw_hidden(SENSOR, strengths, seed=seed)
+    made = simulate_captures(SENSOR, hidden, seed=seed, twice=True)
+    return darks_and_flats(captures(made))
+
+
+@pytest.mark.parametrize(
+    "strengths",
+    [
+        {},
+        {"exposure": 0.02},
+        {"lens_shading": 0.3, "crosstalk": 0.03},
+        {"noise_reduction": 0.2, "black_level": 0.5},
+        {"dark_current": 2.0, "row_noise": 0.3, "prnu": 0.01, "white_balance": 0.03},
+    ],
+    ids=lambda strengths: "+".join(strengths) or "nothing",
+)
+def test_names_are_those_that_are_hidden(strengths):
+    assert set(found(strengths).names) == set(strengths)
+
+
+def test_flats_of_unknown_light_tell_no_exposure():
+    def unknown(captures):
+        flats = [
+            replace(c, scene=None) if c.kind == "flat" else c for c in captures.captures
+        ]
+        return replace(captures, captures=flats)
+
+    strengths = {"exposure": 0.02, "prnu": 0.01}
+    assert set(found(strengths, captures=unknown).names) == {"prnu"}
+
+
+def test_values_are_in_units_of_the_registry():
+    values = {(one.effect, one.parameter): one for one in found({"prnu": 0.01}).values}
+    prnu = values["prnu", "sigma"]
+    assert prnu.low < 0.01 < prnu.high
+    assert prnu.value == pytest.approx(0.01, rel=0.05)
+    read = values["read_noise", "log_variance"]
+    assert read.low < 0 < read.high
+
+
+def test_scenes_alone_are_refused():
+    def scenes(captures):
+        some = [c for c in captures.captures if c.kind == "scene"]
+        return replace(captures, captures=some)
+
+    with pytest.raises(ValueError, match="captures: no darks or flats"):
+        found({}, captures=scenes)

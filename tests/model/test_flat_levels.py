@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Levels of flats: what is wrong with them, by pattern over sites and light."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.model.flat_levels import FlatLevels, level_gains
+
+ERROR, LEAST = 1e-4, 8.0
+# R, G, G, B of two lights, 1 at white.
+FIRST = np.array([[0.2, 0.5], [0.4, 0.8], [0.4, 0.8], [0.1, 0.3]])
+SECOND = np.array([[0.15, 0.6], [0.3, 0.7], [0.3, 0.7], [0.2, 0.5]])
+
+
+def flats(predicted, levels, rng):
+    ratios = (levels / predicted).ravel() + ERROR * rng.standard_normal(levels.size)
+    covariance = ERROR**2 * np.eye(levels.size)
+    return FlatLevels(ratios, covariance, predicted, np.array(list("RGGB")))
+
+
+def leaked(x, share=0.02):
+    """Both neighbours in a row, by site."""
+    return (1 - share) * x + share * x[[1, 0, 3, 2]]
+
+
+CHANGES = {
+    "exposure": lambda x: 1.02 * x,
+    "white_balance": lambda x: x * np.array([1.03, 1, 1, 0.98])[:, None],
+    "gr_gb_imbalance": lambda x: x * np.array([1, 1.01, 0.995, 1])[:, None],
+    "nonlinearity": lambda x: x - 0.02 * x**2,
+    "crosstalk": leaked,
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_each_is_named_alone(name):
+    rng, change = np.random.default_rng(5), CHANGES[name]
+    found = level_gains(
+        flats(FIRST, change(FIRST), rng), flats(SECOND, change(SECOND), rng), LEAST
+    )
+    assert [one for one, gain in found.items() if gain > LEAST] == [name]
+
+
+def test_levels_as_predicted_name_nothing():
+    rng = np.random.default_rng(6)
+    assert not level_gains(flats(FIRST, FIRST, rng), flats(SECOND, SECOND, rng), LEAST)
+
+
+def test_two_that_are_far_from_small():
+    """A tenth of exposure and of red: their product is in the pattern of red."""
+    rng = np.random.default_rng(7)
+
+    def change(x):
+        return 1.1 * x * np.array([1.1, 1, 1, 1])[:, None]
+
+    first = flats(FIRST, change(FIRST), rng)
+    found = level_gains(first, flats(SECOND, change(SECOND), rng), LEAST)
+    assert set(found) == {"exposure", "white_balance"}
+    values = first.fitted(["exposure", "white_balance"])
+    assert values == pytest.approx([0.1, 0.1, 0.0], abs=1e-3)
+
+
+def test_an_exposure_that_may_be_anything_is_not_named():
+    rng = np.random.default_rng(8)
+    two = [flats(x, 1.02 * x, rng) for x in (FIRST, SECOND)]
+    one_light = np.equal.outer(*2 * (np.tile([0, 1], 4),))
+    free = [replace(x, covariance=x.covariance + 1e4 * one_light) for x in two]
+    assert not level_gains(*free, LEAST)
