@@ -7,6 +7,7 @@
 #include "multiversion.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -26,6 +27,12 @@ std::string text_of(Size size)
 std::size_t block_of(int line, int length)
 {
     return ((std::size_t(line) + 1) * statistics_blocks - 1) / std::size_t(length);
+}
+
+/// Words of 64 bits that a row of the mosaic takes.
+std::size_t words_of(int width)
+{
+    return (std::size_t(width) + 63) / 64;
 }
 
 std::int16_t saturated(std::int32_t value)
@@ -371,7 +378,18 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
         blocks.emplace_back();
         for (int x = 0; x < plane.width(); ++x)
             blocks.back().push_back(std::uint8_t(block_of(x, plane.width())));
+        auto& noise = of_group.planes[p].masked_noise;
+        noise.resize(samples.size());
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const int y = int(samples[i] / width), x = int(samples[i] % width);
+            const Site site = plane.site(y, x);
+            const double value
+                = double(a(site)) - double(b(site)) - rest[p].smooth(plane, y, x);
+            noise[i] += value * value / 2.0;
+        }
     }
+    const std::size_t words = words_of(m_size.width);
+    of_group.noisy.resize(words * std::size_t(m_size.height));
 
     std::vector<PairStrip> parts;
     parts.resize(std::size_t(strips_of(m_size.height)));
@@ -417,6 +435,11 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
                     ++sums.counts[std::min(std::size_t(size),
                                            std::size_t(statistics_bins - 1))];
                     sums.noise[down + blocks[p][x]] += double(z[x]) * z[x];
+                    if (std::abs(z[x]) > noisy_sigmas) {
+                        const std::size_t at = x * side + q;
+                        of_group.noisy[std::size_t(r) * words + at / 64]
+                            |= std::uint64_t(1) << at % 64;
+                    }
                 }
             }
             if (!is_own)
@@ -525,6 +548,21 @@ FrameStatistics::products(const ParallelFor& parallel) const
                     / plane.samples();
                 found[p][h * groups + g] = sum;
             }
+    return found;
+}
+
+std::vector<std::int64_t> FrameStatistics::overlaps() const
+{
+    const std::size_t groups = m_groups.size();
+    std::vector<std::int64_t> found(groups * groups);
+    for (std::size_t g = 0; g < groups; ++g)
+        for (std::size_t h = 0; h <= g; ++h) {
+            const auto &one = m_groups[g].noisy, &other = m_groups[h].noisy;
+            std::int64_t count = 0;
+            for (std::size_t i = 0; i < std::min(one.size(), other.size()); ++i)
+                count += std::int64_t(std::bitset<64>(one[i] & other[i]).count());
+            found[g * groups + h] = found[h * groups + g] = count;
+        }
     return found;
 }
 

@@ -6,6 +6,7 @@
 #include "cg2raw/frame_statistics.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace cg2raw::python {
 namespace {
@@ -84,7 +85,7 @@ py::array_t<T> by_group(const FrameStatistics& self, std::size_t columns,
     const auto& groups = self.groups();
     py::array_t<T> found({ groups.size(), columns });
     for (std::size_t g = 0; g < groups.size(); ++g)
-        std::copy_n(row(groups[g]), columns, found.mutable_data(py::ssize_t(g), 0));
+        std::copy_n(row(groups[g]), columns, found.mutable_data() + g * columns);
     return found;
 }
 
@@ -158,6 +159,16 @@ py::dict plane_of_groups(const FrameStatistics& self, std::size_t p,
     found["noise"] = by_group<double>(
         self, statistics_blocks * statistics_blocks,
         [&](const GroupSums& group) { return of(group).noise.data(); });
+    const std::size_t count = mask.samples.size();
+    found["outliers"] = by_group<float>(
+        self, count, [&](const GroupSums& group) { return of(group).masked.data(); });
+    found["outlier_noise"]
+        = by_group<float>(self, count, [&](const GroupSums& group) {
+              room.assign(count, std::numeric_limits<double>::quiet_NaN());
+              for (std::size_t i = 0; group.pairs && i < count; ++i)
+                  room[i] = of(group).masked_noise[i] / group.pairs;
+              return room.data();
+          });
     return found;
 }
 
@@ -182,6 +193,9 @@ py::tuple result(const FrameStatistics& self, int threads)
               }
               return room.data();
           });
+    const auto groups = py::ssize_t(self.groups().size());
+    const py::array_t<std::int64_t> overlaps({ groups, groups },
+                                             self.overlaps().data());
     std::size_t most = 0;
     for (const GroupSums& group : self.groups())
         most = std::max(most, group.transients.size());
@@ -192,7 +206,7 @@ py::tuple result(const FrameStatistics& self, int threads)
         for (std::size_t i = 0; i < self.groups()[g].transients.size(); ++i)
             std::copy_n(self.groups()[g].transients[i].begin(), 2,
                         transients.mutable_data(py::ssize_t(g), py::ssize_t(i), 0));
-    return py::make_tuple(planes, lags, transients);
+    return py::make_tuple(planes, lags, transients, overlaps);
 }
 
 } // namespace
@@ -232,7 +246,7 @@ void bind_frame_statistics(py::module_& m)
              "threads"_a = 2, "A frame again, or a pair.")
         .def("result", &result, "threads"_a = 2,
              "(list of the planes' arrays, (G, 5) correlations at the lags, (G, F, 2) "
-             "transients).")
+             "transients, (G, G)\nhow many samples are noisy in both of two groups).")
         .def(
             "mean",
             [](const FrameStatistics& self, int group) {

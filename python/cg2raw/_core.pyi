@@ -377,7 +377,12 @@ class FrameStatistics:
     ) -> None: ...
     def result(
         self, threads: int = 2
-    ) -> tuple[list[dict[str, Any]], NDArray[np.float64], NDArray[np.int64]]: ...
+    ) -> tuple[
+        list[dict[str, Any]],
+        NDArray[np.float64],
+        NDArray[np.int64],
+        NDArray[np.int64],
+    ]: ...
     def mean(self, group: int) -> NDArray[np.float32]: ...
 
 def normal_scores_of_two(

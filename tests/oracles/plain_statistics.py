@@ -29,6 +29,7 @@ LEAST_SIGMA = 0.25  # DN: steps of codes are no outliers
 LOST = 0.9  # of a line's samples masked: the whole line is
 WINDOW = 9  # lines of the running median
 BINS = 512
+NOISY = 4.0  # sigma of a pair
 
 
 def plain_statistics(groups, side, white, excluded=None):
@@ -59,6 +60,7 @@ def plain_statistics(groups, side, white, excluded=None):
             found.append([correlation(mosaic, *lag) for lag in LAGS])
         lags.append(np.mean(found, axis=0) if found else np.zeros(len(LAGS)))
     counts = np.array([len(given) for _, given in groups])
+    noisy = np.array([noisy_of(g, residuals) for g in range(len(groups))], int)
     return ConstantStatistics(
         groups=tuple(GroupInfo(**vars(info)) for info, _ in groups),
         planes=tuple(planes),
@@ -66,8 +68,21 @@ def plain_statistics(groups, side, white, excluded=None):
         pairs=counts // 2,
         lags=np.array(lags),
         white=white,
+        overlaps=noisy @ noisy.T,
         transients=np.zeros((len(groups), 1, 2), int),
     )
+
+
+def noisy_of(group, residuals):
+    """Return (samples,) bool, which are beyond NOISY in a pair; of all planes."""
+    found = []
+    for of_plane in residuals:
+        first = next(iter(sum(of_plane, [])), np.zeros(0))
+        noisy = np.zeros(first.shape, bool)
+        for pair in of_plane[group]:
+            noisy |= np.abs(pair) > NOISY
+        found.append(noisy.ravel())
+    return np.concatenate(found)
 
 
 def plane_statistics(groups, white, excluded):
@@ -79,15 +94,19 @@ def plane_statistics(groups, white, excluded):
     counted = [frames[:, ~excluded].ravel().astype(int) for frames in groups]
     codes = np.array([np.bincount(one, minlength=top) for one in counted])
     clipped = [[np.mean(one <= 0), np.mean(one >= white)] for one in counted]
-    groups = [without(frames, mask) for frames in groups]
+    raw, groups = groups, [without(frames, mask) for frames in groups]
     means = [frames.mean(axis=0) for frames in groups]
     level = np.array([mean.mean() for mean in means])
     centred = np.array(means) - level[:, None, None]
-    moments, residuals = [], []
-    for frames in groups:
-        pairs = zip(frames[::2], frames[1::2], strict=False)
-        rests = [(a - b) / np.sqrt(2) for a, b in pairs]
-        rests = [rest - smooth_of(rest) for rest in rests]
+    moments, residuals, outlier_noise = [], [], []
+    for frames, as_read in zip(groups, raw, strict=True):
+        rests = differences(frames)
+        smooths = [smooth_of(rest) for rest in rests]
+        masked = zip(differences(as_read), smooths, strict=True)
+        squares = [(rest - smooth)[mask] ** 2 for rest, smooth in masked]
+        none = np.full(mask.sum(), np.nan)
+        outlier_noise.append(np.mean(squares, axis=0) if squares else none)
+        rests = [rest - smooth for rest, smooth in zip(rests, smooths, strict=True)]
         with np.errstate(divide="ignore", invalid="ignore"):  # nan: none is known
             powers = np.array(
                 [(rest**2).sum() / (freedom[-1] or np.nan) for rest in rests]
@@ -132,7 +151,27 @@ def plane_statistics(groups, white, excluded):
         noise=noise,
         codes=np.array(codes),
         masked=mask,
+        outliers=np.array([outliers_of(frames, mask) for frames in raw]),
+        outlier_noise=np.array(outlier_noise),
     ), residuals
+
+
+def differences(frames):
+    """Return (pairs, h, w) (a - b) / sqrt(2) of disjoint pairs."""
+    pairs = zip(frames[::2], frames[1::2], strict=False)
+    return [(a - b) / np.sqrt(2) for a, b in pairs]
+
+
+def outliers_of(frames, mask):
+    """Return (masked,) what the mean image has there beyond those around, without what
+    one frame has alone."""
+    mean = frames.mean(axis=0)
+    if len(frames) > 1:
+        rest = frames - mean
+        rest -= np.array([one[~mask].mean() for one in rest])[:, None, None]
+        alone = np.take_along_axis(rest, np.abs(rest).argmax(axis=0)[None], 0)[0]
+        mean = mean - are_far(alone) * alone / (len(frames) - 1)
+    return (mean - filled(mean, mask))[mask]
 
 
 def on_grid(image):

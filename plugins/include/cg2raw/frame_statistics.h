@@ -25,6 +25,7 @@ namespace cg2raw {
 inline constexpr std::size_t statistics_blocks = 8; ///< along each side of a plane
 inline constexpr std::size_t statistics_bins = 512; ///< of the histogram of residuals
 inline constexpr int statistics_bins_per_sigma = 32;
+inline constexpr float noisy_sigmas = 4.0F; ///< of a pair: two in 30,000 normal ones
 /// Rows and columns from a sample of the mosaic to its neighbour.
 inline constexpr std::array<std::array<int, 2>, 6> statistics_lags {
     { { 0, 1 }, { 1, 0 }, { 0, 2 }, { 2, 0 }, { 1, 1 }, { 2, 2 } }
@@ -48,6 +49,9 @@ struct PlaneOfGroup {
         = 0.0; ///< their mean fourth power over their variance's square, likewise
     std::array<std::int64_t, statistics_bins> residuals {}; ///< absolute, standardised
     std::array<double, statistics_blocks * statistics_blocks> noise {}; ///< by block
+    /// Of the mask's samples: of the mean image, less what stands in its place, DN; and
+    /// squares of the pairs' residuals, sums over pairs, DN^2.
+    std::vector<double> masked, masked_noise;
 };
 
 /// Frames of one kind, exposure and light, by planes: the rows of the repeat in turn.
@@ -60,6 +64,9 @@ struct GroupSums {
     std::vector<PlaneOfGroup> planes;
     /// Sums of products of standardised residuals with those of neighbours.
     std::array<double, statistics_lags.size()> lags {};
+    /// By rows of the mosaic, a bit for each sample: whether its residual is beyond
+    /// noisy_sigmas in a pair, of samples that are not masked.
+    std::vector<std::uint64_t> noisy;
 };
 
 /// Goes over all frames twice: look() at all, group by group, mask(), measure() all.
@@ -93,6 +100,8 @@ public:
     /// Inner products of the groups' mean images less their levels, DN^2: by plane, row
     /// after row.
     std::vector<std::vector<double>> products(const ParallelFor& parallel) const;
+    /// How many samples are noisy in both of two groups, row after row.
+    std::vector<std::int64_t> overlaps() const;
     /// The mean image of a group, masked samples as they are, transients left out.
     void mean(int group, const Plane<float>& to) const;
 

@@ -22,8 +22,8 @@ from cg2raw.io.atomic_file import write_atomically
 
 Array = NDArray[np.float64]
 
-VERSION = 3  # of saved files
-WHOLE = ("frames", "pairs", "lags", "transients")  # arrays that are of no plane
+VERSION = 4  # of saved files
+WHOLE = ("frames", "pairs", "lags", "transients", "overlaps")  # of no plane
 
 SMOOTH, SLOW, FIELD = 3, 11, 5  # highest degrees of polynomials
 PARTS = (
@@ -44,6 +44,9 @@ POINT_SIGMAS = 8.0  # beyond which a sample is masked: of a million, none is by 
 PLACES = np.linspace(0.02, 0.98, 25)  # quantiles of the smooth part of a mean image
 SAME_TEMPERATURE = 1.0  # K; what lies closer is the jitter of one set point
 MOST_LINES = 256  # along each side, of which the quantiles are taken
+# Bins of dark rates over their noise; as fine as their laws, out to all that can be.
+RATE_SIDE = np.geomspace(0.25, 1e5, 121)
+RATE_EDGES = np.concatenate([-RATE_SIDE[::-2], RATE_SIDE])
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,10 @@ class PlaneStatistics:
     image, less its level, on a grid of at most MOST_LINES lines.
     low, high : (G,) shares of samples at 0 and at white or above.
     noise : (G, 64) DN^2, sums of the squares of pairs' residuals, by BLOCKS x BLOCKS
-    blocks. codes : (G, codes) how many samples have each. masked : (h, w) bool."""
+    blocks. codes : (G, codes) how many samples have each. masked : (h, w) bool.
+    outliers : (G, masked) DN, what masked samples of the mean images are beyond those
+    around, in raster order. outlier_noise : (G, masked) DN^2, mean squares of their
+    pairs' residuals; nan without pairs."""
 
     freedom: Array
     level: Array
@@ -101,10 +107,18 @@ class PlaneStatistics:
     noise: Array
     codes: NDArray[np.uint32]
     masked: NDArray[np.bool_]
+    outliers: NDArray[np.float32]
+    outlier_noise: NDArray[np.float32]
 
     @property
     def shape(self) -> tuple[int, int]:
         return self.rows.shape[1], self.columns.shape[1]
+
+    @property
+    def in_lines(self) -> NDArray[np.bool_]:
+        """(h, w) which samples are in a row or column that is masked as a whole."""
+        rows = np.asarray(self.masked.all(axis=1))
+        return rows[:, None] | np.asarray(self.masked.all(axis=0))
 
     @property
     def along_freedom(self) -> float:
@@ -129,6 +143,21 @@ class PlaneStatistics:
 
 
 @dataclass(frozen=True)
+class DarkRates:
+    """Of a split's darks: how many samples have which slope over exposure time, beyond
+    what the parts say of those around.
+
+    counts : (bins,) by RATE_EDGES, in units of noise. noise : DN/s, of one
+    sample, temporal and of what the parts say. charge : 1/s, by which the square of
+    the noise grows with gain * rate, (DN/s)^2."""
+
+    split: str
+    counts: NDArray[np.int64]
+    noise: float
+    charge: float
+
+
+@dataclass(frozen=True)
 class ConstantStatistics:
     """Of groups of frames: planes in raster order of the CFA's square repeat.
 
@@ -136,7 +165,10 @@ class ConstantStatistics:
     with those of neighbours in the mosaic (LAGS), 0 without pairs. white : DN.
     transients : (G, F, 2) of the F frames of the largest group: how many samples each
     has alone, more than POINT_SIGMAS above the mean of the others or below it, where
-    that is as in the surroundings; a hot pixel's noise is none."""
+    that is as in the surroundings; a hot pixel's noise is none.
+    overlaps : (G, G) how many samples, not masked, are beyond 4 sigma in some pair of
+    the one group and in some of the other. rates : of splits whose darks have several
+    exposure times."""
 
     groups: tuple[GroupInfo, ...]
     planes: tuple[PlaneStatistics, ...]
@@ -145,6 +177,8 @@ class ConstantStatistics:
     lags: Array
     white: int
     transients: NDArray[np.int64]
+    overlaps: NDArray[np.int64]
+    rates: tuple[DarkRates, ...] = ()
 
     def only(self, numbers: Sequence[int]) -> "ConstantStatistics":
         """Return the statistics of some of the groups."""
@@ -158,9 +192,15 @@ class ConstantStatistics:
             given["whole"] = plane.whole[np.ix_(at, at)]
             planes.append(PlaneStatistics(**given))
         whole = {name: getattr(self, name)[at] for name in WHOLE}
+        whole["overlaps"] = whole["overlaps"][:, at]
         groups = tuple(self.groups[n] for n in at)
+        splits = {group.split for group in groups}
         return ConstantStatistics(
-            groups=groups, planes=tuple(planes), white=self.white, **whole
+            groups=groups,
+            planes=tuple(planes),
+            white=self.white,
+            rates=tuple(one for one in self.rates if one.split in splits),
+            **whole,
         )
 
     def variance(self, number: int, part: str = "pixel") -> Array:
@@ -184,7 +224,10 @@ class ConstantStatistics:
             "white": self.white,
             "groups": [asdict(group) for group in self.groups],
         }
+        about["rates"] = [[one.split, one.noise, one.charge] for one in self.rates]
         arrays["about"] = np.array(json.dumps(about))
+        if self.rates:
+            arrays["rates"] = np.array([one.counts for one in self.rates])
         for p, plane in enumerate(self.planes):
             for field in fields(plane):
                 value = getattr(plane, field.name)
@@ -214,6 +257,13 @@ class ConstantStatistics:
             for one in about["groups"]
         )
         whole = {name: found.pop(name) for name in WHOLE}
+        counts = found.pop("rates", ())
+        rates = tuple(
+            DarkRates(split, of_split, noise, charge)
+            for (split, noise, charge), of_split in zip(
+                about["rates"], counts, strict=True
+            )
+        )
         ends = np.cumsum(whole["frames"])[:-1]
         planes: dict[str, dict[str, Any]] = {}
         for name, value in found.items():
@@ -223,7 +273,13 @@ class ConstantStatistics:
                 tuple(np.split(value, ends)) if is_levels else value
             )
         parts = tuple(PlaneStatistics(**planes[str(p)]) for p in range(len(planes)))
-        return cls(groups=groups, planes=parts, white=int(about["white"]), **whole)
+        return cls(
+            groups=groups,
+            planes=parts,
+            white=int(about["white"]),
+            rates=rates,
+            **whole,
+        )
 
 
 def set_points(temperatures: Sequence[float | None]) -> list[int]:

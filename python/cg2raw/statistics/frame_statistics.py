@@ -5,6 +5,7 @@
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from cg2raw.statistics.constant import (
     PlaneStatistics,
     polynomials,
 )
+from cg2raw.statistics.dark_rates import dark_rates
 from cg2raw.statistics.kept import Kept, Reader
 
 
@@ -84,7 +86,7 @@ def statistics_and_means(
             seen.measure(group, pair[0], pair[1] if len(pair) == 2 else None, threads)
             done += len(pair)
             tell(done / len(readers) / 2)
-    planes, lags, transients = seen.result(threads)
+    planes, lags, transients, overlaps = seen.result(threads)
     number = np.array([len(members) for _, members in groups])
     most = max(found.shape[1] for found in counts)
     codes = np.array([np.pad(c, ((0, 0), (0, most - c.shape[1]))) for c in counts])
@@ -105,8 +107,10 @@ def statistics_and_means(
         lags=lags,
         white=white,
         transients=transients,
+        overlaps=overlaps,
     )
-    return statistics, seen.mean
+    rates = dark_rates(statistics, seen.mean, excluded)
+    return replace(statistics, rates=rates), seen.mean
 
 
 def frame_statistics(

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""How much charge each pixel gathers without light: a histogram of their rates."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.statistics.constant import (
+    FIELD,
+    RATE_EDGES,
+    Array,
+    ConstantStatistics,
+    DarkRates,
+    PlaneStatistics,
+    polynomials,
+)
+
+PIXEL = -1  # of the parts
+
+
+@dataclass(frozen=True)
+class Slope:
+    """weights : (G,) by which mean images add up to their slope over time, 1/s; 0 of
+    other groups. noise : (P,) DN/s, sd of what comes out, of each plane. charge : as of
+    DarkRates."""
+
+    weights: Array
+    noise: Array
+    charge: float
+
+
+def dark_rates(
+    statistics: ConstantStatistics,
+    mean_of: Callable[[int], NDArray[np.float32]],
+    excluded: NDArray[np.bool_] | None = None,
+) -> tuple[DarkRates, ...]:
+    """Return the rates of each split whose darks have several exposure times.
+
+    mean_of : (H, W) DN of a group. excluded : (H, W), samples that do not count."""
+    found = []
+    side = round(len(statistics.planes) ** 0.5)
+    for split in dict.fromkeys(group.split for group in statistics.groups):
+        slope = slope_of(statistics, split)
+        if slope is None:
+            continue
+        h, w = statistics.planes[0].shape
+        rates = [np.zeros(plane.shape, np.float32) for plane in statistics.planes]
+        for g in np.flatnonzero(slope.weights):
+            mean = mean_of(int(g))
+            for p, plane in enumerate(statistics.planes):
+                rest = mean[p // side :: side, p % side :: side] - smooth(plane, int(g))
+                rates[p] += np.float32(slope.weights[g]) * rest
+        counts = np.zeros(len(RATE_EDGES) - 1, np.int64)
+        noises = [
+            noise_beside(plane, rate, float(own))
+            for plane, rate, own in zip(
+                statistics.planes, rates, slope.noise, strict=True
+            )
+        ]
+        for p, plane in enumerate(statistics.planes):
+            used = ~plane.in_lines
+            if excluded is not None:
+                used &= ~excluded[p // side :: side, p % side :: side]
+            scaled = np.clip(rates[p][used] / noises[p], *RATE_EDGES[[0, -1]])
+            counts += np.histogram(scaled, RATE_EDGES)[0]
+        noise = float(np.sqrt(np.mean(np.square(noises))))
+        found.append(DarkRates(split, counts, noise, slope.charge))
+    return tuple(found)
+
+
+def slope_of(statistics: ConstantStatistics, split: str) -> Slope | None:
+    """Return the least-squares slope of a split's darks; None of one exposure time,
+    and where no two frames repeat each other."""
+    used = np.array([g.kind == "dark" and g.split == split for g in statistics.groups])
+    time = np.array([g.exposure_time or 0.0 for g in statistics.groups])
+    known = used & (statistics.pairs > 0)
+    if not known.any() or not np.ptp(time[used]):
+        return None
+    frames = np.where(used, statistics.frames, 0)
+    away = time - frames @ time / frames.sum()
+    weights = frames * away / (frames @ away**2)
+    power = np.array([plane.power for plane in statistics.planes])
+    usual = power[:, known].mean(axis=1, keepdims=True)
+    each = np.where(known, np.where(known, power, 0.0), usual) / statistics.frames
+    noise = np.sqrt(each @ weights**2)
+    charge = float(weights**2 @ (time / statistics.frames))
+    return Slope(weights, noise, charge) if (noise > 0).all() else None
+
+
+def noise_beside(
+    plane: PlaneStatistics, rates: NDArray[np.float32], temporal: float
+) -> float:
+    """Return the noise of a plane's rates with that of the means of lines, which have
+    been taken off: they are of few samples whose rates differ."""
+    known = rates[~plane.masked]
+    lost = 1 - plane.freedom[PIXEL] / max(known.size, 1)
+    spread = max(float(known.var()) - temporal**2, 0.0) if known.size else 0.0
+    return float(np.sqrt(temporal**2 + lost * spread))
+
+
+def smooth(plane: PlaneStatistics, group: int) -> NDArray[np.float32]:
+    """Return (h, w) DN what all parts but pixel say of a group's mean image."""
+    h, w = plane.shape
+    down, across = (polynomials(n)[1 : FIELD + 1] for n in (h, w))
+    field = plane.field[group, : len(down), : len(across)]
+    found = (down.T @ field @ across).astype(np.float32)
+    found += (plane.level[group] + plane.rows[group]).astype(np.float32)[:, None]
+    found += plane.columns[group].astype(np.float32)
+    return found
