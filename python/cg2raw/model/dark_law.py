@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The law of pixels' dark current: most are log-normal, a few hot ones exponential
+besides, and what was measured has normal noise.
+
+Source: R. L. Baer, Proc. SPIE 6068, 2006 (log-normal); R. Widenhorn et al., Proc. SPIE
+4669, 2002 (tails)."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import erfcx, ndtr
+
+from cg2raw.statistics.constant import RATE_EDGES, Array
+
+NODES = np.linspace(-5.5, 5.5, 221)  # of the normal that the log-normal is made of
+WEIGHTS = np.exp(-(NODES**2) / 2) / np.exp(-(NODES**2) / 2).sum()
+EACH = 10  # of them, where hot pixels are
+FAR = 20.0  # times the noise, where hot pixels are looked for first
+# A wider law is one of few pixels that are hot, and says nothing of most.
+MOST_LOG_SIGMA = 2.0
+MOST_HOT = 0.2  # as the registry bounds it
+LEAST_HOT = 1e-7  # share of hot pixels that is tried
+# A law that ends here is a normal: noise that is wider than it was taken for.
+LEAST_LOG_SIGMA = 0.02
+HOT = 6.0  # times the deviation of most, that the mean of hot pixels is above them
+MIDDLE = (0.159, 0.841)  # of the pixels, a standard deviation to either side
+# Of the numbers that are searched for: shift, and logarithms of the others.
+LOW = np.array([-1e3, *np.log([1e-3, LEAST_LOG_SIGMA, LEAST_HOT, HOT])])
+HIGH = np.array([1e3, *np.log([1e3, MOST_LOG_SIGMA, MOST_HOT, 1e5])])
+LEAST_NOISE = 0.1  # squared, of pixels far below the mean
+LEAST_SHARE = 1e-12  # of a bin: what no law expects
+ROUNDS, STEP = 60, 1e-4  # of scoring; of slopes, in the numbers
+DAMPED, FREED = 4.0, 0.25  # how the damping changes by a round
+DONE = 1e-4  # nats
+LOG_SIGMAS = np.geomspace(0.05, 2.0, 16)  # that a median is averaged over
+KNOWN = 0.1  # relative error of log_sigma, by which its likelihood is normal
+LEAST_NATS = 10.0  # of evidence for a law of two parameters
+
+
+@dataclass(frozen=True)
+class DarkLaw:
+    """shift + rate (exp(log_sigma n) - 1), n normal, of all pixels but a fraction, to
+    which an exponential of mean @hot_rate adds; all over the noise.
+
+    errors : (5,) of these numbers, 0 of those that were not searched for. nats : their
+    log likelihood. shot : by how much the square of the noise, 1 at a rate of 0, grows
+    with the rate: charge has a noise of its own."""
+
+    shift: float
+    rate: float
+    log_sigma: float
+    fraction: float
+    hot_rate: float
+    errors: Array
+    nats: float
+    shot: float
+
+    def over(self, unit: float, shot: float) -> "DarkLaw":
+        """Return the law of rates over another noise, of so many of this one's; its
+        errors stay."""
+        each = self.shift, self.rate, self.hot_rate
+        shift, rate, hot_rate = (one / unit for one in each)
+        return replace(self, shift=shift, rate=rate, hot_rate=hot_rate, shot=shot)
+
+    @property
+    def shares(self) -> Array:
+        """(bins,) expected, between RATE_EDGES."""
+        values = (self.shift, self.rate, self.log_sigma, self.fraction, self.hot_rate)
+        return shares_of(np.array(values), self.shot)
+
+
+def nats_of(counts: Array, law: DarkLaw) -> float:
+    """Return the log likelihood of counts by RATE_EDGES."""
+    return float(counts @ np.log(np.maximum(law.shares, LEAST_SHARE)))
+
+
+def fitted(counts: Array, shot: float = 0.0, *, uneven: bool, hot: bool) -> DarkLaw:
+    """Return the law of most likelihood. counts : (bins,) by RATE_EDGES. shot : as of
+    DarkLaw.
+
+    uneven, hot : whether the pixels have a law, and whether some are hot."""
+    wide, high = (np.maximum(_quantile(counts, q), 1.0) for q in (0.9, 0.999))
+    found = [
+        _climbed(
+            counts, np.array([0.0, *np.log([size, sigma, LEAST_HOT, FAR])]), used, shot
+        )
+        for used in [np.array([True, uneven, uneven, False, False])]
+        for size, sigma in (((wide / 2, 0.8), (0.1, 1.6)) if uneven else ((1.0, 1.0),))
+    ]
+    best = max(found, key=lambda law: law.nats)
+    if not hot:
+        return best
+    used = np.array([True, uneven, uneven, True, True])
+    for share in (1e-2, 1e-4):
+        start = [best.rate or 1.0, best.log_sigma, share, max(high, FAR)]
+        found.append(
+            _climbed(counts, np.array([best.shift, *np.log(start)]), used, shot)
+        )
+    return max(found, key=lambda law: law.nats)
+
+
+def _quantile(counts: Array, share: float) -> float:
+    total = np.append(0.0, counts.cumsum())
+    return float(np.interp(share * total[-1], total, RATE_EDGES))
+
+
+def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
+    """Fisher scoring with damping. start : shift, and logarithms of the others.
+    free : (5,) of them, what is searched for; without, a rate or a fraction is 0."""
+    low, high = LOW.copy(), HIGH
+    first, last = (_quantile(counts, q) for q in MIDDLE)
+    deviation = (last - first) / 2
+    low[4] += np.log(max(deviation, 1.0))
+    x = np.clip(start, low, high)
+    known = np.array([True, free[1], True, free[3], True])
+
+    def values_of(x: Array) -> Array:
+        found: Array = np.append(x[:1], np.exp(x[1:])) * known
+        return found
+
+    def shares(x: Array) -> Array:
+        found: Array = np.maximum(shares_of(values_of(x), shot), LEAST_SHARE)
+        return found
+
+    def slopes(x: Array, at: Array) -> Array:
+        found = [(shares(x + STEP * e) - at) / STEP for e in np.eye(5)[free]]
+        return np.array(found)
+
+    expected = shares(x)
+    nats = float(counts @ np.log(expected))
+    damping = 1e-3
+    information = np.eye(int(free.sum()))
+    for _ in range(ROUNDS):
+        by = slopes(x, expected)
+        score = by @ (counts / expected)
+        information = counts.sum() * (by / expected) @ by.T
+        own = np.diagonal(information)
+        damped = information + np.diag(damping * own + 1e-9)
+        trial = x.copy()
+        trial[free] += np.linalg.solve(damped, score)
+        trial = np.clip(trial, low, high)
+        after = shares(trial)
+        better = float(counts @ np.log(after))
+        if better < nats:
+            damping = max(damping, 1e-4) * DAMPED
+            if damping > 1e9:
+                break
+            continue
+        gain, x, expected, nats = better - nats, trial, after, better
+        damping *= FREED
+        if gain < DONE:
+            break
+    errors = np.zeros(5)
+    scale = np.sqrt(np.maximum(np.diagonal(information), 1e-9))
+    roots, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    inverse = (vectors**2 / np.maximum(roots, 1e-6)).sum(axis=1)
+    errors[free] = np.sqrt(inverse) / scale
+    values = values_of(x)
+    errors[1:] *= values[1:]
+    shift, rate, log_sigma, fraction, hot_rate = map(float, values)
+    return DarkLaw(shift, rate, log_sigma, fraction, hot_rate, errors, nats, shot)
+
+
+def median_of(counts: Array, shot: float = 0.0) -> tuple[float, float]:
+    """Return the law's median and its standard error, over the noise: 0 is what the
+    rates are counted from. Both are 0 where most pixels are not shown to differ.
+
+    Of a law that is narrower than noise log_sigma is hardly known, and by it the
+    median: then they are averaged over it, by likelihood."""
+    even = fitted(counts, shot, uneven=False, hot=True)
+    best = fitted(counts, shot, uneven=True, hot=True)
+    if best.nats - even.nats < LEAST_NATS:
+        return 0.0, 0.0
+    if best.errors[2] < KNOWN * best.log_sigma:
+        return best.shift, float(best.errors[0])
+    free = np.array([True, True, False, best.fraction > 0, best.fraction > 0])
+    start = np.array([best.rate, best.log_sigma, best.fraction, best.hot_rate])
+    x = np.array([best.shift, *np.log(np.maximum(start, LEAST_HOT))])
+    laws = []
+    for log_sigma in LOG_SIGMAS:
+        # The same spread; of it the tail says how much is skew.
+        again = x + np.log(best.log_sigma / log_sigma) * np.array([0, 1, -1, 0, 0])
+        laws.append(_climbed(counts, again, free, shot))
+    nats = np.array([law.nats for law in laws])
+    weights = np.exp(nats - nats.max())
+    weights /= weights.sum()
+    shifts = np.array([law.shift for law in laws])
+    squares = shifts**2 + np.array([law.errors[0] for law in laws]) ** 2
+    mean = float(weights @ shifts)
+    return mean, math.sqrt(max(float(weights @ squares) - mean**2, 0.0))
+
+
+def shares_of(values: Array, shot: float) -> Array:
+    """Return the expected share of each bin between RATE_EDGES.
+
+    values : shift, rate, log_sigma, fraction, hot rate; the noise is 1 at a rate
+    of 0. shot : as of DarkLaw."""
+    shift, rate, log_sigma, fraction, hot = values
+    away = shift + rate * np.expm1(log_sigma * NODES)
+    if rate == 0:
+        cold = ndtr(RATE_EDGES - shift)
+    else:
+        # Between two nodes the law is even: as wide as their distance.
+        apart = rate * log_sigma * np.exp(log_sigma * NODES) * (NODES[1] - NODES[0])
+        wide = np.sqrt(np.maximum(1 + shot * away, LEAST_NOISE) + apart**2 / 12)
+        cold = ndtr((RATE_EDGES[:, None] - away) / wide) @ WEIGHTS
+    warm = cold if fraction == 0 else _with_hot(RATE_EDGES, hot, away)
+    together = (1 - fraction) * cold + fraction * warm
+    total: Array = np.diff(together)
+    return total
+
+
+def _with_hot(x: Array, hot: float, away: Array) -> Array:
+    """Return the distribution of noise plus an exponential of mean @hot, beyond where
+    each of the others is; of these few do."""
+    weights = WEIGHTS[::EACH] / WEIGHTS[::EACH].sum()
+    z = x[:, None] - np.atleast_1d(away)[None, ::EACH]
+    inner = (1 / hot - z) / math.sqrt(2)
+    tail = 0.5 * erfcx(np.maximum(inner, -25)) * np.exp(-(z**2) / 2)
+    far = inner < -20
+    tail = np.where(far, np.exp(np.clip(0.5 / hot**2 - z / hot, -700, 0)), tail)
+    found: Array = (ndtr(z) - tail) @ weights
+    return found

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The law of dark currents: planted numbers and medians, and none of none."""
+
+import numpy as np
+import pytest
+
+from cg2raw.model.dark_law import fitted, median_of
+from cg2raw.statistics.constant import RATE_EDGES
+
+SAMPLES = 60_000
+
+
+def counts_of(rate, log_sigma, share=0.0, hot=40.0, seed=1):
+    """Return a histogram of rates over their noise, whose mean without hot is 0."""
+    rng = np.random.default_rng(seed)
+    rates = rate * np.exp(log_sigma * rng.standard_normal(SAMPLES))
+    rates += rng.standard_normal(SAMPLES) - rates.mean()
+    rates += (rng.random(SAMPLES) < share) * rng.exponential(hot, SAMPLES)
+    return np.histogram(rates, RATE_EDGES)[0].astype(float)
+
+
+@pytest.mark.parametrize(
+    ("rate", "log_sigma", "share"),
+    [(15.0, 0.8, 0.005), (1.0, 1.0, 0.0), (0.5, 0.7, 0.002), (3.0, 0.3, 0.0)],
+)
+def test_planted_numbers(rate, log_sigma, share):
+    """Within 3.5 standard errors."""
+    law = fitted(counts_of(rate, log_sigma, share), uneven=True, hot=share > 0)
+    shift = rate * (1 - np.exp(log_sigma**2 / 2))
+    planted = np.array([shift, rate, log_sigma, share, 40.0])[: 5 if share else 3]
+    values = (law.shift, law.rate, law.log_sigma, law.fraction, law.hot_rate)
+    off = (np.array(values)[: len(planted)] - planted) / law.errors[: len(planted)]
+    assert (np.abs(off) < 3.5).all(), off
+
+
+@pytest.mark.parametrize(
+    ("rate", "log_sigma"), [(15.0, 0.8), (1.0, 1.0), (0.4, 0.7), (0.0, 1.0)]
+)
+def test_median_below_the_mean(rate, log_sigma):
+    median, error = median_of(counts_of(rate, log_sigma, 0.002))
+    truth = rate * (1 - np.exp(log_sigma**2 / 2))
+    assert abs(median - truth) <= 3.5 * error
+    assert error <= 0.1 * abs(truth)
+
+
+def test_what_is_hot_is_far_from_the_others():
+    """A law with another tail than the log-normal's has no hot pixels."""
+    rng = np.random.default_rng(3)
+    rates = rng.wald(1.0, 1.5, SAMPLES) * 2 + rng.standard_normal(SAMPLES) - 2
+    counts = np.histogram(rates, RATE_EDGES)[0].astype(float)
+    both = fitted(counts, uneven=True, hot=True)
+    assert both.fraction < 1e-4
