@@ -225,9 +225,9 @@ void FrameStatistics::mask(const ParallelFor& parallel)
                 const auto place = int(m_masks[at].samples[i]);
                 const Site site
                     = plane.site(place / plane.width(), place % plane.width());
-                sums.planes[at].masked.push_back(
-                    sum_of(group)(site) / double(sums.frames) - look.base[at]
-                    - look.filled[at][i]);
+                sums.planes[at].masked.push_back(sum_of(group)(site)
+                                                     / double(sums.frames)
+                                                 - look.base[at] - look.filled[at][i]);
             }
             sums.planes[at].base = look.base[at];
             sums.planes[at].mean = std::move(means[at]);

@@ -30,10 +30,7 @@ std::size_t block_of(int line, int length)
 }
 
 /// Words of 64 bits that a row of the mosaic takes.
-std::size_t words_of(int width)
-{
-    return (std::size_t(width) + 63) / 64;
-}
+std::size_t words_of(int width) { return (std::size_t(width) + 63) / 64; }
 
 std::int16_t saturated(std::int32_t value)
 {

@@ -162,13 +162,12 @@ py::dict plane_of_groups(const FrameStatistics& self, std::size_t p,
     const std::size_t count = mask.samples.size();
     found["outliers"] = by_group<float>(
         self, count, [&](const GroupSums& group) { return of(group).masked.data(); });
-    found["outlier_noise"]
-        = by_group<float>(self, count, [&](const GroupSums& group) {
-              room.assign(count, std::numeric_limits<double>::quiet_NaN());
-              for (std::size_t i = 0; group.pairs && i < count; ++i)
-                  room[i] = of(group).masked_noise[i] / group.pairs;
-              return room.data();
-          });
+    found["outlier_noise"] = by_group<float>(self, count, [&](const GroupSums& group) {
+        room.assign(count, std::numeric_limits<double>::quiet_NaN());
+        for (std::size_t i = 0; group.pairs && i < count; ++i)
+            room[i] = of(group).masked_noise[i] / group.pairs;
+        return room.data();
+    });
     return found;
 }
 

@@ -21,6 +21,7 @@ from cg2raw.model.flat_levels import flat_levels, level_gains
 from cg2raw.model.lags import lags_of
 from cg2raw.model.profile_values import profile_values
 from cg2raw.model.selection import Selection, selection
+from cg2raw.model.shapes import shapes
 from cg2raw.model.values import Value, values_of
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo, set_points
@@ -73,6 +74,7 @@ def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
         profile,
         least,
         (first, second) if first is not None and second is not None else None,
+        shapes(whole, (TRAINING, VALIDATION), (fits[0], fits[1])),
     )
     gains = {**found.gains, **_of_levels(captures, used, splits, fits, found, least)}
     found = replace(found, gains=gains)

@@ -17,12 +17,12 @@ from cg2raw.statistics.constant import PARTS, Array
 
 LEVELS = ("black_level", "dark_current", "black_level_drift")
 LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
-# The mean of a log-normal law lies above its median by so many deviations at most.
-SKEWED = 0.3
 
 
 class DarkLevels:
-    """places : (n,) which parameters are of each of LEVELS. profile : (n,) the null."""
+    """places : (n,) which parameters are of each of LEVELS. profile : (n,) the null.
+    median : by how much that of dark current is above its mean, and the standard error,
+    DN/s: a profile has the median, the likelihood the mean."""
 
     def __init__(
         self,
@@ -30,8 +30,10 @@ class DarkLevels:
         training: Fit,
         validation: Fit,
         profile: Array,
+        median: tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        self.places, self.profile = places, profile
+        self.places, self.profile, self.median = places, profile.copy(), median
+        self.profile[training.parameters.of("dark_current")] -= median[0]
         self.training, self.validation = training, validation
         self.priors = {name: self._prior(name) for name in places}
 
@@ -92,11 +94,11 @@ class DarkLevels:
                 is_row = bool(component.parts[PARTS.index("fast_rows")])
                 line, count = (row, h) if is_row else (column, w)
                 covariance += square / count * np.equal.outer(line, line)
-            elif component.name == "dark_current_nonuniformity":
-                covariance += SKEWED**2 * square
             elif component.planes == "none":
                 covariance += square / (h * w) * np.eye(len(places))
             else:
                 parts = float(component.parts @ plane.plane.freedom)
                 covariance += square * parts / (h * w)
+        if name == "dark_current":
+            covariance += self.median[1] ** 2
         return Prior(places, self.profile[places], covariance)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.fit import Fit, Prior, refitted
 from cg2raw.model.lags import Blended, Lags, lag_gains
+from cg2raw.model.shapes import Shapes
 from cg2raw.statistics.constant import Array
 
 # Names and their parameters; of those that each part has, their beginning.
@@ -59,11 +60,13 @@ def selection(
     profile: Array,
     least: float,
     lags: tuple[Lags, Lags] | None = None,
+    shapes: Shapes | None = None,
 ) -> Selection:
     """Return what each name gains.
 
     profile : (n,) parameters of the null. least : nats that a name needs. lags : of
-    both, of repeats."""
+    both, of repeats. shapes : of the same frames; None where they are not known."""
+    shapes = shapes or Shapes({})
     names = training.parameters.names
     gains: dict[str, float] = {}
     blended = None
@@ -87,7 +90,10 @@ def selection(
         gains[name] = gain_of(own, training, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
     if levels:
-        gains |= DarkLevels(levels, training, validation, profile).gains(least)
+        gains |= DarkLevels(
+            levels, training, validation, profile, shapes.dark_median
+        ).gains(least)
+    gains |= {name: shape.nats for name, shape in shapes.found.items()}
     return Selection(gains, training, validation)
 
 

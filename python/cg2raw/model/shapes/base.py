@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What shapes have in common: their evidence, and pixels that both splits show."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.model.figures import Figure
+from cg2raw.model.fit import Fit
+from cg2raw.statistics.constant import (
+    ConstantStatistics,
+    DarkRates,
+)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """An effect that some pixels have. nats : what it gains on validation frames, with
+    numbers as trained. figures : its numbers, of the training frames."""
+
+    name: str
+    nats: float
+    figures: tuple[Figure, ...]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Statistics of training and validation groups together; the names of these splits,
+    and their fits."""
+
+    statistics: ConstantStatistics
+    splits: tuple[str, str]
+    fits: tuple[Fit, Fit]
+
+    def groups(self, split: str, kind: str) -> NDArray[np.intp]:
+        """Return the numbers of groups."""
+        return np.flatnonzero(
+            [g.split == split and g.kind == kind for g in self.statistics.groups]
+        )
+
+    def gain(self, split: str) -> float:
+        """Return DN^2 of noise for each DN of signal; 0 where it is not known."""
+        fit = self.fits[self.splits.index(split)]
+        each = [fit.of("gain", site)[0] for site in range(fit.parameters.sites)]
+        return max(float(np.nan_to_num(np.mean(each))), 0.0)
+
+    def shot(self, rates: DarkRates) -> float:
+        """Return by how much the square of a rate's noise grows with the rate, both in
+        units of noise."""
+        return self.gain(rates.split) * rates.charge / rates.noise
+
+    @property
+    def samples(self) -> int:
+        """How many there are that are in no masked line."""
+        return sum(int((~p.in_lines).sum()) for p in self.statistics.planes)
+
+
+def points_of(statistics: ConstantStatistics) -> list[NDArray[np.bool_]]:
+    """Return (masked,) of each plane: which outliers are in no masked line."""
+    return [~plane.in_lines[plane.masked] for plane in statistics.planes]
+
+
+def nats_beyond(count: float, expected: float) -> float:
+    """Return minus the logarithm of a bound on the chance that a Poisson number of a
+    mean is as large; 0 if it is smaller. Source: H. Chernoff, Ann. Math. Stat. 23(4),
+    1952."""
+    if count <= expected:
+        return 0.0
+    if expected <= 0:
+        return np.inf
+    return float(count * np.log(count / expected) - count + expected)
+
+
+def nats_of_overlap(sets: Sequence[NDArray[np.bool_]], samples: int) -> float:
+    """Return the nats of how many samples are in both of two sets, (N,) bool."""
+    first, second = sets
+    expected = first.sum() * second.sum() / max(samples, 1)
+    return nats_beyond(float((first & second).sum()), max(float(expected), 1e-300))

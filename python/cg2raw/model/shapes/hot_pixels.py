@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Hot pixels: few, far above the others, in proportion to time, in both splits."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.model.dark_law import DarkLaw, fitted, median_of, nats_of
+from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.shapes.base import Shape, Shown, nats_of_overlap, points_of
+from cg2raw.statistics.dark_rates import slope_of
+
+NAME = "hot_pixels"
+FAR = 8.0  # times the noise of a rate, of pixels that both splits must show
+# Of how far the median of most pixels lies below their mean: what a log-normal law
+# says differs by as much from what an inverse Gaussian of the same spread says, the
+# other law of R. L. Baer, Proc. SPIE 6068, 2006.
+LAW = 1 / 8
+
+
+def hot_pixels(shown: Shown) -> Shape | None:
+    """Return their evidence: that of their law beside any of the others, or of how many
+    are the same in both splits, whichever is less. None without two exposure times."""
+    rates = {one.split: one for one in shown.statistics.rates}
+    if not set(shown.splits) <= rates.keys():
+        return None
+    training, validation = (rates[split] for split in shown.splits)
+    counts = validation.counts.astype(float)
+    first, second = (shown.shot(rates[split]) for split in shown.splits)
+    law = fitted(training.counts.astype(float), first, uneven=True, hot=True)
+    without = fitted(counts, second, uneven=True, hot=False)
+    trained = law.over(validation.noise / training.noise, second)
+    of_law = nats_of(counts, trained) - without.nats
+    nats = min(of_law, nats_of_overlap(_far(shown), shown.samples))
+    return Shape(NAME, nats, _figures(law, training.noise))
+
+
+def dark_median(shown: Shown, split: str) -> tuple[float, float] | None:
+    """Return by how much the dark current of most pixels, their median, is above the
+    mean of those that are not masked, and its standard error, DN/s; None without two
+    exposure times."""
+    for one in shown.statistics.rates:
+        if one.split == split:
+            value, error = median_of(one.counts.astype(float), shown.shot(one))
+            return value * one.noise, float(np.hypot(error, LAW * value)) * one.noise
+    return None
+
+
+def _far(shown: Shown) -> list[NDArray[np.bool_]]:
+    """Return, for each split, which masked points gather charge."""
+    found = []
+    points = points_of(shown.statistics)
+    for split in shown.splits:
+        slope = slope_of(shown.statistics, split)
+        assert slope is not None
+        each = [
+            slope.weights @ plane.outliers[:, used] > FAR * noise
+            for plane, used, noise in zip(
+                shown.statistics.planes, points, slope.noise, strict=True
+            )
+        ]
+        found.append(np.concatenate(each))
+    return found
+
+
+def _figures(law: DarkLaw, noise: float) -> tuple[Figure, ...]:
+    share, rate = law.errors[3], law.errors[4] * noise
+    return (
+        _figure("hot pixels", "1", law.fraction, share),
+        _figure("hot pixels, mean rate", "DN/s", law.hot_rate * noise, rate),
+    )
+
+
+def _figure(name: str, unit: str, value: float, error: float) -> Figure:
+    low, high = max(value - NORMAL * error, 0.0), value + NORMAL * error
+    return Figure(name, unit, value, error, low, high)

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Hot pixels of two splits: planted ones, and what looks like them in one split."""
+
+import numpy as np
+import pytest
+
+from cg2raw.model.fit import fit
+from cg2raw.model.shapes import shapes
+from model.shapes.planted import SHAPE, darks, statistics_of
+
+LEAST = np.log(33 / 0.01)
+
+
+def found(per_second, **more):
+    """Return the shapes of darks with such rates, DN/s, of both splits."""
+    statistics = statistics_of(
+        darks(0, "training", per_second[0], **more)
+        + darks(1, "validation", per_second[1], **more)
+    )
+    halves = [
+        statistics.only(
+            [n for n, g in enumerate(statistics.groups) if g.split == split]
+        )
+        for split in ("training", "validation")
+    ]
+    return shapes(statistics, ("training", "validation"), tuple(map(fit, halves)))
+
+
+def hot(share, seed=5):
+    rng = np.random.default_rng(seed)
+    return (rng.random(SHAPE) < share) * rng.exponential(30.0, SHAPE)
+
+
+def test_planted_ones_are_found():
+    """A share and a mean rate within 3.5 standard errors."""
+    shape = found([hot(0.004)] * 2).found["hot_pixels"]
+    assert shape.nats > 10 * LEAST
+    for figure, planted in zip(shape.figures, (0.004, 30.0), strict=True):
+        assert abs(figure.value - planted) < 3.5 * figure.standard_error, figure
+
+
+def test_others_in_each_split_are_none():
+    """As many cosmic rays in single frames: the pixels are others each time."""
+    rates = [hot(0.004, seed) for seed in (5, 6)]
+    shape = found(rates, frames=1, singles=True).found["hot_pixels"]
+    assert shape.nats < LEAST
+
+
+@pytest.mark.parametrize("log_sigma", [0.0, 0.9])
+def test_law_of_the_others(log_sigma):
+    """Its median is measured below the mean, which the line of levels has; no pixel of
+    its tail is hot."""
+    rng = np.random.default_rng(7)
+    law = 2.0 * np.exp(log_sigma * rng.standard_normal(SHAPE)) * (log_sigma > 0)
+    shown = found([law] * 2)
+    assert shown.found["hot_pixels"].nats < LEAST
+    median, error = shown.dark_median
+    truth = 2.0 * (1 - np.exp(log_sigma**2 / 2)) * (log_sigma > 0)
+    assert abs(median - truth) <= 3 * error
+    assert error <= 0.25 * abs(truth)
+
+
+def test_one_exposure_time_shows_no_rates():
+    statistics = statistics_of(darks(0, "training", hot(0.01), times=(0.0,)))
+    only = fit(statistics)
+    assert (
+        "hot_pixels"
+        not in shapes(statistics, ("training", "validation"), (only, only)).found
+    )
