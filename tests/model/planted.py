@@ -103,8 +103,7 @@ def planted(seed, low=False, shape=(120, 160), side=1, black=None, noise=None):
         "shading": float(shade.std()),
     }
     if side == 1 and black > 8 * read / gain:
-        share = read**2 / (read**2 + gain**2 / 12)
-        truth["correlation, next in row"] = link * share
+        truth["correlation, next in row"] = link
     for n in range(side**2):
         truth[f"black level {n}"] = blacks[n]
         truth[f"read noise {n}"] = reads[n] / gain

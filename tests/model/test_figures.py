@@ -45,6 +45,21 @@ def test_intervals_hold_in_95_of_100_sets(options):
         assert 0.93 - 0.015 <= share <= 0.97 + 0.015, (name, share)
 
 
+def test_darks_that_are_mostly_zero_show_nothing():
+    found = misses(range(2), low=True, black=0, noise=0.25, shape=(64, 80))
+    assert set(found) == {"gain 0", "PRNU", "shading"}
+
+
+@pytest.mark.parametrize("noise", [0.25, 0.4])
+def test_read_noise_of_a_fraction_of_a_code(noise):
+    """As above, of noise that codes hide: off by less than a standard error in the
+    mean."""
+    sets = 12
+    found = misses(range(sets), low=True, black=64, noise=noise, shape=(90, 120))
+    inside, off = np.array(found["read noise 0"]).T
+    assert inside.sum() >= binom.ppf(1e-3, sets, 0.95) and abs(off.mean()) < 1
+
+
 # Where the model measures something else than the plain formulas do, and how far apart
 # the two are: by the model over by hand.
 OTHERWISE = {

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cg2raw.model.recorded import Offsets, Recording, recorded, recorder_of
+from cg2raw.statistics.constant import PLACES
 
 WHITE = 4095
 
@@ -44,31 +45,45 @@ def test_white_is_the_mirror_of_zero():
     assert high.kurtosis[0] == pytest.approx(low.kurtosis[0])
 
 
-@pytest.mark.parametrize("black", [64.0, 64.3, 0.2])
-def test_a_group_is_what_is_drawn(black):
-    """Place, variance, response and excess of 20,000 pixels with 40 frames each; the
-    tolerances are four standard errors of these draws."""
+@pytest.mark.parametrize(
+    ("black", "drift", "lines", "fixed", "frames"),
+    [
+        (64.0, 0.0, 0.1, 0.2, 40),
+        (64.3, 0.2, 0.1, 0.2, 40),
+        (0.2, 0.2, 0.1, 0.2, 40),
+        (64.0, 0.0, 0.2, 0.05, 40),
+        (64.0, 0.0, 0.12, 0.05, 4),  # the mean of rows is half of what each frame has
+    ],
+)
+def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames):
+    """Place, variance, response and excess of 600 x 60 pixels whose rows have offsets
+    of their own in each frame and whose levels drift; the tolerances are four standard
+    errors of these draws."""
     rng = np.random.default_rng(5)
-    sigma, lines, fixed = 0.3, 0.1, 0.2
-    pattern = fixed * rng.standard_normal((20000, 1))
-    offsets = pattern + lines * rng.standard_normal((20000, 40))
-    noise = sigma * rng.standard_normal((20000, 40))
+    sigma, shape = 0.3 if fixed > 0.1 else 0.2, (600, 60)
+    pattern = fixed * rng.standard_normal(shape)
+    levels = drift * rng.standard_normal((frames, 1, 1))
+    levels -= levels.mean()
+    offsets = pattern + levels + lines * rng.standard_normal((frames, shape[0], 1))
+    noise = sigma * rng.standard_normal((frames, *shape))
     codes = np.clip(np.rint(black + offsets + noise), 0, WHITE)
     about = Offsets(sigma**2, lines**2, fixed**2)
-    recorder = recorder_of(
-        codes.mean(), np.zeros((1, 1)), about, codes.var(), WHITE, black > 9
-    )
+    levels, rows = codes.mean(axis=(1, 2)), codes.mean(axis=(0, 2))
+    places = np.quantile(rows - rows.mean(), PLACES)
+    recorder = recorder_of(levels, places, about, codes.var(), WHITE, black > 9)
     values, slopes = recorder(about)
     found = Recording(*values)
     assert found.place == pytest.approx(black, abs=0.01)
-    variance = codes.var(axis=1, ddof=1).mean()
-    expected = found.variance + found.lines**2 * lines**2
-    assert expected == pytest.approx(variance, rel=0.01)
-    means = codes.mean(axis=1)
-    response = np.cov(means, pattern[:, 0])[0, 1] / pattern.var()
+    rest = codes - codes.mean(axis=0) - codes.mean(axis=2, keepdims=True)
+    rest += rows[:, None]
+    variance = (rest**2).sum() / (frames - 1) / (shape[1] - 1) / shape[0]
+    assert found.variance == pytest.approx(variance, rel=0.04 if frames < 9 else 0.015)
+    means = codes.mean(axis=0) - rows[:, None]
+    power = means.var() * shape[1] / (shape[1] - 1)
+    response = (means * pattern).mean() / (pattern - pattern.mean(1)[:, None]).var()
     assert found.fixed == pytest.approx(response, abs=0.02)
-    rest = means.var() - variance / 40 - response**2 * pattern.var()
-    assert found.steps == pytest.approx(rest, abs=6e-4)
+    left = power - variance / frames - response**2 * fixed**2
+    assert found.steps == pytest.approx(left, abs=8e-4)
     for n, name in enumerate(Offsets._fields):
         more = about._replace(**{name: about[n] + 1e-5})
         by_steps = (recorder(more)[0] - values) / 1e-5
@@ -76,9 +91,9 @@ def test_a_group_is_what_is_drawn(black):
 
 
 def test_fine_codes_need_no_table():
-    about, places = Offsets(4.0, 0.1, 0.1), np.zeros((1, 1))
-    values, slopes = recorder_of(200.0, places, about, 4.0, WHITE, True)(about)
-    assert Recording(*values) == (200.0, 4.0 + 1 / 12, 1.0, 1.0, 0.0)
+    about, levels, places = Offsets(4.0, 0.1, 0.1), np.full(1, 200.0), np.zeros(1)
+    values, slopes = recorder_of(levels, places, about, 4.0, WHITE, True)(about)
+    assert Recording(*values) == (200.0, 4.0 + 1 / 12, 1.0, 1.0, 0.0, 1.0, 0.0)
     assert slopes.sum() == slopes[1, 0] == 1
-    table = recorder_of(200.0, places, about, 1.0, WHITE, True)
+    table = recorder_of(levels, places, about, 1.0, WHITE, True)
     np.testing.assert_allclose(table(about)[0], values, rtol=1e-4, atol=1e-9)

@@ -16,10 +16,14 @@ from scipy.special import gammaincinv, stdtrit
 from cg2raw.model.correlation import neighbours
 from cg2raw.model.fit import Fit
 from cg2raw.model.levels import Line
+from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.model.structure import structure_of
-from cg2raw.statistics.constant import ConstantStatistics
+from cg2raw.statistics.constant import Array, ConstantStatistics
 
 NORMAL = 1.959964  # standard errors to each side of 95 %
+# Of a dark's samples at 0: with more, not even the median of its signal is seen, and
+# what darks say rests on the tail of a law.
+MOST_CUT = 0.5
 
 
 @dataclass(frozen=True)
@@ -38,14 +42,17 @@ class Figure:
 
 def figures_of(statistics: ConstantStatistics, found: Fit) -> list[Figure]:
     """Return what the frames show, in the order of the physics; what they do not show
-    is missing."""
-    all_of_them = (
-        *_levels(statistics, found),
-        *_noise(found),
-        *_correlations(statistics),
-        *_patterns(found),
-        *_light(found),
-    )
+    is missing, and all of darks where more than MOST_CUT of one is at 0."""
+    all_of_them = [*_light(found)]
+    are_dark = np.array([info.kind == "dark" for info in statistics.groups])
+    if not any((plane.low[are_dark] > MOST_CUT).any() for plane in statistics.planes):
+        all_of_them = [
+            *_levels(statistics, found),
+            *_noise(found),
+            *_correlations(statistics, found),
+            *_patterns(found),
+            *all_of_them,
+        ]
     return [figure for figure in all_of_them if np.isfinite(figure.standard_error)]
 
 
@@ -116,12 +123,15 @@ def _root(
     ends: tuple[float, float] | None = None,
     site: int | None = None,
 ) -> Figure:
-    """Return the root of a variance with its error and interval; 0 for one below 0."""
+    """Return the root of a variance with its error and interval; 0 for one below 0.
+    It is missing where all of its interval is below 0."""
     low, high = ends or (square - NORMAL * error, square + NORMAL * error)
+    if high <= 0:  # no variance: the model is not that of these frames
+        error = np.nan
     low, value, high = (float(np.sqrt(max(x, 0.0))) for x in (low, square, high))
     # The root of a variance near 0 has no slope: there the error is half the interval.
-    by_slope = error / 2 / value if value > 0 else np.inf
-    error = min(by_slope, (high - low) / 2 / NORMAL)
+    by_slope = error / 2 / value if value > 0 else np.inf + error
+    error = np.minimum(by_slope, (high - low) / 2 / NORMAL)
     return Figure(name, unit, value, error, low, high, site)
 
 
@@ -151,7 +161,7 @@ def _noise(found: Fit) -> Iterator[Figure]:
     yield _of_variance(found, "column_noise", "column noise", "DN")
 
 
-def _correlations(statistics: ConstantStatistics) -> Iterator[Figure]:
+def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure]:
     """Yield the correlation of a dark's noise with its next neighbours, of the shortest
     darks that repeat each other."""
     darks = [
@@ -165,6 +175,9 @@ def _correlations(statistics: ConstantStatistics) -> Iterator[Figure]:
     used = [g for g, time in zip(darks, times, strict=True) if time == times.min()]
     pairs = statistics.pairs[used].astype(float)
     samples = sum(float((~plane.masked).sum()) for plane in statistics.planes)
+    coded = np.mean(
+        [_coded(found, plane)[used] for plane in found.likelihood.planes], 0
+    )
     for name, lag in (
         ("correlation, next in row", (0, 1)),
         ("correlation, next in column", (1, 0)),
@@ -172,11 +185,18 @@ def _correlations(statistics: ConstantStatistics) -> Iterator[Figure]:
         measured = neighbours(statistics, *lag)
         if measured is None:
             continue
-        value = float(np.average(measured[used], weights=pairs))
-        error = float(1 / np.sqrt(pairs.sum() * samples))
+        value = float(np.average(measured[used] / coded, weights=pairs))
+        error = float(1 / np.sqrt(pairs.sum() * samples)) / float(coded.mean())
         yield Figure(
             name, "1", value, error, value - NORMAL * error, value + NORMAL * error
         )
+
+
+def _coded(found: Fit, plane: PlaneLikelihood) -> Array:
+    """Return (G,) the correlation of codes over that of the noise that they record."""
+    records, _ = plane.records(found.theta)
+    coded: Array = plane.offsets(found.theta)[0][0] * records[5] ** 2 / records[1]
+    return coded
 
 
 def _patterns(found: Fit) -> Iterator[Figure]:

@@ -260,8 +260,9 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
     free[gain] = np.ptp(signal[again]) > 0
     names = [place(c.name) for c in TEMPORAL]
     columns = [n for n in (read, gain, *names) if free[n]]
-    records, slopes = np.ones((5, len(signal))), np.zeros((5, len(signal), len(theta)))
+    records, slopes = np.ones((7, len(signal))), np.zeros((7, len(signal), len(theta)))
     slopes[1, :, read], slopes[1, :, gain] = 1.0, signal
+    records[6] = 0.0
     _, by = plane.temporal(theta, records, slopes)
     known = (plane.freedom > 0) & (plane.scatter > 0)
     weights = np.sqrt(plane.freedom[known]) / plane.scatter[known]

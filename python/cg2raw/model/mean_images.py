@@ -124,7 +124,7 @@ class MeanImageLikelihood:
                 [1 + self.planes[s].correlation[:, block.part] for s in block.planes]
             )
             over = np.tile(1.0 / frames, len(block.planes))
-            _, noise, lines, response, steps = records
+            _, noise, lines, response, steps = records[:5]
             fixed = block.fixed * np.outer(response, response)
             temporal = block.temporal * np.outer(lines, lines) * over
             patterns = np.tensordot(theta[block.fixed_places], fixed, 1)

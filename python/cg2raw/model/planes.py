@@ -17,7 +17,7 @@ from cg2raw.model.components import (
 )
 from cg2raw.model.correlation import neighbours
 from cg2raw.model.evaluation import Evaluation, Parameters
-from cg2raw.model.recorded import Offsets, Recorder, recorder_of
+from cg2raw.model.recorded import Offsets, Recorder, recorder_of, shrunk
 from cg2raw.statistics.constant import (
     LAGS,
     PARTS,
@@ -28,7 +28,6 @@ from cg2raw.statistics.constant import (
 
 PIXEL = PARTS.index("pixel")
 FAST_LINES = (PARTS.index("fast_rows"), PARTS.index("fast_columns"))
-NARROW = 0.05  # DN: places that differ by less are one within a code
 
 
 class PlaneLikelihood:
@@ -65,12 +64,23 @@ class PlaneLikelihood:
         # (K, G, 8), of one unit of a component in a coefficient of a frame.
         self.sizes = np.array(sizes[: len(TEMPORAL)])[:, :, None]
         self.sizes = self.sizes * np.array(self.multiplicity)[:, None]
+        self.fixed_sizes = np.array(sizes[len(TEMPORAL) :])[:, :, None]
+        fixed = [c.multiplicity(*plane.shape) for c in FIXED]
+        self.fixed_sizes = self.fixed_sizes * np.array(fixed)[:, None]
+        self.fixed_sizes[:, :, PIXEL] = 0.0
         # (2, G, K), of one unit in the places of samples: lines', and pixels'.
         lines = [bool(c.parts[list(FAST_LINES)].any()) for c in TEMPORAL]
         pixels = [bool(c.parts[PIXEL]) for c in FIXED]
         these = [lines + len(pixels) * [False], len(lines) * [False] + pixels]
         self.in_places = np.array(these)[:, None] * np.array(sizes).T
         self.recorders = self._recorders(statistics.white, theta)
+        # The same lines put all their pixels elsewhere within a code.
+        by_lines = np.array([one.by_lines for one in self.recorders])
+        chance = by_lines / (min(plane.shape) * again[:, 0])
+        known = self.freedom[:, PIXEL] > 0
+        own = 2 / self.freedom[known, PIXEL]
+        own += chance[known] / self.scatter[known, PIXEL] ** 2
+        self.freedom[known, PIXEL] = 2 / own
 
     def _recorders(self, white: int, theta: Array | None) -> list[Recorder]:
         about = self._recorded_offsets() if theta is None else self.offsets(theta)[0]
@@ -78,13 +88,17 @@ class PlaneLikelihood:
         noise = np.where(self.repeats, self.scatter[:, PIXEL], usual)
         found = []
         for g in range(len(self.frames)):
-            places = self.plane.levels[g][:, None] - self.plane.level[g]
-            if np.ptp(self.plane.places[g]) > NARROW:
-                places = places + self.plane.places[g]
-            level = float(self.plane.level[g])
+            levels, level = self.plane.levels[g], self.plane.level[g]
+            # Places have the chance of lines, and are known from 0 and white as far.
+            h, w = self.plane.shape
+            chance = noise[g] / self.frames[g] * (1 / h + 1 / w)
+            places = self.plane.places[g] * shrunk(self.plane.places[g], chance)
+            room = np.sqrt(chance)
+            places = np.clip(level + places, room, white - room)
+            places -= level
             offsets = Offsets(*about[:, g])
             inside = self.plane.low[g] == 0 and self.plane.high[g] == 0
-            one = recorder_of(level, places, offsets, float(noise[g]), white, inside)
+            one = recorder_of(levels, places, offsets, float(noise[g]), white, inside)
             found.append(one)
         return found
 
@@ -136,7 +150,7 @@ class PlaneLikelihood:
         return found
 
     def records(self, theta: Array) -> tuple[Array, Array]:
-        """Return (5, G) Recordings and (5, G, n) their slopes by parameters."""
+        """Return (7, G) Recordings and (7, G, n) their slopes by parameters."""
         offsets, by = self.offsets(theta)
         known = [
             recorder(Offsets(*each))
@@ -160,6 +174,15 @@ class PlaneLikelihood:
         expected = expected + more * response**2
         by[:, :, own] += self.sizes.transpose(1, 2, 0) * response[:, :, None] ** 2
         by += (2 * more * response)[:, :, None] * slopes[2][:, None, :]
+        # Patterns that are recorded otherwise in each frame, but for pixels' own.
+        if (fading := records[6]).any():
+            first += len(TEMPORAL)
+            pattern = np.tensordot(theta[first:], self.fixed_sizes, 1)
+            expected = expected + pattern * fading[:, None]
+            by += pattern[:, :, None] * slopes[6][:, None, :]
+            by[:, :, first:] += (
+                self.fixed_sizes.transpose(1, 2, 0) * fading[:, None, None]
+            )
         return expected, by
 
     def vectors(self, component: Component) -> list[Array]:

@@ -20,10 +20,12 @@ ROUNDING = 1 / 12  # DN^2: variance of a uniform distribution over one code
 FINE = 1.5
 REACH = 7  # sigma: beyond, a normal distribution has 3e-12
 # Places per DN and per sigma, the fewer of both: between them moments are linear.
-STEPS, STEPS_PER_SIGMA = 32, 10
+STEPS, STEPS_PER_SIGMA = 128, 32
+NARROW = 0.05  # DN: places that differ by less are one within a code
 LEAST_OFFSET = 1e-4  # DN^2: far below the step between two places of STEPS
 LEAST_RESPONSE = 1e-3  # of codes that nearly always are 0: they say nothing
 LEAST = 2.5e-3  # DN^2: with noise of 0.05 DN a sample mostly repeats its code
+ROUNDS = 6  # of where frames and places are, in turn
 AROUND = 4  # times the noise by the codes, or by a fit: the table's reach to each side
 NOISES = 12  # in the table
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
@@ -63,13 +65,16 @@ class Recording(NamedTuple):
     for the offsets of lines. lines : by how much lines that are new in every frame are
     recorded, rms. fixed : by how much the mean code moves with the signal. steps :
     DN^2, variance of the mean codes of pixels beyond fixed^2 times that of their
-    offsets."""
+    offsets and what variance makes. noise : by how much noise of a pixel is recorded,
+    rms: correlations are of that. fading : variance of fixed from frame to frame."""
 
     place: float
     variance: float
     lines: float
     fixed: float
     steps: float
+    noise: float
+    fading: float
 
 
 class Offsets(NamedTuple):
@@ -89,21 +94,23 @@ class Recorder:
 
     level : DN, of the codes. about : offsets for which the table is exact, of noise
     within AROUND; near them it is linear. table : of (Recording, slopes by lines,
-    slopes by fixed), (15,), by the logarithm of the noise's variance; None where codes
-    are fine in any case."""
+    slopes by fixed), (21,), by the logarithm of the noise's variance; None where codes
+    are fine in any case. by_lines : DN^4, variance of the variance of codes from line
+    to line, by where their offsets put them."""
 
     level: float
     about: Offsets
     table: CubicSpline | None
+    by_lines: float = 0.0
 
     def __call__(self, offsets: Offsets) -> tuple[Array, Array]:
-        """Return a Recording, (5,), and its slopes by the offsets, (5, 3)."""
+        """Return a Recording, (7,), and its slopes by the offsets, (7, 3)."""
         noise = offsets.noise
         if self.table is None:
-            found = np.array([self.level, noise + ROUNDING, 1.0, 1.0, 0.0])
-            return found, np.eye(5, 3, -1) * [1.0, 0.0, 0.0]
+            found = np.array([self.level, noise + ROUNDING, 1.0, 1.0, 0.0, 1.0, 0.0])
+            return found, np.eye(7, 3, -1) * [1.0, 0.0, 0.0]
         at = np.clip(np.log(noise), *self.table.x[[0, -1]])
-        known, slopes = (self.table(at, n).reshape(3, 5) for n in (0, 1))
+        known, slopes = (self.table(at, n).reshape(3, 7) for n in (0, 1))
         lines, fixed = (
             offsets.lines - self.about.lines,
             offsets.fixed - self.about.fixed,
@@ -114,7 +121,7 @@ class Recorder:
 
 
 def recorder_of(
-    level: float,
+    levels: Array,
     places: Array,
     about: Offsets,
     noise: float,
@@ -123,14 +130,19 @@ def recorder_of(
 ) -> Recorder:
     """Return the Recorder of a group.
 
-    level : DN, mean of its codes. places : (frames, N) DN, mean codes at places of each
-    frame to that, all alike probable. noise : DN^2, of its codes. inside : none is
-    clipped."""
+    levels : (frames,) DN, of each frame's codes. places : (N,) DN, what the mean codes
+    of places, all alike probable, differ from the mean level. noise : DN^2, of codes.
+    inside : none is clipped."""
+    level, frames = float(levels.mean()), len(levels)
+    if np.ptp(places) <= NARROW:
+        places = np.zeros(1)
+    if np.ptp(levels) <= NARROW:
+        levels = levels.mean(keepdims=True)
     if inside and noise > FINE + ROUNDING:
         return Recorder(level, about, None)
 
     def at(offsets: Offsets) -> Array:
-        return np.array(_recording(level + places, offsets, white, inside))
+        return np.array(_recording(levels, places, frames, offsets, white, inside)[0])
 
     table = []
     middle = max(about.noise, LEAST)
@@ -143,52 +155,122 @@ def recorder_of(
             more = at(one._replace(**{name: value + step}))
             known.append((more - known[0]) / step)
         table.append(np.concatenate(known))
-    return Recorder(level, about, CubicSpline(np.log(variances), table))
+    by_lines = _recording(
+        levels, places, frames, about._replace(noise=middle), white, inside
+    )[1]
+    return Recorder(level, about, CubicSpline(np.log(variances), table), by_lines)
 
 
-def _recording(codes: Array, offsets: Offsets, white: int, inside: bool) -> Recording:
-    """Return what is recorded where the mean codes are @codes, (frames, N) DN.
+def shrunk(places: Array, chance: float) -> float:
+    """Return what to multiply places by that have a variance by chance, DN^2."""
+    return float(np.sqrt(max(1 - chance / max(float(places.var()), 1e-12), 0.0)))
 
-    inside : far from 0 and white, where one code is like the next."""
-    steps = min(STEPS, STEPS_PER_SIGMA / np.sqrt(offsets.noise))
-    if inside:
-        low, high, whole = 0, 1, np.floor(codes)
-        grid = np.linspace(0, 1, STEPS + 1)
-        moments = recorded(grid + 100, offsets.noise, 200)
-        errors = moments.mean - 100 - grid
-    else:
-        most = REACH * np.sqrt(sum(offsets)) + 1
-        low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + most) + 1
-        grid, whole = np.linspace(low, high, int((high - low) * steps) + 2), 0 * codes
-        moments = recorded(grid, offsets.noise, white)
-        errors = moments.mean - grid
 
-    def smeared(values: Array, square: float) -> tuple[Array, Array, Array]:
-        """Return mean, slope and variance beyond slope^2 @square over normal offsets of
-        variance @square."""
-        square = max(square, LEAST_OFFSET)
-        at = grid[:, None] + NODES * np.sqrt(square)
-        at = at % 1 if inside else at
-        each = np.interp(at, grid, values)
-        mean = each @ WEIGHTS
-        slope = each @ (WEIGHTS * NODES) / np.sqrt(square)
-        rest = each**2 @ WEIGHTS - mean**2 - slope**2 * square
-        return mean, slope, np.maximum(rest, 0.0)
+class _Codes:
+    """Mean code and its variance at signals, by a grid of them: one period of a code
+    far from 0 and white, where one is like the next, or all that samples reach."""
 
-    errors, _, steps_of_lines = smeared(errors, offsets.lines)
-    noise, _, _ = smeared(moments.variance, offsets.lines)
-    noise, _, _ = smeared(noise + steps_of_lines, offsets.fixed)
-    errors, slope, jumps = smeared(errors, offsets.fixed)
-    # The mean code rises with the place.
-    places = np.interp(codes - whole, grid + errors, grid)
-    noise, slope, jumps = (
-        np.interp(places, grid, values) for values in (noise, 1 + slope, jumps)
+    def __init__(
+        self, low: float, high: float, noise: float, white: int, inside: bool
+    ) -> None:
+        self.inside = inside
+        if inside:
+            self.grid = np.linspace(0, 1, STEPS + 1)
+            moments = recorded(self.grid + 100, noise, 200)
+            self.mean = moments.mean - 100
+            self.room = np.linspace(-1, 2, 3 * STEPS // 4 + 1)
+        else:
+            steps = min(STEPS, STEPS_PER_SIGMA / np.sqrt(noise))
+            self.grid = np.linspace(low, high, int((high - low) * steps) + 2)
+            moments = recorded(self.grid, noise, white)
+            self.mean, self.room = moments.mean, self.grid[::4]
+        self.variance = moments.variance
+
+    def of(self, values: Array, at: Array) -> Array:
+        """Return what has values on the grid, by linear interpolation."""
+        found: Array = np.interp(at % 1 if self.inside else at, self.grid, values)
+        return found
+
+    def mean_of(self, mean: Array, at: Array) -> Array:
+        """Return mean codes at signals. mean : on the grid."""
+        if not self.inside:
+            return self.of(mean, at)
+        return at + self.of(mean - self.grid, at)
+
+    def signals(self, mean: Array, codes: Array, shifts: Array) -> Array:
+        """Return the (N,) signals where the mean code over shifts is @codes: it rises
+        with the signal."""
+        middle = shifts.mean()
+        room = self.room - (0 if self.inside else middle)
+        near = self.mean_of(mean, room[:, None] + (shifts - middle * self.inside))
+        wanted = codes - middle * self.inside
+        whole = np.floor(wanted) * self.inside
+        found: Array = whole + np.interp(wanted - whole, near.mean(axis=1), room)
+        return found
+
+
+def _recording(
+    levels: Array,
+    places: Array,
+    frames: int,
+    offsets: Offsets,
+    white: int,
+    inside: bool,
+) -> tuple[Recording, float]:
+    """Return what is recorded of frames with these levels and places, and by_lines.
+
+    The signal of a sample is that of its place and of its frame, and the offsets of its
+    lines and pixel; what it records beyond the sum of what each has alone is of the
+    pixel."""
+    most = REACH * np.sqrt(sum(offsets)) + 1
+    codes = np.add.outer(levels, places)
+    low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
+    law = _Codes(low, high, offsets.noise, white, inside)
+    # Places have what lines of all frames have in common; the rest is new in each.
+    again = 1 / frames if len(places) > 1 else 0.0
+    square = max(offsets.lines * (1 - again), LEAST_OFFSET)
+    fixed = max(offsets.fixed, LEAST_OFFSET)
+    # With the offsets of lines, on the grid.
+    at = law.grid[:, None] + NODES * np.sqrt(square)
+    each = law.mean_of(law.mean, at)
+    mean = each @ WEIGHTS
+    of_lines = each @ (WEIGHTS * NODES) / np.sqrt(square)
+    variances = law.of(law.variance, at)
+    variance = variances @ WEIGHTS
+    by_noise = np.gradient(law.mean, law.grid)
+    by_noise = law.of(by_noise**2, at) @ WEIGHTS
+    # Where frames and places are.
+    with_pixels = law.mean_of(mean, law.grid[:, None] + NODES * np.sqrt(fixed))
+    with_pixels = with_pixels @ WEIGHTS
+    drift, place = np.zeros(len(levels)), np.zeros(len(places))
+    for _ in range(ROUNDS):
+        place = law.signals(with_pixels, levels.mean() + places, drift)
+        drift = law.signals(with_pixels, levels, place)
+        drift -= drift.mean()
+    at = np.add.outer(drift, place)[:, :, None] + NODES * np.sqrt(fixed)
+    each = law.mean_of(mean, at)  # (F, N, nodes)
+    slopes = law.of(of_lines, at)
+    lines = float(((slopes @ WEIGHTS).mean(axis=1) ** 2).mean())
+    noise = float((law.of(variance, at) @ WEIGHTS).mean())
+    noise += offsets.lines * float(((slopes**2 @ WEIGHTS).mean()) - lines)
+    # Of pixels, from frame to frame beyond what their place does.
+    rest = each - (each @ WEIGHTS)[:, :, None]
+    rest -= rest.mean(axis=0)
+    moved = float(((rest**2) @ WEIGHTS).mean(axis=1).sum()) / max(len(levels) - 1, 1)
+    by_frames = (each @ (WEIGHTS * NODES)).mean(axis=1) / np.sqrt(fixed)
+    pattern = each.mean(axis=0)
+    response = pattern @ (WEIGHTS * NODES) / np.sqrt(fixed)
+    jumps = pattern**2 @ WEIGHTS - (pattern @ WEIGHTS) ** 2 - response**2 * fixed
+    steps = float(jumps.mean() + response.var() * fixed) - moved / frames
+    found = Recording(
+        float(place.mean()),
+        noise + moved,
+        float(np.sqrt(lines)),
+        max(float(response.mean()), LEAST_RESPONSE),
+        steps,
+        float(np.sqrt((law.of(by_noise, at) @ WEIGHTS).mean())),
+        float(by_frames.var(ddof=1)) if len(levels) > 1 else 0.0,
     )
-    fixed = slope.mean(axis=0)  # of the mean of all frames
-    return Recording(
-        float((whole + places).mean()),
-        float(noise.mean()),
-        float(np.sqrt((slope.mean(axis=1) ** 2).mean())),
-        max(float(fixed.mean()), LEAST_RESPONSE),
-        float(jumps.mean() + fixed.var() * offsets.fixed),
-    )
+    at = place[:, None] + NODES * np.sqrt(square)
+    by_lines = law.of(law.variance, at).mean(axis=0)
+    return found, float(by_lines**2 @ WEIGHTS - (by_lines @ WEIGHTS) ** 2)
