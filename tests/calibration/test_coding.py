@@ -77,6 +77,12 @@ def test_fewer_bits_in_the_upper_ones_of_a_word(step, read):
         abs(total.value**2 - read**2 - step**2 / 12) < 8 * read * total.standard_error
     )
     assert in_profile == pytest.approx(read, rel=0.02)
+    planted = {"read noise": read, "gain": 0.25, "black level": 803.0}
+    for one in found.figures:
+        if one.name in planted:
+            off = one.value - planted.pop(one.name)
+            assert abs(off) < 4 * one.standard_error
+    assert not planted
     in_effect = effects["quantisation"]["step"] * found.range
     assert in_effect == pytest.approx(step, rel=1e-5)
     assert any(f"steps of {step} DN" in note for note in found.notes)

@@ -431,3 +431,17 @@ def test_groups_say_what_they_are():
     (info, frames), *_ = groups_of(drawn((8, 9), 2))
     info = replace(info, temperature=-5.0, split="training")
     assert measured([(info, frames)], 1).groups == (info,)
+
+
+def test_statistics_in_steps_are_those_of_the_numbers_of_steps():
+    """Codes of n steps of 4 DN from 3 on say in steps what codes of n DN do; pixels
+    that stand out are masked at a quarter of a step."""
+    lists = drawn((40, 48), 4, level=9.0), drawn((40, 48), 3, level=60.0, seed=2)
+    coded = [[4 * frame + 3 for frame in frames] for frames in lists]
+    readers = [
+        (info, [lambda f=f: f for f in frames]) for info, frames in groups_of(*coded)
+    ]
+    found = frame_statistics(readers, 2, 4 * WHITE + 3, step=4).in_steps(4, 3)
+    expected = measured(groups_of(*lists), 2)
+    assert expected.planes[0].low[0] > 0
+    assert_alike(found, replace(expected, rates=()))

@@ -4,6 +4,9 @@
 """One fit: figures of all frames by one likelihood, beside those of moments."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from cg2raw.calibration.flats import Flats
 from cg2raw.calibration.photon_transfer import LINEAR
@@ -14,7 +17,7 @@ from cg2raw.model.fit import fit
 
 def fitted(seen: Seen, flats: Flats, black: float) -> Sequence[Figure]:
     """Return the figures of all darks and of flats up to LINEAR of saturation; none
-    where no two frames repeat each other, or where codes come in steps.
+    where no two frames repeat each other.
 
     black : DN."""
     white = seen.todo.sensor.white_level - black
@@ -27,9 +30,25 @@ def fitted(seen: Seen, flats: Flats, black: float) -> Sequence[Figure]:
         or (id(group) in unclipped and float(group.level.mean()) - black <= most)
     ]
     found = seen.statistics.only([n for n in used if shows_noise(seen, n)])
-    if seen.todo.sites.step > 1 or not (found.frames > 1).any():
+    if not (found.frames > 1).any():
         return ()
-    return tuple(figures_of(found, fit(found)))
+    step = seen.todo.sites.step
+    counts = np.sum([plane.codes.sum(axis=0) for plane in found.planes], axis=0)
+    of_steps = np.bincount(np.arange(len(counts)) % step, counts)
+    offset = int(np.argmax(of_steps))
+    found = found.in_steps(step, offset) if step > 1 else found
+    return tuple(in_dn(one, step, offset) for one in figures_of(found, fit(found)))
+
+
+def in_dn(figure: Figure, step: int, offset: int) -> Figure:
+    """Return a figure whose unit of codes is a step, DN, from an offset."""
+    scale = {"DN": step, "DN/s": step, "e-/DN": 1 / step}.get(figure.unit, 1)
+    start = offset if figure.name == "black level" else 0
+    value, low, high = (
+        start + scale * x for x in (figure.value, figure.low, figure.high)
+    )
+    error = scale * figure.standard_error
+    return replace(figure, value=value, standard_error=error, low=low, high=high)
 
 
 def shows_noise(seen: Seen, number: int) -> bool:

@@ -9,7 +9,7 @@ columns are means times the root of how many samples they are of.
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from io import BytesIO
 from typing import Any, Literal
@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 
 VERSION = 4  # of saved files
 WHOLE = ("frames", "pairs", "lags", "transients", "overlaps")  # of no plane
+
+# Of a plane, in DN and in DN^2.
+OF_LEVELS = ("rows", "columns", "field", "places", "outliers")
+OF_SQUARES = ("whole", "scatter", "along", "power", "noise", "outlier_noise")
 
 SMOOTH, SLOW, FIELD = 3, 11, 5  # highest degrees of polynomials
 PARTS = (
@@ -215,6 +219,22 @@ class ConstantStatistics:
             squares = [plane.products[at, number, number] for plane in self.planes]
         found: Array = np.array(squares) / freedom
         return found
+
+    def in_steps(self, step: int, offset: int) -> "ConstantStatistics":
+        """Return the same in units of steps from the lowest code: where codes are
+        @offset and steps of @step DN above it. Rates of dark current go."""
+        planes = []
+        for plane in self.planes:
+            scaled = {name: getattr(plane, name) / step for name in OF_LEVELS}
+            scaled |= {name: getattr(plane, name) / step**2 for name in OF_SQUARES}
+            codes = plane.codes[:, offset::step]
+            scaled["low"] = codes[:, 0] / codes.sum(axis=1)
+            levels = tuple((levels - offset) / step for levels in plane.levels)
+            level = (plane.level - offset) / step
+            one = replace(plane, level=level, levels=levels, codes=codes, **scaled)
+            planes.append(one)
+        white = (self.white - offset) // step
+        return replace(self, planes=tuple(planes), white=white, rates=())
 
     def save(self, path: str) -> None:
         """Write all of it to an .npz file, whole or not at all. Raises OSError."""
