@@ -112,16 +112,20 @@ def test_frames_without_repeats_are_refused():
         fit(made._replace(groups=single).statistics)
 
 
-def test_correlated_noise_is_no_row_noise():
+@pytest.mark.parametrize("side", [1, 2])
+def test_correlated_noise_is_no_row_noise(side):
     """Neighbours that share a third of their variance: means of rows vary 1.67 times as
-    much as those of white noise, and no row has an offset of its own."""
+    much as those of white noise, and no row has an offset of its own: neither new in
+    each frame nor always."""
     rng = np.random.default_rng(18)
-    noise = rng.standard_normal((8, 64, 81))
+    noise = rng.standard_normal((8, 192, 81))
     noise = (noise[:, :, 1:] + 0.382 * noise[:, :, :-1]) / np.sqrt(1 + 0.382**2)
     frames = list(np.rint(300 + 6 * noise).astype(np.uint16))
     info = GroupInfo("dark", tuple("abcdefgh"), 0.0)
-    value, error = fit(plain_statistics([(info, frames)], 1, 4095)).of("row_noise")
-    assert abs(value) < 3 * error
+    found = fit(plain_statistics([(info, frames)], side, 4095))
+    for name in ("row_noise", "row_fixed_pattern"):
+        value, error = found.of(name)
+        assert abs(value) < 3 * error, (name, value, error)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ class Likelihood:
             for plane in self.planes
             for recorder in plane.recorders
         )
-        self.means = MeanImageLikelihood(self.planes, self.parameters)
+        self.means = MeanImageLikelihood(self.planes, self.parameters, statistics)
         self.levels = LevelLikelihood(
             self.planes, self.parameters, statistics.frames, theta
         )

@@ -18,7 +18,14 @@ import numpy as np
 from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
-from cg2raw.model.components import FIXED, TEMPORAL, Component
+from cg2raw.model.components import (
+    EVEN_ACROSS,
+    EVEN_DOWN,
+    FIXED,
+    TEMPORAL,
+    Component,
+)
+from cg2raw.model.correlation import neighbours
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.planes import PIXEL, PlaneLikelihood
 from cg2raw.statistics.constant import (
@@ -26,6 +33,7 @@ from cg2raw.statistics.constant import (
     PARTS,
     SMOOTH,
     Array,
+    ConstantStatistics,
     PlaneStatistics,
     polynomials,
 )
@@ -37,7 +45,8 @@ class Block:
 
     products : (N, N) DN^2, mean over its freedom. fixed, temporal : (K, N, N), what one
     unit of the parameters at fixed_places, temporal_places adds to the covariance;
-    temporal for one frame of each."""
+    temporal for one frame of each. neighbours : (N, N) DN^2, covariance by correlation
+    of noise with that of neighbours in other planes."""
 
     part: int
     planes: Sequence[int]
@@ -47,15 +56,20 @@ class Block:
     fixed_places: NDArray[np.int64]
     temporal: Array
     temporal_places: NDArray[np.int64]
+    neighbours: Array
 
 
 class MeanImageLikelihood:
     """The products of the mean images of all planes."""
 
     def __init__(
-        self, planes: Sequence[PlaneLikelihood], parameters: Parameters
+        self,
+        planes: Sequence[PlaneLikelihood],
+        parameters: Parameters,
+        statistics: ConstantStatistics,
     ) -> None:
         self.planes, self.parameters = planes, parameters
+        self.statistics = statistics
         everything = list(range(len(planes)))
         chosen = [(part, everything) for part in range(PIXEL)]
         chosen += [(PIXEL, [site]) for site in everything]
@@ -87,7 +101,28 @@ class MeanImageLikelihood:
             terms += [np.array(each).reshape(len(used), *products.shape), places]
         frames = np.tile(np.arange(len(self.planes[0].frames)), len(sites))
         terms[2] *= np.equal.outer(frames, frames)
-        return Block(part, sites, freedom, products, *terms)
+        near = self._neighbours(part, sites)
+        return Block(
+            part, sites, freedom, products, terms[0], terms[1], terms[2], terms[3], near
+        )
+
+    def _neighbours(self, part: int, sites: Sequence[int]) -> Array:
+        """Return (N, N) DN^2, as measured; a sample has neighbours on both sides."""
+        first, count = self.planes[0], len(self.planes[0].frames)
+        found = np.zeros((len(sites), count, len(sites), count))
+        groups, places = np.arange(count), np.divmod(sites, first.side)
+        for down, across, even in ((0, 1, EVEN_ACROSS), (1, 0, EVEN_DOWN)):
+            near = neighbours(self.statistics, down, across)
+            if near is None or first.side == 1 or not even[part]:
+                continue
+            for a, one in enumerate(zip(*places, strict=True)):
+                other = (one[0] + down) % first.side, (one[1] + across) % first.side
+                b = [*zip(*places, strict=True)].index(other)
+                noise = [self.planes[sites[n]].scatter[:, PIXEL] for n in (a, b)]
+                covariance = near * np.sqrt(noise[0] * noise[1]) / first.frames
+                found[a, groups, b, groups] += covariance
+                found[b, groups, a, groups] += covariance
+        return found.reshape(len(sites) * count, -1)
 
     def _term(self, component: Component, part: int, sites: Sequence[int]) -> Array:
         """Return (N, N), what one unit of a component adds to the covariance."""
@@ -132,7 +167,10 @@ class MeanImageLikelihood:
             misfit = found.add_wishart(
                 block.products,
                 block.freedom,
-                patterns + moving + np.diag(share * over * noise + steps),
+                patterns
+                + moving
+                + np.diag(share * over * noise + steps)
+                + block.neighbours,
                 np.concatenate([fixed, temporal]),
                 np.concatenate([block.fixed_places, block.temporal_places]),
                 (share * over)[:, None] * slopes[1] + slopes[4],
