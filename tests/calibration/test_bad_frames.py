@@ -103,7 +103,7 @@ def test_hot_pixels_dust_and_cosmic_rays_move_no_number():
     assert sum(t.count for t in found.transients) >= 25
     for look in (
         lambda c: c.noise.mean_read_noise,
-        lambda c: c.noise.row_noise,
+        lambda c: c.figure("row noise"),
         lambda c: c.transfer.mean_gain,
         lambda c: c.black_level[0],
     ):

@@ -93,7 +93,7 @@ def test_a_real_sweep(camera_data):
     assert found.transfer.mean_gain.value == pytest.approx(3.58, rel=0.01)
     assert found.transfer.saturation.value == pytest.approx(4080, abs=2)
     assert found.light.prnu.value == pytest.approx(0.0026, rel=0.05)
-    assert found.noise.row_noise.value == pytest.approx(0.50, abs=0.03)
+    assert found.figure("row noise").value == pytest.approx(0.50, abs=0.03)
     assert found.linearity.error.value < 0.3
     assert not {"full_well", "nonlinearity", "hot_pixels"} & set(effects_of(found))
     assert found.defects.count == 0 and not found.excluded

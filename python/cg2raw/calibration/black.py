@@ -36,16 +36,12 @@ class BiasStructure:
     """Fixed offsets, DN. horizontal, vertical : of the right edge over the left, the
     bottom over the top, of a straight ramp. edge : of column 0, falling to its e-th
     part in edge_length px; both None where the first columns are like the others.
-    column_pattern, row_pattern : standard deviation of what columns and rows have
-    besides. dsnu : likewise of pixels. columns, rows : the profiles, DN, mean 0."""
+    columns, rows : the profiles, DN, mean 0."""
 
     horizontal: Measured
     vertical: Measured
     edge: Measured | None
     edge_length: Measured | None
-    column_pattern: Measured
-    row_pattern: Measured
-    dsnu: Measured
     columns: Array
     rows: Array
     fitted_columns: Array
@@ -74,10 +70,9 @@ def black_levels(
     """Return the mean of each site's offsets, DN; its structure is about that mean.
 
     drift : DN, by which the mean of the frames may be off."""
-    height, width = offset.shape
     shares = (
-        structure.column_pattern.value / math.sqrt(width / sites.side),
-        structure.row_pattern.value / math.sqrt(height / sites.side),
+        rest_of(structure.columns, structure.fitted_columns) * sites.side**0.5,
+        rest_of(structure.rows, structure.fitted_rows) * sites.side**0.5,
         drift,
     )
     found = []
@@ -93,38 +88,22 @@ def bias_structure(
     offset: Array,
     known: Array,
     sites: Sites,
-    pixel_variance: float,
-    row_variance: float = 0.0,
-    column_variance: float = 0.0,
 ) -> BiasStructure:
-    """Return the structure of an (H, W) map of offsets, DN.
-
-    pixel_variance : DN^2, of the map's temporal noise in a pixel. row_variance,
-    column_variance : likewise in whole rows and columns."""
+    """Return the structure of an (H, W) map of offsets, DN."""
     flat = np.array(offset, np.float32)
     for plane, used in zip(sites.of(flat), sites.of(known), strict=True):
         plane -= np.float32(np.median(plane[used]))
     flat[~known] = 0
-    columns, rows, counts = _lines(flat, known, sites)
+    columns, rows = _lines(flat, known, sites)
     columns -= columns.mean()
     rows -= rows.mean()
     horizontal, edge, length, of_columns = ramp_and_edge(columns)
     vertical, _, _, of_rows = ramp_and_edge(rows, with_edge=False)
-    moments = [
-        clipped_moments(plane[used], LEAST_SIGMA * sites.step)
-        for plane, used in zip(sites.of(flat), sites.of(known), strict=True)
-    ]
-    pixel = float(np.mean([sigma**2 for _, sigma, _ in moments]))
-    pixel /= (1 - 1 / counts[0]) * (1 - 1 / counts[1])  # the means took their part
-    many = sum(count for _, _, count in moments)
     return BiasStructure(
         horizontal,
         vertical,
         edge,
         length,
-        _pattern(columns - of_columns, pixel / counts[0] + column_variance),
-        _pattern(rows - of_rows, pixel / counts[1] + row_variance),
-        root_of(pixel - pixel_variance, pixel * math.sqrt(3 / many), "DN"),
         columns,
         rows,
         of_columns,
@@ -132,11 +111,14 @@ def bias_structure(
     )
 
 
-def _lines(
-    flat: Array, known: Array, sites: Sites
-) -> tuple[Array, Array, tuple[float, float]]:
-    """Return (columns, rows, pixels per mean of each): means without pixels 4 sigma off
-    their own column and row. They are taken off @flat, in place.
+def rest_of(profile: Array, fitted: Array) -> float:
+    """Return by how much lines beyond a fit may move the mean of them all, DN."""
+    return float(clipped_moments(profile - fitted)[1]) / math.sqrt(len(profile))
+
+
+def _lines(flat: Array, known: Array, sites: Sites) -> tuple[Array, Array]:
+    """Return (columns, rows): means without pixels 4 sigma off their own column and
+    row. They are taken off @flat, in place.
 
     Medians of some pixels come first: a column may be far off the others."""
     steps = [max(1, side // 128) | 1 for side in flat.shape]  # odd: of all sites
@@ -148,13 +130,13 @@ def _lines(
     least = LEAST_SIGMA * sites.step
     sigmas = [max(clipped_moments(p[used], least)[1], least) for p, used in pairs]
     inside = known & (np.abs(flat) <= CUT * sites.spread(sigmas, flat.shape))
-    more, per_column, filled = line_means(flat, inside, 0)
+    more, _, filled = line_means(flat, inside, 0)
     flat -= more[None].astype(np.float32)
     columns = over_gaps(columns.astype(np.float64) + more, filled)
-    more, per_row, filled = line_means(flat, inside, 1)
+    more, _, filled = line_means(flat, inside, 1)
     flat -= more[:, None].astype(np.float32)
     rows = over_gaps(rows.astype(np.float64) + more, filled)
-    return columns, rows, (per_column, per_row)
+    return columns, rows
 
 
 def over_gaps(lines: Array, filled: Array) -> Array:
@@ -162,13 +144,6 @@ def over_gaps(lines: Array, filled: Array) -> Array:
     place = np.arange(len(lines))
     found: Array = np.interp(place, place[filled], lines[filled])
     return found
-
-
-def _pattern(rest: Array, share: float) -> Measured:
-    """Return the standard deviation of columns or rows without the pixels' share."""
-    _, sigma, count = clipped_moments(rest)
-    variance = sigma**2 * count / max(count - 2, 1)
-    return root_of(variance - share, variance * math.sqrt(2 / count), "DN")
 
 
 def ramp_and_edge(

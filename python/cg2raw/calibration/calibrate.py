@@ -98,8 +98,9 @@ def calibrate(
     seen = seen_all(todo, listed, lambda x: tell("reading frames", x))
     flats = read_flats(seen, len(dark_groups), levels, lambda x: tell("flats", x))
     gain = flats.first_gain
-    darks = read_darks(seen, dark_groups, gain, lambda x: tell("darks", x))
     tell("fitting", 0.0)
+    figures = fitted(seen, flats, float(np.mean(levels)))
+    darks = read_darks(seen, dark_groups, gain, figures, lambda x: tell("darks", x))
     light = above_darks(flats, darks, sensor, sites, iso)
     found = Calibration(
         sensor=sensor,
@@ -111,7 +112,7 @@ def calibrate(
         excluded=excluded,
         defects=defects,
         **{k: v for k, v in vars(darks).items() if k != "transients"},
-        figures=() if darks.lost else fitted(seen, flats, float(np.mean(levels))),
+        figures=() if darks.lost else figures,
         **vars(light),
     )
     check_one_chain(found)

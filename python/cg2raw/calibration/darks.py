@@ -22,11 +22,12 @@ from cg2raw.calibration.dark_spread import DarkSpread, dark_spread
 from cg2raw.calibration.frames import MOST_CUT, Group
 from cg2raw.calibration.glow import Glow, glow
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.measurements import Lost, Transients
+from cg2raw.calibration.measurements import Lost, Transients, measured_in
 from cg2raw.calibration.repeats import Repeats, Seen
 from cg2raw.calibration.robust import CENSORED_TO, LEAST_SIGMA
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.temporal_noise import TemporalNoise, temporal_noise
+from cg2raw.model.figures import Figure
 from cg2raw.statistics.constant import set_points
 
 
@@ -60,11 +61,13 @@ def read_darks(
     seen: Seen,
     groups: Sequence[Group],
     system_gain: float | None,
+    figures: Sequence[Figure],
     tell: Callable[[float], None],
 ) -> DarkResults:
     """Return what groups of darks, the first of all and shortest first, show.
 
-    system_gain : DN per electron, None if no flat has shown it."""
+    system_gain : DN per electron, None if no flat has shown it.
+    figures : of the fit of all frames."""
     if not groups:
         return DarkResults()
     if any(cut_share(group) > MOST_CUT for group in shortest(groups)):
@@ -85,7 +88,9 @@ def read_darks(
         tell((index + 1) / len(groups))
     assert read.sums is not None
     maps = read.sums.maps()
-    drift = level_drift(shortest(groups), floor_of(read.noise, maps.offset.shape))
+    drift = level_drift(
+        shortest(groups), floor_of(read.noise, figures, maps.offset.shape)
+    )
     current = dark_current(points, drift.total if drift else 0.0)
     spread, shine = None, None
     if maps.rate is not None and current is not None:
@@ -149,15 +154,19 @@ def without_noise(
     )
 
 
-def floor_of(noise: TemporalNoise | None, shape: tuple[int, ...]) -> float:
+def floor_of(
+    noise: TemporalNoise | None, figures: Sequence[Figure], shape: tuple[int, ...]
+) -> float:
     """Return the variance of a frame's mean by noise of pixels, rows and columns."""
     if noise is None:
         return 0.0
     height, width = shape
+    lines = (measured_in(figures, f"{name} noise") for name in ("row", "column"))
+    rows, columns = (one.value if one else 0.0 for one in lines)
     return (
         noise.mean_read_noise.value**2 / (height * width)
-        + noise.row_noise.value**2 / height
-        + noise.column_noise.value**2 / width
+        + rows**2 / height
+        + columns**2 / width
     )
 
 
@@ -247,14 +256,7 @@ def levels_of(
     maps: DarkMaps, sites: Sites, read: _Read, drift: Drift | None
 ) -> tuple[tuple[Measured, ...], Drift | None, BiasStructure]:
     """Return (black level, drift, structure) of the map of offsets."""
-    variance = float(maps.covariance[0, 0])
-    rows = columns = 0.0
-    if read.noise is not None:
-        one = read.noise.mean_read_noise.value**2
-        share = variance / max(one, sites.rounding)  # one over the frames in the map
-        rows = read.noise.row_noise.value**2 * share
-        columns = read.noise.column_noise.value**2 * share
-    structure = bias_structure(maps.offset, maps.known, sites, variance, rows, columns)
+    structure = bias_structure(maps.offset, maps.known, sites)
     of_level = drift.total / math.sqrt(read.origin_frames) if drift else 0.0
     black = black_levels(maps.offset, maps.known, sites, structure, of_level)
     return black, drift, structure

@@ -25,6 +25,14 @@ from cg2raw.model.figures import Figure
 from cg2raw.sensor import Sensor
 
 
+def measured_in(figures: Sequence[Figure], name: str) -> Measured | None:
+    """Return a figure of all planes with its standard error; None if it is missing."""
+    for one in figures:
+        if one.name == name:
+            return Measured(one.value, float(one.standard_error), one.unit)
+    return None
+
+
 @dataclass(frozen=True)
 class Transients:
     """Pixels of single frames far above their repeats: cosmic rays, or flicker."""
@@ -103,6 +111,11 @@ class Measurements:
         else:
             return None
         return tuple(replace(s, value=s.value - rounding) for s in squares)
+
+    def figure(self, name: str) -> Measured | None:
+        """Return a figure of all planes with its standard error; None if it is
+        missing."""
+        return measured_in(self.figures, name)
 
     @property
     def range(self) -> float:

@@ -78,7 +78,7 @@ def row_noise(c: Measurements) -> Answer:
     if c.noise is None:
         return False
     pixels = c.noise.mean_read_noise.value**2 / c.shape[1]
-    return deviation(c.noise.row_noise, c.range, FLOOR * pixels)
+    return deviation(c.figure("row noise"), c.range, FLOOR * pixels)
 
 
 def black_level_drift(c: Measurements) -> Answer:
@@ -103,17 +103,13 @@ def bias_structure(c: Measurements) -> Answer:
 
 
 def column_fixed_pattern(c: Measurements) -> Answer:
-    if c.structure is None:
-        return False
     return deviation(
-        c.structure.column_pattern, c.range, FLOOR * noise_of_map(c) / c.shape[0]
+        c.figure("fixed column pattern"), c.range, FLOOR * noise_of_map(c) / c.shape[0]
     )
 
 
 def dsnu(c: Measurements) -> Answer:
-    if c.structure is None:
-        return False
-    return deviation(c.structure.dsnu, c.range, FLOOR * noise_of_map(c))
+    return deviation(c.figure("DSNU"), c.range, FLOOR * noise_of_map(c))
 
 
 def noise_of_map(c: Measurements) -> float:
@@ -165,9 +161,8 @@ def amplifier_glow(c: Measurements) -> Answer:
 
 
 def read_noise_correlation(c: Measurements) -> Answer:
-    if c.noise is None:
+    if (r := c.figure("correlation, next in row")) is None:
         return False
-    r = c.noise.row_correlation
     return (
         {"coefficient": r}
         if r.stands_out and abs(r.value) > CORRELATION_FLOOR

@@ -17,6 +17,14 @@ LOST_WORDS = {
     "cut": "of the flats' line: that of darks is cut",
     "coarse": "by the shares of few codes, fixed patterns included",
 }
+# Figures of the fit of all frames, among what is of their kind.
+IN_BLACK = ("fixed column pattern", "fixed row pattern", "DSNU")
+IN_NOISE = (
+    "row noise",
+    "column noise",
+    "correlation, next in row",
+    "correlation, next in column",
+)
 MOST_SITES = 4  # of which each is told
 
 
@@ -76,9 +84,7 @@ def black_rows(found: Measurements) -> Iterator[Row]:
         over = f"more than {at}" if s.edge_is_longer else told(s.edge_length)
         edge = None if s.edge_is_longer else s.edge
         yield row("first columns", edge, f"over {over}")
-    yield row("columns, fixed", s.column_pattern if s else None)
-    yield row("rows, fixed", s.row_pattern if s else None)
-    yield row("DSNU, pixels' offsets", s.dsnu if s else None)
+    yield from figures(found, "black", IN_BLACK)
 
 
 def noise_rows(found: Measurements) -> Iterator[Row]:
@@ -87,21 +93,13 @@ def noise_rows(found: Measurements) -> Iterator[Row]:
     read = n.mean_read_noise if n else lost_noise(found)
     more = each(found, n.read_noise) if n else LOST_WORDS[found.lost if read else ""]
     yield Row("noise", "temporal dark noise", read, in_electrons(found, read), more)
-    for name, value in (
-        ("row noise", n.row_noise if n else None),
-        ("column noise", n.column_noise if n else None),
-    ):
-        yield Row("noise", name, value, in_electrons(found, value))
+    yield from figures(found, "noise", IN_NOISE)
     shape = ""
     if n is not None and n.tukey_lambda is not None:
         beyond = "at most " if n.tukey_lambda <= LEAST_LAMBDA else ""
         shape = f"Tukey lambda {beyond}{n.tukey_lambda:.2f} (normal: 0.14)"
     kurtosis = n.excess_kurtosis if n else None
     yield Row("noise", "excess kurtosis", kurtosis, None, shape)
-    correlation = n.row_correlation if n else None
-    yield Row("noise", "correlation, next in row", correlation)
-    correlation = n.column_correlation if n else None
-    yield Row("noise", "correlation, next in column", correlation)
 
 
 def lost_noise(found: Measurements) -> Measured | None:
@@ -174,8 +172,19 @@ def light_rows(found: Measurements) -> Iterator[Row]:
 
 
 def fit_rows(found: Measurements) -> Iterator[Row]:
-    """Yield the figures of all frames by one likelihood, with their 95 % intervals."""
+    """Yield the other figures of all frames by one likelihood."""
+    shown = (*IN_BLACK, *IN_NOISE)
+    others = [one.name for one in found.figures if one.name not in shown]
+    yield from figures(found, "all frames, by one likelihood", [*dict.fromkeys(others)])
+
+
+def figures(found: Measurements, section: str, names: Sequence[str]) -> Iterator[Row]:
+    """Yield figures of the fit with their 95 % intervals; those missing without."""
+    missing = set(names) - {one.name for one in found.figures}
+    yield from (Row(section, name, None) for name in names if name in missing)
     for one in found.figures:
+        if one.name not in names:
+            continue
         name = one.name
         if one.site is not None and found.sites.names[one.site]:
             if len(found.sites.names) > MOST_SITES:
@@ -188,7 +197,7 @@ def fit_rows(found: Measurements) -> Iterator[Row]:
         ends = f"95 %: {one.low * scale:.5g} to {one.high * scale:.5g}"
         in_dn = one.unit.startswith("DN") and one.name != "black level"
         electrons = in_electrons(found, value) if in_dn else None
-        yield Row("all frames, by one likelihood", name, value, electrons, ends)
+        yield Row(section, name, value, electrons, ends)
 
 
 def gains(found: Measurements) -> str:

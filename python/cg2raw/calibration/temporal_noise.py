@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Temporal noise without light: read noise, its tails and neighbours, rows, columns.
+"""Temporal noise without light: read noise and its tails.
 
 Source: EMVA Standard 1288, release 4.0 (temporal dark noise, of differences of frames);
 tails: K. Wei et al., IEEE Trans. PAMI 44(11), 2022 (Tukey lambda)."""
@@ -13,10 +13,10 @@ import numpy as np
 
 from cg2raw.calibration.measured import Measured, root_of
 from cg2raw.calibration.photon_transfer import relative_error
-from cg2raw.calibration.repeats import PIXEL, Repeats, Seen
+from cg2raw.calibration.repeats import Repeats, Seen
 from cg2raw.calibration.robust import Array
 from cg2raw.statistics.codes import COARSE, ROUNDING
-from cg2raw.statistics.constant import BINS_PER_SIGMA, LAGS, PARTS, ConstantStatistics
+from cg2raw.statistics.constant import BINS_PER_SIGMA
 
 FOURTH_OF_ROUNDING = -1.2  # its fourth cumulant, of the square of its variance
 LEAST_NOISE = 12.0  # variance, of that of rounding, which shapes the tails below it
@@ -32,17 +32,11 @@ class TemporalNoise:
 
     read_noise : (sites) standard deviation of pixels, rounding to codes included, rows'
     and columns' own noise and dark current's shot noise not.
-    row_noise, column_noise : of offsets of whole rows and columns, anew in each frame.
-    row_correlation, column_correlation : with the next pixel of the row, the column.
     excess_kurtosis : 0 of a normal distribution. tukey_lambda : of that kurtosis.
     blocks : variance of a pixel, DN^2, and its relative error, in blocks of the frame.
     histogram : of differences of two (HISTOGRAM). frames : how many went in."""
 
     read_noise: tuple[Measured, ...]
-    row_noise: Measured
-    column_noise: Measured
-    row_correlation: Measured
-    column_correlation: Measured
     excess_kurtosis: Measured | None
     tukey_lambda: float | None
     histogram: Array
@@ -85,23 +79,14 @@ def temporal_noise(
     relative = math.sqrt(2 / noise.freedom)
     in_blocks = np.maximum(noise.pixels.sum(0), 1)
     many = float(noise.pixels.sum()) * pairs
-    per_pixel = math.sqrt(1 / many)
     planes = seen.statistics.planes
     fourth = float(np.mean([plane.fourth[number] for plane in planes]))
     kurtosis = _kurtosis(fourth - 3, float(total.mean()), many, rounding)
-    along_row, along_column = (
-        Measured(correlation(seen.statistics, number, *lag), per_pixel, "1")
-        for lag in ((0, 1), (1, 0))
-    )
     return TemporalNoise(
         tuple(
             root_of(float(v) - charge_variance, float(v) * relative, "DN")
             for v in total
         ),
-        line_noise(seen.statistics, number, "fast_rows"),
-        line_noise(seen.statistics, number, "fast_columns"),
-        along_row,
-        along_column,
         kurtosis,
         None if kurtosis is None else lambda_of(kurtosis.value),
         signed_histogram(sum(plane.residuals[number] for plane in planes)),
@@ -112,52 +97,6 @@ def temporal_noise(
         repeats.count,
         repeats.group.exposure_time,
     )
-
-
-def correlation(
-    statistics: ConstantStatistics, number: int, down: int, across: int
-) -> float:
-    """Return that of a pixel's noise with its neighbour's, in one of LAGS, of a group.
-    Planes of the mosaic lose their own rows' and columns' means: within one, neighbours
-    anticorrelate by one over their number then."""
-    if (down, across) not in LAGS:
-        return 0.0
-    found = float(statistics.lags[number, LAGS.index((down, across))])
-    side = math.isqrt(len(statistics.planes))
-    if down % side or across % side:
-        return found
-    height, width = statistics.planes[0].shape
-    return found + (1 / width if across else 1 / height)
-
-
-def line_noise(statistics: ConstantStatistics, number: int, part: str) -> Measured:
-    """Return the own noise of rows or columns, DN: what the fast means of a frame's
-    lines vary by beyond the share of their pixels.
-
-    part : fast_rows or fast_columns. Pixels that correlate have another share: that of
-    the lowest frequencies along the row, or by the next one of the column. Planes of
-    the same lines have their noise together."""
-    planes, at = statistics.planes, PARTS.index(part)
-    side = math.isqrt(len(planes))
-    again = int(statistics.frames[number]) - 1
-    length = planes[0].shape[1 if part == "fast_rows" else 0]
-    freedom = np.array([plane.freedom[at] for plane in planes]) * again
-    if not freedom.all() or not all(p.along_freedom for p in planes):
-        return Measured(0.0, math.inf, "DN")
-    if part == "fast_rows":
-        shares = [p.along[number] / p.along_freedom for p in planes]
-        of_share = again * sum(p.along_freedom for p in planes)
-    else:
-        r = correlation(statistics, number, side, 0)
-        shares = [p.scatter[number, PIXEL] / p.freedom[PIXEL] for p in planes]
-        shares = [(1 + 2 * r) * share for share in shares]
-        of_share = again * sum(p.freedom[PIXEL] for p in planes)
-    share = float(np.mean(shares)) / again
-    total = float(np.mean([p.scatter[number, at] for p in planes] / freedom))
-    lines = float(freedom.sum()) / side  # of the mosaic
-    error = math.sqrt(2 / lines) * (max(total - share, 0.0) + share / side)
-    error = math.hypot(error, math.sqrt(2 / of_share) * share)
-    return root_of((total - share) / length, error / length, "DN")
 
 
 def signed_histogram(residuals: Array) -> Array:

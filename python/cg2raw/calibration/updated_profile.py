@@ -121,10 +121,10 @@ def shape_of(
     """Return how a row of noise says that it is distributed."""
     if found.noise is None:
         return {name: before[name] for name in ("tukey_lambda", "row_sigma")}
-    shape = found.noise.tukey_lambda
+    shape, rows = found.noise.tukey_lambda, found.figure("row noise")
     return {
         "tukey_lambda": rounded(NORMAL if shape is None else shape),
-        "row_sigma": rounded(found.noise.row_noise.value / found.range),
+        "row_sigma": rounded((rows.value if rows else 0.0) / found.range),
     }
 
 
