@@ -5,7 +5,13 @@
 import numpy as np
 import pytest
 
-from cg2raw.model.recorded import Offsets, Recording, recorded, recorder_of
+from cg2raw.model.recorded import (
+    Offsets,
+    Recording,
+    differences,
+    recorded,
+    recorder_of,
+)
 from cg2raw.statistics.constant import PLACES
 
 WHITE = 4095
@@ -97,3 +103,13 @@ def test_fine_codes_need_no_table():
     assert slopes.sum() == slopes[1, 0] == 1
     table = recorder_of(levels, places, about, 1.0, WHITE, True)
     np.testing.assert_allclose(table(about)[0], values, rtol=1e-4, atol=1e-9)
+
+
+@pytest.mark.parametrize(("variance", "share", "ratio"), [(0.3, 0, 1), (4, 0.1, 9)])
+def test_differences_of_two_codes(variance, share, ratio):
+    """Their mean square is twice the variance with that of rounding, over all places."""
+    found = differences(np.arange(16) / 16, variance, share, ratio)
+    np.testing.assert_allclose(found.sum(axis=1), 1, atol=1e-12)
+    squares = float((found @ np.arange(found.shape[1]) ** 2).mean())
+    whole = variance * (1 + share * (ratio - 1)) + 1 / 12
+    assert squares == pytest.approx(2 * whole, rel=2e-3)

@@ -58,6 +58,27 @@ def recorded(mean: Array, variance: float, white: int) -> Moments:
     return Moments(first, second, fourth / second**2 - 3)
 
 
+def differences(
+    places: Array, variance: float, wider: float = 0.0, ratio: float = 1.0
+) -> Array:
+    """Return (N, D) how probable it is that two codes of the same signal differ by 0,
+    1, ... codes in size.
+
+    places : (N,) DN, of the signal. variance : DN^2, of its noise. wider : a share of
+    it, whose variance is @ratio times as large."""
+    sigmas = np.sqrt(variance * np.array([1.0, ratio]))
+    reach = int(np.ceil(REACH * sigmas.max())) + 1
+    edges = np.arange(-reach, reach + 2) - 0.5 - np.asarray(places)[:, None]
+    narrow, wide = (np.diff(ndtr(edges / sigma)) for sigma in sigmas)
+    share = (1 - wider) * narrow + wider * wide
+    size = 2 * share.shape[1]
+    spectrum = np.abs(np.fft.rfft(share, size, axis=1)) ** 2
+    found: Array = np.maximum(np.fft.irfft(spectrum, size, axis=1), 0.0)
+    found = found[:, : share.shape[1]]
+    found[:, 1:] *= 2
+    return found
+
+
 class Recording(NamedTuple):
     """What a group's codes say of it.
 

@@ -17,6 +17,7 @@ from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.fit import Fit, Prior, refitted
 from cg2raw.model.lags import Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
+from cg2raw.model.shapes.random_telegraph_noise import NAME as JUMPS
 from cg2raw.statistics.constant import Array
 
 # Names and their parameters; of those that each part has, their beginning.
@@ -94,6 +95,9 @@ def selection(
             levels, training, validation, profile, shapes.dark_median
         ).gains(least)
     gains |= {name: shape.nats for name, shape in shapes.found.items()}
+    if gains.get(JUMPS, 0.0) > least and "read_noise" in gains:
+        variance = float(profile[places["read_noise"]].mean())
+        gains["read_noise"] = shapes.read_noise(variance) or gains["read_noise"]
     return Selection(gains, training, validation)
 
 

@@ -4,6 +4,8 @@
 
 import numpy as np
 
+from cg2raw.model.fit import fit
+from cg2raw.model.shapes import shapes
 from cg2raw.statistics.constant import GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 
@@ -37,3 +39,16 @@ def statistics_of(groups):
     """Return the statistics of groups."""
     readers = [(info, [lambda f=f: f for f in frames]) for info, frames in groups]
     return frame_statistics(readers, SIDE, WHITE)
+
+
+def shown(make):
+    """Return the shapes of both splits. make : (seed, split) -> groups."""
+    splits = ("training", "validation")
+    statistics = statistics_of(
+        [g for n, one in enumerate(splits) for g in make(n, one)]
+    )
+    halves = [
+        statistics.only([n for n, g in enumerate(statistics.groups) if g.split == one])
+        for one in splits
+    ]
+    return shapes(statistics, splits, tuple(map(fit, halves)))

@@ -7,24 +7,14 @@ import pytest
 
 from cg2raw.model.fit import fit
 from cg2raw.model.shapes import shapes
-from model.shapes.planted import SHAPE, darks, statistics_of
+from model.shapes.planted import SHAPE, darks, shown, statistics_of
 
 LEAST = np.log(33 / 0.01)
 
 
 def found(per_second, **more):
     """Return the shapes of darks with such rates, DN/s, of both splits."""
-    statistics = statistics_of(
-        darks(0, "training", per_second[0], **more)
-        + darks(1, "validation", per_second[1], **more)
-    )
-    halves = [
-        statistics.only(
-            [n for n, g in enumerate(statistics.groups) if g.split == split]
-        )
-        for split in ("training", "validation")
-    ]
-    return shapes(statistics, ("training", "validation"), tuple(map(fit, halves)))
+    return shown(lambda n, split: darks(n, split, per_second[n], **more))
 
 
 def hot(share, seed=5):
@@ -53,9 +43,9 @@ def test_law_of_the_others(log_sigma):
     its tail is hot."""
     rng = np.random.default_rng(7)
     law = 2.0 * np.exp(log_sigma * rng.standard_normal(SHAPE)) * (log_sigma > 0)
-    shown = found([law] * 2)
-    assert shown.found["hot_pixels"].nats < LEAST
-    median, error = shown.dark_median
+    both = found([law] * 2)
+    assert both.found["hot_pixels"].nats < LEAST
+    median, error = both.dark_median
     truth = 2.0 * (1 - np.exp(log_sigma**2 / 2)) * (log_sigma > 0)
     assert abs(median - truth) <= 3 * error
     assert error <= 0.25 * abs(truth)

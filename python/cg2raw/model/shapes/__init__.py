@@ -9,20 +9,34 @@ from dataclasses import dataclass
 
 from cg2raw.model.fit import Fit
 from cg2raw.model.shapes.base import Shape, Shown
+from cg2raw.model.shapes.heavy_tailed_noise import core_of, heavy_tailed_noise
 from cg2raw.model.shapes.hot_pixels import dark_median, hot_pixels
+from cg2raw.model.shapes.random_telegraph_noise import random_telegraph_noise
 from cg2raw.statistics.constant import ConstantStatistics
 
-EFFECTS = (hot_pixels,)
+EFFECTS = (hot_pixels, random_telegraph_noise, heavy_tailed_noise)
 
 
 @dataclass(frozen=True)
 class Shapes:
     """found : by name. dark_median : by how much the dark current of most pixels is
     above the mean of those that are not masked, and its standard error, DN/s; of
-    training frames."""
+    training frames. cores : the variance of most draws in the shortest darks and its
+    standard error, DN^2, of training and validation; None where it is not known."""
 
     found: Mapping[str, Shape]
     dark_median: tuple[float, float] = (0.0, 0.0)
+    cores: tuple[tuple[float, float] | None, ...] = (None, None)
+
+    def read_noise(self, profile: float) -> float | None:
+        """Return the nats of read noise beside pixels that jump: of most draws, as
+        trained over a profile's, DN^2. None where it is not known."""
+        trained, measured = self.cores
+        if trained is None or measured is None:
+            return None
+        value, error = measured
+        away = (value - profile) ** 2 - (value - trained[0]) ** 2
+        return away / error**2 / 2
 
 
 def shapes(
@@ -35,4 +49,5 @@ def shapes(
     shown = Shown(statistics, splits, fits)
     found = (effect(shown) for effect in EFFECTS)
     by_name = {shape.name: shape for shape in found if shape is not None}
-    return Shapes(by_name, dark_median(shown, splits[0]) or (0.0, 0.0))
+    median = dark_median(shown, splits[0]) or (0.0, 0.0)
+    return Shapes(by_name, median, tuple(core_of(shown, split) for split in splits))

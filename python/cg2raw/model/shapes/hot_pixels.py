@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from cg2raw.model.dark_law import DarkLaw, fitted, median_of, nats_of
 from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.recorded import FINE
 from cg2raw.model.shapes.base import Shape, Shown, nats_of_overlap, points_of
+from cg2raw.model.shapes.random_telegraph_noise import noisy_outliers
 from cg2raw.statistics.dark_rates import slope_of
 
 NAME = "hot_pixels"
@@ -38,29 +40,44 @@ def hot_pixels(shown: Shown) -> Shape | None:
 def dark_median(shown: Shown, split: str) -> tuple[float, float] | None:
     """Return by how much the dark current of most pixels, their median, is above the
     mean of those that are not masked, and its standard error, DN/s; None without two
-    exposure times."""
+    exposure times. Where codes are few, so that noise is not normal, the error is as
+    large."""
+    darks = shown.shortest_darks(split)
+    each = [plane.power[darks].min(initial=np.inf) for plane in shown.statistics.planes]
+    law = LAW if min(each) > FINE else 1.0
     for one in shown.statistics.rates:
         if one.split == split:
             value, error = median_of(one.counts.astype(float), shown.shot(one))
-            return value * one.noise, float(np.hypot(error, LAW * value)) * one.noise
+            return value * one.noise, float(np.hypot(error, law * value)) * one.noise
     return None
 
 
 def _far(shown: Shown) -> list[NDArray[np.bool_]]:
-    """Return, for each split, which masked points gather charge."""
-    found = []
+    """Return, for each split, which masked points gather charge and do not jump."""
     points = points_of(shown.statistics)
+    rates, noises = [], []
     for split in shown.splits:
         slope = slope_of(shown.statistics, split)
         assert slope is not None
+        of_planes = zip(shown.statistics.planes, points, slope.noise, strict=True)
         each = [
-            slope.weights @ plane.outliers[:, used] > FAR * noise
-            for plane, used, noise in zip(
-                shown.statistics.planes, points, slope.noise, strict=True
-            )
+            (slope.weights @ plane.outliers[:, used], np.full(used.sum(), noise))
+            for plane, used, noise in of_planes
         ]
-        found.append(np.concatenate(each))
-    return found
+        rate, noise = np.concatenate(each, axis=1)
+        rates.append(rate)
+        noises.append(noise)
+    darks = [
+        g
+        for g, group in enumerate(shown.statistics.groups)
+        if group.kind == "dark"
+        and group.split in shown.splits
+        and shown.statistics.pairs[g]
+    ]
+    jumps = noisy_outliers(shown, np.array(darks, int)).any(axis=0)
+    return [
+        (rate > FAR * noise) & ~jumps for rate, noise in zip(rates, noises, strict=True)
+    ]
 
 
 def _figures(law: DarkLaw, noise: float) -> tuple[Figure, ...]:

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Heavy-tailed read noise: a share of the draws is wider, of other pixels each time. By
+the differences of two frames, of the shortest darks of both splits."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import erf, erfc, erfinv, expit, logit
+
+from cg2raw.model.figures import Figure
+from cg2raw.model.recorded import FINE, ROUNDING, differences
+from cg2raw.model.shapes.base import Shape, Shown
+from cg2raw.model.shapes.random_telegraph_noise import nats_beside_jumps
+from cg2raw.statistics.constant import BINS_PER_SIGMA, Array
+
+NAME = "heavy_tailed_noise"
+EDGES = np.arange(0.0, 12.1, 0.5)  # sigma; the last bin has all that is beyond
+CORE, FAR = 1.5, 3.0  # sigma: within, draws are most's; beyond, few of them are
+PLACES = np.arange(16) / 16  # within a code
+# DN^2. Below, tails of codes depend on where within a code a sample is; above, by less
+# than 1e-4: the first term of Sheppard's series, exp(-2 pi^2 variance).
+LEAST_POWER = 0.5 + ROUNDING
+STARTS = ((0.01, 9.0), (0.1, 4.0))  # share and ratio of variances
+UNEVEN = 2.0  # variances of normal noise differ by it from place to place: no tails
+MOST_SHARE, MOST_RATIO = 0.5, 80.0  # as the registry bounds them
+LEAST_SHARE = 1e-12  # of a bin
+
+
+@dataclass(frozen=True)
+class Tails:
+    """Residuals of pairs, by size. counts : (bins,). power : DN^2, their variance; what
+    is rounded to whole codes, if that is small."""
+
+    counts: Array
+    power: float
+
+    @cached_property
+    def is_coarse(self) -> bool:
+        return self.power < FINE + ROUNDING
+
+    def shares(self, scale: float, share: float, ratio: float) -> Array:
+        """Return (bins,) what is expected. scale : of the variance of most draws, over
+        that by which all have the power. share, ratio : of draws that are wider, and
+        their variance over that of the others."""
+        if not self.is_coarse:
+            narrow = scale / (1 + share * (ratio - 1))
+            weights = (1 - share) ** 2, 2 * share * (1 - share), share**2
+            widths = 1.0, (1 + ratio) / 2, ratio
+            below = sum(
+                w * erf(EDGES / np.sqrt(2 * narrow * v))
+                for w, v in zip(weights, widths, strict=True)
+            )
+            inside: Array = np.diff(below, append=1.0)
+            return np.maximum(inside, LEAST_SHARE)
+        narrow = scale * (self.power - ROUNDING) / (1 + share * (ratio - 1))
+        found: Array = differences(PLACES, narrow, share, ratio).mean(axis=0)
+        bins = len(self.counts)
+        found = np.append(found, np.zeros(max(bins - len(found), 0)))
+        found = np.append(found[: bins - 1], found[bins - 1 :].sum())
+        beyond: Array = np.maximum(found, LEAST_SHARE)
+        return beyond
+
+    def nats(self, numbers: Array) -> float:
+        """Return the log likelihood. numbers : logarithm of scale, logit of share,
+        logarithm of ratio; of the first alone, all are alike."""
+        scale, *more = numbers
+        share, ratio = (expit(more[0]), np.exp(more[1])) if more else (0.0, 1.0)
+        return float(self.counts @ np.log(self.shares(np.exp(scale), share, ratio)))
+
+    def fitted(self, start: Array, most: float = MOST_RATIO) -> Array:
+        """Return the numbers of most likelihood, of a ratio up to @most."""
+        bounds = [(-1.0, 1.0), (-12.0, logit(MOST_SHARE)), (0.01, np.log(most))]
+        found = minimize(
+            lambda x: -self.nats(x),
+            start,
+            method="Nelder-Mead",
+            bounds=bounds[: len(start)],
+            options={"maxfev": 200, "xatol": 1e-3, "fatol": 1e-2},
+        )
+        best: Array = found.x
+        return best
+
+
+def heavy_tailed_noise(shown: Shown) -> Shape | None:
+    """Return the evidence of tails, or of noisy samples beyond those that telegraph
+    noise has, whichever is less; None without pairs of darks, where codes are few and
+    where noise is cut at 0."""
+    first, second = (tails_of(shown, split) for split in shown.splits)
+    if first is None or second is None or shown.is_cut:
+        return None
+    if min(first.power, second.power) < LEAST_POWER:
+        return None
+    ends = [first.fitted(np.array([0.0, logit(s), np.log(r)])) for s, r in STARTS]
+    trained = max(ends, key=first.nats)
+    even = np.array([0.0, logit(0.1), np.log(UNEVEN) / 2])
+    without = max(
+        second.nats(second.fitted(start, UNEVEN)) for start in (np.zeros(1), even)
+    )
+    nats = second.nats(trained) - without
+    share, ratio = float(expit(trained[1])), float(np.exp(trained[2]))
+    nats = min(nats, nats_beside_jumps(shown))
+    return Shape(
+        NAME,
+        nats,
+        (
+            Figure("noisy draws", "1", share, np.nan, np.nan, np.nan),
+            Figure("their variance ratio", "1", ratio, np.nan, np.nan, np.nan),
+        ),
+    )
+
+
+def core_of(shown: Shown, split: str) -> tuple[float, float] | None:
+    """Return the variance of most draws and its standard error, DN^2, by how many are
+    within CORE; None where codes are few."""
+    found = tails_of(shown, split)
+    if found is None or found.is_coarse:
+        return None
+    count = found.counts.sum()
+    far = found.counts[EDGES >= FAR].sum() - count * erfc(FAR / np.sqrt(2))
+    left = count - max(far, 0.0)
+    share = float(found.counts[EDGES < CORE].sum() / left)
+    sigma = CORE / np.sqrt(2) / float(erfinv(share))
+    density = np.exp(-((CORE / sigma) ** 2) / 2) / np.sqrt(2 * np.pi)
+    error = sigma**3 / (CORE * density) * np.sqrt(share * (1 - share) / left)
+    planes = shown.statistics.planes  # residuals have lost what their lines have
+    lost = sum((~p.masked).sum() for p in planes) / sum(p.freedom[-1] for p in planes)
+    power = found.power * float(lost)
+    return sigma**2 * power - ROUNDING, float(error) * power
+
+
+def tails_of(shown: Shown, split: str) -> Tails | None:
+    """Return the residuals of the shortest darks that repeat each other."""
+    darks = shown.shortest_darks(split)
+    if not len(darks):
+        return None
+    planes = shown.statistics.planes
+    power = float(np.mean([plane.power[darks].mean() for plane in planes]))
+    found = Tails(np.zeros(1, float), power)
+    fine = sum(plane.residuals[darks].sum(axis=0) for plane in planes)
+    middles = (np.arange(len(fine)) + 0.5) / BINS_PER_SIGMA
+    if found.is_coarse:
+        at = np.rint(middles * np.sqrt(2 * power)).astype(int)
+    else:
+        at = np.searchsorted(EDGES, middles, side="right") - 1
+    return Tails(np.bincount(at, weights=fine).astype(float), power)

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Random telegraph noise: the same pixels are noisy in both splits, without charge.
+
+Tails that fall on any pixel fall on the same ones by chance; how often is known."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtri, erfc
+
+from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.recorded import FINE, differences
+from cg2raw.model.shapes.base import Shape, Shown, nats_beyond, points_of
+from cg2raw.statistics.constant import Array
+
+NAME = "random_telegraph_noise"
+NOISY = 4.0  # sigma of a pair, as the overlaps have it
+CHANCE = float(erfc(NOISY / np.sqrt(2)))
+# Of the squared mean of a pixel that jumps between two levels, the least variance if it
+# is at the upper one in up to four of five frames: a hot pixel flickers by less.
+JUMPS = 1 / 4
+PLACES = 32  # within a code
+LEAST_EXPECTED = 1e-9  # samples, by chance
+# Of pairs of frames, in which a pixel that jumps is seen to: it has the same level in
+# half of them, and not all steps are beyond NOISY.
+SEEN = 0.2
+
+
+@dataclass(frozen=True)
+class Noisy:
+    """each : (training groups, validation groups) how many samples are noisy. both :
+    (training, validation) in both of two. expected : as many, by chance."""
+
+    each: tuple[Array, Array]
+    both: Array
+    expected: Array
+
+
+def random_telegraph_noise(shown: Shown) -> Shape | None:
+    """Return the evidence of how many samples are noisy in the shortest darks of both
+    splits; None without pairs, and where noise is cut at 0."""
+    noisy = noisy_of(shown)
+    if noisy is None or shown.is_cut:
+        return None
+    nats = nats_beyond(float(noisy.both.sum()), float(noisy.expected.sum()))
+    value, error = _share(noisy, shown.samples)
+    ends = max(value - NORMAL * error, 0.0), value + NORMAL * error
+    return Shape(NAME, nats, (Figure("pixels that jump", "1", value, error, *ends),))
+
+
+def noisy_of(shown: Shown) -> Noisy | None:
+    """Return how many samples are noisy in the shortest darks; None without pairs."""
+    first, second = (shown.shortest_darks(split) for split in shown.splits)
+    if not len(first) or not len(second):
+        return None
+    overlaps = shown.statistics.overlaps
+    masked = [noisy_outliers(shown, groups) for groups in (first, second)]
+    each = [
+        np.diagonal(overlaps)[groups] + outliers.sum(axis=1)
+        for groups, outliers in zip((first, second), masked, strict=True)
+    ]
+    both: Array = (
+        masked[0].astype(float) @ masked[1].T + overlaps[np.ix_(first, second)]
+    )
+    expected = np.outer(*each) / shown.samples * clumped(shown)
+    return Noisy((each[0], each[1]), both, np.maximum(expected, LEAST_EXPECTED))
+
+
+def nats_beside_jumps(shown: Shown) -> float:
+    """Return the evidence of noisy samples of validation beyond those of pixels that
+    jump in both splits and those of normal noise."""
+    noisy = noisy_of(shown)
+    if noisy is None:
+        return 0.0
+    groups = shown.shortest_darks(shown.splits[1])
+    beyond = np.maximum(noisy.both - noisy.expected, 0).mean(axis=0) / SEEN
+    normal = CHANCE * shown.statistics.pairs[groups] * shown.samples
+    return nats_beyond(float(noisy.each[1].sum()), float((beyond + normal).sum()))
+
+
+def noisy_outliers(shown: Shown, groups: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Return (groups, masked) whether a masked point is noisy as others are counted,
+    beyond the noise of its charge, and jumps."""
+    found = []
+    statistics, gain = shown.statistics, shown.gain(shown.splits[0])
+    most = chdtri(statistics.pairs[groups], CHANCE) / statistics.pairs[groups]
+    for plane, used in zip(statistics.planes, points_of(statistics), strict=True):
+        level, noise = (
+            one[np.ix_(groups, np.flatnonzero(used))]
+            for one in (plane.outliers, plane.outlier_noise)
+        )
+        usual = plane.power[groups, None] + gain * np.abs(level)
+        found.append((noise > most[:, None] * usual) & (noise > JUMPS * level**2))
+    return np.concatenate(found, axis=1)
+
+
+def clumped(shown: Shown) -> float:
+    """Return by how much more often than by chance normal noise of few codes is beyond
+    NOISY in the same pixel: it depends on where within a code a pixel is."""
+    darks = shown.shortest_darks(shown.splits[0])
+    power = min(float(plane.power[darks].min()) for plane in shown.statistics.planes)
+    if power > FINE:
+        return 1.0
+    shares = differences(np.arange(PLACES) / PLACES, max(power - 1 / 12, 1e-3))
+    beyond = np.floor(NOISY * np.sqrt(2 * power))
+    far: Array = shares[:, np.arange(shares.shape[1]) >= max(beyond, 1.0)].sum(axis=1)
+    return float((far**2).mean() / far.mean() ** 2) if far.mean() > 0 else 1.0
+
+
+def _share(noisy: Noisy, samples: int) -> tuple[float, float]:
+    """Return the share of samples that jump and its error: of as many as are noisy in
+    the one split and as often in the other, if their chances are independent."""
+    beyond = max(float((noisy.both - noisy.expected).sum()), 1.0)
+    first, second = (
+        max(float(each.sum()) - CHANCE * samples * len(each), 0.0)
+        for each in noisy.each
+    )
+    found = first * second / beyond / samples
+    return found, found / np.sqrt(beyond)

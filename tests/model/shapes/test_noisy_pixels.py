@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Telegraph noise and heavy tails: planted ones, each by its name alone."""
+
+import numpy as np
+import pytest
+
+from model.shapes.planted import NOISE, SHAPE, darks, normal, shown
+
+LEAST = np.log(33 / 0.01)
+NONE = np.zeros(SHAPE)
+JUMPING = np.random.default_rng(4).random(SHAPE) < 0.01
+STEPS = np.random.default_rng(5).exponential(10 * NOISE, SHAPE) * JUMPING
+
+
+def jumps(rng, shape):
+    """Pixels jump by 10 noises on average, of one state in half of the frames."""
+    return normal(rng, shape) + STEPS * (rng.random(shape) < 0.5)
+
+
+def tails(rng, shape):
+    """One draw in 50 has nine times the variance."""
+    wide = rng.random(shape) < 0.02
+    return normal(rng, shape) * np.where(wide, 3.0, 1.0)
+
+
+def uneven(rng, shape):
+    """The right half has 1.4 times the variance of the left one."""
+    return normal(rng, shape) * np.where(np.arange(shape[1]) < 60, 1.0, 1.4**0.5)
+
+
+def coarse(rng, shape):
+    return 0.1 * normal(rng, shape)
+
+
+def named(noise, frames, rate=NONE):
+    found = shown(lambda n, split: darks(n, split, rate, frames=frames, noise=noise))
+    return {name for name, one in found.found.items() if one.nats > LEAST}, found
+
+
+@pytest.mark.parametrize("frames", [2, 8])
+@pytest.mark.parametrize(
+    ("noise", "names"),
+    [
+        (normal, set()),
+        (uneven, set()),
+        (coarse, set()),
+        (jumps, {"random_telegraph_noise"}),
+        (tails, {"heavy_tailed_noise"}),
+    ],
+)
+def test_each_has_its_name(noise, names, frames):
+    assert named(noise, frames)[0] == names
+
+
+def test_hot_pixels_are_not_noisy():
+    """Their charge has shot noise, ten times that of the others."""
+    assert named(normal, 6, 400.0 * JUMPING)[0] == {"hot_pixels"}
+
+
+def test_numbers():
+    """The share of jumping pixels that steps beyond 4 sigma show, 0.6 of them, within
+    its error; read noise beside them is that of the others. Of tails, what they add to
+    the variance is known best."""
+    _, found = named(jumps, 8)
+    (figure,) = found.found["random_telegraph_noise"].figures
+    assert 0.5 * JUMPING.mean() < figure.value < 1.1 * JUMPING.mean()
+    value, error = found.cores[0]
+    assert abs(value - NOISE**2) < 3.5 * error < 0.1 * NOISE**2
+    tailed = named(tails, 8)[1].found["heavy_tailed_noise"].figures
+    share, ratio = (figure.value for figure in tailed)
+    assert share * (ratio - 1) == pytest.approx(0.02 * 8, rel=0.2)
+    assert ratio == pytest.approx(9.0, rel=0.4)
