@@ -45,6 +45,25 @@ def test_flats_of_unknown_light_tell_no_exposure():
     assert set(found(strengths, captures=unknown).names) == {"prnu"}
 
 
+def test_flats_of_one_light_alone():
+    """They tell what is in proportion to light from nothing else, and take all else
+    from the profile."""
+
+    def one_light(captures):
+        flats = [c for c in captures.captures if c.kind == "flat"]
+        brightest = {
+            group: max(
+                (c for c in flats if c.group == group), key=lambda c: c.raw().mean()
+            ).set
+            for group in {c.group for c in flats}
+        }
+        some = [c for c in flats if c.set == brightest[c.group]]
+        return replace(captures, captures=some)
+
+    strengths = {"prnu": 0.01, "lens_shading": 0.3, "shot_noise": 0.2}
+    assert set(found(strengths, captures=one_light).names) == set(strengths)
+
+
 def test_values_are_in_units_of_the_registry():
     values = {(one.effect, one.parameter): one for one in found({"prnu": 0.01}).values}
     prnu = values["prnu", "sigma"]

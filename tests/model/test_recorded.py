@@ -107,7 +107,7 @@ def test_fine_codes_need_no_table():
 
 @pytest.mark.parametrize(("variance", "share", "ratio"), [(0.3, 0, 1), (4, 0.1, 9)])
 def test_differences_of_two_codes(variance, share, ratio):
-    """Their mean square is twice the variance with that of rounding, over all places."""
+    """Their mean square is twice the variance and rounding's, over all places."""
     found = differences(np.arange(16) / 16, variance, share, ratio)
     np.testing.assert_allclose(found.sum(axis=1), 1, atol=1e-12)
     squares = float((found @ np.arange(found.shape[1]) ** 2).mean())

@@ -16,6 +16,7 @@ from cg2raw.calibration.frames import SAME_LEVEL
 from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
 from cg2raw.model.flat_levels import flat_levels, level_gains
 from cg2raw.model.lags import lags_of
@@ -61,8 +62,8 @@ def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
         for split in (TRAINING, VALIDATION)
     ]
     both = whole.only([g for g, info in enumerate(whole.groups) if info.split != TEST])
-    fits = [fit(statistics) for statistics in splits]
-    profile = profile_values(sensor, float(iso or 0), fits[0].parameters)
+    profile = profile_values(sensor, float(iso or 0), Parameters(len(whole.planes)))
+    fits = [fit(statistics, profile) for statistics in splits]
     least = math.log(NAMES / alpha)
     lags = [
         lags_of(one, found, profile) for one, found in zip(splits, fits, strict=True)
@@ -79,7 +80,7 @@ def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
     gains = {**found.gains, **_of_levels(captures, used, splits, fits, found, least)}
     found = replace(found, gains=gains)
     white = sensor.white_level - float(np.mean(sensor.black_level))
-    values = tuple(values_of(both, fit(both), profile, white))
+    values = tuple(values_of(both, fit(both, profile), profile, white))
     return DarksAndFlats(found.kept(least), found, values)
 
 

@@ -62,6 +62,13 @@ class DarkLevels:
         those whose are as in @theta; all others' are as the profile has them, and its
         patterns let them be."""
         start, free = fit.theta.copy(), np.zeros(len(self.profile), bool)
+        if fit.likelihood.is_coarse:  # then a level and noise depend on each other
+            free = np.isfinite(np.diagonal(fit.covariance))
+            for own in self.places.values():
+                free &= ~own
+            if "black_level" not in (*fitted, *pinned):
+                at, sites = fit.parameters.of("read_noise"), fit.parameters.sites
+                start[at : at + sites] = self.profile[at : at + sites]
         priors = []
         for name, own in self.places.items():
             if name in fitted:
@@ -96,9 +103,25 @@ class DarkLevels:
                 covariance += square / count * np.equal.outer(line, line)
             elif component.planes == "none":
                 covariance += square / (h * w) * np.eye(len(places))
-            else:
+            elif name == "dark_current":
                 parts = float(component.parts @ plane.plane.freedom)
                 covariance += square * parts / (h * w)
+        means = self.profile[places]
         if name == "dark_current":
             covariance += self.median[1] ** 2
-        return Prior(places, self.profile[places], covariance)
+        else:
+            edges = edges_of(self.training)
+            means, covariance = means + edges, covariance + edges**2
+        return Prior(places, means, covariance)
+
+
+def edges_of(fit: Fit) -> float:
+    """Return by how much first and last lines of darks raise their mean, DN: by how
+    much it is above the median of their lines, to which a ramp adds nothing."""
+    found = []
+    for plane in fit.likelihood.planes:
+        for profiles in (plane.plane.rows, plane.plane.columns):
+            weights = plane.frames * ~plane.is_flat
+            mean = weights @ profiles / max(weights.sum(), 1)
+            found.append(-float(np.median(mean)))
+    return 2 * float(np.mean(found))  # of rows and of columns together

@@ -24,9 +24,11 @@ HALVINGS = 20  # of a step that does not rise
 # Fits with the light and, if codes are coarse, the offsets by the one before.
 AGAIN = 6
 SETTLED = 0.05  # standard errors that nothing moves any more
+SAME_LIGHT = 0.05  # relative: flats whose levels differ by less are of one light
 DONE = 1e-7  # nats that a round gains
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
+ALIKE = 2.0  # nats: fits that differ by less explain alike
 LEAST_FREEDOM = 16  # of pixels, that a variance is taken of: it is known to a third
 
 
@@ -47,21 +49,42 @@ class Fit:
         return (float(self.theta[at]) if np.isfinite(error) else np.nan), error
 
 
-def fit(statistics: ConstantStatistics) -> Fit:
+def fit(statistics: ConstantStatistics, profile: Array | None = None) -> Fit:
     """Return the fit of darks and flats.
 
+    profile : (n,) values of what the frames do not show; 0 without.
     Raises ValueError where noise is not known: if no two frames repeat each other, all
     of a group are the same, or they are too small."""
     check_noise(statistics)
-    likelihood = Likelihood(statistics)
-    theta, free = start_of(likelihood)
+    has_darks = any(group.kind == "dark" for group in statistics.groups)
+    likelihood = Likelihood(statistics, None if has_darks else profile)
+    theta, free = start_of(likelihood, profile)
+    found = _settled(statistics, likelihood, theta, free)
+    if profile is not None and likelihood.is_coarse:
+        # Few codes have several explanations; the profile's is as good as any.
+        at, sites = found.parameters.of, np.arange(found.parameters.sites)
+        for name in ("black_level", "read_noise", "gain"):
+            theta[at(name) + sites] = profile[at(name) + sites]
+        other = _settled(statistics, likelihood, theta, free)
+        if other.value > found.value - ALIKE:
+            return other
+    return found
+
+
+def _settled(
+    statistics: ConstantStatistics,
+    likelihood: Likelihood,
+    theta: Array,
+    free: NDArray[np.bool_],
+) -> Fit:
+    """Return the fit from a start, with light and codes as the fit before says."""
     found = refitted(likelihood, theta, free)
     for _ in range(AGAIN if likelihood.is_coarse else 1):
         before = found.theta
         found = refitted(Likelihood(statistics, before), before, free)
         with np.errstate(invalid="ignore"):
             moved = (found.theta - before) ** 2 / np.diagonal(found.covariance)
-        if np.nanmax(moved) < SETTLED**2:
+        if not (moved >= SETTLED**2).any():
             break
     return found
 
@@ -189,14 +212,23 @@ def _solved(
     return step, covariance
 
 
-def start_of(likelihood: Likelihood) -> tuple[Array, NDArray[np.bool_]]:
-    """Return a start by least squares, and which parameters the frames can show."""
+def start_of(
+    likelihood: Likelihood, profile: Array | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return a start by least squares, and which parameters the frames can show.
+
+    profile : (n,) values of all others; 0 without."""
     parameters = likelihood.parameters
     theta, free = np.zeros(len(parameters)), np.ones(len(parameters), bool)
     first = likelihood.planes[0]
     darks, flats = ~first.is_flat, first.is_flat
     has_times = len(set(first.time[darks])) > 1
-    of_signature = {"constant": True, "light": bool(flats.any())}
+    # Flats of one light do not tell what is in proportion to it.
+    lights = first.plane.level[flats]
+    is_told = darks.any() or np.ptp(lights) > SAME_LIGHT * lights.max()
+    if profile is None:
+        is_told = True  # of what is alike, one is taken for the other
+    of_signature = {"constant": bool(is_told), "light": bool(flats.any())}
     of_signature |= {"time": has_times, "constant and time": has_times}
     for component in (*TEMPORAL, *FIXED):
         at = parameters.of(component.name)
@@ -208,6 +240,10 @@ def start_of(likelihood: Likelihood) -> tuple[Array, NDArray[np.bool_]]:
     free[drifts] = (darks & first.repeats).any()
     sites = slice(parameters.of("black_level"), parameters.sites)
     free[sites] = darks.any()
+    at = parameters.of("read_noise")
+    free[at : at + parameters.sites] = is_told
+    if profile is not None:
+        theta = np.where(free, theta, profile)
     _start_levels(likelihood, theta, darks)
     for plane in likelihood.planes:
         _start_noise(plane, theta, free)
@@ -254,10 +290,13 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
     """Least squares of the scatter, each weighted by its own measured size."""
     place = plane.parameters.of
     read, gain = place("read_noise", plane.site), place("gain", plane.site)
-    theta[read], theta[gain] = 1.0, 0.0
+    rest = plane.scatter - ROUNDING - (0.0 if free[read] else theta[read])
+    theta[gain] = 0.0
+    if free[read]:
+        theta[read] = 1.0
     signal = plane.signal(theta)
     again = plane.repeats
-    free[gain] = np.ptp(signal[again]) > 0
+    free[gain] = np.ptp(signal[again]) > 0 or not free[read]
     names = [place(c.name) for c in TEMPORAL]
     columns = [n for n in (read, gain, *names) if free[n]]
     records, slopes = np.ones((7, len(signal))), np.zeros((7, len(signal), len(theta)))
@@ -268,9 +307,7 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
     weights = np.sqrt(plane.freedom[known]) / plane.scatter[known]
     design = by[known][:, columns] * weights[:, None]
     scale = np.abs(design).max(axis=0) + 1e-300
-    values = np.linalg.lstsq(
-        design / scale, (plane.scatter[known] - ROUNDING) * weights, rcond=None
-    )[0]
+    values = np.linalg.lstsq(design / scale, rest[known] * weights, rcond=None)[0]
     theta[columns] = np.maximum(values / scale, 0.0)
     theta[read] = max(theta[read], 0.02)
 

@@ -158,6 +158,10 @@ def flat_levels(
     flat = np.tile(np.arange(len(groups)), count)
     of_site, one_light = 1 / light_of.ravel(), np.equal.outer(flat, flat)
     covariance += np.outer(of_site, of_site) * blacks[np.ix_(site, site)]
+    # The mean of the pixels' sensitivity is not quite 1.
+    prnu = max(float(found.theta[found.parameters.of("prnu")]), 0.0)
+    one_site = np.equal.outer(site, site)
+    covariance += one_site * prnu / planes[0].plane.masked.size
     letters = np.array(list(cfa) if count > 1 else ["W"])
     covariance += one_light * light**2 / frames[flat]
     if "exposure" in nuisances:

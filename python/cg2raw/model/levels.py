@@ -9,8 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.evaluation import Evaluation, Parameters
-from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.model.planes import PIXEL, PlaneLikelihood
+from cg2raw.model.recorded import ROUNDING
 from cg2raw.statistics.constant import Array
+
+# Of the noise: laws of few codes are known so well. CUT : share of samples at the end
+# of codes, as far as which a normal law would be known.
+TRUST, CUT = 0.03, 1e-3
 
 
 class Line(NamedTuple):
@@ -47,6 +52,7 @@ class LevelLikelihood:
         at = parameters.of("dark_current_nonuniformity")
         uneven = 0.0 if theta is None else max(float(theta[at]), 0.0)
         self.uneven = uneven / planes[0].plane.masked.size
+        self.unsure = np.mean([unsure_of(plane)[self.darks] for plane in planes], 0)
         self.parameters_of_means = (
             1 + int(np.ptp(self.time) > 0) if len(self.time) else 0
         )
@@ -65,7 +71,7 @@ class LevelLikelihood:
         places = np.array([records[0, g] for records, _ in recorded])
         response = np.mean([records[3, g] for records, _ in recorded], axis=0)
         by_place = np.array([slopes[0, g] for _, slopes in recorded])
-        floor, rest = (noise[g] / response**2 for noise in self.noise())
+        floor, rest = ((noise[g] + self.unsure) / response**2 for noise in self.noise())
         for axis in range(count):
             weights = self.turn[axis]
             mean = weights.sum() * theta[at("dark_current")] * self.time
@@ -145,3 +151,12 @@ class LevelLikelihood:
         squares = (levels - design @ np.array(line)) ** 2 * self.frames / variance
         misfit = np.sqrt(max(float(squares.sum()) / left, 1.0)) if left > 0 else 1.0
         return Line(freedom, float(misfit))
+
+
+def unsure_of(plane: PlaneLikelihood) -> Array:
+    """Return (G,) DN^2, by how much few codes do not tell a level: by TRUST of the noise
+    where it is below half a code, or where codes end."""
+    codes = plane.scatter[:, PIXEL]
+    is_cut = (plane.plane.low > CUT) | (plane.plane.high > CUT)
+    found: Array = TRUST**2 * codes * (is_cut | (codes < 0.25 + ROUNDING))
+    return found
