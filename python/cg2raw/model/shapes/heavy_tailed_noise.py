@@ -41,13 +41,18 @@ class Tails:
     def is_coarse(self) -> bool:
         return self.power < FINE + ROUNDING
 
-    def shares(self, scale: float, share: float, ratio: float) -> Array:
+    def shares(
+        self, scale: float, share: float, ratio: float, lasting: bool = False
+    ) -> Array:
         """Return (bins,) what is expected. scale : of the variance of most draws, over
         that by which all have the power. share, ratio : of draws that are wider, and
-        their variance over that of the others."""
+        their variance over that of the others. lasting : of both frames of a pair, as
+        of a part of the sensor."""
         if not self.is_coarse:
             narrow = scale / (1 + share * (ratio - 1))
             weights = (1 - share) ** 2, 2 * share * (1 - share), share**2
+            if lasting:
+                weights = 1 - share, 0.0, share
             widths = 1.0, (1 + ratio) / 2, ratio
             below = sum(
                 w * erf(EDGES / np.sqrt(2 * narrow * v))
@@ -63,18 +68,22 @@ class Tails:
         beyond: Array = np.maximum(found, LEAST_SHARE)
         return beyond
 
-    def nats(self, numbers: Array) -> float:
+    def nats(self, numbers: Array, lasting: bool = False) -> float:
         """Return the log likelihood. numbers : logarithm of scale, logit of share,
         logarithm of ratio; of the first alone, all are alike."""
         scale, *more = numbers
         share, ratio = (expit(more[0]), np.exp(more[1])) if more else (0.0, 1.0)
-        return float(self.counts @ np.log(self.shares(np.exp(scale), share, ratio)))
+        return float(
+            self.counts @ np.log(self.shares(np.exp(scale), share, ratio, lasting))
+        )
 
-    def fitted(self, start: Array, most: float = MOST_RATIO) -> Array:
+    def fitted(
+        self, start: Array, most: float = MOST_RATIO, lasting: bool = False
+    ) -> Array:
         """Return the numbers of most likelihood, of a ratio up to @most."""
         bounds = [(-1.0, 1.0), (-12.0, logit(MOST_SHARE)), (0.01, np.log(most))]
         found = minimize(
-            lambda x: -self.nats(x),
+            lambda x: -self.nats(x, lasting),
             start,
             method="Nelder-Mead",
             bounds=bounds[: len(start)],
@@ -97,7 +106,8 @@ def heavy_tailed_noise(shown: Shown) -> Shape | None:
     trained = max(ends, key=first.nats)
     even = np.array([0.0, logit(0.1), np.log(UNEVEN) / 2])
     without = max(
-        second.nats(second.fitted(start, UNEVEN)) for start in (np.zeros(1), even)
+        second.nats(second.fitted(start, UNEVEN, lasting), lasting)
+        for start, lasting in ((np.zeros(1), False), (even, False), (even, True))
     )
     nats = second.nats(trained) - without
     share, ratio = float(expit(trained[1])), float(np.exp(trained[2]))
