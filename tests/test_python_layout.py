@@ -56,6 +56,7 @@ LIBRARIES = {
 DIAGNOSE = (
     "cg2raw.diagnose.diagnosis",
     "cg2raw.diagnose.captures",
+    "cg2raw.diagnose.darks_and_flats",
     "cg2raw.diagnose.frames",
     "cg2raw.diagnose.effects",
     "cg2raw.diagnose.likelihood",

@@ -10,7 +10,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.diagnosis import Diagnosis, Estimate, Finding, Gap
+from cg2raw.diagnose.darks_and_flats import DarksAndFlats, darks_and_flats
+from cg2raw.diagnose.diagnosis import (
+    Diagnosis,
+    Estimate,
+    Finding,
+    Gap,
+    ResidualTest,
+)
 
 # Captures, and alpha, without and limits as of cg2raw.diagnose.diagnose.
 Engine = Callable[..., Diagnosis]
@@ -25,8 +32,6 @@ def search(captures: CaptureSet, **options: Any) -> Diagnosis:
 
 def likelihood(captures: CaptureSet, *, alpha: float = 0.01, **_: Any) -> Diagnosis:
     """One model of darks and flats, which looks at nothing else."""
-    from cg2raw.diagnose.darks_and_flats import darks_and_flats
-
     start = time.monotonic()
     found = darks_and_flats(captures, alpha)
     values: dict[str, dict[str, Estimate]] = {}
@@ -36,7 +41,7 @@ def likelihood(captures: CaptureSet, *, alpha: float = 0.01, **_: Any) -> Diagno
     nowhere = Gap(math.nan, math.nan, math.nan, math.nan, None, None, [])
     gains = found.selection.gains
     return Diagnosis(
-        verdict="identified" if found.names else "no gap",
+        verdict=_verdict(found),
         sensor_id=captures.sensor.id,
         effects=[
             Finding(name, values.get(name, {}), gains[name], 0.0, [], [], "", "")
@@ -45,7 +50,10 @@ def likelihood(captures: CaptureSet, *, alpha: float = 0.01, **_: Any) -> Diagno
         gap=nowhere,
         tests_before=[],
         tests_after=[],
-        unexplained=[],
+        unexplained=[
+            ResidualTest(where, math.nan, math.nan, math.nan, where)
+            for where in found.unexplained
+        ],
         ladder=[],
         detection_limits=[],
         next_captures=[],
@@ -53,6 +61,13 @@ def likelihood(captures: CaptureSet, *, alpha: float = 0.01, **_: Any) -> Diagno
         groups={},
         seconds=time.monotonic() - start,
     )
+
+
+def _verdict(found: DarksAndFlats) -> str:
+    if found.unexplained:
+        is_named = bool(found.names)
+        return "identified, rest unexplained" if is_named else "unknown structure"
+    return "identified" if found.names else "no gap"
 
 
 ENGINES: Mapping[str, Engine] = {"search": search, "likelihood": likelihood}

@@ -55,7 +55,9 @@ def fits(request):
 
 def test_what_the_profile_has_is_not_named(fits):
     first, second, truth = fits
-    assert set(selection(first, second, truth, LEAST).kept(LEAST)) == STRUCTURES
+    found = selection(first, second, truth, LEAST)
+    assert set(found.kept(LEAST)) == STRUCTURES
+    assert set(found.unexplained(LEAST)) <= {"column_noise"}  # which was planted
 
 
 @pytest.mark.parametrize("fits", [2], indirect=True)
@@ -68,6 +70,21 @@ def test_what_the_profile_lacks_is_named(fits, name):
     lacks[own] = truth[own] - 40 if name == "black_level" else truth[own] * factor
     found = selection(first, second, lacks, LEAST).kept(LEAST)
     assert set(found) == STRUCTURES | {name}
+
+
+def test_lines_of_light_are_no_effect_and_are_said():
+    """Columns of another gain, the same in all frames."""
+    rng = np.random.default_rng(9)
+    made = planted(23, side=2, shape=(120, 160), black=BLACK)
+    gains = 1 + 0.01 * rng.standard_normal(160)
+    groups = [
+        (info, [np.rint(BLACK + (f - BLACK) * gains).astype(np.uint16) for f in frames])
+        if info.kind == "flat"
+        else (info, frames)
+        for info, frames in made.groups
+    ]
+    found = selection(*fits_of(made._replace(groups=groups)), LEAST)
+    assert found.unexplained(LEAST) == ["columns of light"]
 
 
 def shone_on(frame, rng, gain):

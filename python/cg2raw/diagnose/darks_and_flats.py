@@ -35,10 +35,11 @@ WHITE_LIGHT = "unknown"
 
 @dataclass(frozen=True)
 class DarksAndFlats:
-    """names : best first. values : of all that the frames show, by training and
-    validation frames together."""
+    """names : best first. unexplained : where structure is that no effect has. values :
+    of all that the frames show, by training and validation frames together."""
 
     names: Sequence[str]
+    unexplained: Sequence[str]
     selection: Selection
     values: Sequence[Value]
 
@@ -81,7 +82,7 @@ def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
     found = replace(found, gains=gains)
     white = sensor.white_level - float(np.mean(sensor.black_level))
     values = tuple(values_of(both, fit(both, profile), profile, white))
-    return DarksAndFlats(found.kept(least), found, values)
+    return DarksAndFlats(found.kept(least), found.unexplained(least), found, values)
 
 
 def _usual(keys: Sequence[Any]) -> Any:

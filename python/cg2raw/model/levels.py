@@ -154,8 +154,8 @@ class LevelLikelihood:
 
 
 def unsure_of(plane: PlaneLikelihood) -> Array:
-    """Return (G,) DN^2, by how much few codes do not tell a level: by TRUST of the noise
-    where it is below half a code, or where codes end."""
+    """Return (G,) DN^2, by how much few codes do not tell a level: by TRUST of the
+    noise where it is below half a code, or where codes end."""
     codes = plane.scatter[:, PIXEL]
     is_cut = (plane.plane.low > CUT) | (plane.plane.high > CUT)
     found: Array = TRUST**2 * codes * (is_cut | (codes < 0.25 + ROUNDING))

@@ -8,7 +8,7 @@ parameters as the profile has them. Source: L. Wasserman, A. Ramdas, S. Balakris
 PNAS 117(29), 2020 (split likelihood-ratio test)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,20 +39,28 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "color_shading": ("color_shading",),
     "mains_flicker": ("mains_flicker",),
 }
+# Components that no effect has: where structure is that nothing explains.
+UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of light")
 
 
 @dataclass(frozen=True)
 class Selection:
-    """gains : nats of each name that the frames can show, on validation frames."""
+    """gains : nats of each name that the frames can show, on validation frames.
+    unnamed : likewise of UNNAMED."""
 
     gains: Mapping[str, float]
     training: Fit
     validation: Fit
+    unnamed: Mapping[str, float] = field(default_factory=dict)
 
     def kept(self, least: float) -> list[str]:
         """Return the names that gain more than @least nats, best first."""
         order = sorted(self.gains, key=lambda name: -self.gains[name])
         return [name for name in order if self.gains[name] > least]
+
+    def unexplained(self, least: float) -> list[str]:
+        """Return which of UNNAMED gain more than @least nats."""
+        return [name for name, gain in self.unnamed.items() if gain > least]
 
 
 def selection(
@@ -98,7 +106,12 @@ def selection(
     if gains.get(JUMPS, 0.0) > least and "read_noise" in gains:
         variance = float(profile[places["read_noise"]].mean())
         gains["read_noise"] = shapes.read_noise(variance) or gains["read_noise"]
-    return Selection(gains, training, validation)
+    unnamed = {}
+    for name in UNNAMED:
+        own = np.array([name == one for one in names]) & known
+        if own.any():
+            unnamed[name] = gain_of(own, training, validation, profile)
+    return Selection(gains, training, validation, unnamed)
 
 
 def gain_of(
