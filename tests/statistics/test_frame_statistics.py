@@ -22,6 +22,7 @@ from cg2raw.statistics.frame_statistics import (
     frame_statistics,
     statistics_and_means,
 )
+from cg2raw.statistics.kept import Kept
 from oracles.plain_statistics import plain_statistics
 
 WHITE = 4095
@@ -445,3 +446,13 @@ def test_statistics_in_steps_are_those_of_the_numbers_of_steps():
     expected = measured(groups_of(*lists), 2)
     assert expected.planes[0].low[0] > 0
     assert_alike(found, replace(expected, rates=()))
+
+
+def test_a_kept_frame_is_kept_once():
+    frame = np.zeros((8, 8), np.uint16)
+    read = Kept().reader(lambda: frame)
+    other = Kept(frame.nbytes)
+    assert other.reader(read) is read
+    assert read() is read()
+    assert other.has_room(frame)  # none of which is taken
+    assert not other.has_room(frame)

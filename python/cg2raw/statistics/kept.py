@@ -20,17 +20,26 @@ class Kept:
 
     def reader(self, read: Reader) -> Reader:
         """Return a reader that reads again what is not kept; it raises ValueError for
-        what is no (H, W) array of uint16."""
-        found: list[RawImage] = []
+        what is no (H, W) array of uint16. One of a Kept is returned as it is."""
+        return read if isinstance(read, _KeptReader) else _KeptReader(self, read)
 
-        def frame() -> RawImage:
-            if found:
-                return found[0]
-            raw = raw_plane(read())
-            with self._guard:
-                if not found and raw.nbytes <= self._left:
-                    self._left -= raw.nbytes
-                    found.append(raw)
-            return raw
+    def has_room(self, raw: RawImage) -> bool:
+        """Return whether a frame fits, and take its bytes."""
+        with self._guard:
+            fits = raw.nbytes <= self._left
+            self._left -= raw.nbytes * fits
+            return fits
 
-        return frame
+
+class _KeptReader:
+    def __init__(self, kept: Kept, read: Reader) -> None:
+        self._kept, self._read = kept, read
+        self._frame: RawImage | None = None
+
+    def __call__(self) -> RawImage:
+        if self._frame is not None:
+            return self._frame
+        raw = raw_plane(self._read())
+        if self._frame is None and self._kept.has_room(raw):
+            self._frame = raw
+        return raw
