@@ -27,7 +27,7 @@ LEAST_RESPONSE = 1e-3  # of codes that nearly always are 0: they say nothing
 LEAST = 2.5e-3  # DN^2: with noise of 0.05 DN a sample mostly repeats its code
 ROUNDS = 6  # of where frames and places are, in turn
 AROUND = 4  # times the noise by the codes, or by a fit: the table's reach to each side
-NOISES = 12  # in the table
+NOISES = 7  # in the table
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 WEIGHTS = WEIGHTS / WEIGHTS.sum()
 
