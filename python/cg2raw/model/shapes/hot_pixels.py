@@ -14,9 +14,9 @@ from cg2raw.statistics.dark_rates import slope_of
 
 NAME = "hot_pixels"
 FAR = 8.0  # times the noise of a rate, of pixels that both splits must show
-# Of how far the median of most pixels lies below their mean: what a log-normal law
-# says differs by as much from what an inverse Gaussian of the same spread says, the
-# other law of R. L. Baer, Proc. SPIE 6068, 2006.
+# Of how far the median of most pixels lies below their mean: by so much a log-normal
+# law was seen to miss the median of inverse Gaussian rates, the other law of
+# R. L. Baer, Proc. SPIE 6068, 2006.
 LAW = 1 / 8
 
 
