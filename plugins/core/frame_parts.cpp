@@ -241,7 +241,7 @@ sums_of(const Plane<const T>& image, const std::vector<PlaneParts>& planes,
         sums[p].rows.resize(std::size_t(planes[p].height()));
         sums[p].along.resize(std::size_t(planes[p].height()));
     }
-    std::vector<std::vector<StripSums>> strips(std::size_t(strips_of(image.height)));
+    std::vector<std::vector<StripSums>> strips(std::size_t(strip_count(image.height)));
     const auto side = std::size_t(planes.front().side);
     each_strip(image.height, parallel, [&](int first, int count) {
         auto& strip = strips[std::size_t(first / strip_rows)];

@@ -18,7 +18,7 @@ namespace cg2raw {
 namespace {
 
 constexpr std::size_t codes = 1 << 16;
-std::string text_of(Size size)
+std::string size_text(Size size)
 {
     return std::to_string(size.width) + " x " + std::to_string(size.height);
 }
@@ -118,9 +118,9 @@ FrameStatistics::FrameStatistics(Size size, int side, int groups, int step)
     if (step < 1)
         throw Error("step " + std::to_string(step) + " must be at least 1 DN");
     if (side < 1 || size.width < side || size.height < side)
-        throw Error("frames are " + text_of(size)
+        throw Error("frames are " + size_text(size)
                     + " pixels; must be at least as large as the CFA's repeat, "
-                    + text_of({ side, side }));
+                    + size_text({ side, side }));
     for (int r = 0; r < side; ++r)
         for (int c = 0; c < side; ++c)
             m_planes.push_back({ r, c, side,
@@ -141,8 +141,8 @@ Plane<const std::uint32_t> FrameStatistics::sum_of(int group) const
 void FrameStatistics::check_size(const Plane<const std::uint16_t>& frame) const
 {
     if (frame.width != m_size.width || frame.height != m_size.height)
-        throw Error("frame is " + text_of({ frame.width, frame.height })
-                    + " pixels, the first " + text_of(m_size));
+        throw Error("frame is " + size_text({ frame.width, frame.height })
+                    + " pixels, the first " + size_text(m_size));
 }
 
 CodeCounts FrameStatistics::look(int group, const Plane<const std::uint16_t>& frame,
@@ -199,8 +199,8 @@ CodeCounts FrameStatistics::look(int group, const Plane<const std::uint16_t>& fr
 void FrameStatistics::exclude(const Plane<const std::uint8_t>& samples)
 {
     if (samples.width != m_size.width || samples.height != m_size.height)
-        throw Error("mask is " + text_of({ samples.width, samples.height })
-                    + " pixels, the frames " + text_of(m_size));
+        throw Error("mask is " + size_text({ samples.width, samples.height })
+                    + " pixels, the frames " + size_text(m_size));
     for (int r = 0; r < m_size.height; ++r)
         std::transform(samples.row(r), samples.row(r) + m_size.width,
                        &m_excluded[std::size_t(r) * std::size_t(m_size.width)],
@@ -389,7 +389,7 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
     of_group.noisy.resize(words * std::size_t(m_size.height));
 
     std::vector<PairStrip> parts;
-    parts.resize(std::size_t(strips_of(m_size.height)));
+    parts.resize(std::size_t(strip_count(m_size.height)));
     each_strip(m_size.height, parallel, [&](int first, int count) {
         PairStrip& part = parts[std::size_t(first / strip_rows)];
         part.planes.resize(m_planes.size());
@@ -498,7 +498,7 @@ FrameStatistics::products(const ParallelFor& parallel) const
     const std::size_t groups = m_groups.size(), side = std::size_t(m_side);
     using Matrices = std::vector<std::vector<double>>;
     const Matrices none(m_planes.size(), std::vector<double>(groups * groups));
-    std::vector<Matrices> parts(std::size_t(strips_of(m_size.height)), none);
+    std::vector<Matrices> parts(std::size_t(strip_count(m_size.height)), none);
     each_strip(m_size.height, parallel, [&](int first, int count) {
         Matrices& part = parts[std::size_t(first / strip_rows)];
         std::vector<std::vector<double>> rows(groups);

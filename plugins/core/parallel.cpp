@@ -50,7 +50,7 @@ ParallelFor parallel_threads(int threads)
 void each_strip(int height, const ParallelFor& parallel,
                 const std::function<void(int first, int count)>& work)
 {
-    parallel(strips_of(height), [&](int strip) {
+    parallel(strip_count(height), [&](int strip) {
         const int first = strip * strip_rows;
         work(first, std::min(strip_rows, height - first));
     });

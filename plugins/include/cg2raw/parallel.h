@@ -16,7 +16,7 @@ using ParallelFor
 ParallelFor parallel_threads(int threads);
 
 inline constexpr int strip_rows = 64; ///< of each strip but the last
-inline int strips_of(int height) { return (height + strip_rows - 1) / strip_rows; }
+inline int strip_count(int height) { return (height + strip_rows - 1) / strip_rows; }
 
 /// Calls work for strips of rows that together are all @p height of them.
 void each_strip(int height, const ParallelFor& parallel,

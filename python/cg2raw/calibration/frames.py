@@ -6,7 +6,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,8 @@ SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting 
 FEWEST_CODES = 8  # DN that must occur before a missing one is no chance
 MOST_CUT = 0.001  # of a dark's pixels, at 0 DN; more move its mean
 MOST_SATURATED = 0.5  # of the pixels; a frame with more says nothing but its ceiling
+
+Frame = TypeVar("Frame")
 
 
 @dataclass(frozen=True)
@@ -193,18 +195,21 @@ def groups_of(scanned: Sequence[Scanned]) -> list[Group]:
     found = []
     for key in sorted(keys):
         members = keys[key]
-        parts = by_level(members) if key[0] == "flat" else [members]
+        parts = [members]
+        if key[0] == "flat":
+            parts = by_level(members, [item.mean_level for item in members])
         found += [Group(tuple(part)) for part in parts]
     return found
 
 
-def by_level(frames: Sequence[Scanned]) -> list[list[Scanned]]:
-    """Return flats in groups of one level, each in the order in which it was given."""
-    ordered = sorted(frames, key=lambda item: item.mean_level)
-    parts = [[ordered[0]]]
-    for item in ordered[1:]:
-        if item.mean_level > parts[-1][-1].mean_level * (1 + SAME_LEVEL):
+def by_level(flats: Sequence[Frame], levels: Sequence[float]) -> list[list[Frame]]:
+    """Return flats in groups of one level, each in the order in which it was given.
+
+    levels : DN, of each."""
+    order = sorted(range(len(flats)), key=lambda number: levels[number])
+    parts = [[order[0]]]
+    for number in order[1:]:
+        if levels[number] > levels[parts[-1][-1]] * (1 + SAME_LEVEL):
             parts.append([])
-        parts[-1].append(item)
-    place = {id(item): index for index, item in enumerate(frames)}
-    return [sorted(part, key=lambda item: place[id(item)]) for part in parts]
+        parts[-1].append(number)
+    return [[flats[number] for number in sorted(part)] for part in parts]

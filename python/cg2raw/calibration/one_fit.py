@@ -10,9 +10,10 @@ import numpy as np
 
 from cg2raw.calibration.flats import Flats
 from cg2raw.calibration.photon_transfer import LINEAR
-from cg2raw.calibration.repeats import PIXEL, Seen
+from cg2raw.calibration.repeats import Seen
 from cg2raw.model.figures import Figure, figures_of
 from cg2raw.model.fit import fit
+from cg2raw.statistics.constant import PIXEL
 
 
 def fitted(seen: Seen, flats: Flats, black: float) -> Sequence[Figure]:

@@ -13,11 +13,10 @@ from cg2raw.calibration.frames import Group
 from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import BLOCKS, Sites, blocks_of
 from cg2raw.sensor import Sensor
-from cg2raw.statistics.constant import PARTS, ConstantStatistics, GroupInfo
+from cg2raw.statistics.constant import PIXEL, ConstantStatistics, GroupInfo
 from cg2raw.statistics.frame_statistics import statistics_and_means
 
 FEWEST_KEPT = 0.002  # share of a site's pixels below white, of which noise is taken
-PIXEL = PARTS.index("pixel")
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.frames import SAME_LEVEL
+from cg2raw.calibration.frames import by_level
 from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
@@ -23,14 +23,14 @@ from cg2raw.model.lags import lags_of
 from cg2raw.model.profile_values import profile_values
 from cg2raw.model.selection import Selection, selection
 from cg2raw.model.shapes import shapes
-from cg2raw.model.values import Value, values_of
+from cg2raw.model.values import Value, effect_values
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo, set_points
 from cg2raw.statistics.frame_statistics import frame_statistics
+from cg2raw.statistics.kept import Kept
 
 TRAINING, VALIDATION, TEST = GROUPS
 NAMES = 33  # that a diagnosis could give: each may be false
-WHITE_LIGHT = "unknown"
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
     points = set_points([c.temperature for c in used])
     main = _usual(points)
     used = [c for c, point in zip(used, points, strict=True) if point == main]
-    whole = statistics_of(used, sensor)
+    whole = statistics_by_split(used, sensor)
     splits = [
         whole.only([g for g, info in enumerate(whole.groups) if info.split == split])
         for split in (TRAINING, VALIDATION)
@@ -81,7 +81,7 @@ def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
     gains = {**found.gains, **_of_levels(captures, used, splits, fits, found, least)}
     found = replace(found, gains=gains)
     white = sensor.white_level - float(np.mean(sensor.black_level))
-    values = tuple(values_of(both, fit(both, profile), profile, white))
+    values = tuple(effect_values(both, fit(both, profile), profile, white))
     return DarksAndFlats(found.kept(least), found.unexplained(least), found, values)
 
 
@@ -90,7 +90,9 @@ def _usual(keys: Sequence[Any]) -> Any:
     return max(dict.fromkeys(keys), key=list(keys).count)
 
 
-def statistics_of(captures: Sequence[Capture], sensor: Sensor) -> ConstantStatistics:
+def statistics_by_split(
+    captures: Sequence[Capture], sensor: Sensor
+) -> ConstantStatistics:
     """Return the statistics of darks and flats, all splits under one mask. Flats of
     unknown light repeat each other if their levels are alike."""
     keys: dict[tuple[object, ...], list[Capture]] = {}
@@ -100,10 +102,15 @@ def statistics_of(captures: Sequence[Capture], sensor: Sensor) -> ConstantStatis
             light = tuple(np.ravel(capture.scene()).tolist())
         key = (capture.group, capture.kind, capture.exposure_time, light)
         keys.setdefault(key, []).append(capture)
+    kept = Kept()
+    read = {id(capture): kept.reader(capture.raw) for capture in captures}
     groups = []
     for members in keys.values():
-        is_known = members[0].scene is not None
-        for part in [members] if is_known else by_level(members):
+        parts = [members]
+        if members[0].scene is None:
+            levels = [float(read[id(c)]()[::8, ::8].mean()) for c in members]
+            parts = by_level(members, levels)
+        for part in parts:
             info = GroupInfo(
                 "flat" if part[0].shows.light else "dark",
                 tuple(capture.name for capture in part),
@@ -111,23 +118,12 @@ def statistics_of(captures: Sequence[Capture], sensor: Sensor) -> ConstantStatis
                 part[0].temperature,
                 part[0].group,
             )
-            groups.append((info, [capture.raw for capture in part]))
+            groups.append((info, [read[id(capture)] for capture in part]))
     masks = [capture.mask() for capture in captures if capture.mask is not None]
     excluded: NDArray[np.bool_] | None = ~masks[0] if masks else None
     return frame_statistics(
         groups, repeat_of(sensor.cfa), sensor.white_level, excluded=excluded
     )
-
-
-def by_level(flats: Sequence[Capture]) -> list[list[Capture]]:
-    levels = [float(capture.raw()[::8, ::8].mean()) for capture in flats]
-    order = np.argsort(levels, kind="stable")
-    parts = [[flats[order[0]]]]
-    for before, number in zip(order, order[1:], strict=False):
-        if levels[number] > levels[before] * (1 + SAME_LEVEL):
-            parts.append([])
-        parts[-1].append(flats[number])
-    return parts
 
 
 def _of_levels(

@@ -116,12 +116,12 @@ def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
     x = np.clip(start, low, high)
     known = np.array([True, free[1], True, free[3], True])
 
-    def values_of(x: Array) -> Array:
+    def law_values(x: Array) -> Array:
         found: Array = np.append(x[:1], np.exp(x[1:])) * known
         return found
 
     def shares(x: Array) -> Array:
-        found: Array = np.maximum(shares_of(values_of(x), shot), LEAST_SHARE)
+        found: Array = np.maximum(shares_of(law_values(x), shot), LEAST_SHARE)
         return found
 
     def slopes(x: Array, at: Array) -> Array:
@@ -157,7 +157,7 @@ def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
     roots, vectors = np.linalg.eigh(information / np.outer(scale, scale))
     inverse = (vectors**2 / np.maximum(roots, 1e-6)).sum(axis=1)
     errors[free] = np.sqrt(inverse) / scale
-    values = values_of(x)
+    values = law_values(x)
     errors[1:] *= values[1:]
     shift, rate, log_sigma, fraction, hot_rate = map(float, values)
     return DarkLaw(shift, rate, log_sigma, fraction, hot_rate, errors, nats, shot)

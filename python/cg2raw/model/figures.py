@@ -87,12 +87,11 @@ def _drift(statistics: ConstantStatistics, found: Fit) -> Figure:
     """Return the sd of the level of the shortest darks that repeat each other, less
     what noise moves it; its interval is that of chi-square."""
     planes = found.likelihood.planes
-    repeated = np.flatnonzero(~planes[0].is_flat & planes[0].repeats)
-    if not len(repeated):
+    darks = statistics.shortest_darks()
+    if not len(darks):
         return Figure("black level drift", "DN", np.nan, np.nan, np.nan, np.nan)
-    shortest = planes[0].time[repeated].min()
     total = freedom = floor = 0.0
-    for g in repeated[planes[0].time[repeated] == shortest]:
+    for g in darks:
         levels = np.mean([plane.plane.levels[g] for plane in planes], axis=0)
         response = float(
             np.mean([plane.records(found.theta)[0][3, g] for plane in planes])
@@ -164,15 +163,9 @@ def _noise(found: Fit) -> Iterator[Figure]:
 def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure]:
     """Yield the correlation of a dark's noise with its next neighbours, of the shortest
     darks that repeat each other."""
-    darks = [
-        g
-        for g, info in enumerate(statistics.groups)
-        if info.kind == "dark" and statistics.pairs[g]
-    ]
-    if not darks:
+    used = statistics.shortest_darks()
+    if not len(used):
         return
-    times = np.array([statistics.groups[g].exposure_time or 0.0 for g in darks])
-    used = [g for g, time in zip(darks, times, strict=True) if time == times.min()]
     pairs = statistics.pairs[used].astype(float)
     samples = sum(float((~plane.masked).sum()) for plane in statistics.planes)
     coded = np.mean(

@@ -15,9 +15,9 @@ from scipy.linalg import block_diag
 from cg2raw.model.components import FIXED, TEMPORAL
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.likelihood import Likelihood
-from cg2raw.model.planes import PIXEL, PlaneLikelihood
-from cg2raw.model.recorded import ROUNDING
-from cg2raw.statistics.constant import Array, ConstantStatistics
+from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
 
 ROUNDS = 60  # of scoring; ten are usual
 HALVINGS = 20  # of a step that does not rise

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from cg2raw.model.fit import Fit
 from cg2raw.model.mean_images import low_of, middle_of
-from cg2raw.model.planes import PIXEL, PlaneLikelihood
+from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.model.smallest_set import gains_in_smallest_set
 from cg2raw.model.structure import low_noise
-from cg2raw.statistics.constant import Array
+from cg2raw.statistics.constant import PIXEL, Array
 
 FREE = 1e4  # variance of a nuisance that may be anything
 LEAST_ERROR = 1e-5  # relative; a profile's own digits

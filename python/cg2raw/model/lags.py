@@ -13,9 +13,8 @@ from scipy.optimize import least_squares
 
 from cg2raw.model.correlation import neighbours
 from cg2raw.model.fit import Fit, Prior
-from cg2raw.model.planes import PIXEL
-from cg2raw.model.recorded import ROUNDING
-from cg2raw.statistics.constant import LAGS, Array, ConstantStatistics
+from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.constant import LAGS, PIXEL, Array, ConstantStatistics
 
 NAMES = {"read_noise_correlation": [0], "noise_reduction": [1, 2]}
 LEAST_RELATIVE = 1e-4  # far below what variances are known to
@@ -190,8 +189,8 @@ def lag_gains(
         for name, places in NAMES.items()
     }
     name = "noise_reduction"
-    both, of_both = training.fitted(nothing, by_ratios=True)
     if len(training.ratios) == len(validation.ratios) > 0:
+        both, of_both = training.fitted(nothing, by_ratios=True)
         value = validation.value(validation.fitted(_with(NAMES[name], both))[0])
         value += validation.of_ratios(np.log(variance_left(*both[1:])))
         if value >= without[name] + validation.of_ratios(training.ratios):

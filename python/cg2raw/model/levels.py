@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.evaluation import Evaluation, Parameters
-from cg2raw.model.planes import PIXEL, PlaneLikelihood
-from cg2raw.model.recorded import ROUNDING
-from cg2raw.statistics.constant import Array
+from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.constant import PIXEL, Array
 
 # Of the noise: laws of few codes are known so well. CUT : share of samples at the end
 # of codes, as far as which a normal law would be known.
@@ -52,7 +52,7 @@ class LevelLikelihood:
         at = parameters.of("dark_current_nonuniformity")
         uneven = 0.0 if theta is None else max(float(theta[at]), 0.0)
         self.uneven = uneven / planes[0].plane.masked.size
-        self.unsure = np.mean([unsure_of(plane)[self.darks] for plane in planes], 0)
+        self.unsure = np.mean([level_doubt(plane)[self.darks] for plane in planes], 0)
         self.parameters_of_means = (
             1 + int(np.ptp(self.time) > 0) if len(self.time) else 0
         )
@@ -153,8 +153,8 @@ class LevelLikelihood:
         return Line(freedom, float(misfit))
 
 
-def unsure_of(plane: PlaneLikelihood) -> Array:
-    """Return (G,) DN^2, by how much few codes do not tell a level: by TRUST of the
+def level_doubt(plane: PlaneLikelihood) -> Array:
+    """Return (G,) DN^2, how far a level is not known from few codes: by TRUST of the
     noise where it is below half a code, or where codes end."""
     codes = plane.scatter[:, PIXEL]
     is_cut = (plane.plane.low > CUT) | (plane.plane.high > CUT)

@@ -13,6 +13,7 @@ of their mean images are Wishart. What pixels have is of each plane alone."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import Legendre
@@ -27,10 +28,11 @@ from cg2raw.model.components import (
 )
 from cg2raw.model.correlation import neighbours
 from cg2raw.model.evaluation import Evaluation, Parameters
-from cg2raw.model.planes import PIXEL, PlaneLikelihood
+from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.statistics.constant import (
     FIELD,
     PARTS,
+    PIXEL,
     SMOOTH,
     Array,
     ConstantStatistics,
@@ -240,6 +242,7 @@ def middle_of(plane: PlaneStatistics, low: Array) -> tuple[Array, float]:
     return found, 1 / float((both[used] ** 2).sum())
 
 
+@lru_cache(maxsize=64)  # each likelihood of the same frames asks for the same
 def moved_by(length: int, by: float) -> Array:
     """Return (degrees, degrees), what makes coefficients of polynomials over samples
     those of the same curve where the samples lie @by samples farther on."""

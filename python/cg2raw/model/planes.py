@@ -21,12 +21,12 @@ from cg2raw.model.recorded import Offsets, Recorder, recorder_of, shrunk
 from cg2raw.statistics.constant import (
     LAGS,
     PARTS,
+    PIXEL,
     Array,
     ConstantStatistics,
     PlaneStatistics,
 )
 
-PIXEL = PARTS.index("pixel")
 FAST_LINES = (PARTS.index("fast_rows"), PARTS.index("fast_columns"))
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
+from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import Array
 
-ROUNDING = 1 / 12  # DN^2: variance of a uniform distribution over one code
 # DN^2. Above, codes change mean and variance by less than 1e-11 of a code: the first
 # term of Sheppard's series, exp(-2 pi^2 variance) (W. Sheppard, 1898).
 FINE = 1.5

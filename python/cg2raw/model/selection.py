@@ -85,8 +85,9 @@ def selection(
             blended = Blended.of(trained, covariance)
     known = np.isfinite(np.diagonal(training.covariance))
     known &= np.isfinite(np.diagonal(validation.covariance))
+    beginnings = [name.partition(",")[0] for name in names]
     places = {
-        name: np.isin([name.partition(",")[0] for name in names], parameters) & known
+        name: np.isin(beginnings, parameters) & known
         for name, parameters in NAMES.items()
     }
     places = {name: own for name, own in places.items() if own.any()}
@@ -108,7 +109,7 @@ def selection(
         gains["read_noise"] = shapes.read_noise(variance) or gains["read_noise"]
     unnamed = {}
     for name in UNNAMED:
-        own = np.array([name == one for one in names]) & known
+        own = np.isin(names, name) & known
         if own.any():
             unnamed[name] = gain_of(own, training, validation, profile)
     return Selection(gains, training, validation, unnamed)

@@ -8,8 +8,8 @@ import numpy as np
 
 from cg2raw.model.components import LOW, PATTERNS
 from cg2raw.model.fit import Fit
-from cg2raw.model.planes import PIXEL, PlaneLikelihood
-from cg2raw.statistics.constant import Array
+from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.statistics.constant import PIXEL, Array
 
 NOT_KNOWN = (np.nan, np.nan)
 

@@ -36,7 +36,7 @@ class Value(NamedTuple):
     high: float
 
 
-def values_of(
+def effect_values(
     statistics: ConstantStatistics, found: Fit, profile: Array, white: float
 ) -> Iterator[Value]:
     """Yield what the frames show, named or not. profile : (n,) parameters of the null.

@@ -40,6 +40,7 @@ PARTS = (
     "field",  # products of polynomials down and across, 1 to FIELD each
     "pixel",  # all that is left
 )
+PIXEL = PARTS.index("pixel")
 # Rows and columns to a neighbour.
 LAGS = ((0, 1), (1, 0), (0, 2), (2, 0), (1, 1), (2, 2))
 BINS_PER_SIGMA = 32  # of the histogram of residuals, which has 512 bins
@@ -184,6 +185,18 @@ class ConstantStatistics:
     overlaps: NDArray[np.int64]
     rates: tuple[DarkRates, ...] = ()
 
+    def shortest_darks(self, split: str | None = None) -> NDArray[np.intp]:
+        """Return the numbers of darks that repeat each other, of the shortest exposure
+        time that does. split : of whose groups; None for all."""
+        used = [
+            group.kind == "dark" and split in (None, group.split)
+            for group in self.groups
+        ]
+        darks = np.flatnonzero(used & (self.pairs > 0))
+        times = np.array([self.groups[n].exposure_time or 0.0 for n in darks], float)
+        found: NDArray[np.intp] = darks[times == times.min(initial=np.inf)]
+        return found
+
     def only(self, numbers: Sequence[int]) -> "ConstantStatistics":
         """Return the statistics of some of the groups."""
         at = list(numbers)
@@ -310,6 +323,26 @@ def set_points(temperatures: Sequence[float | None]) -> list[int]:
         number += before is not None and t - before > SAME_TEMPERATURE
         numbers[t] = number
     return [0 if t is None else numbers[t] for t in temperatures]
+
+
+def smooth_images(
+    rows: Array,
+    columns: Array,
+    field: Array,
+    y: slice = slice(None),
+    x: slice = slice(None),
+) -> Array:
+    """Return (G, h, w) DN, what all parts but pixel say of mean images less levels.
+
+    rows, columns, field : as of PlaneStatistics. y, x : the lines that are wanted."""
+    down, across = (
+        polynomials(profiles.shape[1])[1 : FIELD + 1] for profiles in (rows, columns)
+    )
+    field = field[:, : len(down), : len(across)]
+    found: Array = np.einsum("jy,gjk,kx->gyx", down[:, y], field, across[:, x])
+    found += rows[:, y, None]
+    found += columns[:, None, x]
+    return found
 
 
 def polynomials(length: int) -> Array:

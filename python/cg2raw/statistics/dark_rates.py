@@ -9,16 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.statistics.constant import (
-    FIELD,
+    PIXEL,
     RATE_EDGES,
     Array,
     ConstantStatistics,
     DarkRates,
     PlaneStatistics,
-    polynomials,
+    smooth_images,
 )
-
-PIXEL = -1  # of the parts
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,14 @@ def dark_rates(
         for g in np.flatnonzero(slope.weights):
             mean = mean_of(int(g))
             for p, plane in enumerate(statistics.planes):
-                rest = mean[p // side :: side, p % side :: side] - smooth(plane, int(g))
+                one = slice(g, g + 1)
+                smooth = smooth_images(
+                    plane.rows[one], plane.columns[one], plane.field[one]
+                )[0]
+                smooth += plane.level[g]
+                rest = mean[p // side :: side, p % side :: side] - smooth.astype(
+                    np.float32
+                )
                 rates[p] += np.float32(slope.weights[g]) * rest
         counts = np.zeros(len(RATE_EDGES) - 1, np.int64)
         noises = [
@@ -99,14 +104,3 @@ def noise_beside(
     lost = 1 - plane.freedom[PIXEL] / max(known.size, 1)
     spread = max(float(known.var()) - temporal**2, 0.0) if known.size else 0.0
     return float(np.sqrt(temporal**2 + lost * spread))
-
-
-def smooth(plane: PlaneStatistics, group: int) -> NDArray[np.float32]:
-    """Return (h, w) DN what all parts but pixel say of a group's mean image."""
-    h, w = plane.shape
-    down, across = (polynomials(n)[1 : FIELD + 1] for n in (h, w))
-    field = plane.field[group, : len(down), : len(across)]
-    found = (down.T @ field @ across).astype(np.float32)
-    found += (plane.level[group] + plane.rows[group]).astype(np.float32)[:, None]
-    found += plane.columns[group].astype(np.float32)
-    return found

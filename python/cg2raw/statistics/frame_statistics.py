@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 from cg2raw import _core
 from cg2raw.arrays import RawImage
 from cg2raw.statistics.constant import (
-    FIELD,
     MOST_LINES,
     PLACES,
     Array,
     ConstantStatistics,
     GroupInfo,
     PlaneStatistics,
-    polynomials,
+    smooth_images,
 )
 from cg2raw.statistics.dark_rates import dark_rates
 from cg2raw.statistics.kept import Kept, Reader
@@ -133,10 +132,7 @@ def places_of(rows: Array, columns: Array, field: Array) -> Array:
     """Return (G, 25) PLACES of the smooth part of mean images, less their level, DN."""
     h, w = rows.shape[1], columns.shape[1]
     y, x = (slice(None, None, -(-length // MOST_LINES)) for length in (h, w))
-    down, across = (polynomials(length)[1 : FIELD + 1] for length in (h, w))
-    field = field[:, : len(down), : len(across)]
-    mixed = np.einsum("jy,gjk,kx->gyx", down[:, y], field, across[:, x])
-    smooth = mixed + rows[:, y, None] + columns[:, None, x]
+    smooth = smooth_images(rows, columns, field, y, x)
     found: Array = np.quantile(smooth.reshape(len(rows), -1), PLACES, axis=1).T
     return found
 

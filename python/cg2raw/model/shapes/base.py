@@ -37,27 +37,13 @@ class Shown:
     splits: tuple[str, str]
     fits: tuple[Fit, Fit]
 
-    def shortest_darks(self, split: str) -> NDArray[np.intp]:
-        """Return the numbers of a split's darks that repeat each other, of the shortest
-        exposure time that does."""
-        groups = self.statistics.groups
-        darks = [
-            n
-            for n, group in enumerate(groups)
-            if group.kind == "dark"
-            and group.split == split
-            and self.statistics.pairs[n] > 0
-        ]
-        time = np.array([groups[n].exposure_time or 0.0 for n in darks])
-        shortest = time == time.min(initial=np.inf)
-        found: NDArray[np.intp] = np.array(darks, np.intp)[shortest]
-        return found
-
     @property
     def is_cut(self) -> bool:
         """Whether the shortest darks are cut at 0: their noise then differs with the
         offsets of pixels."""
-        darks = [g for split in self.splits for g in self.shortest_darks(split)]
+        darks = [
+            g for split in self.splits for g in self.statistics.shortest_darks(split)
+        ]
         each = [plane.low[darks].max(initial=0) for plane in self.statistics.planes]
         return bool(max(each) > CUT)
 

@@ -11,10 +11,11 @@ from scipy.optimize import minimize
 from scipy.special import erf, erfc, erfinv, expit, logit
 
 from cg2raw.model.figures import Figure
-from cg2raw.model.recorded import FINE, ROUNDING, differences
+from cg2raw.model.recorded import FINE, differences
 from cg2raw.model.shapes.base import Shape, Shown
 from cg2raw.model.shapes.random_telegraph_noise import nats_beside_jumps
-from cg2raw.statistics.constant import BINS_PER_SIGMA, Array
+from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.constant import BINS_PER_SIGMA, PIXEL, Array
 
 NAME = "heavy_tailed_noise"
 EDGES = np.arange(0.0, 12.1, 0.5)  # sigma; the last bin has all that is beyond
@@ -136,14 +137,16 @@ def core_of(shown: Shown, split: str) -> tuple[float, float] | None:
     density = np.exp(-((CORE / sigma) ** 2) / 2) / np.sqrt(2 * np.pi)
     error = sigma**3 / (CORE * density) * np.sqrt(share * (1 - share) / left)
     planes = shown.statistics.planes  # residuals have lost what their lines have
-    lost = sum((~p.masked).sum() for p in planes) / sum(p.freedom[-1] for p in planes)
+    lost = sum((~p.masked).sum() for p in planes) / sum(
+        p.freedom[PIXEL] for p in planes
+    )
     power = found.power * float(lost)
     return sigma**2 * power - ROUNDING, float(error) * power
 
 
 def tails_of(shown: Shown, split: str) -> Tails | None:
     """Return the residuals of the shortest darks that repeat each other."""
-    darks = shown.shortest_darks(split)
+    darks = shown.statistics.shortest_darks(split)
     if not len(darks):
         return None
     planes = shown.statistics.planes

@@ -42,7 +42,7 @@ def dark_median(shown: Shown, split: str) -> tuple[float, float] | None:
     mean of those that are not masked, and its standard error, DN/s; None without two
     exposure times. Where codes are few, so that noise is not normal, the error is as
     large."""
-    darks = shown.shortest_darks(split)
+    darks = shown.statistics.shortest_darks(split)
     each = [plane.power[darks].min(initial=np.inf) for plane in shown.statistics.planes]
     law = LAW if min(each) > FINE else 1.0
     for one in shown.statistics.rates:

@@ -13,6 +13,7 @@ from scipy.special import chdtri, erfc
 from cg2raw.model.figures import NORMAL, Figure
 from cg2raw.model.recorded import FINE, differences
 from cg2raw.model.shapes.base import Shape, Shown, nats_beyond, points_of
+from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import Array
 
 NAME = "random_telegraph_noise"
@@ -41,7 +42,7 @@ class Noisy:
 def random_telegraph_noise(shown: Shown) -> Shape | None:
     """Return the evidence of how many samples are noisy in the shortest darks of both
     splits; None without pairs, and where noise is cut at 0."""
-    noisy = noisy_of(shown)
+    noisy = count_noisy(shown)
     if noisy is None or shown.is_cut:
         return None
     nats = nats_beyond(float(noisy.both.sum()), float(noisy.expected.sum()))
@@ -50,9 +51,9 @@ def random_telegraph_noise(shown: Shown) -> Shape | None:
     return Shape(NAME, nats, (Figure("pixels that jump", "1", value, error, *ends),))
 
 
-def noisy_of(shown: Shown) -> Noisy | None:
+def count_noisy(shown: Shown) -> Noisy | None:
     """Return how many samples are noisy in the shortest darks; None without pairs."""
-    first, second = (shown.shortest_darks(split) for split in shown.splits)
+    first, second = (shown.statistics.shortest_darks(split) for split in shown.splits)
     if not len(first) or not len(second):
         return None
     overlaps = shown.statistics.overlaps
@@ -71,10 +72,10 @@ def noisy_of(shown: Shown) -> Noisy | None:
 def nats_beside_jumps(shown: Shown) -> float:
     """Return the evidence of noisy samples of validation beyond those of pixels that
     jump in both splits and those of normal noise."""
-    noisy = noisy_of(shown)
+    noisy = count_noisy(shown)
     if noisy is None:
         return 0.0
-    groups = shown.shortest_darks(shown.splits[1])
+    groups = shown.statistics.shortest_darks(shown.splits[1])
     beyond = np.maximum(noisy.both - noisy.expected, 0).mean(axis=0) / SEEN
     normal = CHANCE * shown.statistics.pairs[groups] * shown.samples
     return nats_beyond(float(noisy.each[1].sum()), float((beyond + normal).sum()))
@@ -99,11 +100,11 @@ def noisy_outliers(shown: Shown, groups: NDArray[np.intp]) -> NDArray[np.bool_]:
 def clumped(shown: Shown) -> float:
     """Return by how much more often than by chance normal noise of few codes is beyond
     NOISY in the same pixel: it depends on where within a code a pixel is."""
-    darks = shown.shortest_darks(shown.splits[0])
+    darks = shown.statistics.shortest_darks(shown.splits[0])
     power = min(float(plane.power[darks].min()) for plane in shown.statistics.planes)
     if power > FINE:
         return 1.0
-    shares = differences(np.arange(PLACES) / PLACES, max(power - 1 / 12, 1e-3))
+    shares = differences(np.arange(PLACES) / PLACES, max(power - ROUNDING, 1e-3))
     beyond = np.floor(NOISY * np.sqrt(2 * power))
     far: Array = shares[:, np.arange(shares.shape[1]) >= max(beyond, 1.0)].sum(axis=1)
     return float((far**2).mean() / far.mean() ** 2) if far.mean() > 0 else 1.0
