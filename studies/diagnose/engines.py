@@ -66,8 +66,8 @@ def likelihood(captures: CaptureSet, *, alpha: float = 0.01, **_: Any) -> Diagno
 def _verdict(found: DarksAndFlats) -> str:
     if found.unexplained:
         is_named = bool(found.names)
-        return "identified, rest unexplained" if is_named else "unknown structure"
-    return "identified" if found.names else "no gap"
+        return "partially_explained" if is_named else "unexplained"
+    return "explained" if found.names else "consistent"
 
 
 ENGINES: Mapping[str, Engine] = {"search": search, "likelihood": likelihood}

@@ -16,9 +16,9 @@ VISIBLE_GAP = 3e-4
 Z95 = 1.959964  # standard errors on each side of an interval of 95 %
 NOT_SURE = (
     "ambiguous",
-    "unknown structure",
-    "identified, rest unexplained",
-    "not finished",
+    "unexplained",
+    "partially_explained",
+    "incomplete",
 )
 
 Record = Mapping[str, Any]
@@ -246,7 +246,7 @@ def _of_power(suite: str, good: Sequence[Record]) -> list[Bound]:
 
 
 def _of_closed_loop(suite: str, good: Sequence[Record]) -> list[Bound]:
-    again = [one["again_verdict"] == "no gap" for one in good]
+    again = [one["again_verdict"] == "consistent" for one in good]
     return [("no gap against the found profile", _share(again), ">= 95 %")]
 
 

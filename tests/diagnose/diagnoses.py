@@ -54,7 +54,7 @@ def gap(**changes):
     )
 
 
-def diagnosis(verdict="identified", **changes):
+def diagnosis(verdict="explained", **changes):
     """Return a Diagnosis with something in every field."""
     test = ResidualTest("row autocorrelation", 4.1, 1e-5, 3e-4, "rows, all channels")
     small = np.zeros((4, 4, 3), np.float32)

@@ -229,7 +229,7 @@ def made_up_diagnosis(**changes):
               Alternative("dsnu", -2.1)]),
     ]  # fmt: skip
     fields = {
-        "verdict": "identified",
+        "verdict": "explained",
         "sensor_id": "nikon-d40",
         "effects": effects,
         "gap": Gap(0.4113, 0.00031, 3.214, 1.0012, 0.0983, 0.00042,

@@ -64,7 +64,7 @@ def test_frames_of_the_found_profile_have_no_gap(by_plugin, hidden):
     assert {one.name for one in found.effects} >= set(hidden) - {"poisson_shot_noise"}
     better = Sensor.from_json(found.profile_json)
     again = diagnose(simulated(captures, better, by_plugin), details=False)
-    assert again.verdict == "no gap"
+    assert again.verdict == "consistent"
     assert again.gap.chi2_after == pytest.approx(1, abs=0.02)
 
 

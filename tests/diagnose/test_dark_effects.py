@@ -75,7 +75,7 @@ def missed(finding, planted):
 def test_it_is_named_first_with_its_values(name, planted):
     found = diagnosed(with_effects(**{name: planted}))
     assert [finding.name for finding in found.effects] == [name]
-    assert found.verdict == "identified"
+    assert found.verdict == "explained"
     assert missed(found.effects[0], planted) == []
     (effect,) = Sensor.from_json(found.profile_json, "found").effects
     assert effect["name"] == name

@@ -47,14 +47,14 @@ def test_a_report_is_written(engine, captures, tmp_path):
     out = tmp_path / "report"
     done = run("diagnose", captures, "-o", out)
     assert done.code == 0 and done.err == ""
-    assert done.out.startswith("verdict   identified: lens_shading\n")
+    assert done.out.startswith("verdict   explained: lens_shading\n")
     assert "the lens loses 31 % at the corner" in done.out
     assert "0.41 -> 0.0003 nats/pixel" in done.out
     assert "only darks" in done.out  # the notes on the captures
     names = ["gap.png", "profile.json", "report.html", "verdict.json"]
     assert sorted(file.name for file in out.iterdir()) == names
     verdict = json.loads((out / "verdict.json").read_text())
-    assert verdict["verdict"] == "identified" and verdict["files"] == names
+    assert verdict["verdict"] == "explained" and verdict["files"] == names
     [(found, options)] = engine.calls
     assert found.sensor.id == files.SENSOR and len(found.captures) == 3
     del options["progress"]
@@ -102,15 +102,17 @@ def test_the_verdict_is_the_exit_code(engine, captures, tmp_path, verdict):
 
 def test_a_long_rest_is_left_to_the_report(engine, captures, tmp_path):
     tests = [ResidualTest(f"test {n}", 9.0, 1e-9, 0.1, "there") for n in range(9)]
-    engine.result.update(verdict="unknown structure", unexplained=tests)
+    engine.result.update(verdict="unexplained", unexplained=tests)
     done = run("diagnose", captures, "-o", tmp_path / "r")
     assert "left      test 5: there\nleft      ... and 3 more, in the" in done.out
     assert "test 6" not in done.out
 
 
 def test_an_interrupted_search_leaves_a_report(engine, captures, tmp_path):
-    engine.result["interrupted"] = True
-    done = run("diagnose", captures, "-o", tmp_path / "r", "--exit-code")
+    engine.result.update(interrupted=True, verdict="incomplete")
+    words = ("diagnose", captures, "-o", tmp_path / "r")
+    assert run(*words, "--exit-code").code == 14
+    done = run(*words)
     assert done.code == 130 and "interrupted; the report is partial" in done.err
     assert json.loads((tmp_path / "r" / "verdict.json").read_text())["interrupted"]
 
@@ -168,7 +170,7 @@ def test_a_file_that_comes_while_it_works_is_not_lost(
 
 
 def test_two_sensors_are_verified(engine, captures, tmp_path):
-    engine.result["verdict"] = "no gap"
+    engine.result["verdict"] = "consistent"
     profile = tmp_path / "profile.json"
     profile.write_text(files.other_sensor(black_level=[66] * 4).to_json())
     words = ("diagnose", "--verify", captures, "--against", profile)
@@ -181,15 +183,15 @@ def test_two_sensors_are_verified(engine, captures, tmp_path):
     assert first.sensor.black_level[0] == 64 and second.sensor.black_level[0] == 66
 
 
-@pytest.mark.parametrize(("nats", "code"), [(3e-4, 0), (5e-4, 12)])
-def test_a_trace_of_what_was_closed_is_no_gap(
+@pytest.mark.parametrize(("nats", "code"), [(3e-4, 0), (5e-4, 13)])
+def test_a_trace_of_what_was_closed_is_consistent(
     engine, captures, tmp_path, monkeypatch, nats, code
 ):
     profile = tmp_path / "profile.json"
     profile.write_text(files.other_sensor(black_level=[66] * 4).to_json())
     test = ResidualTest("kurtosis", 4.1, 1e-5, nats, "tails")
     results = [
-        diagnosis("unknown structure", gap=gap(before=before), unexplained=[test])
+        diagnosis("unexplained", gap=gap(before=before), unexplained=[test])
         for before in (0.41, 0.01)
     ]
     monkeypatch.setattr(

@@ -43,9 +43,9 @@ def example(repository, tmp_path_factory):
 def test_the_commands_run(example):
     _, done = example
     assert all(each.code == 0 for each in done.values()), done
-    assert "identified: lens_shading, row_noise" in done["diagnosis"].out
+    assert "explained: lens_shading, row_noise" in done["diagnosis"].out
     before, after = re.findall(r"^(?:canon|report).*", done["verify"].out, re.M)
-    assert before.endswith("unknown structure") and after.endswith("no gap")
+    assert before.endswith("unexplained") and after.endswith("consistent")
 
 
 def compare(shown, written, where):

@@ -81,7 +81,7 @@ def found_in(truth, **more):
 
 def test_nothing_is_named_where_nothing_is_hidden():
     found = found_in(sensor_of())
-    assert (found.verdict, found.effects) == ("no gap", [])
+    assert (found.verdict, found.effects) == ("consistent", [])
     assert 0.98 < found.gap.chi2_before < 1.02
 
 
@@ -139,7 +139,7 @@ def test_a_profile_with_its_effects_is_the_base():
     shaded = sensor_of([{"name": "lens_shading", "parameters": SHADING}])
     offset = {"name": "black_level", "parameters": {"offset_00": 5e-4}}
     both = sensor_of([{"name": "lens_shading", "parameters": SHADING}, offset])
-    assert found_in(both, assumed=both).verdict == "no gap"
+    assert found_in(both, assumed=both).verdict == "consistent"
     found = found_in(both, assumed=shaded)
     assert [effect.name for effect in found.effects] == ["black_level"]
 
@@ -266,7 +266,7 @@ def test_files_need_no_illuminant(files, tmp_path):
     words = next(note for note in captures.notes if note.startswith("no scenes"))
     assert "blur, crosstalk and glare" in words and "colour" not in words
     found = diagnose(captures, only=("exposure", "read_noise", "prnu"), threads=1)
-    assert (found.verdict, found.effects) == ("no gap", [])
+    assert (found.verdict, found.effects) == ("consistent", [])
 
 
 def test_only_darks_say_nothing_of_colour(files, tmp_path):

@@ -80,7 +80,7 @@ def summary(found):
 
 def test_nothing_hidden_is_no_gap():
     found = run(set_of(SENSOR), only=())
-    assert (found.verdict, found.effects) == ("no gap", [])
+    assert (found.verdict, found.effects) == ("consistent", [])
     assert found.gap.chi2_after == pytest.approx(1, abs=0.03)
     assert {p.name for p in found.detection_limits} > {"exposure", "lens_shading"}
 
@@ -90,7 +90,7 @@ def test_the_verdict_does_not_depend_on_threads():
     captures = set_of(SENSOR, model=true)
     one, three = (summary(run(captures, threads=n)) for n in (1, 3))
     assert one == three
-    assert one[0] == "identified"
+    assert one[0] == "explained"
     assert sorted(name for name, _, _ in one[1]) == ["exposure", "read_noise"]
     values = {name: list(parameters.values()) for name, _, parameters in one[1]}
     assert values["exposure"][0] == pytest.approx(0.03, abs=0.002)
@@ -112,7 +112,7 @@ def test_noise_that_is_cut_at_zero_hides_no_effect(name, strength, value):
     hidden = draw_hidden(sensor, {name: strength}, seed=1)
     captures = simulate_captures(sensor, hidden, seed=1, shape=(64, 96))
     found = diagnose(captures, details=False, threads=2)
-    assert found.verdict == "identified"
+    assert found.verdict == "explained"
     (effect,) = found.effects
     (parameter,) = effect.parameters.values()
     assert effect.name == name
@@ -145,7 +145,7 @@ def test_an_interrupt_at_once_reports_the_gap(monkeypatch):
     monkeypatch.setattr(Search, "_add", interrupted)
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
     assert found.interrupted and found.effects == []
-    assert found.verdict == "not finished"
+    assert found.verdict == "incomplete"
 
 
 def test_an_interrupt_before_the_search_reports_the_gap(monkeypatch):
@@ -167,7 +167,7 @@ def test_x_trans_goes_through_with_nothing_hidden():
     sensor = Sensor.from_json(json.dumps(profile), "xtrans")
     captures = set_of(sensor)
     found = diagnose(captures, details=True, threads=1)
-    assert (found.verdict, found.effects) == ("no gap", [])
+    assert (found.verdict, found.effects) == ("consistent", [])
     unmeasured = CaptureSet(base, captures.captures)
     found = diagnose(unmeasured, only=("exposure", "lens_shading"), threads=1)
     assert found.effects == []
@@ -177,7 +177,7 @@ def test_x_trans_goes_through_with_nothing_hidden():
 
 def test_frames_without_exposure_time_name_no_rates():
     found = run(set_of(SENSOR, exposure_time=None), only=("dark_current", "exposure"))
-    assert found.verdict == "no gap"
+    assert found.verdict == "consistent"
     visible = {limit.name: limit.strength for limit in found.detection_limits}
     assert visible["exposure"] > 0 and visible["dark_current"] is None
 
@@ -195,7 +195,7 @@ def test_masked_borders_are_darks_of_another_shape():
     wide = shown_set(SENSOR, bright, 4, model=offset).captures
     found = run(CaptureSet(SENSOR, [*narrow, *wide]))
     assert [e.name for e in found.effects] == ["black_level"]
-    assert found.verdict == "identified"
+    assert found.verdict == "explained"
     prnu = run(CaptureSet(SENSOR, [*narrow, *wide]), only=("prnu", "dsnu"))
     assert prnu.effects == []
 
@@ -211,7 +211,7 @@ def test_isos_have_their_own_noise_and_share_what_is_missing():
     low, high = (set_of(sensor, seed=n, iso=iso) for n, iso in ((1, 100.0), (2, 800.0)))
     renamed = [replace(c, name=c.name + "h", set=c.set + "h") for c in high.captures]
     found = run(CaptureSet(sensor, [*low.captures, *renamed]))
-    assert found.verdict == "no gap"
+    assert found.verdict == "consistent"
 
 
 def test_a_profile_with_effects_is_the_base():
@@ -220,12 +220,12 @@ def test_a_profile_with_effects_is_the_base():
     shaded = sensor_of(effects=[{"name": "lens_shading", "parameters": old}])
     captures = set_of(shaded)
     only = {"only": ("lens_shading", "exposure")}
-    assert run(captures, **only).verdict == "no gap"
+    assert run(captures, **only).verdict == "consistent"
     doubted = run(CaptureSet(SENSOR, captures.captures), **only)
     assert [e.name for e in doubted.effects] == ["lens_shading"]
     repaired = Sensor.from_json(doubted.profile_json, "found")
     again = run(CaptureSet(repaired, captures.captures), **only)
-    assert (again.verdict, again.effects) == ("no gap", [])
+    assert (again.verdict, again.effects) == ("consistent", [])
 
 
 @pytest.mark.parametrize("name", ["prnu", "dsnu"])
@@ -241,7 +241,7 @@ def test_a_profile_with_a_pattern_does_not_know_the_camera_s_map(name):
 
     captures = set_of(sensor_of(), extra=exposed)
     found = run(CaptureSet(sensor, captures.captures), only=("prnu", "dsnu"))
-    assert (found.verdict, found.effects) == ("no gap", [])
+    assert (found.verdict, found.effects) == ("consistent", [])
     (effect,) = Sensor.from_json(found.profile_json, "found").effects
     assert effect["parameters"]["sigma"] == pytest.approx(sigma)
 

@@ -8,10 +8,10 @@ are shown are of the last third. REPORT gets report.html with its pictures, verd
 for programs, and profile.json: the sensor with the effects that were found; there is
 none if they do not make the held-out frames, edge to edge, more likely.
 
-Verdicts, and their exit codes with --exit-code: no gap 0, identified 10, ambiguous 11,
-unknown structure or identified with an unexplained residual 12, not finished 13: the
-time limit ended the search before it had decided. Ctrl-C ends the search, not the
-report, which then says so (exit code 130).
+Verdicts, and their exit codes with --exit-code: consistent 0, explained 10, ambiguous
+11, partially_explained 12, unexplained 13, incomplete 14: the time limit or Ctrl-C came
+before all was decided. Ctrl-C ends the search, not the report, which then says so; it
+exits with 130, with --exit-code by the verdict.
 
 examples:
   cg2raw diagnose captures.yaml -o report/
@@ -244,7 +244,8 @@ def exit_code(arguments: argparse.Namespace, found: "Diagnosis") -> int:
             "cg2raw diagnose: interrupted; the report is partial, and says so",
             file=sys.stderr,
         )
-        return INTERRUPTED
+        if not arguments.exit_code:
+            return INTERRUPTED
     return VERDICTS[found.verdict] if arguments.exit_code else 0
 
 
@@ -307,7 +308,7 @@ def with_closed_share(first: "Diagnosis", second: "Diagnosis") -> "Diagnosis":
         for test in second.unexplained
         if test.nats_per_pixel > most or test.name == CHI_SQUARE_NAME
     ]
-    verdict = second.verdict if left else "no gap"
+    verdict = second.verdict if left else "consistent"
     return dataclasses.replace(second, unexplained=left, verdict=verdict)
 
 

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-VERDICTS = {
-    "no gap": 0,
-    "identified": 10,
+VERDICTS = {  # and their exit codes
+    "consistent": 0,
+    "explained": 10,
     "ambiguous": 11,
-    "unknown structure": 12,
-    "identified, rest unexplained": 12,
-    "not finished": 13,
+    "partially_explained": 12,
+    "unexplained": 13,
+    "incomplete": 14,
 }
 
 

@@ -21,7 +21,7 @@ from studies.diagnose.suites import SUITES, Case, cases
 from studies.docs_page import marks
 
 
-def verdict_of(names, verdict="identified", before=0.1, after=0.001):
+def verdict_of(names, verdict="explained", before=0.1, after=0.001):
     """Return what the scores read of a Diagnosis; the first name gains most."""
     effects = [
         SimpleNamespace(name=name, gain_nats=100.0 - n, parameters={})
@@ -41,16 +41,16 @@ def verdict_of(names, verdict="identified", before=0.1, after=0.001):
 @pytest.mark.parametrize(
     ("hidden", "names", "verdict", "outcome", "exact", "extra"),
     [
-        (["prnu"], ["prnu"], "identified", "right", True, 0),
-        (["prnu"], ["prnu", "blur"], "identified", "right", False, 1),
-        (["prnu"], ["blur", "prnu"], "identified", "wrong", False, 1),
+        (["prnu"], ["prnu"], "explained", "right", True, 0),
+        (["prnu"], ["prnu", "blur"], "explained", "right", False, 1),
+        (["prnu"], ["blur", "prnu"], "explained", "wrong", False, 1),
         (["prnu"], ["blur"], "ambiguous", "unsure", False, 1),
-        (["prnu"], ["blur"], "identified, rest unexplained", "unsure", False, 1),
-        (["prnu"], [], "no gap", "missed", False, 0),
-        (["prnu"], [], "unknown structure", "unsure", False, 0),
-        ([], [], "no gap", "right", True, 0),
-        ([], ["blur"], "identified", "wrong", False, 1),
-        (["blur", "prnu"], ["prnu", "blur"], "identified", "right", True, 0),
+        (["prnu"], ["blur"], "partially_explained", "unsure", False, 1),
+        (["prnu"], [], "consistent", "missed", False, 0),
+        (["prnu"], [], "unexplained", "unsure", False, 0),
+        ([], [], "consistent", "right", True, 0),
+        ([], ["blur"], "explained", "wrong", False, 1),
+        (["blur", "prnu"], ["prnu", "blur"], "explained", "right", True, 0),
     ],
 )
 def test_outcomes(hidden, names, verdict, outcome, exact, extra):
@@ -109,7 +109,7 @@ def test_command_prints_the_table(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
         cg2raw.diagnose,
         "diagnose",
-        lambda *_, **__: verdict_of([], "no gap", 0.0, 0.0),
+        lambda *_, **__: verdict_of([], "consistent", 0.0, 0.0),
         raising=False,
     )
     path = tmp_path / "none.jsonl"
@@ -128,7 +128,7 @@ def test_each_engine_has_records_of_its_own(tmp_path, monkeypatch):
 
     def other(captures, **options):
         asked.append(options)
-        return verdict_of([], "no gap", 0.0, 0.0)
+        return verdict_of([], "consistent", 0.0, 0.0)
 
     monkeypatch.setitem(
         command.ENGINES, "search", lambda *_, **__: verdict_of(["dsnu"])
@@ -238,7 +238,7 @@ def test_evidence_is_what_the_frames_tell_of_an_effect():
 
 def test_the_table_says_what_was_missed_and_how_faint_it_was():
     record = {
-        **score(["row_noise"], verdict_of([], "no gap")),
+        **score(["row_noise"], verdict_of([], "consistent")),
         "hidden": ["row_noise"],
         "number": 7,
         "seconds": 1.0,

@@ -151,12 +151,12 @@ def misled(monkeypatch, **terms):
 def test_a_model_that_is_worse_is_no_finding_and_no_profile(monkeypatch):
     misled(monkeypatch, exposure=[-0.144])
     found = run(set_of(SENSOR))
-    assert (found.verdict, found.effects, found.profile_json) == ("no gap", [], "")
+    assert (found.verdict, found.effects, found.profile_json) == ("consistent", [], "")
     assert found.gap.chi2_after == found.gap.chi2_before
     (note,) = [note for note in found.notes if note.startswith("Not confirmed")]
     assert "with exposure the report frames, whole, are less likely by" in note
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
-    assert (found.verdict, found.profile_json) == ("unknown structure", "")
+    assert (found.verdict, found.profile_json) == ("unexplained", "")
 
 
 def test_a_read_noise_beyond_all_bounds_is_not_named():
@@ -164,7 +164,7 @@ def test_a_read_noise_beyond_all_bounds_is_not_named():
     captures = set_of(SENSOR, model=model_of(SENSOR, read_noise=[3.3]))
     found = run(captures, only=("read_noise", "heavy_tailed_noise", "exposure"))
     assert "read_noise" not in [effect.name for effect in found.effects]
-    assert found.verdict in ("unknown structure", "identified, rest unexplained")
+    assert found.verdict in ("unexplained", "partially_explained")
     assert any("log_variance is 3, where the search ends" in n for n in found.notes)
     names = [effect["name"] for effect in Sensor.from_json(found.profile_json).effects]
     assert "read_noise" not in names
@@ -230,7 +230,7 @@ def test_chi_square_of_whole_frames_is_near_1_on_both_sides(factor):
     found = run(shown_set(SENSOR, captures, 5, model=model), only=("black_level",))
     chi_square = [t for t in found.unexplained if t.name == CHI_SQUARE_NAME]
     assert len(chi_square) == (factor != 1.0)
-    assert (found.verdict == "no gap") == (factor == 1.0)
+    assert (found.verdict == "consistent") == (factor == 1.0)
     if chi_square:
         assert chi_square[0].statistic == pytest.approx(factor, abs=0.02)
         assert ("smaller" in chi_square[0].where) == (factor < 1)
@@ -247,10 +247,10 @@ def test_workers_begin_nothing_after_the_deadline():
 def test_a_time_limit_of_nothing_still_reports():
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])), time_limit=0.0)
     assert found.time_limit_reached and not found.interrupted
-    assert (found.verdict, found.effects) == ("not finished", [])
+    assert (found.verdict, found.effects) == ("incomplete", [])
     assert not [limit for limit in found.detection_limits if limit.strength is not None]
-    found = run(set_of(SENSOR), time_limit=0.0)  # "no gap" was not looked for either
-    assert found.verdict == "not finished"
+    found = run(set_of(SENSOR), time_limit=0.0)  # nothing was looked at
+    assert found.verdict == "incomplete"
 
 
 def test_a_time_limit_keeps_what_was_found_until_then(monkeypatch):
@@ -266,7 +266,7 @@ def test_a_time_limit_keeps_what_was_found_until_then(monkeypatch):
     found = run(set_of(SENSOR, model=true), time_limit=1000.0)
     assert found.time_limit_reached and len(settled) == 1
     assert [effect.name for effect in found.effects] == settled
-    assert found.verdict == "not finished"
+    assert found.verdict == "incomplete"
     assert [rung.name for rung in found.ladder] == settled
 
 
@@ -280,4 +280,4 @@ def test_why_a_name_was_taken_is_told():
 
 def test_a_search_that_was_not_misled_is_believed():
     found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
-    assert found.verdict == "identified" and found.profile_json
+    assert found.verdict == "explained" and found.profile_json

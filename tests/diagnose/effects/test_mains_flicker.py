@@ -59,7 +59,7 @@ def test_it_is_found_in_what_the_registry_simulates(amplitude, period, seed):
     hidden = {NAME: {"amplitude": amplitude, "period": period}}
     captures = shot_by_registry(SENSOR, hidden, seed)
     found = diagnose(captures, threads=1, details=False)
-    assert found.verdict == "identified"
+    assert found.verdict == "explained"
     (one,) = found.effects
     assert one.name == NAME
     for parameter, planted in hidden[NAME].items():
@@ -85,7 +85,7 @@ def test_a_profile_that_lists_it_has_no_gap():
     captures = shot_by_registry(SENSOR, {NAME: values}, 3)
     known = sensor_of(effects=[{"name": NAME, "parameters": values}])
     found = diagnose(replace(captures, sensor=known), threads=1, details=False)
-    assert found.verdict == "no gap"
+    assert found.verdict == "consistent"
 
 
 def test_a_wave_that_all_frames_share_is_none():

@@ -61,7 +61,7 @@ def test_it_is_found_in_what_the_registry_simulates(grid, seed):
     hidden = {NAME: dict(zip(("gain", "pitch", "row", "column"), grid, strict=True))}
     captures = shot_by_registry(SENSOR, hidden, seed)
     found = diagnose(captures, threads=1, details=False)
-    assert found.verdict == "identified"
+    assert found.verdict == "explained"
     (one,) = found.effects
     assert one.name == NAME
     low, high = one.parameters["gain"].ci95

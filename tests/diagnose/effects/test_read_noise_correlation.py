@@ -70,7 +70,7 @@ def test_it_is_found_in_what_the_registry_simulates(coefficient, seed):
     hidden = {NAME: {"coefficient": coefficient}}
     captures = shot_by_registry(SENSOR, hidden, seed)
     found = diagnose(captures, threads=1, details=False)
-    assert found.verdict == "identified"
+    assert found.verdict == "explained"
     (one,) = found.effects
     assert one.name == NAME
     low, high = one.parameters["coefficient"].ci95
@@ -97,4 +97,4 @@ def test_a_profile_that_lists_it_has_no_gap():
     captures = shot_by_registry(SENSOR, {NAME: values}, 3)
     known = sensor_of(effects=[{"name": NAME, "parameters": values}])
     found = diagnose(replace(captures, sensor=known), threads=1, details=False)
-    assert found.verdict == "no gap"
+    assert found.verdict == "consistent"

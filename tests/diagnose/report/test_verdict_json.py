@@ -15,7 +15,7 @@ from diagnose.diagnoses import diagnosis, finding
 def test_the_published_fields_are_there_first():
     fields = json.loads(verdict_json(diagnosis()))
     assert list(fields)[:5] == ["verdict", "effects", "gap", "unexplained", "seconds"]
-    assert fields["verdict"] == "identified" and fields["seconds"] == 12.3
+    assert fields["verdict"] == "explained" and fields["seconds"] == 12.3
     [effect] = fields["effects"]
     assert effect["name"] == "lens_shading"
     r2 = {"value": -0.31, "unit": "1", "ci95": [-0.32, -0.3]}
@@ -75,7 +75,7 @@ def changed(**changes):
     [
         ("{", "verdict.json: is no JSON"),
         ("[1]", "is no verdict"),
-        (changed(verdict="perhaps"), "must be one of no gap, identified, ambiguous"),
+        (changed(verdict="perhaps"), "must be one of consistent, explained, ambiguous"),
         (changed(gap=None), "verdict.json: has no gap"),
         (changed(gap=[1]), "gap: is [1]; must be an object"),
         (changed(effects=[{}]), "effects[0]: has no name"),

@@ -191,15 +191,15 @@ def _next_captures(findings: Sequence[Finding]) -> list[str]:
 def _verdict(
     findings: Sequence[Finding], left: Sequence[ResidualTest], cut_short: bool
 ) -> str:
-    """Return the verdict; of a search that was cut short only what it decided."""
-    if cut_short and (left or not findings):
-        return "not finished"
+    """Return the verdict. cut_short : by a time limit or Ctrl-C."""
+    if cut_short:
+        return "incomplete"
     if not findings:
-        return "unknown structure" if left else "no gap"
+        return "unexplained" if left else "consistent"
     if left:
-        return "identified, rest unexplained"
+        return "partially_explained"
     ambiguous = any(finding.ambiguous_with for finding in findings)
-    return "ambiguous" if ambiguous else "identified"
+    return "ambiguous" if ambiguous else "explained"
 
 
 def left_over(tests: Sequence[ResidualTest], gained: float) -> list[ResidualTest]:

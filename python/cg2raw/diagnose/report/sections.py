@@ -20,12 +20,12 @@ from cg2raw.diagnose.report import text as words
 from cg2raw.diagnose.report.plots import SIGNIFICANT, paired
 
 BADGES = {  # verdict -> class of the style sheet, sign that does not need colour
-    "no gap": ("good", "\N{CHECK MARK}"),
-    "identified": ("found", "\N{CHECK MARK}"),
-    "identified, rest unexplained": ("doubt", "!"),
+    "consistent": ("good", "\N{CHECK MARK}"),
+    "explained": ("found", "\N{CHECK MARK}"),
+    "partially_explained": ("doubt", "!"),
     "ambiguous": ("doubt", "?"),
-    "unknown structure": ("bad", "!"),
-    "not finished": ("doubt", "?"),
+    "unexplained": ("bad", "!"),
+    "incomplete": ("doubt", "?"),
 }
 ACTIONS = {
     "added": "Added",

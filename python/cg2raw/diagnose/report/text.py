@@ -167,19 +167,19 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     sensor = diagnosis.sensor_id
     what = what_was_found(diagnosis)
     match diagnosis.verdict:
-        case "no gap":
+        case "consistent":
             text = f"nothing in these frames contradicts the profile {sensor}"
-        case "identified":
+        case "explained":
             text = what
-        case "identified, rest unexplained":
+        case "partially_explained":
             text = f"{what}, but something that no known effect explains is left, so "
             text += "the names are provisional"
         case "ambiguous":
             text = ambiguity(diagnosis, sensor)
-        case "unknown structure":
+        case "unexplained":
             text = f"the frames disagree with the profile {sensor} in a way that no "
             text += f"known effect explains{unexplained(diagnosis)}"
-        case "not finished":
+        case "incomplete":
             text = f"the search for what is missing from the profile {sensor} ended "
             text += "before it had decided: "
             text += what if diagnosis.effects else "it has named nothing so far"
