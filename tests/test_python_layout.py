@@ -59,6 +59,7 @@ DIAGNOSE = (
     "cg2raw.diagnose.darks_and_flats",
     "cg2raw.diagnose.frames",
     "cg2raw.diagnose.effects",
+    "cg2raw.diagnose.verdict",
     "cg2raw.diagnose.likelihood",
     "cg2raw.diagnose.inference",
     "cg2raw.diagnose.assessment",

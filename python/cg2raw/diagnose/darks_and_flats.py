@@ -5,8 +5,9 @@
 decides; this is compared with it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,55 +17,113 @@ from cg2raw.calibration.frames import by_level
 from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
-from cg2raw.model.flat_levels import flat_levels, level_gains
+from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
 from cg2raw.model.lags import lags_of
 from cg2raw.model.profile_values import profile_values
 from cg2raw.model.selection import Selection, selection
 from cg2raw.model.shapes import shapes
 from cg2raw.model.values import Value, effect_values
 from cg2raw.sensor import Sensor
-from cg2raw.statistics.constant import ConstantStatistics, GroupInfo, set_points
+from cg2raw.short_messages import plural
+from cg2raw.statistics.constant import (
+    Array,
+    ConstantStatistics,
+    GroupInfo,
+    set_points,
+)
 from cg2raw.statistics.frame_statistics import frame_statistics
 from cg2raw.statistics.kept import Kept
 
 TRAINING, VALIDATION, TEST = GROUPS
 NAMES = 33  # that a diagnosis could give: each may be false
+NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 
 
 @dataclass(frozen=True)
 class DarksAndFlats:
-    """names : best first. unexplained : where structure is that no effect has. values :
-    of all that the frames show, by training and validation frames together."""
+    """names : best first. least : nats that a name needs. values : of all that the
+    frames show, by training and validation frames together, of which both is the fit.
+    statistics : of all splits, of the captures used. profile : (n,) parameters as the
+    profile has them.
+    notes : sentences on what was left out. has_noise : whether the profile has."""
 
+    captures: CaptureSet
     names: Sequence[str]
-    unexplained: Sequence[str]
     selection: Selection
+    least: float
     values: Sequence[Value]
+    both: Fit
+    statistics: ConstantStatistics
+    profile: Array
+    used: Sequence[Capture]
+    notes: Sequence[str]
+    has_noise: bool
+
+    @property
+    def unexplained(self) -> list[str]:
+        """Where structure is that no effect has (model.selection.UNNAMED)."""
+        return self.selection.unexplained(self.least)
+
+    @cached_property
+    def shown(self) -> frozenset[str]:
+        """Effects that the frames can show, named or not."""
+        of_levels = levels_of(
+            self.captures, self.used, of_splits(self.statistics, GROUPS[:2]), self.both
+        )
+        known = np.isfinite(np.diagonal(self.both.covariance))
+        names = self.both.parameters.names
+        levels = [name for name in LEVELS if known[names.index(name)]]
+        flats = of_levels.names if of_levels is not None else []
+        return frozenset([*self.selection.gains, *levels, *flats])
+
+    def of_split(self, split: str) -> ConstantStatistics:
+        """Return the statistics of a split."""
+        return of_splits(self.statistics, (split,))
 
 
-def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
+def darks_and_flats(
+    captures: CaptureSet,
+    alpha: float = 0.01,
+    names: Collection[str] | None = None,
+    say: Callable[[str, float], None] = lambda text, share: None,
+) -> DarksAndFlats:
     """Return what darks and flats of a capture set name.
 
-    alpha : chance of a false name. Raises ValueError where their noise is not known."""
+    alpha : chance of a false name. names : which may be named; None for all. say : is
+    called with what is being done and the share that is done. Raises ValueError where
+    their noise is not known."""
     sensor = captures.sensor
-    used = [c for c in captures.captures if c.kind in ("dark", "flat")]
-    if not used:
+    every = [c for c in captures.captures if is_constant(c)]
+    if not every:
         raise ValueError("captures: no darks or flats")
-    iso = _usual([c.iso for c in used])
-    used = [c for c in used if c.iso == iso]
+    iso = _usual([c.iso for c in every])
+    used = [c for c in every if c.iso == iso]
+    notes = _left_out(len(every) - len(used), "of another ISO")
     points = set_points([c.temperature for c in used])
     main = _usual(points)
+    of_iso = len(used)
     used = [c for c, point in zip(used, points, strict=True) if point == main]
-    whole = statistics_by_split(used, sensor)
-    splits = [
-        whole.only([g for g, info in enumerate(whole.groups) if info.split == split])
-        for split in (TRAINING, VALIDATION)
-    ]
-    both = whole.only([g for g, info in enumerate(whole.groups) if info.split != TEST])
-    profile = profile_values(sensor, float(iso or 0), Parameters(len(whole.planes)))
-    fits = [fit(statistics, profile) for statistics in splits]
+    notes += _left_out(of_iso - len(used), "of another temperature")
+    for split in GROUPS:
+        if all(c.group != split for c in used):
+            raise ValueError(
+                f"no dark or flat is in the group {split}: not enough to fit, select "
+                "and report on different frames; add frames"
+            )
+    whole = statistics_by_split(
+        used, sensor, lambda share: say("reading darks and flats", 0.5 * share)
+    )
+    splits = [of_splits(whole, (split,)) for split in (TRAINING, VALIDATION)]
+    both = of_splits(whole, (TRAINING, VALIDATION))
+    profile, has_noise = _null(sensor, iso, both)
+    fits: list[Fit] = []
+    for statistics in splits:
+        say("fitting darks and flats", 0.55 + 0.1 * len(fits))
+        fits.append(fit(statistics, profile))
+    say("dropping each name", 0.75)
     least = math.log(NAMES / alpha)
     lags = [
         lags_of(one, found, profile) for one, found in zip(splits, fits, strict=True)
@@ -78,11 +137,85 @@ def darks_and_flats(captures: CaptureSet, alpha: float = 0.01) -> DarksAndFlats:
         (first, second) if first is not None and second is not None else None,
         shapes(whole, (TRAINING, VALIDATION), (fits[0], fits[1])),
     )
-    gains = {**found.gains, **_of_levels(captures, used, splits, fits, found, least)}
+    named = found.kept(least)
+    levels = [
+        levels_of(captures, used, statistics, one, named)
+        for statistics, one in zip(splits, fits, strict=True)
+    ]
+    gains = dict(found.gains)
+    if levels[0] is not None and levels[1] is not None:
+        gains |= level_gains(levels[0], levels[1], least)
+    hidden = () if has_noise else NOISE_TABLE
+    gains = {
+        name: gain
+        for name, gain in gains.items()
+        if (names is None or name in names) and name not in hidden
+    }
     found = replace(found, gains=gains)
     white = sensor.white_level - float(np.mean(sensor.black_level))
-    values = tuple(effect_values(both, fit(both, profile), profile, white))
-    return DarksAndFlats(found.kept(least), found.unexplained(least), found, values)
+    say("measuring what was found", 0.9)
+    together = fit(both, profile)
+    values = tuple(effect_values(both, together, profile, white))
+    return DarksAndFlats(
+        captures,
+        found.kept(least),
+        found,
+        least,
+        values,
+        together,
+        whole,
+        profile,
+        used,
+        notes,
+        has_noise,
+    )
+
+
+def _null(
+    sensor: Sensor, iso: float | None, both: ConstantStatistics
+) -> tuple[Array, bool]:
+    """Return the parameters, (n,), as a profile has them, and whether it has noise; if
+    not, noise is as in the frames."""
+    parameters = Parameters(len(both.planes))
+    if sensor.noise and iso is not None:
+        return profile_values(sensor, iso, parameters), True
+    found, fitted = profile_values(sensor, None, parameters), fit(both).theta
+    for name in ("read_noise", "gain"):
+        places = parameters.of(name) + np.arange(parameters.sites)
+        found[places] = fitted[places]
+    return found, False
+
+
+def of_splits(
+    statistics: ConstantStatistics, splits: Collection[str]
+) -> ConstantStatistics:
+    """Return the statistics of the groups of splits."""
+    return statistics.only(
+        [g for g, info in enumerate(statistics.groups) if info.split in splits]
+    )
+
+
+def is_constant(capture: Capture) -> bool:
+    """Return whether a capture is a dark or a flat."""
+    return capture.kind in ("dark", "flat")
+
+
+def repeats(captures: CaptureSet) -> bool:
+    """Return whether darks or flats repeat each other in both splits that decide."""
+    for split in GROUPS[:2]:
+        own = [c for c in captures.captures if c.group == split and is_constant(c)]
+        own = [c for c in own if c.mask is None and c.scene is not None]
+        alike = [(c.kind, c.exposure_time, c.iso, _light_of(c)) for c in own]
+        if len(set(alike)) == len(alike):
+            return False
+    return True
+
+
+def _left_out(count: int, why: str) -> list[str]:
+    """Return a note on darks and flats that were left out, if any."""
+    if not count:
+        return []
+    return [f"{plural(count, 'frame')} {why} left out of the darks and flats."]
 
 
 def _usual(keys: Sequence[Any]) -> Any:
@@ -90,17 +223,30 @@ def _usual(keys: Sequence[Any]) -> Any:
     return max(dict.fromkeys(keys), key=list(keys).count)
 
 
+def _light_of(capture: Capture) -> tuple[float, ...]:
+    """Return the radiance of a flat; nothing where it is not known, and of darks."""
+    if not capture.shows.light or capture.scene is None:
+        return ()
+    return tuple(np.ravel(capture.scene()).tolist())
+
+
 def statistics_by_split(
-    captures: Sequence[Capture], sensor: Sensor
+    captures: Sequence[Capture],
+    sensor: Sensor,
+    progress: Callable[[float], None] | None = None,
 ) -> ConstantStatistics:
     """Return the statistics of darks and flats, all splits under one mask. Flats of
-    unknown light repeat each other if their levels are alike."""
+    unknown light repeat each other if their levels are alike.
+
+    progress : is called with the share that is done."""
     keys: dict[tuple[object, ...], list[Capture]] = {}
     for capture in captures:
-        light: tuple[float, ...] = ()
-        if capture.shows.light and capture.scene is not None:
-            light = tuple(np.ravel(capture.scene()).tolist())
-        key = (capture.group, capture.kind, capture.exposure_time, light)
+        key = (
+            capture.group,
+            capture.kind,
+            capture.exposure_time,
+            _light_of(capture),
+        )
         keys.setdefault(key, []).append(capture)
     kept = Kept()
     read = {id(capture): kept.reader(capture.raw) for capture in captures}
@@ -122,38 +268,37 @@ def statistics_by_split(
     masks = [capture.mask() for capture in captures if capture.mask is not None]
     excluded: NDArray[np.bool_] | None = ~masks[0] if masks else None
     return frame_statistics(
-        groups, repeat_of(sensor.cfa), sensor.white_level, excluded=excluded
+        groups,
+        repeat_of(sensor.cfa),
+        sensor.white_level,
+        excluded=excluded,
+        progress=progress,
     )
 
 
-def _of_levels(
+def levels_of(
     captures: CaptureSet,
     used: Sequence[Capture],
-    splits: Sequence[ConstantStatistics],
-    fits: Sequence[Fit],
-    found: Selection,
-    least: float,
-) -> dict[str, float]:
+    statistics: ConstantStatistics,
+    found: Fit,
+    named: Collection[str] = (),
+) -> FlatLevels | None:
+    """Return the levels of flats; None if there are none of known light.
+
+    used : the captures that the statistics are of. found : their fit. named : effects
+    that move the mean of a flat from its middle."""
     sensor = captures.sensor
     white = sensor.white_level - float(np.mean(sensor.black_level))
-    named = found.kept(least)
-    levels = [
-        flat_levels(
-            one,
-            predicted_of(used, statistics, sensor, white),
-            sites_of(sensor.cfa),
-            white=white,
-            light=captures.uncertainty.get("light", 0.0),
-            nuisances=captures.nuisances,
-            is_shaded="lens_shading" in named,
-            is_colored="color_shading" in named,
-        )
-        for one, statistics in zip(fits, splits, strict=True)
-    ]
-    first, second = levels
-    if first is None or second is None:
-        return {}
-    return level_gains(first, second, least)
+    return flat_levels(
+        found,
+        predicted_of(used, statistics, sensor, white),
+        sites_of(sensor.cfa),
+        white=white,
+        light=captures.uncertainty.get("light", 0.0),
+        nuisances=captures.nuisances,
+        is_shaded="lens_shading" in named,
+        is_colored="color_shading" in named,
+    )
 
 
 def predicted_of(

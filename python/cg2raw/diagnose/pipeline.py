@@ -12,14 +12,18 @@ import numpy as np
 
 from cg2raw.diagnose.assessment.verdict import assessed
 from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.darks_and_flats import is_constant, repeats
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
+from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.inference.baseline import baseline_of
 from cg2raw.diagnose.inference.model_selection import Search
 from cg2raw.diagnose.inference.nameable import nameable
 from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.workers import Workers
+from cg2raw.diagnose.likelihood.workers import TimeIsUp, Workers
+from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
+from cg2raw.interrupts import raised
 
 Progress = Callable[[str, float], None]
 
@@ -58,6 +62,15 @@ def diagnose(
         raise ValueError(f"alpha {alpha} must lie between 0 and 1")
     started = time.monotonic()
     say = progress or (lambda text, share: None)
+    known = candidates(capture_set.sensor.cfa, without)
+    if only:
+        candidates(capture_set.sensor.cfa, only)  # refuses unknown names
+    names = {e.name for e in known if not only or e.name in only}
+    names -= capture_set.nuisances
+    if all(map(is_constant, capture_set.captures)) and repeats(capture_set):
+        limit = None if time_limit is None else started + time_limit
+        found = _of_darks_and_flats(capture_set, alpha, names, most, say, limit)
+        return replace(found, seconds=time.monotonic() - started)
     workers = Workers(threads, None if time_limit is None else started + time_limit)
     frames = read_frames(capture_set, noise_models(capture_set), pixels, say)
     splits = Splits(frames, workers)
@@ -76,6 +89,32 @@ def diagnose(
         detection_limits=[*found.detection_limits, *never],
         seconds=time.monotonic() - started,
     )
+
+
+def _of_darks_and_flats(
+    capture_set: CaptureSet,
+    alpha: float,
+    names: Collection[str],
+    most: int,
+    say: Progress,
+    deadline: float | None,
+) -> Diagnosis:
+    """Return the diagnosis of darks and flats alone. deadline : of time.monotonic()."""
+
+    def said(text: str, share: float) -> None:
+        if deadline is not None and time.monotonic() > deadline:
+            raise TimeIsUp
+        say(text, share)
+
+    try:
+        with raised():
+            found = diagnosis_of(capture_set, alpha, names, most == 0, said)
+    except KeyboardInterrupt:
+        return unfinished(capture_set, interrupted=True)
+    except TimeIsUp:
+        return unfinished(capture_set, interrupted=False)
+    say("done", 1.0)
+    return found
 
 
 def _counted(say: Progress) -> Callable[[str], None]:

@@ -11,9 +11,10 @@ Coefficients of a part, of all planes and groups, are normal with the covariance
 v the component's signature over the groups, for planes that share it, so the products
 of their mean images are Wishart. What pixels have is of each plane alone."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Legendre
@@ -59,6 +60,18 @@ class Block:
     temporal: Array
     temporal_places: NDArray[np.int64]
     neighbours: Array
+
+
+class _Covariance(NamedTuple):
+    """Of a block at some parameters: the covariance, (N, N), what one unit of its fixed
+    and temporal parameters adds, the slopes of its diagonal by all, and its records."""
+
+    covariance: Array
+    fixed: Array
+    temporal: Array
+    diagonal: Array
+    records: Array
+    slopes: Array
 
 
 class MeanImageLikelihood:
@@ -153,35 +166,52 @@ class MeanImageLikelihood:
         recorded: Sequence[tuple[Array, Array]],
     ) -> None:
         """Add what mean images say. recorded : of each plane, records at theta."""
-        frames = self.planes[0].frames
         for block in self.blocks:
-            records = np.concatenate([recorded[s][0] for s in block.planes], axis=1)
-            slopes = np.concatenate([recorded[s][1] for s in block.planes], axis=1)
-            share = np.concatenate(
-                [1 + self.planes[s].correlation[:, block.part] for s in block.planes]
-            )
-            over = np.tile(1.0 / frames, len(block.planes))
-            _, noise, lines, response, steps = records[:5]
-            fixed = block.fixed * np.outer(response, response)
-            temporal = block.temporal * np.outer(lines, lines) * over
-            patterns = np.tensordot(theta[block.fixed_places], fixed, 1)
-            moving = np.tensordot(theta[block.temporal_places], temporal, 1)
+            one = self._covariance(block, theta, recorded)
             misfit = found.add_wishart(
                 block.products,
                 block.freedom,
-                patterns
-                + moving
-                + np.diag(share * over * noise + steps)
-                + block.neighbours,
-                np.concatenate([fixed, temporal]),
+                one.covariance,
+                np.concatenate([one.fixed, one.temporal]),
                 np.concatenate([block.fixed_places, block.temporal_places]),
-                (share * over)[:, None] * slopes[1] + slopes[4],
+                one.diagonal,
             )
             if misfit is None:
                 return
             # Responses move them, too: by too little for the information.
-            for size, by, of in ((response, 3, patterns), (lines, 2, moving)):
-                found.score += 2 * (misfit * of).sum(axis=0) / size @ slopes[by]
+            patterns = np.tensordot(theta[block.fixed_places], one.fixed, 1)
+            moving = np.tensordot(theta[block.temporal_places], one.temporal, 1)
+            for by, of in ((3, patterns), (2, moving)):
+                size, slopes = one.records[by], one.slopes[by]
+                found.score += 2 * (misfit * of).sum(axis=0) / size @ slopes
+
+    def covariances(
+        self, theta: Array, recorded: Sequence[tuple[Array, Array]]
+    ) -> Iterator[tuple[Block, Array]]:
+        """Yield each block with its covariance, (N, N) DN^2. recorded : as above."""
+        for block in self.blocks:
+            yield block, self._covariance(block, theta, recorded).covariance
+
+    def _covariance(
+        self, block: Block, theta: Array, recorded: Sequence[tuple[Array, Array]]
+    ) -> _Covariance:
+        records = np.concatenate([recorded[s][0] for s in block.planes], axis=1)
+        slopes = np.concatenate([recorded[s][1] for s in block.planes], axis=1)
+        share = np.concatenate(
+            [1 + self.planes[s].correlation[:, block.part] for s in block.planes]
+        )
+        over = np.tile(1.0 / self.planes[0].frames, len(block.planes))
+        _, noise, lines, response, steps = records[:5]
+        fixed = block.fixed * np.outer(response, response)
+        temporal = block.temporal * np.outer(lines, lines) * over
+        covariance = (
+            np.tensordot(theta[block.fixed_places], fixed, 1)
+            + np.tensordot(theta[block.temporal_places], temporal, 1)
+            + np.diag(share * over * noise + steps)
+            + block.neighbours
+        )
+        diagonal = (share * over)[:, None] * slopes[1] + slopes[4]
+        return _Covariance(covariance, fixed, temporal, diagonal, records, slopes)
 
 
 def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:

@@ -40,13 +40,15 @@ OF_EFFECTS: Mapping[str, tuple[str, Callable[[Values, float], float]]] = {
 }
 
 
-def profile_values(sensor: Sensor, iso: float, parameters: Parameters) -> Array:
+def profile_values(sensor: Sensor, iso: float | None, parameters: Parameters) -> Array:
     """Return the parameters, (n,), as a sensor's profile has them: variances DN^2, of
-    light relative. Raises ValueError for an ISO without noise."""
+    light relative. Without an ISO, read noise and gain are 0.
+
+    Raises ValueError for an ISO without noise."""
     found = np.zeros(len(parameters))
     black = np.asarray(sensor.black_level, float)
     white = float(sensor.white_level - black.mean())
-    row = sensor.noise_at(iso)
+    row = {"beta1": 0.0, "beta2": 0.0} if iso is None else sensor.noise_at(iso)
     effects = {e["name"]: e["parameters"] for e in sensor.effects or ()}
     sites = range(parameters.sites)
     for site in sites:

@@ -11,12 +11,12 @@ from cg2raw import Sensor
 from cg2raw.diagnose.assessment import acceptance
 from cg2raw.diagnose.assessment.acceptance import CONFIRMING_GAIN, founded, is_better
 from cg2raw.diagnose.assessment.gap import Sums
-from cg2raw.diagnose.assessment.verdict import CHI_SQUARE_NAME, left_over
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
-from cg2raw.diagnose.diagnosis import Estimate, ResidualTest
+from cg2raw.diagnose.diagnosis import CHI_SQUARE_NAME, Estimate, ResidualTest
 from cg2raw.diagnose.inference.model_selection import Search, Step
 from cg2raw.diagnose.likelihood.workers import TimeIsUp, Workers
+from cg2raw.diagnose.verdict.unexplained import left_over
 from diagnose.planted import (
     BY_NAME,
     capture_of,

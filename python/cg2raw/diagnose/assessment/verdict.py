@@ -6,9 +6,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from scipy.stats import norm
-
 from cg2raw.diagnose.assessment.acceptance import (
     founded,
     is_better,
@@ -26,7 +23,7 @@ from cg2raw.diagnose.assessment.findings import (
     with_losses,
     without_shapes,
 )
-from cg2raw.diagnose.assessment.gap import Sums, gap_of, systematic
+from cg2raw.diagnose.assessment.gap import gap_of, systematic
 from cg2raw.diagnose.assessment.pieces import Pieces
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.assessment.updated_profile import updated_profile
@@ -34,13 +31,6 @@ from cg2raw.diagnose.assessment.whole_field import on_whole_frames
 from cg2raw.diagnose.assessment.whole_frames import Look, WholeFrames
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import (
-    CHI_SQUARE,
-    CHI_SQUARE_ERRORS,
-    CHI_SQUARE_NAME,
-    LARGE_NATS,
-    LARGE_P,
-    LEAST_NATS,
-    SHARE_LEFT,
     STRUCTURE,
     Diagnosis,
     Finding,
@@ -57,6 +47,7 @@ from cg2raw.diagnose.inference.intervals import estimates
 from cg2raw.diagnose.inference.model_selection import Search
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.verdict.unexplained import chi_square_test, left_over
 
 
 @dataclass(frozen=True)
@@ -132,7 +123,10 @@ def assessed(
     gap = _gap(baseline, held, report.frames)
     before = residual_tests(baseline.model, splits.select, splits.fit)
     after = residual_tests(held.model, report, splits.select)
-    left = [*left_over(after, gap.before - gap.after), *_chi_square(held.look.after)]
+    left = [
+        *left_over(after, gap.before - gap.after),
+        *chi_square_test(held.look.after.chi2, held.look.after.independent),
+    ]
     every = findings_of(held.model, search.steps, held.values, gap, bool(left))
     findings, shapes = without_shapes(every, held.model, search)
     notes = _notes(capture_set, report.frames, _traces(after, left))
@@ -202,42 +196,12 @@ def _verdict(
     return "ambiguous" if ambiguous else "explained"
 
 
-def left_over(tests: Sequence[ResidualTest], gained: float) -> list[ResidualTest]:
-    """Return the tests that say that something is left, of a model that closed so many
-    nats per pixel."""
-    least = max(LEAST_NATS, SHARE_LEFT * gained)
-    return [
-        test
-        for test in tests
-        if (test.p_value < STRUCTURE / len(tests) and test.nats_per_pixel > least)
-        or (test.p_value < LARGE_P and test.nats_per_pixel > LARGE_NATS)
-    ]
-
-
 def _traces(
     tests: Sequence[ResidualTest], left: Sequence[ResidualTest]
 ) -> list[ResidualTest]:
     """Return the tests beyond chance that say that too little is left to matter."""
     alarms = [test for test in tests if test.p_value < STRUCTURE / len(tests)]
     return [test for test in alarms if test not in left]
-
-
-def _chi_square(after: Sums) -> list[ResidualTest]:
-    """Return the test of whole frames' chi-square, if it is not near 1."""
-    error = np.sqrt(2 / max(after.independent, 1))
-    away = after.chi2 - 1
-    if abs(away) <= max(CHI_SQUARE, CHI_SQUARE_ERRORS * error):
-        return []
-    text = "larger" if away > 0 else "smaller"
-    return [
-        ResidualTest(
-            CHI_SQUARE_NAME,
-            after.chi2,
-            float(2 * norm.sf(abs(away) / error)),
-            0.5 * float(abs(away - np.log(after.chi2))),
-            f"the residuals are {text} than the noise that is predicted",
-        )
-    ]
 
 
 def _notes(

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""What darks and flats say, as a Diagnosis: verdict, findings, gap, limits, profile."""
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+import numpy as np
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.darks_and_flats import (
+    TEST,
+    DarksAndFlats,
+    darks_and_flats,
+    levels_of,
+)
+from cg2raw.diagnose.diagnosis import (
+    LARGEST_E,
+    DetectionLimit,
+    Diagnosis,
+    Estimate,
+    Finding,
+    Gap,
+    ResidualTest,
+)
+from cg2raw.diagnose.effects.catalogue import candidates, effect
+from cg2raw.diagnose.effects.discriminating_captures import sentence
+from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.verdict.limits import detection_limits
+from cg2raw.diagnose.verdict.profile import updated_profile
+from cg2raw.diagnose.verdict.sensor_curves import characteristics_of
+from cg2raw.diagnose.verdict.unexplained import (
+    chi_square_test,
+    left_over,
+    tests_of,
+    unnamed_tests,
+)
+from cg2raw.model.figures import NORMAL
+from cg2raw.model.fit import Fit, refitted
+from cg2raw.model.flat_levels import CHANGES
+from cg2raw.model.likelihood import Likelihood
+from cg2raw.model.misfit import misfits
+from cg2raw.model.selection import NAMES
+from cg2raw.statistics.constant import ConstantStatistics
+
+# Patterns whose mean is not 0, and what that moves.
+WITH_A_MEAN = {
+    "dark_current_nonuniformity": "dark_current",
+    "hot_pixels": "dark_current",
+    "amplifier_glow": "dark_current",
+    "bias_structure": "black_level",
+}
+
+
+def diagnosis_of(
+    captures: CaptureSet,
+    alpha: float,
+    names: Collection[str],
+    is_judged: bool = False,
+    say: Callable[[str, float], None] = lambda text, share: None,
+) -> Diagnosis:
+    """Return the diagnosis of a set of darks and flats.
+
+    alpha : chance of a false name. names : which may be named. is_judged : the profile
+    is judged as it is, and nothing is named. say : is called with what is being done
+    and the share that is done. Raises ValueError for frames whose noise
+    is not known."""
+    found = darks_and_flats(captures, alpha, names, say)
+    chosen = [] if is_judged else list(found.names)
+    frames = _by_split(found.statistics)
+    test = found.of_split(TEST)
+    samples = samples_of(test)
+    model = _fit_of(found, chosen)
+    before, after = (Likelihood(test, theta) for theta in (found.profile, model.theta))
+    held_out = [
+        Fit(model.parameters, theta, model.covariance, one(theta).value, one)
+        for one, theta in ((before, found.profile), (after, model.theta))
+    ]
+    gap, freedom = _gap(captures, found, chosen, held_out, samples)
+    tests = [tests_of(one, model, samples) for one in held_out]
+    unnamed = [*unnamed_tests(found.selection.unnamed, samples)]
+    left = left_over([*tests[1], *unnamed], gap.before - gap.after)
+    left += chi_square_test(gap.chi2_after, freedom)
+    findings = _findings(captures, found, chosen, gap, bool(left))
+    told = sorted(name for split in GROUPS[:2] for name in frames[split])
+    is_closed = findings and gap.after < gap.before
+    return Diagnosis(
+        verdict=_verdict(findings, left),
+        sensor_id=captures.sensor.id,
+        effects=findings,
+        gap=gap,
+        tests_before=tests[0],
+        tests_after=tests[1],
+        unexplained=left,
+        ladder=[],
+        detection_limits=_limits(found, chosen, names),
+        next_captures=[],
+        notes=_notes(found),
+        groups=frames,
+        characteristics=characteristics_of(
+            [(model, found.profile, False), (held_out[1], found.profile, True)]
+        ),
+        profile_json=updated_profile(captures.sensor, findings, told)
+        if is_closed
+        else "",
+    )
+
+
+def unfinished(captures: CaptureSet, *, interrupted: bool) -> Diagnosis:
+    """Return the diagnosis of a set of which nothing was decided before the time limit
+    or, @interrupted, Ctrl-C."""
+    return Diagnosis(
+        verdict="incomplete",
+        sensor_id=captures.sensor.id,
+        effects=[],
+        gap=Gap(math.nan, math.nan, math.nan, math.nan, None, None, []),
+        tests_before=[],
+        tests_after=[],
+        unexplained=[],
+        ladder=[],
+        detection_limits=[],
+        next_captures=[],
+        notes=list(captures.notes),
+        groups={},
+        interrupted=interrupted,
+        time_limit_reached=not interrupted,
+    )
+
+
+def _limits(
+    found: DarksAndFlats, chosen: Sequence[str], names: Collection[str]
+) -> list[DetectionLimit]:
+    """Return the limit of each effect that may be named and is not; None of those that
+    the frames cannot show."""
+    cfa = found.captures.sensor.cfa
+    known = [one for one in found.values if one.effect in names]
+    limits = [*detection_limits(known, chosen, found.least, cfa)]
+    for one in candidates(cfa):
+        if one.name in names and one.name not in found.shown:
+            limits.append(
+                DetectionLimit(one.name, one.parameters[0], None, one.units[0])
+            )
+    return limits
+
+
+def _notes(found: DarksAndFlats) -> list[str]:
+    notes = [*found.captures.notes, *found.notes]
+    if found.captures.nuisances:
+        free = ", ".join(sorted(found.captures.nuisances))
+        notes.append(f"Free nuisances, which are not effects: {free}.")
+    if not found.has_noise:
+        notes.append(
+            "The profile has no noise at this ISO: its level was fitted to the "
+            "captures, and is no finding."
+        )
+    return notes
+
+
+def samples_of(statistics: ConstantStatistics) -> int:
+    """Return how many samples frames have that are not masked."""
+    each = sum(int((~plane.masked).sum()) for plane in statistics.planes)
+    return each * int(statistics.frames.sum())
+
+
+def _by_split(statistics: ConstantStatistics) -> Mapping[str, list[str]]:
+    found: dict[str, list[str]] = {split: [] for split in GROUPS}
+    for group in statistics.groups:
+        found[group.split] += group.frames
+    return found
+
+
+def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
+    """Return the fit of what is named; all else is as the profile has it."""
+    names = found.both.parameters.names
+    beginnings = [name.partition(",")[0] for name in names]
+    chosen = [*chosen, *(WITH_A_MEAN[name] for name in chosen if name in WITH_A_MEAN)]
+    parameters = [p for name in chosen for p in NAMES.get(name, ())]
+    free = np.isin(beginnings, parameters)
+    free &= np.isfinite(np.diagonal(found.both.covariance))
+    start = np.where(free, found.both.theta, found.profile)
+    return refitted(found.both.likelihood, start, free)
+
+
+def _gap(
+    captures: CaptureSet,
+    found: DarksAndFlats,
+    chosen: Sequence[str],
+    held_out: Sequence[Fit],
+    samples: int,
+) -> tuple[Gap, float]:
+    """Return the gap of held-out frames, nats per sample beyond those that the noise of
+    the model makes, and the freedom of its chi-squares. held_out : before and after."""
+    squares, freedom, gained = np.zeros(2), 0.0, held_out[1].value - held_out[0].value
+    for n, one in enumerate(held_out):
+        every = list(misfits(one.likelihood, one.theta))
+        squares[n] = sum(misfit.squares for misfit in every)
+        freedom = sum(misfit.freedom for misfit in every)
+    levels = [
+        levels_of(captures, found.used, one.likelihood.means.statistics, one, chosen)
+        for one in (found.both, held_out[1])
+    ]
+    if levels[0] is not None and levels[1] is not None:
+        names = [name for name in CHANGES if name in chosen]
+        values = levels[0].fitted(names)
+        each = levels[1].value([], np.zeros(0)), levels[1].value(names, values)
+        squares -= 2 * np.array(each)
+        freedom += levels[1].ratios.size
+        gained += each[1] - each[0]
+    after = (squares[1] - freedom) / 2
+    chi_square = squares / freedom
+    half = NORMAL * math.sqrt(freedom / 2)  # by the chance of chi-square
+    gap = Gap(
+        float((after + gained) / samples),
+        float(after / samples),
+        float(chi_square[0]),
+        float(chi_square[1]),
+        None,
+        None,
+        sorted(n for group in found.of_split(TEST).groups for n in group.frames),
+        interval_after=(
+            float((after - half) / samples),
+            float((after + half) / samples),
+        ),
+    )
+    return gap, freedom
+
+
+def _findings(
+    captures: CaptureSet,
+    found: DarksAndFlats,
+    chosen: Sequence[str],
+    gap: Gap,
+    is_provisional: bool,
+) -> list[Finding]:
+    units = {
+        (name, p["name"]): p["unit"]
+        for name, known in registered(captures.sensor.cfa).items()
+        for p in known["parameters"]
+    }
+    values: dict[str, dict[str, Estimate]] = {name: {} for name in chosen}
+    for one in found.values:
+        if one.effect in values:
+            unit = units.get((one.effect, one.parameter), "1")
+            values[one.effect][one.parameter] = Estimate(
+                one.value, unit, (one.low, one.high)
+            )
+    findings = []
+    for name in chosen:
+        nats = found.selection.gains[name]
+        largest = nats >= math.log(LARGEST_E)
+        findings.append(
+            Finding(
+                name=name,
+                parameters=values[name],
+                gain_nats=nats,
+                e_value=LARGEST_E if largest else math.exp(nats),
+                alternatives=[],
+                ambiguous_with=[],
+                where=effect(name).where,
+                sentence=sentence(name, values[name], gap, captures.sensor)
+                if values[name]
+                else "",
+                provisional=is_provisional,
+                loss_nats=nats,
+            )
+        )
+    return findings
+
+
+def _verdict(findings: Sequence[Finding], left: Sequence[ResidualTest]) -> str:
+    if not findings:
+        return "unexplained" if left else "consistent"
+    return "partially_explained" if left else "explained"

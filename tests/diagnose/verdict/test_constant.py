@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The diagnosis of darks and flats: verdict, gap, limits, profile, and what ends it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.diagnose import darks_and_flats
+from cg2raw.diagnose.darks_and_flats import is_constant
+from cg2raw.diagnose.pipeline import diagnose
+from cg2raw.synthetic.captures import draw_hidden, simulate_captures
+from cg2raw.synthetic.sensors import drawn_sensor
+
+SENSOR = drawn_sensor(5)
+WHITE = SENSOR.white_level - np.mean(SENSOR.black_level)
+
+
+def captures_of(seed=3, sensor=SENSOR, changed=lambda capture: capture, **strengths):
+    hidden = draw_hidden(sensor, strengths, seed=seed)
+    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
+    kept = [changed(c) for c in made.captures if is_constant(c)]
+    return replace(made, captures=kept)
+
+
+def uneven_columns(capture):
+    """Return a flat whose columns differ in their gain, of which no effect is."""
+    if capture.kind == "dark":
+        return capture
+    factors = 1 + 0.02 * np.random.default_rng(0).standard_normal(capture.shape[1])
+    raw = np.round(capture.raw() * factors).clip(0, SENSOR.white_level)
+    return replace(capture, raw=lambda: raw.astype(np.uint16))
+
+
+def names(found):
+    return {effect.name for effect in found.effects}
+
+
+@pytest.fixture(scope="module")
+def explained():
+    return diagnose(captures_of(prnu=0.01, row_noise=0.3))
+
+
+def test_frames_of_the_profile_are_consistent_with_it():
+    found = diagnose(captures_of())
+    assert (found.verdict, found.effects, found.unexplained) == ("consistent", [], [])
+    assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
+    assert found.gap.before == found.gap.after == pytest.approx(0, abs=0.01)
+    assert found.profile_json == ""
+
+
+def test_what_is_named_closes_the_gap(explained):
+    assert (explained.verdict, names(explained)) == ("explained", {"prnu", "row_noise"})
+    gap = explained.gap
+    low, high = gap.interval_after
+    assert low < 0 < high < 0.5 * gap.before
+    assert gap.chi2_before > 1.05
+    assert gap.chi2_after == pytest.approx(1, abs=0.02)
+    assert not set(gap.held_out) & set(explained.groups["fit"])
+
+
+def test_the_level_of_flats_is_in_the_gap():
+    gap = diagnose(captures_of(exposure=0.05)).gap
+    assert gap.before > 0.01 and abs(gap.after) < 0.2 * gap.before
+
+
+def test_the_profile_has_what_was_found(explained):
+    profile = json.loads(explained.profile_json)
+    found = {e["name"]: e for e in profile["effects"]}
+    assert set(found) == {"prnu", "row_noise"}
+    assert found["prnu"]["parameters"]["sigma"] == pytest.approx(0.01, rel=0.1)
+    low, high = found["prnu"]["ci95"]["sigma"]
+    assert low < found["prnu"]["parameters"]["sigma"] < high
+    told = found["prnu"]["evidence"]["captures"]
+    assert told == sorted(explained.groups["fit"] + explained.groups["select"])
+    Sensor.from_json(explained.profile_json, "found")
+
+
+def test_noise_goes_into_the_noise_table():
+    found = diagnose(captures_of(read_noise=0.5))
+    assert names(found) == {"read_noise"}
+    before, after = SENSOR.noise[0], json.loads(found.profile_json)["noise"][0]
+    factor = np.exp(found.effects[0].parameters["log_variance"].value)
+    assert after["beta2"] == pytest.approx(factor * np.array(before["beta2"]))
+    assert after["beta1"] == pytest.approx(before["beta1"])
+
+
+def test_what_no_effect_has_is_unexplained_with_where():
+    found = diagnose(captures_of(changed=uneven_columns))
+    assert found.verdict in ("unexplained", "partially_explained")
+    assert any("columns differ in proportion" in one.where for one in found.unexplained)
+    assert all(effect.provisional for effect in found.effects)
+
+
+def test_a_profile_is_judged_as_it_is():
+    found = diagnose(captures_of(prnu=0.01), most=0)
+    assert (found.verdict, found.effects) == ("unexplained", [])
+    assert found.gap.before == found.gap.after > 0.01
+    assert any("single pixels" in one.name for one in found.unexplained)
+
+
+def test_what_may_not_be_named_is_not():
+    captures = captures_of(prnu=0.01, row_noise=0.3)
+    found = diagnose(captures, without=("prnu",))
+    assert "prnu" not in names(found) and found.verdict == "partially_explained"
+    assert names(diagnose(captures, only=("prnu",))) == {"prnu"}
+
+
+def test_a_name_needs_the_strength_that_is_its_limit():
+    limits = {one.name: one for one in diagnose(captures_of()).detection_limits}
+    assert limits["blur"].strength is None
+    limit = limits["prnu"].strength
+    named = [
+        "prnu" in names(diagnose(captures_of(seed, prnu=share * limit)))
+        for share in (0.5, 2.0)
+        for seed in (11, 12)
+    ]
+    assert named == [False, False, True, True]
+
+
+def test_frames_of_another_iso_or_temperature_are_left_out():
+    captures = captures_of()
+    for some in ({"iso": 1.0}, {"temperature": 40.0}):
+        first = replace(captures.captures[0], **some)
+        given = [first, *captures.captures[1:]]
+        if "temperature" in some:
+            given = [first, *(replace(c, temperature=20.0) for c in given[1:])]
+        found = diagnose(replace(captures, captures=given))
+        assert any("1 frame of another" in note for note in found.notes)
+        assert first.name not in sum(found.groups.values(), [])
+
+
+def test_a_profile_without_noise_takes_that_of_the_frames():
+    sensor = replace_noise(SENSOR)
+    captures = replace(captures_of(row_noise=0.5), sensor=sensor)
+    found = diagnose(captures)
+    assert names(found) == {"row_noise"}
+    assert any("no noise" in note for note in found.notes)
+
+
+def replace_noise(sensor):
+    profile = json.loads(sensor.to_json())
+    del profile["noise"]
+    return Sensor.from_json(json.dumps(profile), "without noise")
+
+
+def test_a_time_limit_leaves_it_incomplete():
+    found = diagnose(captures_of(prnu=0.01), time_limit=0.0)
+    assert (found.verdict, found.effects) == ("incomplete", [])
+    assert found.time_limit_reached and not found.interrupted
+
+
+def test_ctrl_c_leaves_it_incomplete(monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(darks_and_flats, "fit", interrupted)
+    found = diagnose(captures_of(prnu=0.01))
+    assert found.verdict == "incomplete" and found.interrupted
+
+
+def test_a_split_without_frames_is_one_clear_error():
+    captures = captures_of()
+    some = [c for c in captures.captures if c.group != "report"]
+    with pytest.raises(ValueError, match="no dark or flat is in the group report"):
+        diagnose(replace(captures, captures=some))
+
+
+def test_curves_are_of_both_halves(explained):
+    curves = explained.characteristics
+    assert set(curves.transfer.held_out) == {True, False}
+    errors = curves.transfer.after / curves.transfer.measured - 1
+    assert np.abs(errors).max() < 0.1
+    assert curves.electrons_per_dn == pytest.approx(
+        1 / (SENSOR.noise[0]["beta1"][0] * WHITE), rel=0.1
+    )
