@@ -11,7 +11,7 @@ namespace cg2raw {
 namespace {
 
 constexpr double share_of_line = 0.9; ///< masked, from which a line is masked
-constexpr int rounds = 2; ///< of fills, each of which moves what the next is made from
+constexpr int rounds = 20; ///< of fills, each of which moves what the next is made from
 
 /// The nearest line that is not lost, the first of two; itself, if it is not.
 int nearest_left(const std::vector<std::uint8_t>& lost, int line)
@@ -41,6 +41,8 @@ public:
         , m_mask(mask)
         , m_sample(sample)
         , m_sums(sums)
+        , m_rows(nearest_of_all(mask.rows))
+        , m_columns(nearest_of_all(mask.columns))
     {
         for (const std::uint32_t at : mask.samples)
             m_values.push_back(sample(row_of(at), col_of(at)));
@@ -50,10 +52,8 @@ public:
     {
         fill_points_by_rows();
         copy_lines();
-        for (int round = 0; round < rounds && !m_mask.samples.empty(); ++round) {
-            fill_points_by_parts();
-            copy_lines();
-        }
+        for (int round = 0; round < rounds && !m_mask.samples.empty(); ++round)
+            fill_by_parts();
         m_sums.set_field(m_plane);
         return std::move(m_values);
     }
@@ -98,30 +98,27 @@ private:
         }
     }
 
-    void fill_points_by_parts()
+    /// What the parts say, of a line what they say of the nearest one that is left: so
+    /// that pixel has nothing of it.
+    void fill_by_parts()
     {
         m_sums.set_field(m_plane);
-        std::vector<double> found(m_values);
-        for (std::size_t i = 0; i < found.size(); ++i) {
-            const std::uint32_t at = m_mask.samples[i];
-            if (is_point(at))
-                found[i] = m_sums.smooth(m_plane, row_of(at), col_of(at));
-        }
+        std::vector<double> found;
+        for (const std::uint32_t at : m_mask.samples)
+            found.push_back(m_sums.smooth(m_plane, m_rows[std::size_t(row_of(at))],
+                                          m_columns[std::size_t(col_of(at))]));
         for (std::size_t i = 0; i < found.size(); ++i)
-            if (is_point(m_mask.samples[i]))
-                put(i, found[i]);
+            put(i, found[i]);
     }
 
     void copy_lines()
     {
-        const auto rows = nearest_of_all(m_mask.rows);
-        const auto columns = nearest_of_all(m_mask.columns);
         for (std::size_t i = 0; i < m_values.size(); ++i) {
             const std::uint32_t at = m_mask.samples[i];
             if (!is_point(at))
                 put(i,
-                    value_at(rows[std::size_t(row_of(at))],
-                             columns[std::size_t(col_of(at))]));
+                    value_at(m_rows[std::size_t(row_of(at))],
+                             m_columns[std::size_t(col_of(at))]));
         }
     }
 
@@ -141,6 +138,7 @@ private:
     const PlaneMask& m_mask;
     const std::function<double(int row, int col)>& m_sample;
     PlaneSums& m_sums;
+    std::vector<int> m_rows, m_columns; ///< the nearest of each that is left
     std::vector<double> m_values;
 };
 

@@ -27,6 +27,7 @@ from cg2raw.statistics.constant import (
 POINT, LINE = 8.0, 10.0  # sigma, from which samples and whole lines are masked
 LEAST_SIGMA = 0.25  # DN: steps of codes are no outliers
 LOST = 0.9  # of a line's samples masked: the whole line is
+FILLS = 20  # rounds, each of which moves what the next is made from
 WINDOW = 9  # lines of the running median
 BINS = 512
 NOISY = 4.0  # sigma of a pair
@@ -294,14 +295,16 @@ def spread(values):
 
 
 def filled(image, mask):
-    """Return the image with masked samples as those around say: lost lines are the
-    nearest good line, points are what all parts but pixel say, in two rounds."""
+    """Return the image with masked samples as those around say: what all parts but
+    pixel say, in rounds, of lost lines what they say of the nearest good line."""
     rows, columns = mask.mean(axis=1) > LOST, mask.mean(axis=0) > LOST
     points = mask & ~rows[:, None] & ~columns
     good = np.where(mask, 0.0, image).sum(axis=1) / np.maximum((~mask).sum(axis=1), 1)
     found = with_lines(np.where(points, good[:, None], image), rows, columns)
-    for _ in range(2):
-        found = with_lines(np.where(points, smooth_of(found), found), rows, columns)
+    masked = points | rows[:, None] | columns
+    for _ in range(FILLS if masked.any() else 0):
+        said = with_lines(smooth_of(found), rows, columns)
+        found = np.where(masked, said, found)
     return found
 
 
