@@ -57,7 +57,7 @@ def test_copies_of_fewer_bits_are_refused():
 
 def test_darks_alone_show_all_but_light():
     found = calibrate(SENSOR, FRAMES[:4])
-    assert found.noise and found.dark and found.black_level
+    assert found.tails and found.dark and found.each("black level")
     assert found.transfer is None and found.light is None
     assert any("no flats" in note for note in found.notes)
     assert found.updated_profile()
@@ -65,8 +65,8 @@ def test_darks_alone_show_all_but_light():
 
 def test_flats_alone_show_gain_by_the_profile_s_black_and_noise():
     found = calibrate(SENSOR, FRAMES[4:])
-    assert found.black_level is None and found.noise is None
-    gain = found.transfer.mean_gain
+    assert not found.each("black level") and found.tails is None
+    gain = found.figure("gain")
     assert abs(gain.value - GAIN) < 4 * gain.standard_error
     assert any("no darks" in note for note in found.notes)
 
@@ -77,7 +77,7 @@ def test_flats_that_are_saturated_show_no_more_than_darks():
         for one in FRAMES[4:]
     ]
     found = calibrate(SENSOR, [*FRAMES[:2], *full])
-    assert found.noise and found.black_level and found.transfer is None
+    assert found.tails and found.each("black level") and found.transfer is None
     assert found.updated_profile()
 
 
@@ -102,10 +102,10 @@ def test_hot_pixels_dust_and_cosmic_rays_move_no_number():
     )
     assert sum(t.count for t in found.transients) >= 25
     for look in (
-        lambda c: c.noise.mean_read_noise,
+        lambda c: c.figure("temporal dark noise"),
         lambda c: c.figure("row noise"),
-        lambda c: c.transfer.mean_gain,
-        lambda c: c.black_level[0],
+        lambda c: c.figure("gain"),
+        lambda c: c.each("black level")[0],
     ):
         a, b = look(clean), look(found)
         assert abs(a.value - b.value) < 3 * b.standard_error, (a, b)

@@ -7,13 +7,16 @@ import pytest
 
 from cg2raw import _core
 from cg2raw.calibration.dark_spread import MOST_HOT, dark_spread
-from cg2raw.calibration.glow import glow
+from cg2raw.calibration.darks import DarkCurrent
+from cg2raw.calibration.fitting import Fitted
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.profile_effects import hot_pixels
 from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.structure import glow
 from cg2raw.calibration.table import dark_rows, told
 from cg2raw.calibration.updated_profile import bounds_passed
+from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
 NOISE = 0.1  # DN/s
 KNOWN = {effect["name"]: effect for effect in _core.effects()}
@@ -27,10 +30,16 @@ def rates(share, mean, seed=1):
     return found - np.median(found)
 
 
+def law_of(rates):
+    """Return the law of rates that were measured with that noise."""
+    counts = np.histogram(np.clip(rates / NOISE, -9e4, 9e4), RATE_EDGES)[0]
+    return dark_spread(DarkRates("", counts, NOISE, 0.0), 0.0)
+
+
 def test_no_hot_pixel_is_a_limit():
     """No pixel of N: at 95 % fewer than 3 / N, or a few times that of what a normal
     law hides. An unevenness of the others is not found either."""
-    law = dark_spread(rates(0.0, 1.0), NOISE)
+    law = law_of(rates(0.0, 1.0))
     assert not law.has_hot and not law.is_uneven
     assert 3 / 40_000 < law.most_hot < 10 / 40_000
     assert law.hot_words.startswith("not found; below 0.0")
@@ -41,13 +50,13 @@ def test_the_limit_of_hot_pixels_grows_with_what_is_seen():
     rng = np.random.default_rng(7)
     found = rates(0.0, 1.0)
     found[:12] += 4 + rng.exponential(20 * NOISE, 12)
-    law = dark_spread(found, NOISE)
+    law = law_of(found)
     assert law.has_hot and law.hot_words == ""
     assert 12 / 40_000 < law.most_hot < 30 / 40_000
 
 
 def test_more_hot_pixels_than_are_searched_for():
-    law = dark_spread(rates(0.35, 30.0), NOISE)
+    law = law_of(rates(0.35, 30.0))
     assert law.has_too_many_hot and not law.has_hot and not law.is_uneven
     assert law.hot_words == f"more than {MOST_HOT:.0%}"
     rows = {row.name: row for row in dark_rows(found_with(spread=law))}
@@ -56,16 +65,24 @@ def test_more_hot_pixels_than_are_searched_for():
     assert hot_pixels(found_with(spread=law)) is False  # the profile's own stays
 
 
+def test_others_as_uneven_as_hot_pixels_are_have_no_law():
+    """A third is hot, and what is measured of most is about the mean of all."""
+    rng = np.random.default_rng(7)
+    hot = (rng.random(40_000) < 0.35) * rng.exponential(30.0, 40_000)
+    found = hot + rng.normal(0, 2.2, 40_000)
+    law = law_of((found - found.mean()) * NOISE / 2.2)
+    assert law.has_too_many_hot and not law.has_hot and not law.is_uneven
+
+
 def found_with(**fields):
     """Return measurements of one site with some fields, and a dark current."""
-    from cg2raw.calibration.dark_current import DarkCurrent
-
-    line = DarkCurrent(((None, Measured(1.0, 0.1, "DN/s")),), 0.0, None, (), 0.0, False)
+    line = DarkCurrent(((None, Measured(1.0, 0.1, "DN/s")),), None, ())
     empty = Measurements.__new__(Measurements)
     values = {"dark": line, "glow": None, "transfer": None, "spread": None, **fields}
     for name in Measurements.__dataclass_fields__:
         object.__setattr__(empty, name, values.get(name))
     object.__setattr__(empty, "sites", Sites(1, ("",)))
+    object.__setattr__(empty, "fit", Fitted())
     return empty
 
 

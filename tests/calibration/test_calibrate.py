@@ -26,20 +26,23 @@ EFFECTS = {
 # What a calibration finds of the planted profile, and its truth. Fixed patterns are one
 # draw of the sensor: their sample has a deviation of its own, which is in the error.
 TRUTHS = {
-    "black level": (lambda c: c.black_level[0], 256.0),
-    "drift": (lambda c: c.drift, 0.5),
-    "read noise": (lambda c: c.noise.read_noise[1], np.hypot(READ, 12**-0.5)),
+    "black level": (lambda c: c.each("black level")[0], 256.0),
+    "drift": (lambda c: c.figure("black level drift"), 0.5),
+    "read noise": (
+        lambda c: c.each("temporal dark noise")[1],
+        np.sqrt(READ**2 + 1.0**2 + 1 / 12),  # with rows' and rounding
+    ),
     "row noise": (lambda c: c.figure("row noise"), 1.0),
     "column noise": (lambda c: c.figure("column noise"), 0.0),
     "correlation": (lambda c: c.figure("correlation, next in row"), 0.0),
-    "kurtosis": (lambda c: c.noise.excess_kurtosis, 0.0),
+    "kurtosis": (lambda c: c.tails.excess_kurtosis, 0.0),
     "column pattern": (lambda c: c.figure("fixed column pattern"), 1.5),
     "dsnu": (lambda c: c.figure("DSNU"), 1.2),
     "dark current": (lambda c: c.dark.rate, 0.4),
     "hot pixels": (lambda c: c.spread.fraction, 0.01),
     "hot rate": (lambda c: c.spread.hot_rate, 20.0),
-    "gain": (lambda c: c.transfer.mean_gain, GAIN),
-    "prnu": (lambda c: c.light.prnu, 0.006),
+    "gain": (lambda c: c.figure("gain"), GAIN),
+    "prnu": (lambda c: c.figure("PRNU"), 0.006),
     "tilt": (lambda c: c.light.shading["tilt_x"], 0.01),
     "lamp": (lambda c: c.lamp, 0.002),
 }
@@ -73,7 +76,7 @@ FITTED = {
 
 @pytest.mark.parametrize("name", FITTED)
 def test_a_planted_number_is_found_by_all_frames(name):
-    figures = [one for one in found(1).figures if one.name == name]
+    figures = [one for one in found(1).fit.figures if one.name == name]
     assert len(figures) in (1, 4)
     for one in figures:
         assert abs(one.value - FITTED[name]) < 4 * one.standard_error, one

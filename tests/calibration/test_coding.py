@@ -10,8 +10,6 @@ import pytest
 
 from cg2raw import Sensor
 from cg2raw.calibration import UniformFrame, calibrate
-from cg2raw.calibration.robust import censored_moments_of_counts
-from cg2raw.calibration.table import rows_of
 from cg2raw.diagnose.captures import quality
 
 SHAPE = (96, 128)
@@ -70,15 +68,15 @@ def test_fewer_bits_in_the_upper_ones_of_a_word(step, read):
     frames = frames_of(in_upper_bits(step), 0.25, read, (8000, 24000))
     found = calibrate(WORD, frames)
     profile, in_profile, effects = profile_of(found)
-    gain = found.transfer.mean_gain
+    gain = found.figure("gain")
     assert abs(gain.value - 0.25) < 3 * gain.standard_error
-    total = found.noise.mean_read_noise
+    total = found.figure("temporal dark noise")
     assert (
         abs(total.value**2 - read**2 - step**2 / 12) < 8 * read * total.standard_error
     )
     assert in_profile == pytest.approx(read, rel=0.02)
     planted = {"read noise": read, "gain": 0.25, "black level": 803.0}
-    for one in found.figures:
+    for one in found.fit.figures:
         if one.name in planted:
             off = one.value - planted.pop(one.name)
             assert abs(off) < 4 * one.standard_error
@@ -112,38 +110,28 @@ def whole(black, low=0, white=4095):
 
 @pytest.mark.parametrize(("black", "low"), [(0.0, 0), (5.3, 0), (-3.0, 0), (64.0, 64)])
 def test_noise_that_is_cut_at_the_lowest_code(black, low):
-    """Darks show their level, by what is left of a normal distribution; flats the
-    read noise. 0.15 DN are three errors of levels of a fifth of the pixels."""
+    """Darks show their level and noise, by what is left of them. 0.15 DN are two errors
+    of levels of a fifth of the pixels."""
     sensor = sensor_of(12, max(black, 0), 4095)
     frames = frames_of(whole(black, low), 2.0, 5.0, (40, 160, 640))
     found = calibrate(sensor, frames)
-    assert found.lost == "cut" and found.noise is None and found.structure is None
-    assert found.black_level[0].value == pytest.approx(black, abs=0.15)
-    gain = found.transfer.mean_gain
+    assert found.fit.lost == "cut" and found.structure is None
+    assert found.each("black level")[0].value == pytest.approx(black, abs=0.15)
+    gain = found.figure("gain")
     assert abs(gain.value - 2.0) < 3 * gain.standard_error < 0.1
     _, in_profile, effects = profile_of(found)
     assert in_profile == pytest.approx(5.0, rel=0.04) and not effects
-    words = [row for row in rows_of(found) if row.name == "temporal dark noise"][0]
-    assert words.value.value == pytest.approx(in_profile, rel=0.01)
+    assert found.figure("read noise").value == pytest.approx(in_profile, rel=0.01)
     assert any("noise is cut at the lowest code" in note for note in found.notes)
 
 
 def test_darks_of_which_nothing_is_left_say_no_number():
     frames = frames_of(whole(-30.0), 2.0, 5.0, (100, 640))
     found = calibrate(sensor_of(12, 0, 4095), frames)
-    assert found.lost == "cut" and found.black_level is None
+    assert found.fit.lost == "cut" and not found.each("black level")
     alone = calibrate(sensor_of(12, 0, 4095), frames[:5])
-    assert alone.read_variance is None
+    assert not alone.fit.figures
     assert "noise" not in json.loads(alone.updated_profile())
-
-
-@pytest.mark.parametrize(("mean", "sigma"), [(0.2, 5.0), (-3.0, 6.0), (20.0, 0.4)])
-def test_a_normal_distribution_that_was_cut(mean, sigma):
-    values = np.random.default_rng(2).normal(mean, sigma, 100_000)
-    counts = np.bincount(np.maximum(np.rint(values), 0).astype(int))
-    low = int(np.flatnonzero(counts)[0])
-    found = censored_moments_of_counts(counts[low:])
-    assert found == pytest.approx((mean - low, sigma), abs=0.02 * sigma)
 
 
 @pytest.mark.parametrize(
@@ -161,11 +149,11 @@ def test_gain_where_rounding_hides_the_read_noise(bits, gain, black, read, level
     white = 2**bits - 1
     frames = frames_of(whole(black, white=white), gain, read, levels, flats=6)
     found = calibrate(sensor_of(bits, round(black), white), frames)
-    measured = found.transfer.mean_gain
+    measured = found.figure("gain")
     assert abs(measured.value - gain) < 3 * measured.standard_error < 0.15 * gain
-    assert found.lost == "coarse" and found.noise is None and found.drift is None
-    off = abs(found.black_level[0].value - black)
-    assert off < 2 * found.black_level[0].standard_error
+    assert found.fit.lost == "coarse" and found.tails is None
+    off = abs(found.each("black level")[0].value - black)
+    assert off < 2 * found.each("black level")[0].standard_error
     _, in_profile, effects = profile_of(found)
     assert in_profile < 0.4 and found.transfer.saturation is None
     assert not set(effects) - {"lens_shading"}
@@ -175,7 +163,7 @@ def test_gain_where_rounding_hides_the_read_noise(bits, gain, black, read, level
 def test_flats_that_show_rounding_alone_give_no_gain():
     frames = frames_of(whole(6.3, white=255), 200.0, 0.1, (3, 8))
     found = calibrate(sensor_of(8, 6, 255), frames)
-    assert found.transfer is None and found.light is None
+    assert found.figure("gain") is None and found.light is None
     assert any("by rounding more than by light" in note for note in found.notes)
 
 

@@ -42,7 +42,7 @@ def test_one_site_is_measured():
     from 184,320 differences, within 2 %."""
     truth, assumed = sensor_of(256), sensor_of(250)
     found = calibrate(assumed, frames_of(truth))
-    (black,) = found.black_level
+    black = found.figure("black level")
     assert black.value == pytest.approx(256, abs=0.05)
     repaired = Sensor.from_json(found.updated_profile())
     (row,) = repaired.noise

@@ -11,10 +11,9 @@ import pytest
 import cg2raw
 from calibration.planted import RANGE, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.black import bias_structure, black_levels
 from cg2raw.calibration.dark_spread import dark_spread
-from cg2raw.calibration.glow import glow
-from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.structure import glow, ramp_and_edge
+from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
 EFFECTS = {
     "bias_structure": {
@@ -38,7 +37,6 @@ KNOWN = {effect["name"] for effect in cg2raw.effects()}
 # Relative, beyond three standard errors of the samples of 190 x 256 pixels, 10 biases
 # and 8 darks: the drift of 10 frames is known to a quarter, columns' edge to a tenth.
 TOLERANCE = {"sigma": 0.5, "edge_length": 0.3, "fraction": 0.2}
-ONE = Sites(1, ("",))
 
 
 @pytest.fixture(scope="module")
@@ -64,38 +62,33 @@ def test_nothing_else_is_found(found):
     assert set(found) == set(EFFECTS)
 
 
-def offsets(shape=(256, 320), seed=3):
-    """Return an (H, W) float32 map with an edge, two ramps, columns and pixels."""
-    rng = np.random.default_rng(seed)
-    rows, cols = np.mgrid[: shape[0], : shape[1]]
-    level = 100 + 4 * (cols / shape[1] - 0.5) - 2 * (rows / shape[0] - 0.5)
-    level = level + 12 * np.exp(-cols / 12) + rng.normal(0, 0.5, shape[1])[None]
-    return (level + rng.normal(0, 1, shape)).astype(np.float32)
-
-
-def test_structure_of_a_map():
-    image = offsets()
-    known = np.ones(image.shape, bool)
-    s = bias_structure(image, known, ONE)
-    for measured, truth in (
-        (s.horizontal, 4.0), (s.vertical, -2.0), (s.edge, 12.0), (s.edge_length, 12.0),
-    ):  # fmt: skip
+def test_structure_of_columns():
+    rng = np.random.default_rng(3)
+    columns = np.arange(320)
+    profile = 4 * (columns / 320 - 0.5) + 12 * np.exp(-columns / 12)
+    ramp, edge, length, fitted = ramp_and_edge(profile + rng.normal(0, 0.5, 320))
+    for measured, truth in ((ramp, 4.0), (edge, 12.0), (length, 12.0)):
         assert abs(measured.value - truth) < 3 * measured.standard_error, measured
-    level = black_levels(image, known, ONE, s, 0.0)[0]
-    mean_of_edge = 12 * np.exp(-np.arange(320) / 12).mean()
-    assert abs(level.value - 100 - mean_of_edge) < 3 * level.standard_error
+    # Four parameters of 320 columns: 0.5 DN times the root of 4 in 320.
+    assert np.std(fitted - profile) < 2 * 0.5 * np.sqrt(4 / 320)
+
+
+def law_of(rate, noise):
+    """Return the law of rates of pixels, DN/s, that were measured with this noise."""
+    counts = np.histogram((rate - rate.mean()) / noise, RATE_EDGES)[0]
+    return dark_spread(DarkRates("", counts, noise, 0.0), 0.0)
 
 
 def test_spread_of_dark_current_beside_hot_pixels():
     rng = np.random.default_rng(4)
     rate = 0.6 * np.expm1(0.8 * rng.normal(size=50_000))
     rate += (rng.random(50_000) < 0.005) * rng.exponential(40, 50_000)
-    s = dark_spread(rate + rng.normal(0, 0.04, 50_000), 0.04)
+    s = law_of(rate + rng.normal(0, 0.04, 50_000), 0.04)
     for measured, truth in (
         (s.rate, 0.6), (s.log_sigma, 0.8), (s.fraction, 0.005), (s.hot_rate, 40.0),
     ):  # fmt: skip
         assert abs(measured.value - truth) < 3 * measured.standard_error, measured
-    mere_noise = dark_spread(rng.normal(0, 0.04, 50_000), 0.04)
+    mere_noise = law_of(rng.normal(0, 0.04, 50_000), 0.04)
     assert mere_noise.spread_nats < 10 and mere_noise.hot_nats < 10
 
 

@@ -84,4 +84,4 @@ def test_what_one_amplifier_has_is_no_step():
 
 def test_a_step_below_the_noise_is_no_reason_to_refuse():
     found = calibrate(MONO, frames_of(offset=part(LEFT, 0.5, 0)))
-    assert found.light.prnu.value == pytest.approx(0.004, rel=0.05)
+    assert found.figure("PRNU").value == pytest.approx(0.004, rel=0.05)

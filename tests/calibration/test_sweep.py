@@ -44,7 +44,7 @@ def effects_of(found):
 def test_a_flat_darker_than_the_read_noise_is_no_full_well():
     """Its variance over its level is seven times that of light."""
     found = swept()
-    gain = found.transfer.mean_gain
+    gain = found.figure("gain")
     assert abs(gain.value - GAIN) < 4 * gain.standard_error
     assert found.transfer.clipped_by == "white level"
     assert found.transfer.saturation.value == pytest.approx(RANGE, abs=1)
@@ -90,9 +90,9 @@ def test_a_real_sweep(camera_data):
     ]
     text = cameras.mono_text(id="sweep", bits=12, black_level=16, white_level=4095)
     found = calibrate(Sensor.from_json(text), frames)
-    assert found.transfer.mean_gain.value == pytest.approx(3.58, rel=0.01)
+    assert found.figure("gain").value == pytest.approx(3.58, rel=0.01)
     assert found.transfer.saturation.value == pytest.approx(4080, abs=2)
-    assert found.light.prnu.value == pytest.approx(0.0026, rel=0.05)
+    assert found.figure("PRNU").value == pytest.approx(0.0026, rel=0.05)
     assert found.figure("row noise").value == pytest.approx(0.50, abs=0.03)
     assert found.linearity.error.value < 0.3
     assert not {"full_well", "nonlinearity", "hot_pixels"} & set(effects_of(found))

@@ -167,9 +167,9 @@ class Calibrate(Target):
 
         law, found = darks.dark_spread, {}
 
-        def dark_spread(excess, noise):
+        def dark_spread(rates, gain):
             if not found:
-                found["law"] = law(excess, noise)
+                found["law"] = law(rates, gain)
             return found["law"]
 
         darks.dark_spread = dark_spread

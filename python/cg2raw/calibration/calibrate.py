@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""calibrate: from frames to a Calibration, in the order of the physics.
+"""calibrate: from frames to a Calibration.
 
-Flats come first: their system gain tells how noisy a bright pixel of a dark is. Then
-darks by exposure: noise, offsets, dark current. Then what flats show above them.
-"""
+Flats come first: which of them are of use. Then all frames are fitted together; then
+what the fit does not give, of darks, and of flats above them."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -13,8 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cg2raw.calibration.darks import cut_share, read_darks
+from cg2raw.calibration.darks import read_darks
 from cg2raw.calibration.defects import defects_of
+from cg2raw.calibration.fitting import fitted, of_sites
 from cg2raw.calibration.flats import above_darks, read_flats
 from cg2raw.calibration.frames import (
     MOST_SATURATED,
@@ -25,13 +25,12 @@ from cg2raw.calibration.frames import (
     in_steps,
     scan,
 )
-from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.measurements import Measurements, Transients
 from cg2raw.calibration.notes import notes_on
-from cg2raw.calibration.one_fit import fitted
 from cg2raw.calibration.parts import check_one_chain
-from cg2raw.calibration.repeats import Todo, seen_all
-from cg2raw.calibration.robust import CENSORED_TO
+from cg2raw.calibration.photon_transfer import check_curve
 from cg2raw.calibration.screening import screened
+from cg2raw.calibration.seen import Seen, seen_all
 from cg2raw.calibration.sites import sites_of
 from cg2raw.calibration.updated_profile import updated_profile
 from cg2raw.sensor import Sensor
@@ -73,7 +72,7 @@ def calibrate(
     threads : 2 reads the next frame during the work on one; the result is the same.
     progress : called with what is done now, and the share done, 0 to 1.
 
-    At most two frames and about ten maps of a frame's size are held at a time.
+    At most two frames, a map of each group and a few others are held at a time.
     Raises ValueError naming frame, field, value and what is allowed. Source: EMVA
     Standard 1288, release 4.0; all steps are robust against hot pixels and transients.
     """
@@ -89,30 +88,48 @@ def calibrate(
     dark_groups = [g for g in groups if g.frames[0].frame.kind == "dark"]
     flat_groups = [g for g in groups if g.frames[0].frame.kind == "flat"]
     levels = np.asarray(sensor.black_level, float)
-    if dark_groups and cut_share(dark_groups[0]) <= CENSORED_TO:
+    if dark_groups:
         levels = dark_groups[0].level
     defects = defects_of(dark_groups, flat_groups, levels, sites, threads)
-    todo = Todo(sensor, sites, threads, defects.counting)
     flat_groups.sort(key=lambda group: float(group.level.mean()))
     listed = [*dark_groups, *flat_groups]
-    seen = seen_all(todo, listed, lambda x: tell("reading frames", x))
-    flats = read_flats(seen, len(dark_groups), levels, lambda x: tell("flats", x))
-    gain = flats.first_gain
+
+    def look(groups: Sequence[Group]) -> Seen:
+        return seen_all(
+            sensor,
+            sites,
+            groups,
+            defects.counting,
+            threads,
+            lambda x: tell("reading frames", x),
+        )
+
+    seen = look(listed)
+    flats = read_flats(seen, levels, lambda x: tell("flats", x))
+    if flats.full is not None:  # the rim of what is full would be masked in all frames
+        seen = look(listed[: flats.full])
     tell("fitting", 0.0)
-    figures = fitted(seen, flats, float(np.mean(levels)))
-    darks = read_darks(seen, dark_groups, gain, figures, lambda x: tell("darks", x))
-    light = above_darks(flats, darks, sensor, sites, iso)
+    fit = fitted(seen, flats.linear(seen, levels), levels, iso)
+    check_curve(flats.points, seen, fit.lost == "cut")
+    known = [one.value for one in of_sites(fit.figures, "black level")]
+    black = np.array(known or sensor.black_level, float)
+    tell("darks", 0.0)
+    darks = read_darks(seen, fit, black)
+    light = above_darks(seen, flats, darks, levels, black)
     found = Calibration(
         sensor=sensor,
         sites=sites,
         shape=scanned[0].shape,
         iso=iso,
         frames=(number_of(dark_groups), number_of(flat_groups)),
-        transients=(*darks.transients, *flats.transients),
+        fit=fit,
+        repeats=tuple(
+            int(seen.statistics.frames[n]) for n in seen.statistics.shortest_darks("")
+        ),
+        transients=transients_of(seen),
         excluded=excluded,
         defects=defects,
-        **{k: v for k, v in vars(darks).items() if k != "transients"},
-        figures=() if darks.lost else figures,
+        **vars(darks),
         **vars(light),
     )
     check_one_chain(found)
@@ -181,3 +198,24 @@ def check_groups(groups: Sequence[Group]) -> None:
 def number_of(groups: Sequence[Group]) -> int:
     """Return how many frames are in groups."""
     return sum(len(group.frames) for group in groups)
+
+
+def transients_of(seen: Seen) -> tuple[Transients, ...]:
+    """Return what single frames of each group have alone."""
+    counts = seen.statistics.transients.sum(axis=(1, 2))
+    return tuple(
+        Transients(words_of(group), int(count), len(group.frames))
+        for group, count in zip(seen.groups, counts, strict=True)
+        if len(group.frames) > 1
+    )
+
+
+def words_of(group: Group) -> str:
+    """Return "10 darks of 60 s at -5 C"."""
+    kind, count = group.frames[0].frame.kind, len(group.frames)
+    words = f"{count} {kind}{'s' if count > 1 else ''}"
+    if group.exposure_time is not None:
+        words += f" of {group.exposure_time:g} s"
+    if group.temperature is not None:
+        words += f" at {group.temperature:.1f} C"
+    return words

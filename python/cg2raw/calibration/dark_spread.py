@@ -3,6 +3,7 @@
 
 """Dark current of pixels: its spread and hot pixels, by the law of their rates."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,9 +19,12 @@ from cg2raw.model.dark_law import (
     MOST_LOG_SIGMA,
     DarkLaw,
     fitted,
+    median_by,
     nats_of,
+    quantile,
 )
-from cg2raw.statistics.constant import RATE_EDGES
+from cg2raw.model.shapes.hot_pixels import LAW
+from cg2raw.statistics.constant import DarkRates
 
 SHARES = (0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
 FALL95 = 1.92  # nats by which the likelihood falls to its limit of 95 %
@@ -31,28 +35,34 @@ AT_BOUND = 0.01  # relative, to a bound of the search
 class DarkSpread:
     """Rates of pixels above the median, DN/s.
 
+    median : by how much that is above the mean of pixels that are not masked.
     rate, log_sigma : of rate * (exp(log_sigma n) - 1), n normal. fraction, hot_rate :
     share of hot pixels, and the mean of their exponential law.
     quantiles : {share: DN/s}, as measured. noise : DN/s, of a pixel's rate.
-    above : {DN/s: share of pixels beyond it}, at 5, 20 and 100 times the noise.
     most_hot : share of hot pixels, of a mean rate of 20 times the noise, that there may
     be (95 %)."""
 
+    median: Measured
     rate: Measured
     log_sigma: Measured
     fraction: Measured
     hot_rate: Measured
     quantiles: dict[float, float]
     noise: float
-    above: dict[float, float]
     spread_nats: float
     hot_nats: float
     most_hot: float
 
     @property
     def has_too_many_hot(self) -> bool:
-        """Whether the share of hot pixels is at the end of the search: a limit, as of
-        the other numbers none was measured."""
+        """Whether the share of hot pixels is at the end of the search, or the law of
+        the others is so wide that it has hot ones, too: no number was measured."""
+        is_wide = self.log_sigma.value > (1 - AT_BOUND) * MOST_LOG_SIGMA
+        return self.has_most_hot or (is_wide and self.spread_nats >= LEAST_NATS)
+
+    @property
+    def has_most_hot(self) -> bool:
+        """Whether there are as many hot pixels as are searched for, or more."""
         return self.fraction.value > (1 - AT_BOUND) * MOST_HOT
 
     @property
@@ -76,8 +86,10 @@ class DarkSpread:
         """Say what is known of a share of hot pixels that was not measured."""
         if self.has_hot:
             return ""
-        if self.has_too_many_hot:
+        if self.has_most_hot:
             return f"more than {MOST_HOT:.0%}"
+        if self.has_too_many_hot:
+            return "not told from the others, which are as uneven"
         most = f"{100 * self.most_hot:.2g} % of a mean of {FAR * self.noise:.3g} DN/s"
         return f"not found; below {most}"
 
@@ -89,15 +101,15 @@ class DarkSpread:
         return "not shown among so many hot" if self.has_too_many_hot else "not found"
 
 
-def dark_spread(excess: Array, noise: float) -> DarkSpread:
-    """Return the law of rates above their median by maximum likelihood.
+def dark_spread(rates: DarkRates, gain: float) -> DarkSpread:
+    """Return the law of rates by maximum likelihood.
 
-    excess : (N,) DN/s, median 0. noise : DN/s, standard deviation by temporal noise."""
-    inside = np.clip(excess / noise, *RATE_EDGES[[0, -1]])
-    counts = np.histogram(inside, RATE_EDGES)[0].astype(float)
-    flat = fitted(counts, uneven=False, hot=True)
-    cold = fitted(counts, uneven=True, hot=False)
-    both = fitted(counts, uneven=True, hot=True)
+    gain : DN^2 of noise for each DN of charge, 0 where it is not known."""
+    counts, noise = rates.counts.astype(float), rates.noise
+    shot = gain * rates.charge / noise
+    flat = fitted(counts, shot, uneven=False, hot=True)
+    cold = fitted(counts, shot, uneven=True, hot=False)
+    both = fitted(counts, shot, uneven=True, hot=True)
     values = both.rate, both.log_sigma, both.fraction, both.hot_rate
     rate, log_sigma, fraction, hot = (
         Measured(v * unit, e * unit, words)
@@ -109,14 +121,16 @@ def dark_spread(excess: Array, noise: float) -> DarkSpread:
             strict=True,
         )
     )
+    median, error = median_by(counts, shot, flat, both)
+    middle = quantile(counts, 0.5)
     return DarkSpread(
+        Measured(median * noise, math.hypot(error, LAW * median) * noise, "DN/s"),
         rate,
         log_sigma,
         fraction,
         hot,
-        dict(zip(SHARES, map(float, np.quantile(excess, SHARES)), strict=True)),
+        {share: (quantile(counts, share) - middle) * noise for share in SHARES},
         noise,
-        {k * noise: float(np.mean(excess > k * noise)) for k in (5, 20, 100)},
         both.nats - flat.nats,
         both.nats - cold.nats,
         most_hot(counts, both),

@@ -1,35 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Flats: their groups are read by level, and what they show above the darks."""
+"""Flats: which show a gain, and what they show above the darks."""
 
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cg2raw.calibration.darks import DarkResults, words_of
-from cg2raw.calibration.frames import Group
+from cg2raw.calibration.darks import DarkResults, Map
 from cg2raw.calibration.light import Light, Linearity, lamp_drift, light_of, linearity
-from cg2raw.calibration.measured import SIGNIFICANT, Measured
-from cg2raw.calibration.measurements import Transients
+from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.photon_transfer import (
-    CEILING,
     PhotonTransfer,
     TransferPoints,
     at_white,
     full_well,
-    photon_transfer,
     transfer_points,
 )
-from cg2raw.calibration.repeats import Repeats, Seen, Todo
 from cg2raw.calibration.robust import Array
-from cg2raw.calibration.sites import Sites
-from cg2raw.sensor import Sensor
-from cg2raw.statistics.codes import COARSE
+from cg2raw.calibration.seen import Seen
 
-RISING = 1.2  # levels of flats whose wells are full are closer than by this
+# Of saturation, up to which flats show a gain. Source: EMVA 1288, release 4.0.
+LINEAR = 0.7
 
 
 @dataclass(frozen=True)
@@ -38,6 +32,7 @@ class FlatResults:
 
     transfer: PhotonTransfer | None = None
     light: Light | None = None
+    response: Map | None = None
     linearity: Linearity | None = None
     lamp: Measured | None = None
     clipped: int = 0
@@ -46,106 +41,97 @@ class FlatResults:
 
 @dataclass
 class Flats:
-    """What is kept of the groups of flats; of the brightest that is not clipped, all.
+    """What is kept of the groups of flats: points of those that repeat each other.
 
-    groups : those that are not clipped. clipped : frames that are.
-    first_gain : DN per electron, roughly, before darks are known."""
+    used : numbers of those whose noise is light's and that are not clipped. full : of
+    the darkest that is clipped, if wells are full. ceiling : where flats clip, DN above
+    black, and by what. clipped : frames that are."""
 
-    groups: Sequence[Group]
-    points: list[TransferPoints]
-    transients: list[Transients]
-    best: Repeats | None = None
-    first_gain: float | None = None
+    points: list[TransferPoints] = field(default_factory=list)
+    used: list[int] = field(default_factory=list)
+    full: int | None = None
     ceiling: tuple[Measured, str] | None = None
     clipped: int = 0
 
+    def linear(self, seen: Seen, levels: Array) -> list[int]:
+        """Return numbers of flats up to LINEAR of saturation."""
+        white = seen.sensor.white_level - float(levels.mean())
+        most = LINEAR * (self.ceiling[0].value if self.ceiling else white)
+        level = float(levels.mean())
+        return [n for n in self.used if float(seen.levels(n).mean()) - level <= most]
 
-def read_flats(
-    seen: Seen,
-    first: int,
-    levels: Array,
-    tell: Callable[[float], None],
-) -> Flats:
+
+def read_flats(seen: Seen, levels: Array, tell: Callable[[float], None]) -> Flats:
     """Return what is needed of flats, group by group from dark to bright.
 
-    first : number of the darkest, whose groups are the last.
     levels : (sites,) DN of black, of the shortest darks or the profile."""
-    found, todo = Flats([], [], []), seen.todo
+    found, first = Flats(), len(seen.darks)
     order = seen.groups[first:]
     top = max((s.highest for group in order for s in group.frames), default=0)
-    for index, group in enumerate(order):
+    for number, group in enumerate(order, first):
         if float((group.level - levels).min()) <= 0:
             raise ValueError(
                 f"{group.frames[0].frame.name}: a flat of {group.level.mean():.1f} DN, "
                 f"black is {levels.mean():.1f} DN: is it a dark? Give it among --darks"
             )
-        repeats = seen.repeats(first + index)
-        ceiling = at_white(group, todo.white, levels, top)
+        ceiling = at_white(seen, number, levels, top)
         found.ceiling = found.ceiling or ceiling
-        if repeats.noise is None and ceiling:
-            found.clipped += repeats.count
-        elif repeats.noise is not None:
-            take_up(found, repeats, todo, levels)
-        tell((index + 1) / len(order))
+        if seen.repeats(number):
+            take_up(found, seen, number, levels)
+        elif ceiling:
+            found.clipped += len(group.frames)
+        tell((number + 1 - first) / len(order))
+    if found.ceiling is not None and found.ceiling[1] == "full well":
+        found.full = max(found.used, default=first - 1) + 1
     return found
 
 
-def take_up(found: Flats, repeats: Repeats, todo: Todo, black: Array) -> None:
+def take_up(found: Flats, seen: Seen, number: int, black: Array) -> None:
     """Add a group of flats that is brighter than those before."""
-    group = repeats.group
-    point = transfer_points(repeats, todo.sites, black, found.points)
+    point = transfer_points(seen, number, black, found.points)
     found.points.append(point)
-    found.transients.append(
-        Transients(words_of(group), repeats.transients or 0, repeats.count)
-    )
-    found.ceiling = found.ceiling or full_well(found.points, black, group)
+    found.ceiling = found.ceiling or full_well(found.points, seen.levels(number))
     if found.ceiling or point.is_clipped:
-        found.clipped += repeats.count
+        found.clipped += point.frames
         return
-    found.groups = [*found.groups, group]
-    if point.is_coarse:
-        return
-    found.best = repeats
-    found.first_gain = float(np.median(point.variance / np.maximum(point.mean, 1)))
+    if not point.is_coarse:
+        found.used.append(number)
 
 
 def above_darks(
+    seen: Seen,
     flats: Flats,
     darks: DarkResults,
-    sensor: Sensor,
-    sites: Sites,
-    iso: float | None,
+    levels: Array,
+    black: NDArray[np.float64],
 ) -> FlatResults:
-    """Return what flats show once the darks are known. Raises ValueError for codes that
-    are no light."""
+    """Return what flats show once the darks are known.
+
+    levels, black : (sites,) DN, by which flats were read, and as it is known now."""
     if not flats.points:
-        return FlatResults()
-    check_curve(flats.points, darks, sites)
+        return FlatResults(clipped=flats.clipped)
     rate = darks.dark.rate.value if darks.dark else 0.0
     points = [
-        replace(
-            p,
-            mean=p.mean - rate * (p.exposure_time or 0.0),
-            level=p.level - rate * (p.exposure_time or 0.0),
-        )
-        for p in flats.points
+        p.above(black - levels + rate * (p.exposure_time or 0.0)) for p in flats.points
     ]
-    black = np.mean(
-        [m.value for m in darks.black_level]
-        if darks.black_level
-        else sensor.black_level
-    )
-    white = sensor.white_level - float(black)
-    lamp = lamp_drift(flats.groups, float(black))
-    top = flats.ceiling[0].value if flats.ceiling else white
+    white = seen.sensor.white_level - float(black.mean())
+    ceiling, by = flats.ceiling or (None, "")
+    if ceiling is not None:
+        moved = float((levels - black).mean())
+        ceiling = replace(ceiling, value=ceiling.value + moved)
+    lamp = lamp_drift([seen.levels(n) - black.mean() for n in flats.used])
+    light, response = None, None
+    if flats.used:
+        best = flats.used[-1]
+        response = seen.mean_of(best)
+        known = seen.known(response)
+        response -= above_black(seen, best, darks, black)
+        light = light_of(response, known, seen, best)
+    top = ceiling.value if ceiling is not None else white
     return FlatResults(
-        photon_transfer(
-            points,
-            dark_variance(darks, sensor, sites, iso, points),
-            white,
-            flats.ceiling,
-        ),
-        response(flats, darks, sensor, sites),
+        PhotonTransfer(tuple(points), ceiling, by),
+        light,
+        response,
         linearity(points, top, lamp.value if lamp else 0.0, white),
         lamp,
         flats.clipped,
@@ -153,79 +139,15 @@ def above_darks(
     )
 
 
-def check_curve(
-    points: Sequence[TransferPoints], darks: DarkResults, sites: Sites
-) -> None:
-    """Raise ValueError for flats of codes that follow a curve of light.
-
-    Photons' variance over level is the system gain, or less where wells are full and
-    levels rise no more. By a square root of light it falls all along."""
-    if darks.noise is None and darks.lost != "coarse":
-        return
-    for site in range(sites.count):
-        least, most = sites.rounding, COARSE * sites.step**2
-        if darks.noise is not None:
-            least = most = darks.noise.read_noise[site].value ** 2
-        steepest, behind = 0.0, []
-        for p in points:
-            if p.is_coarse:
-                continue
-            level, variance = (float(np.median(x[site])) for x in (p.mean, p.variance))
-            of_median = 1.25 * np.median(p.error[site]) / math.sqrt(p.mean[site].size)
-            error = SIGNIFICANT * variance * float(of_median)
-            if (variance - least + error) / level < CEILING * steepest:
-                behind.append(level)
-            steepest = max(steepest, (variance - most - error) / level)
-        if behind and max(behind) > RISING * min(behind):
-            raise ValueError(
-                f"flats: from {min(behind):.0f} DN above black on, noise is less than "
-                f"half of what light brings, and levels rise to {max(behind):.0f} DN: "
-                "codes follow a curve of light (companded, as by a square root or in "
-                "pieces): linearize them by the camera's table, or give linear RAW"
-            )
-
-
-def dark_variance(
-    darks: DarkResults,
-    sensor: Sensor,
-    sites: Sites,
-    iso: float | None,
-    points: Sequence[TransferPoints],
-) -> list[Measured] | None:
-    """Return (sites) DN^2 of a pixel without light: of the darks, which codes that are
-    too coarse show within limits; else, for flats of one level, of the profile's noise;
-    else None, and the line's intercept counts."""
-    if darks.noise is not None:
-        return [m.squared for m in darks.noise.read_noise]
-    if darks.lost == "coarse":
-        low, high = sites.rounding, COARSE * sites.step**2
-        even = Measured((low + high) / 2, (high - low) / math.sqrt(12), "DN^2")
-        return [even] * sites.count
-    levels = [p.level for p in points]
-    if iso is None or not sensor.noise or max(levels) > 1.2 * min(levels):
-        return None
-    square = (sensor.white_level - float(np.mean(sensor.black_level))) ** 2
-    betas = np.broadcast_to(sensor.noise_at(iso)["beta2"], sites.count)
-    return [Measured(float(b) * square, 0.1 * float(b) * square, "DN^2") for b in betas]
-
-
-def response(
-    flats: Flats, darks: DarkResults, sensor: Sensor, sites: Sites
-) -> Light | None:
-    """Return PRNU and shading of the brightest flats that are not clipped."""
-    best = flats.best
-    if best is None or best.noise is None:
-        return None
-    mean, known = np.array(best.mean), np.array(best.known)
-    temporal = float(best.noise.site_variance.mean()) / best.count
-    if darks.maps is None:
-        mean -= sites.spread(sensor.black_level, mean.shape)
-    else:
-        time = best.group.exposure_time or 0.0
-        mean -= darks.maps.offset
-        powers = np.array([1.0, time])
-        if darks.maps.rate is not None:
-            mean -= darks.maps.rate * np.float32(time)
-        known &= darks.maps.known
-        temporal += float(powers @ darks.maps.covariance @ powers)
-    return light_of(mean, known, sites, temporal, best.count)
+def above_black(
+    seen: Seen, number: int, darks: DarkResults, black: NDArray[np.float64]
+) -> Map:
+    """Return (H, W) DN, what pixels of a flat have without light."""
+    height, width = seen.groups[number].frames[0].shape
+    found = seen.sites.spread(black, (height, width))
+    if darks.offset is not None:
+        found += darks.offset
+    if darks.rate is not None:
+        since = seen.time(number) - seen.time(seen.shortest[0])
+        found += darks.rate * np.float32(since)
+    return found

@@ -13,9 +13,7 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.arrays import RawImage, raw_plane
 from cg2raw.calibration.robust import (
-    LEAST_SIGMA,
     Array,
-    censored_moments_of_counts,
     clipped_moments_of_counts,
 )
 from cg2raw.calibration.sites import Sites
@@ -61,8 +59,7 @@ class Scanned:
     level : (sites,) mean of each site, DN, without what lies 4 sigma off; noise : DN,
     standard deviation of these pixels, fixed patterns included; far : share of others.
     saturated : share of the pixels at the white level or above. cut : share of a dark's
-    at the lowest code, where noise is cut, of the site that has most; level and noise
-    are those of the normal distribution that was cut, or whose few codes these are.
+    at the lowest code, where noise is cut, of the site that has most.
     highest, at_highest : the largest DN, and the share of the pixels that have it.
     step : DN, of which codes are multiples apart, 0 of one alone; codes : how many
     occur; spacing : (sites,) DN, of neighbouring codes, 0 where that is not known."""
@@ -150,9 +147,6 @@ def moments_of(
     mean, sigma, count = clipped_moments_of_counts(np.arange(len(counts)), counts, step)
     low = int(np.flatnonzero(counts)[0])
     share = codes.cut_share(counts[low % step :: step]) if is_dark else 0.0
-    if is_dark and (share > MOST_CUT or sigma <= LEAST_SIGMA * step):
-        if whole := censored_moments_of_counts(counts[low::step]):
-            mean, sigma = low + step * whole[0], step * whole[1]
     return mean, sigma, count, share
 
 

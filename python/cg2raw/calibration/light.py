@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Light: response of pixels (PRNU), shading, linearity, and the lamp's drift.
+"""Light: shading, linearity, and the lamp's drift.
 
-Source: EMVA Standard 1288, release 4.0, sections on PRNU (after a high-pass) and
-linearity; D. B. Goldman, IEEE Trans. PAMI 32(12), 2010 (the shading's polynomial)."""
+Source: EMVA Standard 1288, release 4.0, section on linearity; D. B. Goldman, IEEE
+Trans. PAMI 32(12), 2010 (the shading's polynomial)."""
 
 import math
 from collections.abc import Sequence
@@ -12,15 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter
 
-from cg2raw.calibration.frames import Group
-from cg2raw.calibration.measured import Measured, root_of
+from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.photon_transfer import TransferPoints
-from cg2raw.calibration.robust import CUT, MAD, Array, clipped_moments, profiles_of
+from cg2raw.calibration.robust import CUT, Array, clipped_moments
+from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
 
-WINDOW = 15  # px of one site, across; wider structure is shading
 SHADING = ("r2", "r4", "r6", "tilt_x", "tilt_y", "tilt_x_r2", "tilt_y_r2")
 LOWEST, HIGHEST = 0.05, 0.95  # of saturation, between which linearity is judged
 FEWEST_LEVELS = 3
@@ -30,26 +28,16 @@ FEWEST_LEVELS = 3
 class Light:
     """Response to uniform light.
 
-    prnu : relative, standard deviation of pixels after a high-pass; total : before it,
-    shading and dust included; mad : likewise by the median absolute deviation.
     shading : {coefficient: value}, of lens_shading. fall_off : relative, rms of that
     shading over the field. residual : relative, rms of what it leaves of the map.
-    field : (blocks, blocks) relative response. level : DN above black. frames : how
-    many flats are in it. noise : relative variance of a pixel by temporal noise.
-    profiles : of halves of the frame, see profiles_of."""
+    field : (blocks, blocks) relative response. noise : relative variance of a pixel of
+    the mean flat by temporal noise."""
 
-    prnu: Measured
-    total: float
-    mad: float
     shading: dict[str, Measured]
     fall_off: Measured
     residual: float
     field: Array
-    fine: NDArray[np.float32]
-    level: float
-    frames: int
     noise: float
-    profiles: tuple[Array, Array]
 
 
 @dataclass(frozen=True)
@@ -70,74 +58,21 @@ class Linearity:
     deviations: Array
 
 
-def light_of(
-    mean: NDArray[np.float32],
-    known: Array,
-    sites: Sites,
-    temporal: float,
-    frames: int,
-    fixed_variance: float = 0.0,
-) -> Light:
-    """Return the response of an (H, W) mean of flats, DN above black; it is altered.
+def light_of(mean: NDArray[np.float32], known: Array, seen: Seen, number: int) -> Light:
+    """Return the response of the mean of a group of flats, by its number.
 
-    known : (H, W) bool. temporal : DN^2, noise of that mean in a pixel.
-    fixed_variance : DN^2, of its pixels' own offsets where no dark took them off."""
-    levels = []
-    for plane, used in zip(sites.of(mean), sites.of(known), strict=True):
+    mean : (H, W) DN above black and dark; in place, each site's median comes to 1, as
+    does what is not known. known : (H, W) bool."""
+    sites, noise = seen.sites, seen.noise(number).site_variance
+    relative = []
+    pairs = zip(sites.of(mean), sites.of(known), noise, strict=True)
+    for plane, used, variance in pairs:
         level = float(np.median(plane[used]))
         plane /= np.float32(level)
-        levels.append(level)
-    level = float(np.mean(levels))
-    noise = float(np.mean([(temporal + fixed_variance) / x**2 for x in levels]))
-    flat = mean[known]
-    mad = MAD * float(np.median(np.abs(flat - np.median(flat))))
+        relative.append(variance / level**2 / seen.statistics.frames[number])
     shading, field, fall_off, residual = field_of(mean, known, sites)
-    noise *= float(np.mean(1 / np.maximum(field, 0.05)))  # darker corners are noisier
-    variance, pixels, total = [], 0, float(np.std(flat, dtype=np.float64))
-    fine = np.ones_like(mean)
-    planes = zip(sites.of(mean), sites.of(known), sites.of(fine), strict=True)
-    for plane, used, out in planes:
-        out[:] = high_passed(plane, used)
-        border = min(WINDOW // 2, *(side // 4 for side in plane.shape))
-        inner = np.s_[border:-border, border:-border]  # whose windows are whole
-        _, sigma, count = clipped_moments(out[inner][used[inner]])
-        variance.append(sigma**2)
-        pixels += count
-    measured = float(np.mean(variance)) / (1 - 1 / WINDOW**2)
-    error = math.sqrt(2 / pixels) * math.hypot(measured, noise)
-    prnu = root_of(measured - noise, error, "1")
     mean[~known] = 1
-    return Light(
-        prnu,
-        total,
-        mad,
-        shading,
-        fall_off,
-        residual,
-        field,
-        fine,
-        level,
-        frames,
-        noise,
-        profiles_of(mean),
-    )
-
-
-def high_passed(plane: Array, known: Array) -> Array:
-    """Return a plane over its mean in a window, 1 where it is not known; pixels far off
-    do not spread."""
-    ratio = _over_mean(plane, known)
-    mean, sigma, _ = clipped_moments(ratio[known])
-    calm = known & (np.abs(ratio - mean) <= CUT * sigma)
-    return np.where(known, _over_mean(plane, calm), np.float32(1))
-
-
-def _over_mean(plane: Array, known: Array) -> Array:
-    """Return a plane over the mean of what is known in a window, 1 if nothing is."""
-    share = uniform_filter(known.astype(np.float32), WINDOW, mode="reflect")
-    total = uniform_filter(np.where(known, plane, 0), WINDOW, mode="reflect")
-    some = share > 0.5 / WINDOW**2
-    return np.where(some, plane * share / np.where(some, total, 1), np.float32(1))
+    return Light(shading, fall_off, residual, field, float(np.mean(relative)))
 
 
 def field_of(
@@ -187,17 +122,14 @@ def field_of(
     return shading, field, fall_off, float(np.std(rest))
 
 
-def lamp_drift(groups: Sequence[Group], black: float) -> Measured | None:
+def lamp_drift(groups: Sequence[Array]) -> Measured | None:
     """Return the relative standard deviation of the lamp from flat to flat; None if no
-    two flats repeat each other."""
-    squares, freedom = 0.0, 0
-    for group in groups:
-        levels = np.array([scanned.mean_level - black for scanned in group.frames])
-        squares += float(((levels / levels.mean() - 1) ** 2).sum())
-        freedom += len(levels) - 1
+    two flats repeat each other. groups : of each, (frames,) DN above black."""
+    freedom = sum(len(levels) - 1 for levels in groups)
     if not freedom:
         return None
-    value = math.sqrt(squares / freedom)
+    rests = [levels / levels.mean() - 1 for levels in groups]
+    value = math.sqrt(sum(float(rest @ rest) for rest in rests) / freedom)
     return Measured(value, value / math.sqrt(2 * freedom), "1")
 
 

@@ -3,34 +3,23 @@
 
 """Measurements: all that darks and flats show of a sensor, each with its error."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.black import BiasStructure, Drift
-from cg2raw.calibration.dark_current import DarkCurrent
-from cg2raw.calibration.dark_maps import DarkMaps
 from cg2raw.calibration.dark_spread import DarkSpread
+from cg2raw.calibration.darks import DarkCurrent, Map
 from cg2raw.calibration.defects import Defects
-from cg2raw.calibration.glow import Glow
+from cg2raw.calibration.fitting import Fitted, of_all, of_sites
 from cg2raw.calibration.light import Light, Linearity
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.photon_transfer import PhotonTransfer
 from cg2raw.calibration.sites import Sites
-from cg2raw.calibration.temporal_noise import TemporalNoise
-from cg2raw.model.figures import Figure
+from cg2raw.calibration.structure import BiasStructure, Glow
+from cg2raw.calibration.tails import Tails
 from cg2raw.sensor import Sensor
-
-
-def measured_in(figures: Sequence[Figure], name: str) -> Measured | None:
-    """Return a figure of all planes with its standard error; None if it is missing."""
-    for one in figures:
-        if one.name == name:
-            return Measured(one.value, float(one.standard_error), one.unit)
-    return None
 
 
 @dataclass(frozen=True)
@@ -42,34 +31,30 @@ class Transients:
     frames: int
 
 
-Lost = Literal["", "cut", "coarse"]
-
-
 @dataclass(frozen=True)
 class Measurements:
     """What frames of uniform light and of none show; None where they cannot, and why
     is in the notes.
 
     sensor : whose profile was given. iso : of the frames, None if nobody says it.
-    shape : (H, W) px. frames : (darks, flats). black_level : (sites) DN.
-    drift : DN, standard deviation of the level from frame to frame.
-    lamp : relative, standard deviation of the flats' light. maps : of each pixel.
-    lost : why darks do not show their noise: it is cut at the lowest code, or codes are
-    too coarse for it. few_codes : DN, of coarse ones, the deviation of the normal
-    distribution that has their shares, fixed patterns included. clipped : number of
-    flats that show saturation alone. faint : of flats whose noise is rounding's.
-    excluded : {name of a frame that is none of its repeats: how it is off}.
-    figures : of all frames by one likelihood, with 95 % intervals."""
+    shape : (H, W) px. frames : (darks, flats). fit : figures by one likelihood, and why
+    darks do not show all of them.
+    repeats : how many of the shortest darks repeat each other, group by group.
+    lamp : relative, standard deviation of the flats' light. offset, rate, response :
+    (H, W) float32 of each pixel, DN above black, DN/s but for a constant, relative.
+    clipped : number of flats that show saturation alone. faint : of flats whose noise
+    is rounding's. excluded : {name of a frame that is none of its repeats: how it is
+    off}."""
 
     sensor: Sensor
     sites: Sites
     shape: tuple[int, int]
     iso: float | None
     frames: tuple[int, int]
-    black_level: tuple[Measured, ...] | None = None
-    drift: Drift | None = None
+    fit: Fitted = field(default_factory=Fitted)
+    repeats: tuple[int, ...] = ()
+    tails: Tails | None = None
     structure: BiasStructure | None = None
-    noise: TemporalNoise | None = None
     dark: DarkCurrent | None = None
     spread: DarkSpread | None = None
     glow: Glow | None = None
@@ -77,45 +62,30 @@ class Measurements:
     light: Light | None = None
     linearity: Linearity | None = None
     lamp: Measured | None = None
-    maps: DarkMaps | None = field(default=None, repr=False)
+    offset: Map | None = field(default=None, repr=False)
+    rate: Map | None = field(default=None, repr=False)
+    response: Map | None = field(default=None, repr=False)
     transients: tuple[Transients, ...] = ()
     notes: tuple[str, ...] = ()
-    lost: Lost = ""
-    few_codes: Measured | None = None
     clipped: int = 0
     faint: int = 0
     excluded: Mapping[str, str] = field(default_factory=dict)
     defects: Defects = field(default_factory=Defects, repr=False)
-    figures: Sequence[Figure] = ()
+
+    def figure(self, name: str) -> Measured | None:
+        """Return a figure with its standard error, the mean of all sites; None if it is
+        missing. name : as in the table."""
+        return of_all(self.fit.figures, name)
+
+    def each(self, name: str) -> tuple[Measured, ...]:
+        """Return a figure of each site; nothing if it is missing."""
+        return of_sites(self.fit.figures, name)
 
     @property
     def black(self) -> NDArray[np.float64]:
         """(sites,) DN: as measured, else the profile's."""
-        if self.black_level is None:
-            return np.array(self.sensor.black_level)
-        return np.array([m.value for m in self.black_level])
-
-    @property
-    def read_variance(self) -> tuple[Measured, ...] | None:
-        """(sites,) DN^2 without rounding, of the darks; else, where these have lost it,
-        of the flats' line; None if neither shows it."""
-        rounding = self.sites.rounding
-        if self.few_codes is not None:
-            return (self.few_codes.squared,) * self.sites.count
-        if self.noise is not None:
-            squares = tuple(m.squared for m in self.noise.read_noise)
-        elif self.lost and self.transfer is not None:
-            squares = self.transfer.intercept
-            if self.lost == "cut" and not all(s.stands_out for s in squares):
-                return None
-        else:
-            return None
-        return tuple(replace(s, value=s.value - rounding) for s in squares)
-
-    def figure(self, name: str) -> Measured | None:
-        """Return a figure of all planes with its standard error; None if it is
-        missing."""
-        return measured_in(self.figures, name)
+        found = [one.value for one in self.each("black level")]
+        return np.array(found or self.sensor.black_level, float)
 
     @property
     def range(self) -> float:

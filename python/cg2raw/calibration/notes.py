@@ -6,13 +6,15 @@
 import math
 from collections.abc import Sequence
 
+from cg2raw.calibration.fitting import MOST_LOST
+from cg2raw.calibration.flats import LINEAR
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.photon_transfer import LINEAR, MOST_CLIPPED
+from cg2raw.calibration.photon_transfer import MOST_CLIPPED
 from cg2raw.calibration.profile_effects import STEADY
 from cg2raw.statistics.codes import COARSE, hidden
 
-HIGH_CHI2 = 2.0  # of the photon-transfer points, per degree of freedom
+HIGH_MISFIT = 1.5  # of levels about their line, over what drift makes
 
 
 def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]:
@@ -47,16 +49,17 @@ def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
 
 def of_lost(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
     """Return why darks do not show their noise."""
-    if found.lost == "cut":
+    if found.fit.lost == "cut":
         worst = max(scanned, key=lambda item: item.cut)
-        level = "by what is left of it" if found.black_level else "the profile's"
+        left = "by the law of what is left of it"
+        if worst.cut > MOST_LOST:
+            left = "the profile's"
         return [
             f"darks: noise is cut at the lowest code, {worst.cut:.1%} of the pixels of "
-            f"{worst.frame.name}: the black level is {level}, read noise that of the "
-            "flats' line, all else of darks is unknown: capture with an offset, if the "
-            "camera has one"
+            f"{worst.frame.name}: black level and read noise are {left}, all else of "
+            "darks is unknown: capture with an offset, if the camera has one"
         ]
-    if found.lost == "coarse":
+    if found.fit.lost == "coarse":
         limit = hidden(found.sites.step)
         return [
             f"read noise: below {limit:.2g} DN, where rounding hides it, and with it "
@@ -68,23 +71,25 @@ def of_lost(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
 
 def of_darks(found: Measurements) -> list[str]:
     """Return what darks could not show."""
-    notes = []
-    if found.black_level is None and not found.lost:
+    notes, lost = [], found.fit.lost
+    if not found.frames[0]:
         notes.append("black level: no darks; the profile's is used: capture biases")
-    if found.noise is None and not found.lost:
+    if found.tails is None and not lost:
         notes.append("read noise: needs two darks of one exposure")
-    elif found.noise is not None and found.noise.excess_kurtosis is None:
+    elif found.tails is not None and found.tails.excess_kurtosis is None:
+        noise = found.figure("temporal dark noise")
+        size = f"{noise.value:.2f} DN is" if noise else "it is"
         notes.append(
-            f"tails of the read noise: {found.noise.mean_read_noise.value:.2f} DN is "
+            f"tails of the read noise: {size} "
             f"below {found.sites.step} DN, a step of the codes, where rounding shapes "
             "them: capture at a higher ISO"
         )
-    if found.black_level is not None and found.drift is None and not found.lost:
+    if found.frames[0] and found.figure("black level drift") is None and not lost:
         notes.append(
             "black level drift: needs two darks of the shortest exposure; errors of "
             "black level and dark current leave it out"
         )
-    if found.black_level and found.dark is None and found.lost != "cut":
+    if found.frames[0] and found.dark is None and lost != "cut":
         notes.append(
             "dark current, hot pixels, glow: need darks of two exposures: add some as "
             "long as the camera is used for"
@@ -95,27 +100,17 @@ def of_darks(found: Measurements) -> list[str]:
         )
     if found.spread is not None and found.spread.has_too_many_hot:
         notes.append(
-            f"hot pixels: {found.spread.hot_words} of all, where the search ends; the "
+            f"hot pixels: {found.spread.hot_words}, where the search ends; the "
             "profile keeps what it said of them: capture cooler or shorter darks"
         )
-    notes += of_scatter(found)
+    if found.fit.misfit > HIGH_MISFIT:
+        notes.append(
+            f"black level: levels of darks miss their line over exposure time by "
+            f"{found.fit.misfit:.1f} times their drift, as where they move between "
+            "series or the temperature is not held: errors of black level and dark "
+            "current are widened by that"
+        )
     return notes
-
-
-def of_scatter(found: Measurements) -> list[str]:
-    """Return by how much the points of the dark current's line scatter."""
-    if found.dark is None or found.dark.scatter == 0:
-        return []
-    if found.dark.scatter_grows:
-        return [
-            f"dark current: charge scatters by {found.dark.scatter:.1%} from group to "
-            "group beyond drift, as a temperature that is not held does"
-        ]
-    return [
-        f"black level: moves by {found.dark.scatter:.2f} DN from one exposure's darks "
-        "to another's, beyond its drift from frame to frame: the error of the dark "
-        "current has it"
-    ]
 
 
 def of_flats(found: Measurements) -> list[str]:
@@ -132,21 +127,13 @@ def of_flats(found: Measurements) -> list[str]:
             f"{found.faint} flats vary by less than {limit:.2g} DN, by rounding more "
             "than by light: they are in no number: expose more, or at a higher ISO"
         )
-    if transfer is None:
+    if found.figure("gain") is None:
         notes.append(
             f"gain: needs two flats of one level below {LINEAR:.0%} of saturation, and "
             "two darks or flats of other levels"
         )
-    else:
-        if transfer.chi2 > HIGH_CHI2:
-            notes.append(
-                f"gain: the points scatter by chi-square {transfer.chi2:.1f} about the "
-                "line; its error is widened by that"
-            )
-        if transfer.saturation is None:
-            notes.append(
-                "full well: no flats reach it: add some, brighter and brighter"
-            )
+    if transfer is not None and transfer.saturation is None:
+        notes.append("full well: no flats reach it: add some, brighter and brighter")
     if found.light is None:
         notes.append("PRNU, shading: need two flats of one level below saturation")
     elif not found.frames[0]:

@@ -69,14 +69,14 @@ def all_steps(found: Measurements, axis: int) -> dict[str, list[str]]:
 
 def maps_of(found: Measurements) -> list[tuple[str, tuple[Array, Array], float, str]]:
     """Return (name, profiles, step that matters, unit) of offsets and of response."""
-    maps = []
-    if found.maps is not None and found.noise is not None:
-        level = found.sites.spread(found.black, found.shape)
-        offset = np.where(found.maps.known, found.maps.offset - level, 0)
-        least = LEAST_OFFSET * found.noise.mean_read_noise.value
+    maps, noise = [], found.figure("temporal dark noise")
+    if found.offset is not None and noise is not None:
+        least = LEAST_OFFSET * noise.value
+        known = found.defects.counting
+        offset = found.offset if known is None else np.where(known, found.offset, 0)
         maps.append(("black level", profiles_of(offset), least, "DN"))
-    if found.light is not None:
-        maps.append(("response", found.light.profiles, LEAST_RESPONSE, "%"))
+    if found.response is not None:
+        maps.append(("response", profiles_of(found.response), LEAST_RESPONSE, "%"))
     return maps
 
 
@@ -119,14 +119,14 @@ def steps_along(profile: Array, width: int) -> Array:
 def noises_of(found: Measurements) -> list[tuple[str, Array, Array]]:
     """Return (name, variances or gains of blocks, their relative errors), (n, n); none
     of a read noise that rounding shapes."""
-    noises = []
-    if found.noise is not None and found.noise.excess_kurtosis is not None:
-        variance, error = found.noise.blocks
-        noises.append(("variance of the read noise", squared(variance), squared(error)))
-    transfer = found.transfer
+    noises, tails = [], found.tails
+    if tails is not None and tails.excess_kurtosis is not None:
+        variance = squared(tails.variance.mean(0))
+        noises.append(("variance of the read noise", variance, squared(tails.error)))
+    transfer, read = found.transfer, found.each("read noise")
     used = [p for p in transfer.points if p.is_right] if transfer else []
-    if transfer is not None and used:
-        dark = np.array([m.value for m in transfer.intercept])[:, None]
+    if used and read:
+        dark = np.array([m.value**2 + found.sites.rounding for m in read])[:, None]
         gains = (used[-1].variance - dark) / np.maximum(used[-1].mean, 1e-9)
         known = np.where(used[-1].mean > 0, gains, np.nan)
         relative = np.sqrt((used[-1].error ** 2).mean(0) / len(gains))

@@ -11,10 +11,14 @@ profile is not to have it.
 from collections.abc import Callable, Mapping
 from typing import Literal
 
+from scipy.special import gammaincinv
+
+from cg2raw.calibration.fitting import measured
 from cg2raw.calibration.measured import FLOOR, Measured
 from cg2raw.calibration.measurements import Measurements
 
 Found = Mapping[str, float | Measured]
+CHANCE = 1.35e-3  # of a normal deviate above three standard deviations
 CORRELATION_FLOOR = 0.005  # which a few flickering pixels bring
 SHADING_FLOOR = 1e-3  # rms; no lamp is flatter
 STEADY = 5e-3  # relative, of a lamp and a shutter from exposure to exposure
@@ -48,8 +52,8 @@ def effects_found(
 
 def tails(found: Measurements) -> list[str]:
     """Return a note on heavy tails, which a row of noise may say."""
-    noise = found.noise
-    if noise is None or noise.excess_kurtosis is None or not noise.has_tails:
+    noise = found.tails
+    if noise is None or noise.excess_kurtosis is None or not noise.are_heavy:
         return []
     return [
         f"read noise: its tails are not normal (excess kurtosis "
@@ -75,16 +79,32 @@ def deviation(
 
 
 def row_noise(c: Measurements) -> Answer:
-    if c.noise is None:
-        return False
-    pixels = c.noise.mean_read_noise.value**2 / c.shape[1]
-    return deviation(c.figure("row noise"), c.range, FLOOR * pixels)
+    return deviation(
+        c.figure("row noise"), c.range, FLOOR * read_variance(c) / c.shape[1]
+    )
+
+
+def read_variance(c: Measurements) -> float:
+    """Return the temporal variance of a pixel of a dark, DN^2; 0 if it is not known."""
+    noise = c.figure("temporal dark noise")
+    return noise.value**2 if noise is not None else 0.0
 
 
 def black_level_drift(c: Measurements) -> Answer:
-    if c.drift is None:
+    """By the chi-square of its few frames: by noise it is as large in 1 of 740."""
+    figures = [one for one in c.fit.figures if one.name == "black level drift"]
+    if not figures:
         return False
-    return {"sigma": c.drift.scaled(1 / c.range, "1")} if c.drift.stands_out else None
+    (drift,) = figures
+    freedom = sum(c.repeats) - len(c.repeats)
+    # The ends of its interval are those of the total less the part of noise.
+    upper = drift.high**2 - drift.value**2
+    total = upper / (freedom / (2 * gammaincinv(freedom / 2, 0.025)) - 1)
+    by_noise = total - drift.value**2
+    most = 2 * gammaincinv(freedom / 2, 1 - CHANCE) / freedom
+    if drift.value == 0 or total <= most * by_noise:
+        return None
+    return {"sigma": measured(drift).scaled(1 / c.range, "1")}
 
 
 def bias_structure(c: Measurements) -> Answer:
@@ -103,18 +123,17 @@ def bias_structure(c: Measurements) -> Answer:
 
 
 def column_fixed_pattern(c: Measurements) -> Answer:
-    return deviation(
-        c.figure("fixed column pattern"), c.range, FLOOR * noise_of_map(c) / c.shape[0]
-    )
+    floor = FLOOR * noise_of_offsets(c) / c.shape[0]
+    return deviation(c.figure("fixed column pattern"), c.range, floor)
 
 
 def dsnu(c: Measurements) -> Answer:
-    return deviation(c.figure("DSNU"), c.range, FLOOR * noise_of_map(c))
+    return deviation(c.figure("DSNU"), c.range, FLOOR * noise_of_offsets(c))
 
 
-def noise_of_map(c: Measurements) -> float:
+def noise_of_offsets(c: Measurements) -> float:
     """Return the temporal variance of a pixel's offset, DN^2."""
-    return float(c.maps.covariance[0, 0]) if c.maps is not None else 0.0
+    return read_variance(c) / max(sum(c.repeats), 1)
 
 
 def dark_current(c: Measurements) -> Answer:
@@ -123,7 +142,7 @@ def dark_current(c: Measurements) -> Answer:
     rate = c.dark.rate
     if not rate.stands_out or rate.value < 0:
         return None
-    shine = c.glow.median if c.glow is not None and c.glow.is_measured else 0.0
+    shine = c.glow.mean if c.glow is not None and c.glow.is_measured else 0.0
     without = Measured(max(rate.value - shine, 0.0), rate.standard_error, rate.unit)
     return {"per_second": without.scaled(1 / c.range, "1/s")}
 
@@ -171,9 +190,7 @@ def read_noise_correlation(c: Measurements) -> Answer:
 
 
 def prnu(c: Measurements) -> Answer:
-    if c.light is None:
-        return False
-    return deviation(c.light.prnu, 1.0, FLOOR * c.light.noise)
+    return deviation(c.figure("PRNU"), 1.0, FLOOR * c.light.noise if c.light else 0.0)
 
 
 def lens_shading(c: Measurements) -> Answer:

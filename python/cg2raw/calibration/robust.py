@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 Array = NDArray[Any]
 CUT = 4.0  # sigma beyond which a pixel does not count
@@ -18,7 +17,6 @@ LEFT = 1 - 2 * CUT * math.exp(-CUT * CUT / 2) / math.sqrt(2 * math.pi) / math.er
 )
 MAD = 1.4826  # of a normal distribution: sigma over the median absolute deviation
 ROUNDS = 6
-CENSORED_TO = 0.95  # share of the pixels below what hot ones and dark current brighten
 ENOUGH = 20_000  # values for a median that only begins
 LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 
@@ -73,22 +71,6 @@ def clipped_moments_of_counts(
     return mean, sigma, count
 
 
-def censored_moments_of_counts(counts: Array) -> tuple[float, float] | None:
-    """Return (mean, standard deviation), in steps above the lowest code, of normal
-    noise that is cut there; None if next to nothing is left of it.
-
-    counts : from the lowest code on. The shares below each code, as far as hot pixels
-    do not matter, lie on a line if they are drawn as of the normal distribution."""
-    below = np.cumsum(counts) / counts.sum()
-    used = np.flatnonzero(below <= CENSORED_TO)
-    if len(used) < 2 or np.ptp(below[used]) == 0:
-        return None
-    z = ndtri(below[used])
-    weight = np.exp(-(z**2) / 2) / np.sqrt(below[used] * (1 - below[used]))
-    slope, start = np.polyfit(used + 0.5, z, 1, w=weight)
-    return -float(start / slope), 1 / float(slope)
-
-
 def middle_of(values: Array, step: int = 1) -> float:
     """Return the median of DN, between codes too: that of a grouped sample.
 
@@ -99,16 +81,6 @@ def middle_of(values: Array, step: int = 1) -> float:
     below = int(np.count_nonzero(flat < middle - half))
     inside = int(np.count_nonzero(np.abs(flat - middle) <= half))
     return middle - half + step * (flat.size / 2 - below) / max(inside, 1)
-
-
-def line_means(plane: Array, keep: Array, axis: int) -> tuple[Array, float, Array]:
-    """Return (means along an axis, pixels per mean, where there are any) of what is
-    kept of a plane; a mean of no pixel is 0."""
-    counts = np.count_nonzero(keep, axis=axis)
-    filled = counts > 0
-    sums = np.where(keep, plane, 0).sum(axis, dtype=np.float64)
-    per_mean = 1 / float(np.mean(1 / counts[filled])) if filled.any() else 1.0
-    return sums / np.maximum(counts, 1), per_mean, filled
 
 
 def profiles_of(image: Array) -> tuple[Array, Array]:

@@ -11,13 +11,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cg2raw.calibration.dark_current import MOST_SCATTER
 from cg2raw.calibration.frames import SAME_LEVEL, Group, Scanned
 from cg2raw.calibration.robust import MAD, Array
 
 FEWEST = 3  # frames of which one may be off the others
 FAR = 8.0  # standard deviations; what drifts lies closer
 NOISIER = 2.0  # times the noise of the others
+MOST_SCATTER = 0.5  # relative, of the charge of one exposure
 MORE_FAR_PIXELS = 0.02  # of all; cosmic rays of a long dark hit fewer
 
 

@@ -7,24 +7,31 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from cg2raw.calibration.glow import EXTENTS
-from cg2raw.calibration.measured import Measured, ratio, root_of
+from cg2raw.calibration.fitting import OF_LIGHT
+from cg2raw.calibration.measured import Measured, ratio
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.temporal_noise import LEAST_LAMBDA
+from cg2raw.calibration.structure import EXTENTS
+from cg2raw.calibration.tails import LEAST_LAMBDA
+from cg2raw.model.figures import Figure
 
-LOST_WORDS = {
-    "": "",
-    "cut": "of the flats' line: that of darks is cut",
-    "coarse": "by the shares of few codes, fixed patterns included",
-}
-# Figures of the fit of all frames, among what is of their kind.
-IN_BLACK = ("fixed column pattern", "fixed row pattern", "DSNU")
-IN_NOISE = (
+# Figures of the fit of all frames, by section.
+BLACK = ("black level", "black level drift")
+PATTERNS = ("bias structure", "DSNU", "fixed column pattern", "fixed row pattern")
+NOISE = (
+    "temporal dark noise",
+    "read noise",
     "row noise",
     "column noise",
     "correlation, next in row",
     "correlation, next in column",
 )
+DARK = ("dark current nonuniformity", "glow")
+# What the table calls them, if not by their own names.
+ROWS = {
+    "black level drift": "drift, frame to frame",
+    "shading": "shading, rms",
+    "glow": "dark current structure",
+}
 MOST_SITES = 4  # of which each is told
 
 
@@ -42,22 +49,16 @@ class Row:
 
 def rows_of(found: Measurements) -> list[Row]:
     """Return all numbers of a calibration in the order of the physics."""
-    parts = (
-        black_rows(found),
-        noise_rows(found),
-        dark_rows(found),
-        light_rows(found),
-        fit_rows(found),
-    )
-    return [row for part in parts for row in part]
+    parts = (black_rows, noise_rows, dark_rows, light_rows)
+    return [row for part in parts for row in part(found)]
 
 
 def in_electrons(found: Measurements, value: Measured | None) -> Measured | None:
     """Return DN (or DN/s) in electrons; None without a gain."""
-    if value is None or found.transfer is None:
+    gain = found.figure("gain")
+    if value is None or gain is None:
         return None
     unit = value.unit.replace("DN", "e-")
-    gain = found.transfer.mean_gain
     product = value.value * gain.value
     parts = (
         value.standard_error * gain.value,
@@ -72,10 +73,7 @@ def black_rows(found: Measurements) -> Iterator[Row]:
     def row(name: str, value: Measured | None, more: str = "") -> Row:
         return Row("black", name, value, in_electrons(found, value), more)
 
-    levels = found.black_level
-    mean = mean_of(levels) if levels else None
-    yield Row("black", "black level", mean, None, each(found, levels))
-    yield row("drift, frame to frame", found.drift)
+    yield from figures(found, "black", BLACK)
     s = found.structure
     yield row("ramp, left to right", s.horizontal if s else None)
     yield row("ramp, top to bottom", s.vertical if s else None)
@@ -84,31 +82,18 @@ def black_rows(found: Measurements) -> Iterator[Row]:
         over = f"more than {at}" if s.edge_is_longer else told(s.edge_length)
         edge = None if s.edge_is_longer else s.edge
         yield row("first columns", edge, f"over {over}")
-    yield from figures(found, "black", IN_BLACK)
+    yield from figures(found, "black", PATTERNS)
 
 
 def noise_rows(found: Measurements) -> Iterator[Row]:
     """Yield the noise of a dark of no time."""
-    n = found.noise
-    read = n.mean_read_noise if n else lost_noise(found)
-    more = each(found, n.read_noise) if n else LOST_WORDS[found.lost if read else ""]
-    yield Row("noise", "temporal dark noise", read, in_electrons(found, read), more)
-    yield from figures(found, "noise", IN_NOISE)
-    shape = ""
-    if n is not None and n.tukey_lambda is not None:
-        beyond = "at most " if n.tukey_lambda <= LEAST_LAMBDA else ""
-        shape = f"Tukey lambda {beyond}{n.tukey_lambda:.2f} (normal: 0.14)"
-    kurtosis = n.excess_kurtosis if n else None
+    yield from figures(found, "noise", NOISE)
+    tails, shape = found.tails, ""
+    if tails is not None and tails.tukey_lambda is not None:
+        beyond = "at most " if tails.tukey_lambda <= LEAST_LAMBDA else ""
+        shape = f"Tukey lambda {beyond}{tails.tukey_lambda:.2f} (normal: 0.14)"
+    kurtosis = tails.excess_kurtosis if tails else None
     yield Row("noise", "excess kurtosis", kurtosis, None, shape)
-
-
-def lost_noise(found: Measurements) -> Measured | None:
-    """Return the noise of a dark that darks do not show themselves, DN, if any does."""
-    parts = found.read_variance
-    if parts is None or not (found.few_codes or found.lost == "cut"):
-        return None
-    mean = mean_of(parts)
-    return root_of(mean.value + found.sites.rounding, mean.standard_error, "DN")
 
 
 def dark_rows(found: Measurements) -> Iterator[Row]:
@@ -143,6 +128,7 @@ def dark_rows(found: Measurements) -> Iterator[Row]:
         hot = s.hot_rate if s.has_hot else None
         name = "hot pixels, mean rate"
         yield Row("dark current", name, hot, in_electrons(found, hot))
+    yield from figures(found, "dark current", DARK)
     g = found.glow
     if g is not None and g.stands_out:
         at = f"from row {g.row:+.0f}, column {g.column:+.0f}"
@@ -155,76 +141,52 @@ def dark_rows(found: Measurements) -> Iterator[Row]:
 def light_rows(found: Measurements) -> Iterator[Row]:
     """Yield what light shows."""
     t, light = found.transfer, found.light
-    yield Row("light", "gain", t.mean_gain if t else None, None, gains(found))
+    gain, prnu, shading = OF_LIGHT
+    yield from figures(found, "light", (gain,))
     full = t.saturation if t else None
     clipped = t.clipped_by if t else ""
     yield Row("light", "saturation", full, in_electrons(found, full), clipped)
     yield Row("light", "dynamic range", dynamic_range(found))
     x = found.linearity
     yield Row("light", "linearity error", x.error if x else None)
-    prnu = light.prnu.scaled(100, "%") if light else None
-    yield Row("light", "PRNU", prnu)
-    fall_off = light.fall_off.scaled(100, "%") if light else None
-    more = f"{100 * light.residual:.2f} % besides, as of dust" if light else ""
-    yield Row("light", "shading, rms", fall_off, None, more)
+    yield from figures(found, "light", (prnu, shading))
+    residual = Measured(100 * light.residual, 0.0, "%") if light else None
+    yield Row("light", "shading besides, as of dust", residual)
     lamp = found.lamp.scaled(100, "%") if found.lamp else None
     yield Row("light", "lamp, frame to frame", lamp)
 
 
-def fit_rows(found: Measurements) -> Iterator[Row]:
-    """Yield the other figures of all frames by one likelihood."""
-    shown = (*IN_BLACK, *IN_NOISE)
-    others = [one.name for one in found.figures if one.name not in shown]
-    yield from figures(found, "all frames, by one likelihood", [*dict.fromkeys(others)])
-
-
 def figures(found: Measurements, section: str, names: Sequence[str]) -> Iterator[Row]:
-    """Yield figures of the fit with their 95 % intervals; those missing without."""
-    missing = set(names) - {one.name for one in found.figures}
-    yield from (Row(section, name, None) for name in names if name in missing)
-    for one in found.figures:
-        if one.name not in names:
-            continue
-        name = one.name
-        if one.site is not None and found.sites.names[one.site]:
-            if len(found.sites.names) > MOST_SITES:
-                continue
-            name += f" {found.sites.names[one.site]}"
-        scale, unit = (100, "%") if one.unit == "1" else (1, one.unit)
-        if name.startswith("correlation"):
-            scale, unit = 1, "1"
-        value = Measured(one.value, one.standard_error, one.unit).scaled(scale, unit)
-        ends = f"95 %: {one.low * scale:.5g} to {one.high * scale:.5g}"
-        in_dn = one.unit.startswith("DN") and one.name != "black level"
-        electrons = in_electrons(found, value) if in_dn else None
-        yield Row(section, name, value, electrons, ends)
+    """Yield figures of the fit, the mean of all sites: of few sites with each of them,
+    of one with the 95 % interval; those missing without."""
+    for name in names:
+        value = found.figure(name)
+        ratios = name in ("PRNU", "shading")
+        listed = [one for one in found.fit.figures if one.name == name]
+        more = each(found, found.each(name)) if len(listed) > 1 else ""
+        if len(listed) == 1:
+            more = interval(listed[0], 100 if ratios else 1)
+        shown = value.scaled(100, "%") if ratios and value else value
+        in_dn = value is not None and value.unit.startswith("DN")
+        is_level = name == "black level"
+        electrons = in_electrons(found, value) if in_dn and not is_level else None
+        yield Row(section, ROWS.get(name, name), shown, electrons, more)
 
 
-def gains(found: Measurements) -> str:
-    """Return the gain of each site, electrons per DN."""
-    if found.transfer is None:
-        return ""
-    one = Measured(1.0, 0.0, "e-")
-    return each(found, [ratio(one, m, "e-/DN") for m in found.transfer.system_gain])
+def interval(figure: Figure, scale: float) -> str:
+    """Return "95 %: 1.2 to 1.4"."""
+    return f"95 %: {figure.low * scale:.5g} to {figure.high * scale:.5g}"
 
 
 def dynamic_range(found: Measurements) -> Measured | None:
     """Return saturation over temporal dark noise, dB; None if either is not known."""
     full = found.transfer.saturation if found.transfer else None
-    if full is None or found.noise is None:
+    noise = found.figure("temporal dark noise")
+    if full is None or noise is None:
         return None
-    quotient = ratio(full, found.noise.mean_read_noise, "1")
+    quotient = ratio(full, noise, "1")
     error = 20 / math.log(10) * quotient.standard_error / quotient.value
     return Measured(20 * math.log10(quotient.value), error, "dB")
-
-
-def mean_of(values: Sequence[Measured]) -> Measured:
-    """Return the mean of sites, whose errors are mostly one."""
-    return Measured(
-        sum(m.value for m in values) / len(values),
-        max(m.standard_error for m in values),
-        values[0].unit,
-    )
 
 
 def each(found: Measurements, values: Sequence[Measured] | None) -> str:

@@ -15,7 +15,7 @@ from cg2raw.calibration.profile_effects import Found, effects_found
 from cg2raw.io.json_text import formatted
 from cg2raw.sensor import Sensor
 
-SOURCE = "cg2raw calibrate, photon transfer (EMVA 1288 R4.0)"
+SOURCE = "cg2raw calibrate (EMVA 1288 R4.0)"
 NORMAL = 0.14  # Tukey's lambda of an almost normal distribution
 DIGITS = 6  # significant, of numbers in the profile
 CI95 = 1.96  # standard errors
@@ -28,12 +28,13 @@ def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]
     effects, notes = effects_found(found, set(known), has_shapes(profile))
     frames = f"{found.frames[0]} darks and {found.frames[1]} flats"
     source = f"{SOURCE}: {frames}"
-    if found.black_level is not None:
+    has_level = bool(found.each("black level"))
+    if has_level:
         profile["black_level"] = levels_of(found, "bias_structure" in effects)
         profile["sources"]["black_level"] = source
     notes += add_noise(profile, found, sensor, source)
     settings = {effect["name"]: effect for effect in profile.get("effects", [])}
-    if found.black_level is not None:
+    if has_level:
         settings.pop("black_level", None)  # the level itself has it now
     for name, values in effects.items():
         settings.pop(name, None)
@@ -70,7 +71,7 @@ def add_noise(
 
     beta2 is the variance of pixels alone where rows' noise is an effect, and all of it
     where rows of noise say row_sigma. Rounding to codes is not in it: it comes anew."""
-    if found.iso is None or (found.noise is None and found.transfer is None):
+    if found.iso is None or not found.fit.figures:
         return []
     betas = betas_of(found, sensor)
     if isinstance(betas, str):
@@ -98,16 +99,19 @@ def betas_of(
     """Return (beta1, beta2) of each site, what was not measured by the profile; a note
     if neither says it."""
     count, beta1, beta2 = found.sites.count, None, None
-    if found.transfer is not None:
-        beta1 = [m.value / found.range for m in found.transfer.system_gain]
-    if (squares := found.read_variance) is not None:
-        beta2 = [max(square.value, 0.0) / found.range**2 for square in squares]
+    if gains := found.each("gain"):
+        beta1 = [1 / (m.value * found.range) for m in gains]
+    read = found.each("read noise")
+    if all(m.variance_stands_out for m in read) and read:
+        beta2 = [(m.value / found.range) ** 2 for m in read]
+    elif found.fit.lost == "coarse":
+        beta2 = [0.0] * count
     if beta1 is None or beta2 is None:
         try:
             row = sensor.noise_at(float(found.iso or 0))
         except ValueError:
             lacking = "flats" if beta1 is None else "darks"
-            if found.lost:
+            if found.fit.lost:
                 lacking = "flats of several levels from faint ones on"
             return f"noise: no row is written: give {lacking}, too"
         beta1 = list(np.broadcast_to(row["beta1"], count)) if beta1 is None else beta1
@@ -119,9 +123,9 @@ def shape_of(
     found: Measurements, beta2: list[float], before: dict[str, Any]
 ) -> dict[str, float]:
     """Return how a row of noise says that it is distributed."""
-    if found.noise is None:
+    if found.tails is None:
         return {name: before[name] for name in ("tukey_lambda", "row_sigma")}
-    shape, rows = found.noise.tukey_lambda, found.figure("row noise")
+    shape, rows = found.tails.tukey_lambda, found.figure("row noise")
     return {
         "tukey_lambda": rounded(NORMAL if shape is None else shape),
         "row_sigma": rounded((rows.value if rows else 0.0) / found.range),

@@ -168,9 +168,9 @@ def gain_notes(headers: "Sequence[RawHeader]", found: "Calibration") -> list[str
     from cg2raw.io.raw_checks import SAME_GAIN
 
     stated = next((h for h in headers if h.electrons_per_dn), None)
-    if stated is None or not stated.electrons_per_dn or found.transfer is None:
+    gain = found.figure("gain")
+    if stated is None or not stated.electrons_per_dn or gain is None:
         return []
-    gain = found.transfer.mean_gain
     if abs(stated.electrons_per_dn / gain.value - 1) <= SAME_GAIN:
         return []
     return [

@@ -81,7 +81,7 @@ def fitted(counts: Array, shot: float = 0.0, *, uneven: bool, hot: bool) -> Dark
     DarkLaw.
 
     uneven, hot : whether the pixels have a law, and whether some are hot."""
-    wide, high = (np.maximum(_quantile(counts, q), 1.0) for q in (0.9, 0.999))
+    wide, high = (np.maximum(quantile(counts, q), 1.0) for q in (0.9, 0.999))
     found = [
         _climbed(
             counts, np.array([0.0, *np.log([size, sigma, LEAST_HOT, FAR])]), used, shot
@@ -101,7 +101,8 @@ def fitted(counts: Array, shot: float = 0.0, *, uneven: bool, hot: bool) -> Dark
     return max(found, key=lambda law: law.nats)
 
 
-def _quantile(counts: Array, share: float) -> float:
+def quantile(counts: Array, share: float) -> float:
+    """Return below which rate, over the noise, a share of the counts is."""
     total = np.append(0.0, counts.cumsum())
     return float(np.interp(share * total[-1], total, RATE_EDGES))
 
@@ -110,7 +111,7 @@ def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
     """Fisher scoring with damping. start : shift, and logarithms of the others.
     free : (5,) of them, what is searched for; without, a rate or a fraction is 0."""
     low, high = LOW.copy(), HIGH
-    first, last = (_quantile(counts, q) for q in MIDDLE)
+    first, last = (quantile(counts, q) for q in MIDDLE)
     deviation = (last - first) / 2
     low[4] += np.log(max(deviation, 1.0))
     x = np.clip(start, low, high)
@@ -165,12 +166,20 @@ def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
 
 def median_of(counts: Array, shot: float = 0.0) -> tuple[float, float]:
     """Return the law's median and its standard error, over the noise: 0 is what the
-    rates are counted from. Both are 0 where most pixels are not shown to differ.
+    rates are counted from. Both are 0 where most pixels are not shown to differ."""
+    even = fitted(counts, shot, uneven=False, hot=True)
+    best = fitted(counts, shot, uneven=True, hot=True)
+    return median_by(counts, shot, even, best)
+
+
+def median_by(
+    counts: Array, shot: float, even: DarkLaw, best: DarkLaw
+) -> tuple[float, float]:
+    """Return the median of the best law as median_of does. even : the best of those by
+    which most pixels are alike.
 
     Of a law that is narrower than noise log_sigma is hardly known, and by it the
     median: then they are averaged over it, by likelihood."""
-    even = fitted(counts, shot, uneven=False, hot=True)
-    best = fitted(counts, shot, uneven=True, hot=True)
     if best.nats - even.nats < LEAST_NATS:
         return 0.0, 0.0
     if best.errors[2] < KNOWN * best.log_sigma:

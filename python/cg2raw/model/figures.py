@@ -40,12 +40,14 @@ class Figure:
     site: int | None = None
 
 
-def figures_of(statistics: ConstantStatistics, found: Fit) -> list[Figure]:
+def figures_of(
+    statistics: ConstantStatistics, found: Fit, most_cut: float = MOST_CUT
+) -> list[Figure]:
     """Return what the frames show, in the order of the physics; what they do not show
-    is missing, and all of darks where more than MOST_CUT of one is at 0."""
+    is missing, and all of darks where more than most_cut of one is at 0."""
     all_of_them = [*_light(found)]
     are_dark = np.array([info.kind == "dark" for info in statistics.groups])
-    if not any((plane.low[are_dark] > MOST_CUT).any() for plane in statistics.planes):
+    if not any((plane.low[are_dark] > most_cut).any() for plane in statistics.planes):
         all_of_them = [
             *_levels(statistics, found),
             *_noise(found),

@@ -10,7 +10,7 @@ import numpy as np
 
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.table import told
-from cg2raw.calibration.temporal_noise import HISTOGRAM
+from cg2raw.calibration.tails import HISTOGRAM
 from cg2raw.io.plot import (
     HEIGHT,
     draw_profile,
@@ -32,13 +32,13 @@ Drawn = tuple[str, str, bytes]  # title, description, PNG
 
 def curves(found: Measurements) -> Iterator[Drawn]:
     """Yield each curve that the frames show."""
-    if found.transfer is not None:
+    if found.transfer is not None and found.figure("gain") is not None:
         yield photon_transfer(found)
     if found.dark is not None:
         yield dark_current(found)
     if found.linearity is not None:
         yield linearity(found)
-    if found.noise is not None:
+    if found.tails is not None:
         yield differences(found)
     if found.structure is not None:
         yield profiles(found)
@@ -46,20 +46,20 @@ def curves(found: Measurements) -> Iterator[Drawn]:
 
 def photon_transfer(found: Measurements) -> Drawn:
     """Return variance against mean: blocks of the field of each level, and the line."""
-    transfer = found.transfer
-    assert transfer is not None
-    gain = transfer.mean_gain
+    transfer, gain = found.transfer, found.figure("gain")
+    assert transfer is not None and gain is not None
+    read = [m.value**2 + found.sites.rounding for m in found.each("read noise")]
+    dark = float(np.mean(read)) if read else 0.0
 
     def draw(figure: "Figure") -> None:
         axes = figure.subplots()
-        for site in range(min(len(transfer.system_gain), len(COLORS))):
+        for site in range(min(found.sites.count, len(COLORS))):
             mean = np.concatenate([p.mean[site] for p in transfer.points])
             variance = np.concatenate([p.variance[site] for p in transfer.points])
             axes.plot(mean, variance, ".", color=COLORS[site], markersize=2.5,
                       label=found.sites.names[site] or "flats")  # fmt: skip
         top = max(float(p.mean.max()) for p in transfer.points)
         x = np.geomspace(max(top / 1e4, 0.1), top, 200)
-        dark = float(np.mean([m.value for m in transfer.intercept]))
         axes.plot(x, dark + x / gain.value, color=LINE, linewidth=1)
         axes.axhline(dark, color=LINE, linewidth=1, linestyle=":")
         if transfer.saturation is not None:
@@ -77,7 +77,8 @@ def photon_transfer(found: Measurements) -> Drawn:
 
 def gain_of(found: Measurements) -> float | None:
     """Return electrons per DN, where they were measured."""
-    return None if found.transfer is None else found.transfer.mean_gain.value
+    gain = found.figure("gain")
+    return None if gain is None else gain.value
 
 
 def dark_current(found: Measurements) -> Drawn:
@@ -85,24 +86,23 @@ def dark_current(found: Measurements) -> Drawn:
     dark = found.dark
     assert dark is not None
     points = dark.points
-    numbers = sorted({p.set_point for p in points})
 
     def draw(figure: "Figure") -> None:
         axes = figure.subplots()
-        for number in numbers:
-            ours = [p for p in points if p.set_point == number]
-            axes.plot([p.exposure_time for p in ours], [p.excess for p in ours], "o",
+        for number in sorted({number for *_, number in points}):
+            ours = [(time, above) for time, above, of in points if of == number]
+            axes.plot(*zip(*ours, strict=True), "o",
                       color=COLORS[number % len(COLORS)], markersize=4)  # fmt: skip
-        times = np.array([0, max(p.exposure_time for p in points)])
+        times = np.array([0, max(time for time, *_ in points)])
         for temperature, rate in dark.rates:
             at = "" if temperature is None else f" at {temperature:.1f} C"
-            axes.plot(times, dark.intercept + rate.value * times, linewidth=1,
+            axes.plot(times, rate.value * times, linewidth=1,
                       color=LINE, label=f"{told(rate)}{at}")  # fmt: skip
-        axes.set(xlabel="exposure time, s", ylabel="median above bias, DN")
+        axes.set(xlabel="exposure time, s", ylabel="median above black, DN")
         electron_axis(axes, gain_of(found), "y")
         axes.legend(frameon=False, handlelength=0)
 
-    words = "Middle of the pixels of darks above the shortest ones, and the lines"
+    words = "The median pixel of darks above the black level, and the lines"
     return "Dark current", words, figure_of(draw)
 
 
@@ -124,7 +124,7 @@ def linearity(found: Measurements) -> Drawn:
 
 def differences(found: Measurements) -> Drawn:
     """Return the histogram of differences of biases against a normal one."""
-    noise = found.noise
+    noise = found.tails
     assert noise is not None
     middles = (HISTOGRAM[1:] + HISTOGRAM[:-1]) / 2
     width = HISTOGRAM[1] - HISTOGRAM[0]

@@ -6,29 +6,37 @@
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.ndimage import uniform_filter
 
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.report.curves import Drawn
 from cg2raw.calibration.robust import Array
 from cg2raw.io.plot import map_figure
 
+WINDOW = 15  # px of one site, across, that the fine response is over
 ACROSS = 256  # cells of a map along its longer side
 
 
 def maps(found: Measurements) -> Iterator[Drawn]:
     """Yield each map that the frames show."""
-    if found.maps is not None and found.black_level is not None:
-        level = found.sites.spread(found.black, found.shape)
+    if found.offset is not None:
         words = "Offsets of pixels above the black level, DN; means of cells"
-        yield "Bias", words, drawn_map(found.maps.offset - level, found, "DN")
-        if found.maps.rate is not None:
-            words = "Dark current of pixels, DN/s; means of cells, hot pixels cut"
-            most = np.percentile(found.maps.rate, 99)
-            cut = np.minimum(found.maps.rate, most)
-            yield "Dark current map", words, drawn_map(cut, found, "DN/s")
-    if found.light is not None:
-        fine = 100 * (found.light.fine - 1)
-        words = "Response of pixels after a high-pass, %; means of cells"
+        yield "Bias", words, drawn_map(found.offset, found, "DN")
+    if found.rate is not None and found.dark is not None:
+        words = "Dark current of pixels, DN/s; means of cells, hot pixels cut"
+        rate = found.rate + (found.dark.rate.value - np.median(found.rate))
+        cut = np.minimum(rate, np.percentile(rate, 99))
+        yield "Dark current map", words, drawn_map(cut, found, "DN/s")
+    if found.response is not None and found.light is not None:
+        fine = np.zeros_like(found.response)
+        for plane, out in zip(
+            found.sites.of(found.response), found.sites.of(fine), strict=True
+        ):
+            out[:] = 100 * (plane / uniform_filter(plane, WINDOW) - 1)
+        words = (
+            f"Response of pixels over {WINDOW} x {WINDOW} of their own, %; means of "
+            "cells"
+        )
         yield "PRNU", words, drawn_map(fine, found, "%")
         words = (
             "Response in blocks of the field, 1 in the middle of all: light and lens"

@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Temporal noise without light: read noise and its tails.
+"""Tails of the temporal noise without light, by differences of two darks.
 
-Source: EMVA Standard 1288, release 4.0 (temporal dark noise, of differences of frames);
-tails: K. Wei et al., IEEE Trans. PAMI 44(11), 2022 (Tukey lambda)."""
+Source: K. Wei et al., IEEE Trans. PAMI 44(11), 2022 (Tukey lambda)."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from cg2raw.calibration.measured import Measured, root_of
-from cg2raw.calibration.photon_transfer import relative_error
-from cg2raw.calibration.repeats import Repeats, Seen
+from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.robust import Array
-from cg2raw.statistics.codes import COARSE, ROUNDING
+from cg2raw.calibration.seen import Seen
 from cg2raw.statistics.constant import BINS_PER_SIGMA
 
 FOURTH_OF_ROUNDING = -1.2  # its fourth cumulant, of the square of its variance
@@ -27,75 +24,41 @@ LEAST_LAMBDA = -0.2  # of Tukey's distribution; at -0.25 its kurtosis has no bou
 
 
 @dataclass(frozen=True)
-class TemporalNoise:
-    """Noise of one frame without light, DN; None where the frames cannot show it.
+class Tails:
+    """excess_kurtosis : 0 of a normal distribution; None where rounding shapes it.
+    tukey_lambda : of that kurtosis. histogram : of differences of two of @frames darks
+    (HISTOGRAM). variance : (sites, blocks) DN^2 of a pixel, and error : (blocks,), the
+    relative one of their mean."""
 
-    read_noise : (sites) standard deviation of pixels, rounding to codes included, rows'
-    and columns' own noise and dark current's shot noise not.
-    excess_kurtosis : 0 of a normal distribution. tukey_lambda : of that kurtosis.
-    blocks : variance of a pixel, DN^2, and its relative error, in blocks of the frame.
-    histogram : of differences of two (HISTOGRAM). frames : how many went in."""
-
-    read_noise: tuple[Measured, ...]
     excess_kurtosis: Measured | None
     tukey_lambda: float | None
     histogram: Array
-    blocks: tuple[Array, Array]
     frames: int
-    exposure_time: float | None
-
-    def is_coarse(self, rounding: float) -> bool:
-        """Whether it is mostly rounding, of this variance, DN^2, and its size unknown
-        but for an upper limit. Source: EMVA 1288, release 4.0."""
-        least = min(m.value**2 for m in self.read_noise)
-        return least < COARSE / ROUNDING * rounding
+    variance: Array
+    error: Array
 
     @property
-    def has_tails(self) -> bool:
+    def are_heavy(self) -> bool:
         """Whether the distribution is not the normal one, beyond the floor."""
         k = self.excess_kurtosis
         return k is not None and k.stands_out and abs(k.value) > TAILS_FLOOR
 
-    @property
-    def mean_read_noise(self) -> Measured:
-        """Of all sites, DN: the root of their mean variance."""
-        variances = [m.value**2 for m in self.read_noise]
-        errors = [2 * m.value * m.standard_error for m in self.read_noise]
-        return root_of(
-            float(np.mean(variances)), float(np.linalg.norm(errors)) / len(errors), "DN"
-        )
 
-
-def temporal_noise(
-    seen: Seen, repeats: Repeats, charge_variance: float
-) -> TemporalNoise:
-    """Return the noise of a group of darks of one exposure.
-
-    charge_variance : DN^2, of dark current's shot noise in a pixel of them."""
-    noise = repeats.noise
-    assert noise is not None
-    rounding, number, pairs = seen.todo.sites.rounding, repeats.number, repeats.pairs
-    total = noise.site_variance
-    relative = math.sqrt(2 / noise.freedom)
-    in_blocks = np.maximum(noise.pixels.sum(0), 1)
-    many = float(noise.pixels.sum()) * pairs
-    planes = seen.statistics.planes
+def tails_of(seen: Seen, number: int) -> Tails:
+    """Return the tails of a group of several darks of one exposure."""
+    noise, planes = seen.noise(number), seen.statistics.planes
     fourth = float(np.mean([plane.fourth[number] for plane in planes]))
-    kurtosis = _kurtosis(fourth - 3, float(total.mean()), many, rounding)
-    return TemporalNoise(
-        tuple(
-            root_of(float(v) - charge_variance, float(v) * relative, "DN")
-            for v in total
-        ),
+    many = float(noise.pixels.sum()) * noise.pairs
+    total = float(noise.site_variance.mean())
+    kurtosis = _kurtosis(fourth - 3, total, many, seen.sites.rounding)
+    in_blocks = np.maximum(noise.pixels.sum(0), 1)
+    return Tails(
         kurtosis,
         None if kurtosis is None else lambda_of(kurtosis.value),
         signed_histogram(sum(plane.residuals[number] for plane in planes)),
-        (
-            noise.variance.mean(0),
-            np.array([relative_error(float(n), pairs) for n in in_blocks]),
-        ),
-        repeats.count,
-        repeats.group.exposure_time,
+        int(seen.statistics.frames[number]),
+        noise.variance,
+        np.sqrt(2 / (in_blocks * noise.pairs)),
     )
 
 

@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""The fit of all frames by one likelihood: its figures, and what darks have lost."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from cg2raw.calibration.frames import MOST_CUT
+from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.seen import Seen
+from cg2raw.model.evaluation import Parameters
+from cg2raw.model.figures import NORMAL, Figure, figures_of
+from cg2raw.model.fit import SAME_LIGHT, fit
+from cg2raw.model.profile_values import profile_values
+from cg2raw.statistics.codes import COARSE, ROUNDING
+from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
+
+# Share of a dark's pixels at the lowest code, beyond which nothing is left of them but
+# what hot ones and dark current brighten.
+MOST_LOST = 0.95
+OF_LIGHT = ("gain", "PRNU", "shading")
+LEFT = ("black level", "read noise", *OF_LIGHT)  # where darks have lost the rest
+
+# Why darks do not show all: noise is cut at the lowest code, codes are too coarse.
+Lost = Literal["", "cut", "coarse"]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """figures : of flats, and of darks of the main set point. others : {split: dark
+    current}, of other set points, DN/s. misfit : by how much the levels of darks miss
+    their line, over what their drift makes; at least 1. lost : see Lost."""
+
+    figures: Sequence[Figure] = ()
+    others: Mapping[str, Measured] = field(default_factory=dict)
+    misfit: float = 1.0
+    lost: Lost = ""
+
+
+def lost_of(seen: Seen) -> tuple[Lost, float]:
+    """Return (what the shortest darks have lost, the share of theirs that is cut)."""
+    frames = [f for n in seen.shortest for f in seen.groups[n].frames]
+    cut = max((frame.cut for frame in frames), default=0.0)
+    if cut > MOST_CUT:
+        return "cut", cut
+    repeated = [n for n in seen.shortest if seen.repeats(n)]
+    coarse = any(seen.is_coarse(n) for n in repeated)
+    return ("coarse" if coarse else ""), 0.0
+
+
+def fitted(
+    seen: Seen, flats: Sequence[int], levels: Array, iso: float | None
+) -> Fitted:
+    """Return the figures of darks and of flats, of which the numbers are given; none
+    where no two of these frames repeat each other.
+
+    levels : (sites,) DN of black, where no dark that is used shows it."""
+    lost, cut = lost_of(seen)
+    step, offset = seen.sites.step, lowest_code(seen, lost == "cut")
+    groups, statistics = seen.statistics.groups, seen.statistics
+    if step > 1 or lost == "cut":
+        statistics = statistics.in_steps(step, offset)
+    splits: dict[str, list[int]] = {"": []}
+    for n in filter(lambda n: shows_noise(seen, n), seen.darks):
+        splits.setdefault(groups[n].split, []).append(n)
+    used = [*splits.pop(""), *(n for n in flats if shows_noise(seen, n))]
+    if not used or not (statistics.frames[used] > 1).any():
+        return Fitted(lost=lost)
+    main, profile, is_known = statistics.only(used), None, True
+    if not set(used) & set(seen.darks):
+        profile, is_known = values_of(seen, iso, lost)
+        places = Parameters(len(levels)).of("black_level") + np.arange(len(levels))
+        profile[places] = levels
+        lights = main.planes[0].level - levels[0]
+        is_known |= bool(np.ptp(lights) > SAME_LIGHT * lights.max())
+        profile = scaled(profile, len(levels), step, offset)
+    found = fit(main, profile)
+    line = found.likelihood.levels.line(found.theta)
+    figures = figures_of(main, found, MOST_LOST)
+    biases = statistics.only([n for n in seen.shortest if n in used])
+    if len(biases.groups) < len(main.groups) and (biases.frames > 1).any():
+        figures = with_levels(figures, biases)
+    figures = [in_dn(one, step, offset) for one in figures]
+    if lost:
+        kept = LEFT if cut <= MOST_LOST else OF_LIGHT
+        figures = [one for one in figures if one.name in kept]
+    if profile is not None and lost == "coarse":
+        figures = [*rounded_levels(levels, seen.sites.rounding), *figures]
+    if not is_known:
+        light = float(np.mean([seen.levels(n).mean() for n in used]) - levels.mean())
+        variance = (COARSE - ROUNDING) / math.sqrt(12) * step**2 if lost else math.inf
+        figures = [less_known(one, variance / light) for one in figures]
+        figures = [one for one in figures if math.isfinite(one.standard_error)]
+    others = {}
+    for split, numbers in splits.items():
+        own = statistics.only([*(n for n in seen.shortest if n in used), *numbers])
+        if (own.frames > 1).any():
+            rates = [in_dn(one, step, offset) for one in figures_of(own, fit(own))]
+            if (rate := of_all(rates, "dark current")) is not None:
+                others[split] = rate
+    return Fitted(figures, others, line.misfit if line else 1.0, lost)
+
+
+def with_levels(
+    figures: Sequence[Figure], shortest: ConstantStatistics
+) -> list[Figure]:
+    """Return figures with the black level by the shortest darks alone: levels of others
+    may have moved between series."""
+    levels = figures_of(shortest, fit(shortest), MOST_LOST)
+    time = shortest.groups[0].exposure_time or 0.0
+    rate = of_all(figures, "dark current") or Measured(0.0, 0.0, "DN/s")
+    moved = {
+        one.site: replace(
+            one,
+            value=one.value - rate.value * time,
+            standard_error=math.hypot(one.standard_error, rate.standard_error * time),
+            low=one.low - rate.value * time,
+            high=one.high - rate.value * time,
+        )
+        for one in levels
+        if one.name == "black level"
+    }
+    return [moved[f.site] if f.name == "black level" else f for f in figures]
+
+
+def of_sites(figures: Sequence[Figure], name: str) -> tuple[Measured, ...]:
+    """Return a figure of each site; nothing if it is missing."""
+    return tuple(measured(one) for one in figures if one.name == name)
+
+
+def of_all(figures: Sequence[Figure], name: str) -> Measured | None:
+    """Return the mean of a figure over sites; None if it is missing. The error of a
+    level is what they have in common, that of others each site's own."""
+    found = of_sites(figures, name)
+    if not found:
+        return None
+    errors = [one.standard_error for one in found]
+    alone = math.hypot(*errors) / len(errors)
+    error = max(errors) if name == "black level" else alone
+    return Measured(sum(one.value for one in found) / len(found), error, found[0].unit)
+
+
+def measured(figure: Figure) -> Measured:
+    """Return a figure without its interval."""
+    return Measured(figure.value, float(figure.standard_error), figure.unit)
+
+
+def shows_noise(seen: Seen, number: int) -> bool:
+    """Return whether the frames of a group differ in all planes, or are one."""
+    planes = seen.statistics.planes
+    is_single = seen.statistics.frames[number] < 2
+    return bool(is_single or all(p.scatter[number, PIXEL] > 0 for p in planes))
+
+
+def lowest_code(seen: Seen, is_cut: bool) -> int:
+    """Return the lowest code, DN, of steps that all codes lie on: that at which darks
+    are cut, or the first."""
+    planes, step = seen.statistics.planes, seen.sites.step
+    if is_cut:
+        counts = sum(plane.codes[seen.darks].sum(axis=0) for plane in planes)
+        return int(np.flatnonzero(counts)[0])
+    counts = sum(plane.codes.sum(axis=0) for plane in planes)
+    return int(np.argmax(np.bincount(np.arange(len(counts)) % step, counts)))
+
+
+def values_of(seen: Seen, iso: float | None, lost: Lost) -> tuple[Array, bool]:
+    """Return (the likelihood's parameters where no dark shows them, whether noise is
+    known): of codes that hide it the middle of what it may be, else the profile's."""
+    parameters = Parameters(len(seen.statistics.planes))
+    found = np.zeros(len(parameters))
+    if lost == "coarse":
+        at = parameters.of("read_noise")
+        hidden = (COARSE - ROUNDING) / 2 * seen.sites.step**2
+        found[at : at + parameters.sites] = hidden
+        return found, False
+    try:
+        return profile_values(seen.sensor, float(iso or 0), parameters), True
+    except ValueError:
+        return found, False
+
+
+def rounded_levels(levels: Array, rounding: float) -> list[Figure]:
+    """Return the black level of each site by darks of one code, DN."""
+    error = math.sqrt(rounding)
+    half = NORMAL * error
+    return [
+        Figure("black level", "DN", float(x), error, x - half, x + half, site)
+        for site, x in enumerate(levels)
+    ]
+
+
+def less_known(figure: Figure, slope: float) -> Figure:
+    """Return a figure of flats of one level; a gain with what is not known of noise
+    without light. slope : DN, its variance over their level, of one standard error."""
+    if figure.name != "gain":
+        return figure
+    error = math.hypot(figure.standard_error, figure.value**2 * slope)
+    low, high = figure.value - NORMAL * error, figure.value + NORMAL * error
+    return replace(figure, standard_error=error, low=low, high=high)
+
+
+def scaled(values: Array, sites: int, step: int, offset: int) -> Array:
+    """Return parameters in steps from a code. values : DN."""
+    parameters, found = Parameters(sites), values.copy()
+    for name, scale, start in (
+        ("black_level", step, offset), ("read_noise", step**2, 0), ("gain", step, 0),
+    ):  # fmt: skip
+        places = parameters.of(name) + np.arange(sites)
+        found[places] = (found[places] - start) / scale
+    return found
+
+
+def in_dn(figure: Figure, step: int, offset: int) -> Figure:
+    """Return a figure whose unit of codes is a step, DN, from an offset."""
+    scale = {"DN": step, "DN/s": step, "e-/DN": 1 / step}.get(figure.unit, 1)
+    start = offset if figure.name == "black level" else 0
+    value, low, high = (
+        start + scale * x for x in (figure.value, figure.low, figure.high)
+    )
+    error = scale * figure.standard_error
+    return replace(figure, value=value, standard_error=error, low=low, high=high)

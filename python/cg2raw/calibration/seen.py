@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Seen: what the frames of each group say, by the statistics of all groups."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.calibration.frames import Group
+from cg2raw.calibration.robust import Array
+from cg2raw.calibration.sites import BLOCKS, Sites, blocks_of
+from cg2raw.sensor import Sensor
+from cg2raw.statistics.codes import COARSE
+from cg2raw.statistics.constant import (
+    PIXEL,
+    ConstantStatistics,
+    GroupInfo,
+    set_points,
+)
+from cg2raw.statistics.frame_statistics import statistics_and_means
+
+FEWEST_KEPT = 0.002  # share of a site's pixels below white, of which noise is taken
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Temporal noise of one frame, DN, without rows' and columns' own.
+
+    site_variance : (sites,) DN^2. variance, pixels : (sites, blocks) DN^2, by pairs,
+    and of how many pixels each. error : (sites, blocks), the relative one of normal
+    noise. pairs : of frames, disjoint."""
+
+    site_variance: Array
+    variance: Array
+    pixels: Array
+    pairs: int
+
+    @property
+    def error(self) -> Array:
+        found: Array = np.sqrt(2 / (np.maximum(self.pixels, 1) * self.pairs))
+        return found
+
+
+@dataclass(frozen=True)
+class Seen:
+    """All frames, after the pass over them: darks, shortest first, then flats.
+
+    counting : (H, W) bool, False in defects; None where all pixels count. mean_of :
+    (H, W) float32 DN of a group by its number, without transients."""
+
+    sensor: Sensor
+    sites: Sites
+    counting: NDArray[np.bool_] | None
+    groups: Sequence[Group]
+    statistics: ConstantStatistics
+    mean_of: Callable[[int], NDArray[np.float32]]
+
+    @property
+    def white(self) -> int:
+        """DN from which a pixel is at white, whose code may be the last below it."""
+        return self.sensor.white_level - self.sites.step + 1
+
+    @property
+    def darks(self) -> list[int]:
+        """Numbers of the groups without light."""
+        groups = enumerate(self.statistics.groups)
+        return [number for number, info in groups if info.kind == "dark"]
+
+    @property
+    def shortest(self) -> list[int]:
+        """Numbers of the darks of the shortest exposure."""
+        return [n for n in self.darks if self.time(n) == self.time(self.darks[0])]
+
+    def time(self, number: int) -> float:
+        """Return the exposure time of a group, s; 0 where it is not known."""
+        return self.statistics.groups[number].exposure_time or 0.0
+
+    def levels(self, number: int) -> Array:
+        """Return (frames,) DN, of each frame of a group."""
+        planes = self.statistics.planes
+        found: Array = np.mean([plane.levels[number] for plane in planes], axis=0)
+        return found
+
+    def repeats(self, number: int) -> bool:
+        """Whether the noise of a group shows: its frames are several, and not all at
+        white."""
+        high = max(float(plane.high[number]) for plane in self.statistics.planes)
+        return bool(self.statistics.frames[number] > 1 and high <= 1 - FEWEST_KEPT)
+
+    def clipped(self, number: int) -> float:
+        """Return the share of a flat's pixels at white or at 0 DN."""
+        planes = self.statistics.planes
+        ends = [[plane.high[number], plane.low[number]] for plane in planes]
+        return float(np.max(ends, axis=0).sum())
+
+    def known(self, mean: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Return (H, W), where pixels of a mean image count and are below white."""
+        known: NDArray[np.bool_] = mean < self.white
+        return known if self.counting is None else known & self.counting
+
+    def noise(self, number: int) -> Noise:
+        """Return the noise of a group of several frames."""
+        pairs = int(self.statistics.pairs[number])
+        planes = self.statistics.planes
+        pixels = np.array([counts_of(plane.masked) for plane in planes])
+        squares = np.array([plane.noise[number] for plane in planes])
+        # Row and column means and the field took their part of the squares with them.
+        left = [plane.freedom[PIXEL] / (~plane.masked).sum() for plane in planes]
+        each = pixels * np.array(left)[:, None] * pairs
+        variance = squares / np.maximum(each, 1e-9)
+        return Noise(self.statistics.variance(number), variance, pixels, pairs)
+
+    def is_coarse(self, number: int) -> bool:
+        """Whether rounding hides the noise of a dark. Source: EMVA 1288, R4.0."""
+        least = float(self.statistics.variance(number).min())
+        return least < COARSE * self.sites.step**2
+
+
+def seen_all(
+    sensor: Sensor,
+    sites: Sites,
+    groups: Sequence[Group],
+    counting: NDArray[np.bool_] | None,
+    threads: int,
+    tell: Callable[[float], None],
+) -> Seen:
+    """Return what all groups say; each frame is read twice, or once if all fit.
+
+    Darks of other temperatures than the one of most frames with charge are a split of
+    their own, but for the shortest. tell : called with the share done."""
+    listed = []
+    for group, split in zip(groups, splits_of(groups), strict=True):
+        first = group.frames[0].frame
+        names = tuple(scanned.frame.name for scanned in group.frames)
+        at = group.exposure_time, group.temperature, split
+        readers = [scanned.frame.pixels for scanned in group.frames]
+        listed.append((GroupInfo(first.kind, names, *at), readers))
+    found, mean_of = statistics_and_means(
+        listed,
+        sites.side,
+        sensor.white_level - sites.step + 1,
+        step=sites.step,
+        excluded=None if counting is None else ~counting,
+        threads=threads,
+        progress=tell,
+    )
+    return Seen(sensor, sites, counting, groups, found, mean_of)
+
+
+def splits_of(groups: Sequence[Group]) -> list[str]:
+    """Return "" of flats, of the shortest darks and of the set point of most frames
+    with charge; of other darks their temperature."""
+    darks = [g for g in groups if g.frames[0].frame.kind == "dark"]
+    least = min((g.exposure_time or 0.0 for g in darks), default=0.0)
+    points = set_points([g.temperature for g in darks])
+    charged = dict.fromkeys(sorted(points), 0)
+    for group, point in zip(darks, points, strict=True):
+        charged[point] += ((group.exposure_time or 0.0) > least) * len(group.frames)
+    main = max(charged, key=lambda point: charged[point], default=0)
+    others = {
+        id(g): f"set point {point}"
+        for g, point in zip(darks, points, strict=True)
+        if point != main and (g.exposure_time or 0.0) > least
+    }
+    return [others.get(id(group), "") for group in groups]
+
+
+def counts_of(masked: NDArray[np.bool_]) -> Array:
+    """Return (blocks,) how many pixels of a plane count."""
+    blocks = blocks_of(~masked, BLOCKS)
+    return np.array([float(np.count_nonzero(block)) for block in blocks])
