@@ -39,6 +39,14 @@ from cg2raw.statistics.kept import Kept
 
 TRAINING, VALIDATION, TEST = GROUPS
 NAMES = 33  # that a diagnosis could give: each may be false
+# Effects on the mean of what is lit: images tell them apart where flats do not.
+OF_IMAGES = frozenset(
+    {
+        *("exposure", "white_balance", "color_matrix", "crosstalk", "gr_gb_imbalance"),
+        *("lens_shading", "color_shading", "lateral_chromatic_aberration", "blur"),
+        *("veiling_glare", "nonlinearity", "full_well", "poisson_shot_noise"),
+    }
+)
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 
 

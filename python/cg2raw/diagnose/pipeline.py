@@ -12,7 +12,7 @@ import numpy as np
 
 from cg2raw.diagnose.assessment.verdict import assessed
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.darks_and_flats import is_constant, repeats
+from cg2raw.diagnose.darks_and_flats import OF_IMAGES, is_constant, repeats
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.reader import read_frames
@@ -23,6 +23,7 @@ from cg2raw.diagnose.inference.noise_level import noise_models
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.workers import TimeIsUp, Workers
 from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
+from cg2raw.diagnose.verdict.together import together, with_images_alone
 from cg2raw.interrupts import raised
 
 Progress = Callable[[str, float], None]
@@ -62,59 +63,81 @@ def diagnose(
         raise ValueError(f"alpha {alpha} must lie between 0 and 1")
     started = time.monotonic()
     say = progress or (lambda text, share: None)
-    known = candidates(capture_set.sensor.cfa, without)
-    if only:
-        candidates(capture_set.sensor.cfa, only)  # refuses unknown names
-    names = {e.name for e in known if not only or e.name in only}
-    names -= capture_set.nuisances
-    if all(map(is_constant, capture_set.captures)) and repeats(capture_set):
-        limit = None if time_limit is None else started + time_limit
-        found = _of_darks_and_flats(capture_set, alpha, names, most, say, limit)
-        return replace(found, seconds=time.monotonic() - started)
-    workers = Workers(threads, None if time_limit is None else started + time_limit)
-    frames = read_frames(capture_set, noise_models(capture_set), pixels, say)
-    splits = Splits(frames, workers)
-    splits.check()
-    baseline = baseline_of(capture_set, splits, say)
-    effects, unseen = nameable(capture_set, splits, without, only)
-    search = Search(baseline, effects, alpha, most, _counted(say))
-    model = search.run()
-    workers.deadline = None  # the report is written in any case
-    say("writing down what was found", 0.92)
-    found = assessed(capture_set, search.compared, search, model, details)
-    never = [DetectionLimit(e.name, e.parameters[0], None, e.units[0]) for e in unseen]
-    say("done", 1.0)
-    return replace(
-        found,
-        detection_limits=[*found.detection_limits, *never],
-        seconds=time.monotonic() - started,
-    )
-
-
-def _of_darks_and_flats(
-    capture_set: CaptureSet,
-    alpha: float,
-    names: Collection[str],
-    most: int,
-    say: Progress,
-    deadline: float | None,
-) -> Diagnosis:
-    """Return the diagnosis of darks and flats alone. deadline : of time.monotonic()."""
+    deadline = None if time_limit is None else started + time_limit
+    names = _names(capture_set, without, only)
 
     def said(text: str, share: float) -> None:
         if deadline is not None and time.monotonic() > deadline:
             raise TimeIsUp
         say(text, share)
 
-    try:
-        with raised():
-            found = diagnosis_of(capture_set, alpha, names, most == 0, said)
-    except KeyboardInterrupt:
-        return unfinished(capture_set, interrupted=True)
-    except TimeIsUp:
-        return unfinished(capture_set, interrupted=False)
+    constant = [c for c in capture_set.captures if is_constant(c)]
+    of_images = names & OF_IMAGES
+    found, images = None, capture_set
+    if constant and repeats(capture_set):
+        is_all = len(constant) == len(capture_set.captures)
+        decided = replace(capture_set, captures=constant)
+        try:
+            with raised():
+                found = diagnosis_of(
+                    decided,
+                    alpha,
+                    names if is_all else names - OF_IMAGES,
+                    most == 0,
+                    () if is_all else OF_IMAGES,
+                    said,
+                )
+        except (KeyboardInterrupt, TimeIsUp) as ended:
+            interrupted = isinstance(ended, KeyboardInterrupt)
+            found = unfinished(capture_set, interrupted=interrupted)
+        if is_all or found.verdict == "incomplete":
+            say("done", 1.0)
+            return replace(found, seconds=time.monotonic() - started)
+        images = with_images_alone(capture_set, found)
+        names = of_images
+    workers = Workers(threads, deadline)
+    second = _searched(images, names, alpha, most, say, workers, pixels, details)
     say("done", 1.0)
-    return found
+    whole = second if found is None else together(found, second)
+    return replace(whole, seconds=time.monotonic() - started)
+
+
+def _names(
+    capture_set: CaptureSet, without: Collection[str], only: Collection[str]
+) -> frozenset[str]:
+    """Return the effects that may be named. Raises ValueError for unknown names."""
+    known = candidates(capture_set.sensor.cfa, without)
+    if only:
+        candidates(capture_set.sensor.cfa, only)  # refuses unknown names
+    names = {one.name for one in known if not only or one.name in only}
+    return frozenset(names - capture_set.nuisances)
+
+
+def _searched(
+    capture_set: CaptureSet,
+    names: Collection[str],
+    alpha: float,
+    most: int,
+    say: Progress,
+    workers: Workers,
+    pixels: int | None,
+    details: bool,
+) -> Diagnosis:
+    """Return what a search finds in scenes and charts, and in what does not repeat.
+
+    names : which may be named."""
+    frames = read_frames(capture_set, noise_models(capture_set), pixels, say)
+    splits = Splits(frames, workers)
+    splits.check()
+    baseline = baseline_of(capture_set, splits, say)
+    effects, unseen = nameable(capture_set, splits, names)
+    search = Search(baseline, effects, alpha, most, _counted(say))
+    model = search.run()
+    workers.deadline = None  # the report is written in any case
+    say("writing down what was found", 0.92)
+    found = assessed(capture_set, search.compared, search, model, details)
+    never = [DetectionLimit(e.name, e.parameters[0], None, e.units[0]) for e in unseen]
+    return replace(found, detection_limits=[*found.detection_limits, *never])
 
 
 def _counted(say: Progress) -> Callable[[str], None]:

@@ -10,7 +10,7 @@ from cg2raw.diagnose.captures.splits import third
 from cg2raw.diagnose.inference.nameable import nameable
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.workers import Workers
-from diagnose.planted import SHAPE, capture_of, frames_of, sensor_of
+from diagnose.planted import BY_NAME, SHAPE, capture_of, frames_of, sensor_of
 
 SENSOR = sensor_of()
 
@@ -26,7 +26,7 @@ def named(captures, sensor=SENSOR):
         for group in ("fit", "select")
     ]
     splits = Splits(frames_of(sensor, every), Workers(1))
-    effects, unseen = nameable(CaptureSet(sensor, every), splits, (), ())
+    effects, unseen = nameable(CaptureSet(sensor, every), splits, set(BY_NAME))
     assert not {e.name for e in effects} & {e.name for e in unseen}
     return {effect.name for effect in effects}
 
@@ -96,7 +96,9 @@ def named_by_pixels(flats, pixels):
         for group, mask in zip(("fit", "select"), pixels, strict=True)
     ]  # fmt: skip
     splits = Splits(frames_of(SENSOR, every), Workers(1))
-    return {e.name for e in nameable(CaptureSet(SENSOR, every), splits, (), ())[0]}
+    return {
+        e.name for e in nameable(CaptureSet(SENSOR, every), splits, set(BY_NAME))[0]
+    }
 
 
 @pytest.mark.parametrize(

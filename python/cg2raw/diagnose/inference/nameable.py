@@ -22,16 +22,10 @@ DISTINCT = 1.2  # ratio of two flats' levels that show a curve
 def nameable(
     capture_set: CaptureSet,
     splits: Splits,
-    without: Collection[str],
-    only: Collection[str],
+    names: Collection[str],
 ) -> tuple[list[Effect], list[Effect]]:
-    """Return (what may be named, what no frames show), but for what is free as a
-    nuisance. Raises ValueError for unknown names."""
-    known = candidates(capture_set.sensor.cfa, without)
-    if only:
-        candidates(capture_set.sensor.cfa, only)  # refuses unknown names
-        known = [effect for effect in known if effect.name in only]
-    known = [effect for effect in known if effect.name not in capture_set.nuisances]
+    """Return (what may be named, what no frames show), of effects of some names."""
+    known = [e for e in candidates(capture_set.sensor.cfa) if e.name in names]
     fitted, selected = splits.fit.frames, splits.select.frames
     again = _shows_light_again([*fitted, *selected])
     groups = [_shown_by(frames, again) for frames in (fitted, selected)]

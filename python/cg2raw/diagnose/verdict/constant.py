@@ -5,6 +5,7 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -45,12 +46,15 @@ from cg2raw.model.misfit import misfits
 from cg2raw.model.selection import NAMES
 from cg2raw.statistics.constant import ConstantStatistics
 
-# Patterns whose mean is not 0, and what that moves.
-WITH_A_MEAN = {
-    "dark_current_nonuniformity": "dark_current",
-    "hot_pixels": "dark_current",
-    "amplifier_glow": "dark_current",
-    "bias_structure": "black_level",
+# What else an effect moves: the mean of a pattern, the variance of wider noise.
+MOVES: Mapping[str, tuple[str, ...]] = {
+    "dark_current_nonuniformity": ("dark_current",),
+    "hot_pixels": ("dark_current",),
+    "amplifier_glow": ("dark_current",),
+    "bias_structure": ("black_level",),
+    "heavy_tailed_noise": ("read_noise",),
+    "random_telegraph_noise": ("read_noise",),
+    "noise_reduction": ("read_noise", "shot_noise"),
 }
 
 
@@ -59,26 +63,24 @@ def diagnosis_of(
     alpha: float,
     names: Collection[str],
     is_judged: bool = False,
+    free: Collection[str] = (),
     say: Callable[[str, float], None] = lambda text, share: None,
 ) -> Diagnosis:
     """Return the diagnosis of a set of darks and flats.
 
     alpha : chance of a false name. names : which may be named. is_judged : the profile
-    is judged as it is, and nothing is named. say : is called with what is being done
-    and the share that is done. Raises ValueError for frames whose noise
-    is not known."""
+    is judged as it is, and nothing is named. free : effects that others decide, which
+    are fitted all the same. say : is called with what is being done and the share that
+    is done. Raises ValueError for frames whose noise is not known."""
     found = darks_and_flats(captures, alpha, names, say)
     chosen = [] if is_judged else list(found.names)
     frames = _by_split(found.statistics)
     test = found.of_split(TEST)
     samples = samples_of(test)
-    model = _fit_of(found, chosen)
-    before, after = (Likelihood(test, theta) for theta in (found.profile, model.theta))
-    held_out = [
-        Fit(model.parameters, theta, model.covariance, one(theta).value, one)
-        for one, theta in ((before, found.profile), (after, model.theta))
-    ]
-    gap, freedom = _gap(captures, found, chosen, held_out, samples)
+    fits = [_fit_of(found, [*some, *free]) for some in ([], chosen)]
+    held_out = [_held_out(one, test) for one in fits]
+    model = fits[1]
+    gap, freedom = _gap(captures, found, chosen, held_out, samples, bool(free))
     tests = [tests_of(one, model, samples) for one in held_out]
     unnamed = [*unnamed_tests(found.selection.unnamed, samples)]
     left = left_over([*tests[1], *unnamed], gap.before - gap.after)
@@ -175,12 +177,19 @@ def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
     """Return the fit of what is named; all else is as the profile has it."""
     names = found.both.parameters.names
     beginnings = [name.partition(",")[0] for name in names]
-    chosen = [*chosen, *(WITH_A_MEAN[name] for name in chosen if name in WITH_A_MEAN)]
+    chosen = [*chosen, *(other for name in chosen for other in MOVES.get(name, ()))]
     parameters = [p for name in chosen for p in NAMES.get(name, ())]
     free = np.isin(beginnings, parameters)
     free &= np.isfinite(np.diagonal(found.both.covariance))
     start = np.where(free, found.both.theta, found.profile)
     return refitted(found.both.likelihood, start, free)
+
+
+def _held_out(fitted: Fit, test: ConstantStatistics) -> Fit:
+    """Return the likelihood of held-out frames at parameters that others fitted."""
+    likelihood = Likelihood(test, fitted.theta)
+    value = likelihood(fitted.theta).value
+    return replace(fitted, value=value, likelihood=likelihood)
 
 
 def _gap(
@@ -189,9 +198,12 @@ def _gap(
     chosen: Sequence[str],
     held_out: Sequence[Fit],
     samples: int,
+    are_levels_free: bool,
 ) -> tuple[Gap, float]:
     """Return the gap of held-out frames, nats per sample beyond those that the noise of
-    the model makes, and the freedom of its chi-squares. held_out : before and after."""
+    the model makes, and the freedom of its chi-squares.
+
+    held_out : before and after. are_levels_free : others decide those of flats."""
     squares, freedom, gained = np.zeros(2), 0.0, held_out[1].value - held_out[0].value
     for n, one in enumerate(held_out):
         every = list(misfits(one.likelihood, one.theta))
@@ -200,8 +212,9 @@ def _gap(
     levels = [
         levels_of(captures, found.used, one.likelihood.means.statistics, one, chosen)
         for one in (found.both, held_out[1])
+        if not are_levels_free
     ]
-    if levels[0] is not None and levels[1] is not None:
+    if levels and levels[0] is not None and levels[1] is not None:
         names = [name for name in CHANGES if name in chosen]
         values = levels[0].fitted(names)
         each = levels[1].value([], np.zeros(0)), levels[1].value(names, values)

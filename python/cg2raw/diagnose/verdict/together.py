@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""One diagnosis of two: what darks and flats decide, then what images do beside it.
+
+Darks and flats show noise, patterns and offsets. With these in the profile, images show
+what happens to light."""
+
+from dataclasses import replace
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.darks_and_flats import OF_IMAGES
+from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis, Gap
+from cg2raw.sensor import Sensor
+
+
+def with_images_alone(captures: CaptureSet, decided: Diagnosis) -> CaptureSet:
+    """Return the captures with light, of a sensor that has what darks and flats
+    decided."""
+    sensor = captures.sensor
+    if decided.profile_json:
+        sensor = Sensor.from_json(decided.profile_json, f"{sensor.id} as decided")
+    lit = [c for c in captures.captures if c.shows.light]
+    return replace(captures, sensor=sensor, captures=lit)
+
+
+def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
+    """Return the diagnosis of darks and flats, and of images by the profile that it
+    makes, as one."""
+    effects = [*first.effects, *second.effects]
+    left = [*first.unexplained, *second.unexplained]
+    if left:
+        effects = [replace(one, provisional=True) for one in effects]
+    return replace(
+        second,
+        verdict=_verdict(first, second),
+        sensor_id=first.sensor_id,
+        effects=effects,
+        gap=_gap(first.gap, second.gap),
+        tests_before=[*first.tests_before, *second.tests_before],
+        tests_after=[*first.tests_after, *second.tests_after],
+        unexplained=left,
+        detection_limits=_limits(first, second),
+        notes=list(dict.fromkeys([*first.notes, *second.notes])),
+        groups={
+            split: list(dict.fromkeys([*names, *second.groups[split]]))
+            for split, names in first.groups.items()
+        },
+        characteristics=first.characteristics,
+        profile_json=second.profile_json or first.profile_json,
+    )
+
+
+def _verdict(first: Diagnosis, second: Diagnosis) -> str:
+    """Return the verdict on both."""
+    if second.verdict == "incomplete":
+        return "incomplete"
+    is_named = bool(first.effects or second.effects)
+    if first.unexplained or second.unexplained:
+        return "partially_explained" if is_named else "unexplained"
+    if "ambiguous" in (first.verdict, second.verdict):
+        return "ambiguous"
+    return "explained" if is_named else "consistent"
+
+
+def _gap(first: Gap, second: Gap) -> Gap:
+    """Return the gap of both, each frame counted alike."""
+    counts = len(first.held_out), len(second.held_out)
+
+    def mean(one: float, other: float) -> float:
+        return (one * counts[0] + other * counts[1]) / sum(counts)
+
+    return Gap(
+        mean(first.before, second.before),
+        mean(first.after, second.after),
+        mean(first.chi2_before, second.chi2_before),
+        mean(first.chi2_after, second.chi2_after),
+        second.systematic_before,
+        second.systematic_after,
+        sorted({*first.held_out, *second.held_out}),
+    )
+
+
+def _limits(first: Diagnosis, second: Diagnosis) -> list[DetectionLimit]:
+    """Return the limits of both, of each effect by the frames that show it."""
+    named = {one.name for one in (*first.effects, *second.effects)}
+    shown = {one.name for one in second.detection_limits if one.strength is not None}
+    kept = [
+        one
+        for one in first.detection_limits
+        if one.name not in shown and one.name not in OF_IMAGES
+    ]
+    every = [*kept, *second.detection_limits]
+    return [one for one in every if one.name not in named]
