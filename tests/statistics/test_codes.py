@@ -4,7 +4,6 @@
 
 import numpy as np
 import pytest
-from scipy.special import ndtr
 
 from cg2raw.statistics import codes
 
@@ -114,15 +113,3 @@ def test_what_a_camera_does_not_write(highest, bits, white, words):
 )
 def test_the_share_of_noise_that_is_cut(counts, share):
     assert codes.cut_share(np.array(counts)) == pytest.approx(share)
-
-
-@pytest.mark.parametrize("sigma", [0.4, 0.5, 0.7])
-@pytest.mark.parametrize("mean", [7.0, 7.2, 7.5])
-def test_rounding_adds_more_or_less_by_where_the_mean_lies(sigma, mean):
-    """Within a quarter of the wave, or 1 % of the variance."""
-    edges = np.arange(20) + 0.5
-    shares = np.diff(ndtr((edges - mean) / sigma))
-    variance = np.array(np.average((edges[1:] - 0.5 - mean) ** 2, weights=shares))
-    wave = codes.wave_of_rounding(variance, np.array(mean), np.array(0.0))
-    own = variance - wave - codes.ROUNDING
-    assert own == pytest.approx(sigma**2, abs=0.25 * abs(wave) + 0.01 * sigma**2)

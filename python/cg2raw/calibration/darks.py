@@ -8,7 +8,7 @@ Source: EMVA Standard 1288, release 4.0, section on dark current (doubling tempe
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,17 +41,18 @@ class DarkCurrent:
         return self.rates[0][1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DarkResults:
-    """What darks show; see Calibration."""
+    """What darks show. offset, rate : (H, W) of each pixel, DN above black, and DN/s
+    but for a constant."""
 
     tails: Tails | None = None
     structure: BiasStructure | None = None
     dark: DarkCurrent | None = None
     spread: DarkSpread | None = None
     glow: Glow | None = None
-    offset: Map | None = None
-    rate: Map | None = None
+    offset: Map | None = field(default=None, repr=False)
+    rate: Map | None = field(default=None, repr=False)
 
 
 def read_darks(seen: Seen, fit: Fitted, black: NDArray[np.float64]) -> DarkResults:
@@ -73,13 +74,13 @@ def read_darks(seen: Seen, fit: Fitted, black: NDArray[np.float64]) -> DarkResul
     offset = seen.mean_of(seen.shortest[0])
     offset -= seen.sites.spread(black, offset.shape)
     return DarkResults(
-        tails_of(seen, repeated[0]) if repeated and not fit.lost else None,
-        None if fit.lost else bias_structure(seen),
-        dark_current(seen, fit, spread, float(black.mean())),
-        spread,
-        shine,
-        offset,
-        rate,
+        tails=tails_of(seen, repeated[0]) if repeated and not fit.lost else None,
+        structure=None if fit.lost else bias_structure(seen),
+        dark=dark_current(seen, fit, spread, float(black.mean())),
+        spread=spread,
+        glow=shine,
+        offset=offset,
+        rate=rate,
     )
 
 

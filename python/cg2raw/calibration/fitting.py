@@ -62,43 +62,34 @@ def fitted(
     levels : (sites,) DN of black, where no dark that is used shows it."""
     lost, cut = lost_of(seen)
     step, offset = seen.sites.step, lowest_code(seen, lost == "cut")
-    groups, statistics = seen.statistics.groups, seen.statistics
+    statistics = seen.statistics
     if step > 1 or lost == "cut":
         statistics = statistics.in_steps(step, offset)
     splits: dict[str, list[int]] = {"": []}
-    for n in filter(lambda n: shows_noise(seen, n), seen.darks):
-        splits.setdefault(groups[n].split, []).append(n)
-    used = [*splits.pop(""), *(n for n in flats if shows_noise(seen, n))]
+    for n in seen.darks:
+        if shows_noise(seen, n):
+            splits.setdefault(seen.statistics.groups[n].split, []).append(n)
+    darks = splits.pop("")
+    used = [*darks, *(n for n in flats if shows_noise(seen, n))]
     if not used or not (statistics.frames[used] > 1).any():
         return Fitted(lost=lost)
-    main, profile, is_known = statistics.only(used), None, True
-    if not set(used) & set(seen.darks):
-        profile, is_known = values_of(seen, iso, lost)
-        places = Parameters(len(levels)).of("black_level") + np.arange(len(levels))
-        profile[places] = levels
-        lights = main.planes[0].level - levels[0]
-        is_known |= bool(np.ptp(lights) > SAME_LIGHT * lights.max())
-        profile = scaled(profile, len(levels), step, offset)
+    main = statistics.only(used)
+    profile = None if darks else values_of(seen, levels, iso, lost, step, offset)
     found = fit(main, profile)
     line = found.likelihood.levels.line(found.theta)
     figures = figures_of(main, found, MOST_LOST)
-    biases = statistics.only([n for n in seen.shortest if n in used])
-    if len(biases.groups) < len(main.groups) and (biases.frames > 1).any():
-        figures = with_levels(figures, biases)
+    biases = [n for n in seen.shortest if n in darks]
+    if 0 < len(biases) < len(used) and (statistics.frames[biases] > 1).any():
+        figures = with_levels(figures, statistics.only(biases))
     figures = [in_dn(one, step, offset) for one in figures]
+    if not darks:
+        figures = less_known(figures, seen, used, levels, iso, lost)
     if lost:
         kept = LEFT if cut <= MOST_LOST else OF_LIGHT
         figures = [one for one in figures if one.name in kept]
-    if profile is not None and lost == "coarse":
-        figures = [*rounded_levels(levels, seen.sites.rounding), *figures]
-    if not is_known:
-        light = float(np.mean([seen.levels(n).mean() for n in used]) - levels.mean())
-        variance = (COARSE - ROUNDING) / math.sqrt(12) * step**2 if lost else math.inf
-        figures = [less_known(one, variance / light) for one in figures]
-        figures = [one for one in figures if math.isfinite(one.standard_error)]
     others = {}
     for split, numbers in splits.items():
-        own = statistics.only([*(n for n in seen.shortest if n in used), *numbers])
+        own = statistics.only([*biases, *numbers])
         if (own.frames > 1).any():
             rates = [in_dn(one, step, offset) for one in figures_of(own, fit(own))]
             if (rate := of_all(rates, "dark current")) is not None:
@@ -168,51 +159,74 @@ def lowest_code(seen: Seen, is_cut: bool) -> int:
     return int(np.argmax(np.bincount(np.arange(len(counts)) % step, counts)))
 
 
-def values_of(seen: Seen, iso: float | None, lost: Lost) -> tuple[Array, bool]:
-    """Return (the likelihood's parameters where no dark shows them, whether noise is
-    known): of codes that hide it the middle of what it may be, else the profile's."""
-    parameters = Parameters(len(seen.statistics.planes))
+def values_of(
+    seen: Seen, levels: Array, iso: float | None, lost: Lost, step: int, offset: int
+) -> Array:
+    """Return the likelihood's parameters where no dark shows them, in steps of codes:
+    noise of the profile, or of codes that hide it the middle of what it may be; 0 if
+    nobody says it."""
+    parameters = Parameters(len(levels))
     found = np.zeros(len(parameters))
+    if lost != "coarse" and knows_noise(seen, iso):
+        found = profile_values(seen.sensor, float(iso or 0), parameters)
+    black, read, gain = (
+        parameters.of(name) + np.arange(len(levels))
+        for name in ("black_level", "read_noise", "gain")
+    )
+    found[black] = (levels - offset) / step
+    found[read] /= step**2
+    found[gain] /= step
     if lost == "coarse":
-        at = parameters.of("read_noise")
-        hidden = (COARSE - ROUNDING) / 2 * seen.sites.step**2
-        found[at : at + parameters.sites] = hidden
-        return found, False
-    try:
-        return profile_values(seen.sensor, float(iso or 0), parameters), True
-    except ValueError:
-        return found, False
-
-
-def rounded_levels(levels: Array, rounding: float) -> list[Figure]:
-    """Return the black level of each site by darks of one code, DN."""
-    error = math.sqrt(rounding)
-    half = NORMAL * error
-    return [
-        Figure("black level", "DN", float(x), error, x - half, x + half, site)
-        for site, x in enumerate(levels)
-    ]
-
-
-def less_known(figure: Figure, slope: float) -> Figure:
-    """Return a figure of flats of one level; a gain with what is not known of noise
-    without light. slope : DN, its variance over their level, of one standard error."""
-    if figure.name != "gain":
-        return figure
-    error = math.hypot(figure.standard_error, figure.value**2 * slope)
-    low, high = figure.value - NORMAL * error, figure.value + NORMAL * error
-    return replace(figure, standard_error=error, low=low, high=high)
-
-
-def scaled(values: Array, sites: int, step: int, offset: int) -> Array:
-    """Return parameters in steps from a code. values : DN."""
-    parameters, found = Parameters(sites), values.copy()
-    for name, scale, start in (
-        ("black_level", step, offset), ("read_noise", step**2, 0), ("gain", step, 0),
-    ):  # fmt: skip
-        places = parameters.of(name) + np.arange(sites)
-        found[places] = (found[places] - start) / scale
+        found[read] = (COARSE - ROUNDING) / 2
     return found
+
+
+def knows_noise(seen: Seen, iso: float | None) -> bool:
+    """Return whether the profile has noise at an ISO."""
+    try:
+        seen.sensor.noise_at(float(iso or 0))
+    except ValueError:
+        return False
+    return True
+
+
+def less_known(
+    figures: Sequence[Figure],
+    seen: Seen,
+    flats: Sequence[int],
+    levels: Array,
+    iso: float | None,
+    lost: Lost,
+) -> list[Figure]:
+    """Return figures of flats alone, with the black level of darks of one code. The
+    gain of flats of one level has in its error what noise may be without light; it is
+    missing where nobody says that."""
+    light = np.array([seen.levels(n).mean() for n in flats]) - levels.mean()
+    unsure, found = 0.0, []
+    if lost == "coarse":
+        error = math.sqrt(seen.sites.rounding)
+        sites = range(len(levels))
+        found = [with_error("black level", "DN", levels[s], error, s) for s in sites]
+    if np.ptp(light) <= SAME_LIGHT * light.max() and not (
+        lost != "coarse" and knows_noise(seen, iso)
+    ):
+        most = (COARSE - ROUNDING) / math.sqrt(12) * seen.sites.step**2
+        unsure = most if lost == "coarse" else math.inf
+    for one in figures:
+        if one.name != "gain":
+            found.append(one)
+        elif math.isfinite(unsure):
+            by_noise = one.value**2 * unsure / float(light.mean())
+            error = math.hypot(one.standard_error, by_noise)
+            found.append(with_error("gain", one.unit, one.value, error, one.site))
+    return found
+
+
+def with_error(
+    name: str, unit: str, value: float, error: float, site: int | None
+) -> Figure:
+    half = NORMAL * error
+    return Figure(name, unit, float(value), error, value - half, value + half, site)
 
 
 def in_dn(figure: Figure, step: int, offset: int) -> Figure:

@@ -26,13 +26,15 @@ from cg2raw.calibration.seen import Seen
 LINEAR = 0.7
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FlatResults:
-    """What flats show; see Calibration."""
+    """What flats show. response : (H, W) of each pixel, relative. lamp : relative,
+    standard deviation of their light. clipped : number of frames that show saturation
+    alone. faint : of those whose noise is rounding's."""
 
     transfer: PhotonTransfer | None = None
     light: Light | None = None
-    response: Map | None = None
+    response: Map | None = field(default=None, repr=False)
     linearity: Linearity | None = None
     lamp: Measured | None = None
     clipped: int = 0
@@ -129,13 +131,13 @@ def above_darks(
         light = light_of(response, known, seen, best)
     top = ceiling.value if ceiling is not None else white
     return FlatResults(
-        PhotonTransfer(tuple(points), ceiling, by),
-        light,
-        response,
-        linearity(points, top, lamp.value if lamp else 0.0, white),
-        lamp,
-        flats.clipped,
-        sum(p.frames for p in points if p.is_coarse),
+        transfer=PhotonTransfer(tuple(points), ceiling, by),
+        light=light,
+        response=response,
+        linearity=linearity(points, top, lamp.value if lamp else 0.0, white),
+        lamp=lamp,
+        clipped=flats.clipped,
+        faint=sum(p.frames for p in points if p.is_coarse),
     )
 
 

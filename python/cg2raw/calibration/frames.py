@@ -12,16 +12,14 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.arrays import RawImage, raw_plane
-from cg2raw.calibration.robust import (
-    Array,
-    clipped_moments_of_counts,
-)
+from cg2raw.calibration.robust import CUT, LEAST_SIGMA, LEFT, ROUNDS, Array
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
 from cg2raw.statistics.constant import set_points
 
 SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
+MIDDLE = (0.159, 0.841)  # of the pixels, a standard deviation to either side
 FEWEST_CODES = 8  # DN that must occur before a missing one is no chance
 MOST_CUT = 0.001  # of a dark's pixels, at 0 DN; more move its mean
 MOST_SATURATED = 0.5  # of the pixels; a frame with more says nothing but its ceiling
@@ -144,10 +142,17 @@ def moments_of(
 ) -> tuple[float, float, int, float]:
     """Return (mean, deviation, pixels within 4 sigma, share of pixels at the lowest
     code, where a dark's noise is cut) of one site, DN."""
-    mean, sigma, count = clipped_moments_of_counts(np.arange(len(counts)), counts, step)
-    low = int(np.flatnonzero(counts)[0])
-    share = codes.cut_share(counts[low % step :: step]) if is_dark else 0.0
-    return mean, sigma, count, share
+    code = np.flatnonzero(counts)
+    many, least = counts[code], LEAST_SIGMA * step
+    ends = np.interp(np.array(MIDDLE) * many.sum(), np.cumsum(many), code)
+    mean, sigma = float(ends.mean()), max(float(np.ptp(ends)) / 2, least)
+    for _ in range(ROUNDS):
+        kept = np.where(np.abs(code - mean) <= CUT * sigma, many, 0)
+        mean = float(np.average(code, weights=kept))
+        variance = float(np.average((code - mean) ** 2, weights=kept)) / LEFT
+        sigma = max(math.sqrt(variance), least)
+    share = codes.cut_share(counts[code[0] % step :: step]) if is_dark else 0.0
+    return mean, sigma, int(kept.sum()), share
 
 
 def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.photon_transfer import TransferPoints
-from cg2raw.calibration.robust import CUT, Array, clipped_moments
+from cg2raw.calibration.robust import Array, clipped_moments, linear_fit
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
 
@@ -100,26 +100,19 @@ def field_of(
     square = u**2 + v**2
     terms = (square, square**2, square**3, u, v, square * u, square * v)
     design = np.stack([t.ravel() for t in (np.ones_like(u), *terms)], 1)
-    target = field.ravel()
-    filled = np.isfinite(target)
-    keep = filled
-    for _ in range(4):
-        values = np.linalg.lstsq(design[keep], target[keep], rcond=None)[0]
-        target = np.where(filled, target, design @ values)
-        rest = target - design @ values
-        sigma = clipped_moments(rest[filled])[1]
-        keep = filled & (np.abs(rest) <= CUT * sigma)
-    field = target.reshape(field.shape)
-    covariance = np.linalg.pinv(design[keep].T @ design[keep]) * sigma**2
-    errors = np.sqrt(np.diag(covariance)) / values[0]
+    filled = np.isfinite(field.ravel())
+    fit = linear_fit(design[filled], field.ravel()[filled])
+    values, said = fit.values, design @ fit.values
+    field = np.where(filled, field.ravel(), said).reshape(field.shape)
+    errors = np.sqrt(np.diag(fit.covariance)) / values[0]
     shading = {
         name: Measured(float(value / values[0]), float(error), "1")
         for name, value, error in zip(SHADING, values[1:], errors[1:], strict=True)
     }
     shape = design[:, 1:] @ values[1:] / values[0]
     rms = float(np.std(shape))
-    fall_off = Measured(rms, float(sigma * math.sqrt(8 / field.size)), "1")
-    return shading, field, fall_off, float(np.std(rest))
+    fall_off = Measured(rms, math.sqrt(fit.variance * 8 / field.size), "1")
+    return shading, field, fall_off, float(np.std(fit.rest))
 
 
 def lamp_drift(groups: Sequence[Array]) -> Measured | None:

@@ -9,16 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.dark_spread import DarkSpread
-from cg2raw.calibration.darks import DarkCurrent, Map
+from cg2raw.calibration.darks import DarkResults
 from cg2raw.calibration.defects import Defects
 from cg2raw.calibration.fitting import Fitted, of_all, of_sites
-from cg2raw.calibration.light import Light, Linearity
+from cg2raw.calibration.flats import FlatResults
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.photon_transfer import PhotonTransfer
 from cg2raw.calibration.sites import Sites
-from cg2raw.calibration.structure import BiasStructure, Glow
-from cg2raw.calibration.tails import Tails
 from cg2raw.sensor import Sensor
 
 
@@ -31,20 +27,16 @@ class Transients:
     frames: int
 
 
-@dataclass(frozen=True)
-class Measurements:
+@dataclass(frozen=True, kw_only=True)
+class Measurements(DarkResults, FlatResults):
     """What frames of uniform light and of none show; None where they cannot, and why
     is in the notes.
 
     sensor : whose profile was given. iso : of the frames, None if nobody says it.
     shape : (H, W) px. frames : (darks, flats). fit : figures by one likelihood, and why
-    darks do not show all of them.
-    repeats : how many of the shortest darks repeat each other, group by group.
-    lamp : relative, standard deviation of the flats' light. offset, rate, response :
-    (H, W) float32 of each pixel, DN above black, DN/s but for a constant, relative.
-    clipped : number of flats that show saturation alone. faint : of flats whose noise
-    is rounding's. excluded : {name of a frame that is none of its repeats: how it is
-    off}."""
+    darks do not show all of them. repeats : how many of the shortest darks repeat each
+    other, group by group. excluded : {name of a frame that is none of its repeats: how
+    it is off}."""
 
     sensor: Sensor
     sites: Sites
@@ -53,22 +45,8 @@ class Measurements:
     frames: tuple[int, int]
     fit: Fitted = field(default_factory=Fitted)
     repeats: tuple[int, ...] = ()
-    tails: Tails | None = None
-    structure: BiasStructure | None = None
-    dark: DarkCurrent | None = None
-    spread: DarkSpread | None = None
-    glow: Glow | None = None
-    transfer: PhotonTransfer | None = None
-    light: Light | None = None
-    linearity: Linearity | None = None
-    lamp: Measured | None = None
-    offset: Map | None = field(default=None, repr=False)
-    rate: Map | None = field(default=None, repr=False)
-    response: Map | None = field(default=None, repr=False)
     transients: tuple[Transients, ...] = ()
     notes: tuple[str, ...] = ()
-    clipped: int = 0
-    faint: int = 0
     excluded: Mapping[str, str] = field(default_factory=dict)
     defects: Defects = field(default_factory=Defects, repr=False)
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.robust import MAD, Array, profiles_of
+from cg2raw.calibration.robust import MAD, Array
 
 CERTAIN = 8.0  # standard deviations of what steps are elsewhere
 # What moves a number: of the temporal dark noise, of the response, of a variance.
@@ -52,10 +52,13 @@ def check_one_chain(found: Measurements) -> None:
 def all_steps(found: Measurements, axis: int) -> dict[str, list[str]]:
     """Return {where a part ends: by what the next differs}. axis : 1 for columns."""
     steps = dict[str, list[str]]()
-    for what, profiles, least, unit in maps_of(found):
-        scale = 1 if unit == "DN" else 100
-        largest = dict[str, float]()
-        for profile in profiles[1 - axis]:
+    for what, image, least, unit in maps_of(found):
+        # Of halves, for quadrants; medians less those of the other lines, which dust
+        # does not move.
+        halves = np.array_split(image if axis else image.T, 2)
+        rests = [half - np.median(half, 1, keepdims=True) for half in halves]
+        largest, scale = dict[str, float](), 1 if unit == "DN" else 100
+        for profile in (np.median(rest, 0) for rest in rests):
             for place, step in steps_of(profile, least, found.sites.side):
                 largest[place] = max(largest.get(place, 0.0), abs(step))
         for place, size in largest.items():
@@ -67,16 +70,13 @@ def all_steps(found: Measurements, axis: int) -> dict[str, list[str]]:
     return steps
 
 
-def maps_of(found: Measurements) -> list[tuple[str, tuple[Array, Array], float, str]]:
-    """Return (name, profiles, step that matters, unit) of offsets and of response."""
+def maps_of(found: Measurements) -> list[tuple[str, Array, float, str]]:
+    """Return (name, (H, W) map, step that matters, unit) of offsets and of response."""
     maps, noise = [], found.figure("temporal dark noise")
     if found.offset is not None and noise is not None:
-        least = LEAST_OFFSET * noise.value
-        known = found.defects.counting
-        offset = found.offset if known is None else np.where(known, found.offset, 0)
-        maps.append(("black level", profiles_of(offset), least, "DN"))
+        maps.append(("black level", found.offset, LEAST_OFFSET * noise.value, "DN"))
     if found.response is not None:
-        maps.append(("response", profiles_of(found.response), LEAST_RESPONSE, "%"))
+        maps.append(("response", found.response, LEAST_RESPONSE, "%"))
     return maps
 
 

@@ -16,7 +16,7 @@ from cg2raw.calibration.measured import SIGNIFICANT, Measured
 from cg2raw.calibration.robust import LEAST_SIGMA, Array, clipped_moments
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import blocks_of
-from cg2raw.statistics.codes import COARSE, wave_of_rounding
+from cg2raw.statistics.codes import COARSE
 
 CEILING = 0.5  # of the largest variance of darker flats; below it the well is full
 CERTAIN = 4.0  # standard errors that a block's variance is below it
@@ -76,7 +76,7 @@ def transfer_points(
     darker : points of darker flats, which tell where wells are full."""
     noise, image, sites = seen.noise(number), seen.mean_of(number), seen.sites
     frames = int(seen.statistics.frames[number])
-    means, spreads, levels, least = [], [], [], LEAST_SIGMA * sites.step
+    means, levels, least = [], [], LEAST_SIGMA * sites.step
     kept = sites.of(seen.known(image))
     for plane, used, level in zip(sites.of(image), kept, black, strict=True):
         if used.any():
@@ -84,29 +84,22 @@ def transfer_points(
         for block, mask in zip(blocks_of(plane), blocks_of(used), strict=True):
             inside = block[mask]
             some = inside.size > 8
-            middle, sigma, _ = clipped_moments(inside, least) if some else (level, 0, 0)
+            middle = clipped_moments(inside, least)[0] if some else level
             means.append(middle - level)
-            spreads.append(sigma**2)
     mean = np.reshape(means, noise.variance.shape)
-    steps = sites.step**2
-    spread = np.reshape(spreads, mean.shape) - noise.variance / frames
-    dn = mean + np.reshape(black, (-1, 1))
-    variance = noise.variance - steps * wave_of_rounding(
-        noise.variance / steps, dn / sites.step, np.maximum(spread, 0) / steps
-    )
     error = noise.error
     largest = np.max([p.variance for p in darker], axis=0) if darker else 0.0
     full = noise.variance * (1 + CERTAIN * error) < CEILING * largest
     share = float(noise.pixels[full].sum() / max(noise.pixels.sum(), 1))
     return TransferPoints(
         mean,
-        variance,
+        noise.variance,
         error,
         float(np.mean(levels)),
         seen.groups[number].exposure_time,
         frames,
         max(seen.clipped(number), share),
-        float(np.median(variance)) < COARSE * steps,
+        float(np.median(noise.variance)) < COARSE * sites.step**2,
     )
 
 

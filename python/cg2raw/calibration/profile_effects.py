@@ -65,23 +65,16 @@ def tails(found: Measurements) -> list[str]:
 Answer = Found | None | Literal[False]  # False: the frames cannot show it
 
 
-def deviation(
-    measured: Measured | None, scale: float, floor: float, parameter: str = "sigma"
-) -> Answer:
-    """Return a standard deviation as an effect's parameter, in units of @scale.
+def deviation(c: Measurements, name: str, floor: float, scale: float = 1.0) -> Answer:
+    """Return a standard deviation of the fit as an effect's sigma, in units of @scale.
 
-    floor : variance that it must exceed."""
-    if measured is None:
+    floor : variance that it must exceed: FLOOR of that of noise in what it is of."""
+    found = c.figure(name)
+    if found is None:
         return False
-    if not measured.variance_stands_out or measured.value**2 <= floor:
+    if not found.variance_stands_out or found.value**2 <= FLOOR * floor:
         return None
-    return {parameter: measured.scaled(1 / scale, "1")}
-
-
-def row_noise(c: Measurements) -> Answer:
-    return deviation(
-        c.figure("row noise"), c.range, FLOOR * read_variance(c) / c.shape[1]
-    )
+    return {"sigma": found.scaled(1 / scale, "1")}
 
 
 def read_variance(c: Measurements) -> float:
@@ -90,19 +83,35 @@ def read_variance(c: Measurements) -> float:
     return noise.value**2 if noise is not None else 0.0
 
 
+def row_noise(c: Measurements) -> Answer:
+    return deviation(c, "row noise", read_variance(c) / c.shape[1], c.range)
+
+
+def column_fixed_pattern(c: Measurements) -> Answer:
+    frames = max(sum(c.repeats), 1) * c.shape[0]
+    return deviation(c, "fixed column pattern", read_variance(c) / frames, c.range)
+
+
+def dsnu(c: Measurements) -> Answer:
+    frames = max(sum(c.repeats), 1)
+    return deviation(c, "DSNU", read_variance(c) / frames, c.range)
+
+
+def prnu(c: Measurements) -> Answer:
+    return deviation(c, "PRNU", c.light.noise if c.light else 0.0)
+
+
 def black_level_drift(c: Measurements) -> Answer:
     """By the chi-square of its few frames: by noise it is as large in 1 of 740."""
     figures = [one for one in c.fit.figures if one.name == "black level drift"]
     if not figures:
         return False
     (drift,) = figures
-    freedom = sum(c.repeats) - len(c.repeats)
+    half = (sum(c.repeats) - len(c.repeats)) / 2
     # The ends of its interval are those of the total less the part of noise.
-    upper = drift.high**2 - drift.value**2
-    total = upper / (freedom / (2 * gammaincinv(freedom / 2, 0.025)) - 1)
-    by_noise = total - drift.value**2
-    most = 2 * gammaincinv(freedom / 2, 1 - CHANCE) / freedom
-    if drift.value == 0 or total <= most * by_noise:
+    low, most = gammaincinv(half, [0.025, 1 - CHANCE]) / half
+    total = (drift.high**2 - drift.value**2) / (1 / low - 1)
+    if drift.value == 0 or total <= most * (total - drift.value**2):
         return None
     return {"sigma": measured(drift).scaled(1 / c.range, "1")}
 
@@ -120,20 +129,6 @@ def bias_structure(c: Measurements) -> Answer:
         parts["edge"] = s.edge.scaled(1 / c.range, "1")
         parts["edge_length"] = s.edge_length
     return parts or None
-
-
-def column_fixed_pattern(c: Measurements) -> Answer:
-    floor = FLOOR * noise_of_offsets(c) / c.shape[0]
-    return deviation(c.figure("fixed column pattern"), c.range, floor)
-
-
-def dsnu(c: Measurements) -> Answer:
-    return deviation(c.figure("DSNU"), c.range, FLOOR * noise_of_offsets(c))
-
-
-def noise_of_offsets(c: Measurements) -> float:
-    """Return the temporal variance of a pixel's offset, DN^2."""
-    return read_variance(c) / max(sum(c.repeats), 1)
 
 
 def dark_current(c: Measurements) -> Answer:
@@ -187,10 +182,6 @@ def read_noise_correlation(c: Measurements) -> Answer:
         if r.stands_out and abs(r.value) > CORRELATION_FLOOR
         else None
     )
-
-
-def prnu(c: Measurements) -> Answer:
-    return deviation(c.figure("PRNU"), 1.0, FLOOR * c.light.noise if c.light else 0.0)
 
 
 def lens_shading(c: Measurements) -> Answer:

@@ -4,6 +4,7 @@
 """Robust moments: without what lies 4 sigma off, and corrected for it."""
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,23 +22,17 @@ ENOUGH = 20_000  # values for a median that only begins
 LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 
 
-def clipped_moments(
-    values: Array, least: float = 0.0, start: tuple[float, float] | None = None
-) -> tuple[float, float, int]:
+def clipped_moments(values: Array, least: float = 0.0) -> tuple[float, float, int]:
     """Return (mean, standard deviation, count) of what lies within 4 sigma.
 
     values : any shape, finite. least : sigma of the narrowest cut, one half of a step
-    where values have been rounded. start : (mean, sigma) of the first cut; else median
-    and MAD, which of whole DN is an artefact, and a start alone. The deviation is
-    corrected for the cut as for a normal distribution."""
+    where values have been rounded. Median and MAD, which of whole DN is an artefact,
+    are a start alone. The deviation is corrected for the cut as for a normal
+    distribution."""
     flat = values.ravel()
-    if start is None:
-        some = flat[:: max(1, flat.size // ENOUGH)]
-        middle = float(np.median(some))
-        sigma = max(MAD * float(np.median(np.abs(some - middle))), least)
-    else:
-        middle, sigma = start
-    mean, count = middle, flat.size
+    some = flat[:: max(1, flat.size // ENOUGH)]
+    mean, count = float(np.median(some)), flat.size
+    sigma = max(MAD * float(np.median(np.abs(some - mean))), least)
     for _ in range(ROUNDS):
         kept = flat[np.abs(flat - mean) <= CUT * max(sigma, least)]
         before = count, mean
@@ -45,29 +40,6 @@ def clipped_moments(
         sigma = max(float(kept.std(dtype=np.float64)) / math.sqrt(LEFT), 1e-12)
         if (count, mean) == before:
             break
-    return mean, sigma, count
-
-
-def clipped_moments_of_counts(
-    codes: Array, counts: Array, step: int
-) -> tuple[float, float, int]:
-    """Return clipped_moments of codes, DN in steps, that occur so often."""
-    least = LEAST_SIGMA * step
-    occur = counts > 0
-    codes, counts = codes[occur], counts[occur]
-    total = np.cumsum(counts)
-    middle = float(codes[np.searchsorted(total, total[-1] / 2)])
-    away = np.abs(codes - middle)
-    order = np.argsort(away, kind="stable")
-    half = np.searchsorted(np.cumsum(counts[order]), total[-1] / 2)
-    sigma = max(MAD * float(away[order][half]), least)
-    mean = middle
-    for _ in range(ROUNDS):
-        kept = np.where(np.abs(codes - mean) <= CUT * sigma, counts, 0)
-        count = int(kept.sum())
-        mean = float(kept @ codes / count)
-        sigma = math.sqrt(float(kept @ (codes - mean) ** 2) / count / LEFT)
-        sigma = max(sigma, least)
     return mean, sigma, count
 
 
@@ -83,18 +55,36 @@ def middle_of(values: Array, step: int = 1) -> float:
     return middle - half + step * (flat.size / 2 - below) / max(inside, 1)
 
 
-def profiles_of(image: Array) -> tuple[Array, Array]:
-    """Return (2, W) columns in the upper and the lower half of an (H, W) map, and
-    (2, H) rows in its left and right half: medians, once those of the other lines are
-    taken off, which dust in less than half of a line does not move."""
-    columns, rows = (
-        np.array([_medians(half) for half in np.split(one, [len(one) // 2])], float)
-        for one in (image, image.T)
-    )
-    return columns, rows
+@dataclass(frozen=True)
+class LinearFit:
+    """values : of the design's columns, (k,), and their covariance. rest : what is left
+    of all. variance : of the rest without what lies 4 sigma off."""
+
+    values: Array
+    covariance: Array
+    rest: Array
+    variance: float
+
+    @property
+    def squares(self) -> float:
+        """Sum of the squares of the rest, cut at 4 sigma."""
+        most = CUT * clipped_moments(self.rest)[1]
+        clipped = np.clip(self.rest, -most, most)
+        return float(clipped @ clipped)
 
 
-def _medians(image: Array) -> Array:
-    """Return (w,) medians of the columns of an (h, w) map, less those of its rows."""
-    found: Array = np.median(image - np.median(image, 1, keepdims=True), 0)
-    return found
+def linear_fit(design: Array, y: Array, first: int = 0) -> LinearFit:
+    """Return least squares of (N,) y by a design, (N, k), without what lies 4 sigma
+    off. first : how many of y count however far off they are."""
+    keep = np.ones(len(y), bool)
+    for _ in range(ROUNDS):
+        used, before = design[keep], keep
+        values = np.linalg.lstsq(used, y[keep], rcond=None)[0]
+        rest = y - design @ values
+        freedom = max(int(keep.sum()) - design.shape[1], 1)
+        variance = float((rest[keep] ** 2).sum()) / freedom
+        keep = np.abs(rest) <= CUT * clipped_moments(rest)[1]
+        keep[:first] = True
+        if np.array_equal(keep, before):
+            break
+    return LinearFit(values, np.linalg.pinv(used.T @ used) * variance, rest, variance)

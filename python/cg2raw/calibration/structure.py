@@ -4,17 +4,17 @@
 """Structure of what darks have: a ramp and first columns of the bias, and the glow of
 an amplifier.
 
-Decays are least squares of a straight part and an exponential of unknown length:
-lengths are tried on a grid, from the best of which Gauss and Newton go on; the errors
-of height and length are those of both together."""
+Decays are least squares of a straight part and an exponential of unknown length; the
+errors of height and length are those of both together."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.robust import CUT, Array, clipped_moments
+from cg2raw.calibration.robust import CUT, Array, clipped_moments, linear_fit
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, blocks_of, centres
 
@@ -25,24 +25,21 @@ FIRST_COLUMNS = 8  # that count for it however far off they are
 EXTENTS = np.geomspace(0.03, 1.0, 15)  # half diagonals of the frame
 # (row, column) of an amplifier, -1..1 of the frame: corners and middles of edges.
 PLACES = tuple((r, c) for r in (-1.0, 0.0, 1.0) for c in (-1.0, 0.0, 1.0) if r or c)
+AT_END = 0.999  # of the longest length that is tried: it may be longer
 CERTAIN = 5.0  # standard errors: of the best of 120 places and extents
-ROUNDS = 12
-LARGEST_STEP = 0.3  # of the logarithm of the length in one round
 
 
 @dataclass(frozen=True)
 class Decay:
-    """values, errors : of the straight part's columns, then height, then length.
-    rest : y less the fit. variance : of the rest without what lies 4 sigma off."""
+    """straight : values of the straight part's columns. errors : theirs, of the height
+    and of the length. rest, variance : see LinearFit."""
 
-    values: Array
+    straight: Array
+    height: float
+    length: float
     errors: Array
     rest: Array
     variance: float
-
-    @property
-    def length(self) -> float:
-        return float(self.values[-1])
 
 
 def fit_decay(
@@ -52,42 +49,26 @@ def fit_decay(
 
     straight : (N, k). distance : (N,), and lengths to try in its unit. first : how many
     of y count however far off they are: the decay may be of them alone."""
-    best = min((squares_of(straight, distance, y, x), x) for x in lengths)
-    length, keep = float(best[1]), np.ones(len(y), bool)
-    low, high = float(lengths[0]), float(lengths[-1])
-    for _ in range(ROUNDS):
-        fall = np.exp(-distance / length)
-        linear = np.column_stack([straight, fall])
-        values = np.linalg.lstsq(linear[keep], y[keep], rcond=None)[0]
-        rest = y - linear @ values
-        by_log = values[-1] * fall * distance / length
-        both = np.column_stack([linear, by_log])
-        step = np.linalg.lstsq(both[keep], rest[keep], rcond=None)[0][-1]
-        step = float(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
-        length = min(max(length * np.exp(step), low), high)
-        keep = np.abs(rest) <= CUT * clipped_moments(rest)[1]
-        keep[:first] = True
-        if abs(step) < 1e-4:
-            break
-    freedom = max(int(keep.sum()) - both.shape[1], 1)
-    variance = float((rest[keep] ** 2).sum()) / freedom
-    covariance = np.linalg.pinv(both[keep].T @ both[keep]) * variance
-    errors = np.sqrt(np.maximum(np.diag(covariance), 0))
+
+    def design(length: float) -> Array:
+        return np.column_stack([straight, np.exp(-distance / length)])
+
+    def squares(logarithm: float) -> float:
+        return linear_fit(design(math.exp(logarithm)), y).squares
+
+    tried = np.log(lengths)
+    best = int(np.argmin([squares(one) for one in tried]))
+    ends = tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)]
+    length = math.exp(minimize_scalar(squares, bounds=ends, method="bounded").x)
+    both = design(length)
+    *values, height = linear_fit(both, y, first).values
+    by_log = height * both[:, -1] * distance / length
+    found = linear_fit(np.column_stack([both, by_log]), y, first)
+    errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
     errors[-1] *= length
-    return Decay(np.append(values, length), errors, rest, variance)
-
-
-def squares_of(straight: Array, distance: Array, y: Array, length: float) -> float:
-    """Return the sum of squares that a length leaves, residuals cut at 4 sigma."""
-    design = np.column_stack([straight, np.exp(-distance / length)])
-    rest = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
-    most = CUT * clipped_moments(rest)[1]
-    keep = np.abs(rest) <= most
-    if keep.sum() > design.shape[1]:
-        again = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
-        rest = y - design @ again
-    clipped = np.clip(rest, -most, most)
-    return float(clipped @ clipped)
+    return Decay(
+        np.array(values), float(height), length, errors, found.rest, found.variance
+    )
 
 
 @dataclass(frozen=True)
@@ -111,7 +92,8 @@ class BiasStructure:
         """Whether the edge is as long as any that is tried: it may be longer."""
         if self.edge_length is None:
             return False
-        return self.edge_length.value >= float(edge_lengths(len(self.columns))[-1])
+        longest = float(edge_lengths(len(self.columns))[-1])
+        return self.edge_length.value > AT_END * longest
 
     @property
     def edge_columns(self) -> Array:
@@ -152,16 +134,15 @@ def ramp_and_edge(
     if with_edge and len(profile) >= LEAST_COLUMNS:
         lengths = edge_lengths(len(profile))
         found = fit_decay(straight, column, profile, lengths, first=FIRST_COLUMNS)
-        wide = math.sqrt(_correlated(found.rest))
-        ramp, edge = (
-            Measured(float(found.values[i]), float(found.errors[i]) * wide, "DN")
-            for i in (1, 2)
-        )
+        of_ramp, of_edge, of_length = found.errors[1:] * correlated(found.rest)
+        edge = Measured(found.height, of_edge, "DN")
         if edge.stands_out and abs(edge.value) > CUT * math.sqrt(found.variance):
-            length = Measured(found.length, float(found.errors[3]) * wide, "px")
+            ramp = Measured(float(found.straight[1]), of_ramp, "DN")
+            length = Measured(found.length, of_length, "px")
             return ramp, edge, length, profile - found.rest
-    line = _fit(straight, profile)
-    return _error_of(line, 1), None, None, straight @ line[0]
+    line = linear_fit(straight, profile)
+    error = math.sqrt(line.covariance[1, 1]) * correlated(line.rest)
+    return Measured(float(line.values[1]), error, "DN"), None, None, profile - line.rest
 
 
 def edge_lengths(width: int) -> Array:
@@ -170,36 +151,14 @@ def edge_lengths(width: int) -> Array:
     return found
 
 
-Fit = tuple[Array, Array, float]  # values, inverse normal matrix, variance
-
-
-def _fit(design: Array, y: Array) -> Fit:
-    """Return least squares without what lies 4 sigma off."""
-    keep = np.ones(len(y), bool)
-    for _ in range(4):
-        values = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
-        rest = y - design @ values
-        freedom = max(int(keep.sum()) - design.shape[1], 1)
-        variance = float((rest[keep] ** 2).sum()) / freedom
-        keep = np.abs(rest) <= CUT * clipped_moments(rest)[1]
-    inverse = np.linalg.pinv(design[keep].T @ design[keep])
-    return values, inverse * _correlated(rest[keep]), variance
-
-
-def _correlated(rest: Array) -> float:
-    """Return by how much neighbours that correlate widen a fit's variance."""
+def correlated(rest: Array) -> float:
+    """Return by how much neighbours that correlate widen a fit's errors."""
     most = CUT * clipped_moments(rest)[1]
     rest = np.clip(rest, -most, most)
     own = float(rest @ rest)
     next_one = float(rest[1:] @ rest[:-1]) / own if own > 0 else 0.0
     r = min(max(next_one, 0.0), 0.95)
-    return (1 + r) / (1 - r)
-
-
-def _error_of(fit: Fit, index: int) -> Measured:
-    values, inverse, variance = fit
-    error = math.sqrt(max(float(inverse[index, index]) * variance, 0.0))
-    return Measured(float(values[index]), error, "DN")
+    return math.sqrt((1 + r) / (1 - r))
 
 
 @dataclass(frozen=True)
@@ -226,7 +185,7 @@ class Glow:
     def is_measured(self) -> bool:
         """Whether it stands out and is narrower than the widest that is tried: at that
         bound it may be any slope over the field."""
-        return self.stands_out and self.extent.value < EXTENTS[-1]
+        return self.stands_out and self.extent.value < AT_END * EXTENTS[-1]
 
 
 def glow(rate: Array) -> Glow:
@@ -242,7 +201,7 @@ def glow(rate: Array) -> Glow:
             cols[None] - (col + 1) / 2 * rate.shape[1],
         )
         found = fit_decay(ones, far.ravel() / half, smooth, EXTENTS)
-        if found.values[1] > 0 and (best is None or found.variance < best[0].variance):
+        if found.height > 0 and (best is None or found.variance < best[0].variance):
             best = found, far.ravel() / half, row, col
     if best is None:
         none = Measured(0.0, float(np.std(smooth)), "DN/s")
@@ -250,12 +209,12 @@ def glow(rate: Array) -> Glow:
     found, distance, row, col = best
     mean = float(np.exp(-distance / found.length).mean())
     return Glow(
-        Measured(float(found.values[1]), float(found.errors[1]), "DN/s"),
+        Measured(found.height, float(found.errors[1]), "DN/s"),
         row,
         col,
         Measured(found.length, float(found.errors[2]), "1"),
         math.sqrt(found.variance),
-        float(found.values[1]) * mean,
+        found.height * mean,
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cg2raw.calibration.fitting import OF_LIGHT
-from cg2raw.calibration.measured import Measured, ratio
+from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.structure import EXTENTS
 from cg2raw.calibration.tails import LEAST_LAMBDA
@@ -184,9 +184,9 @@ def dynamic_range(found: Measurements) -> Measured | None:
     noise = found.figure("temporal dark noise")
     if full is None or noise is None:
         return None
-    quotient = ratio(full, noise, "1")
-    error = 20 / math.log(10) * quotient.standard_error / quotient.value
-    return Measured(20 * math.log10(quotient.value), error, "dB")
+    errors = (one.standard_error / one.value for one in (full, noise))
+    error = 20 / math.log(10) * math.hypot(*errors)
+    return Measured(20 * math.log10(full.value / noise.value), error, "dB")
 
 
 def each(found: Measurements, values: Sequence[Measured] | None) -> str:

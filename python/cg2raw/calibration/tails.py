@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import tukeylambda
 
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.robust import Array
@@ -87,31 +88,7 @@ def _kurtosis(
 
 
 def lambda_of(excess_kurtosis: float) -> float:
-    """Return the lambda, LEAST_LAMBDA to 0.5, of Tukey's distribution with such tails.
-
-    Source of the moments: B. Joiner, J. Rosenblatt, J. Am. Stat. Assoc. 66, 1971."""
+    """Return the lambda, LEAST_LAMBDA to 0.5, of Tukey's law with such tails."""
     grid = np.linspace(LEAST_LAMBDA, 0.5, 701)
-    grid = grid[np.abs(grid) > 1e-6]
-    found = np.array([kurtosis_of(float(x)) for x in grid])
+    found = tukeylambda.stats(grid, moments="k")
     return float(np.interp(-excess_kurtosis, -found, grid))
-
-
-def kurtosis_of(shape: float) -> float:
-    """Return the excess kurtosis of Tukey's lambda distribution, @shape above -0.25."""
-
-    def gamma(x: float) -> float:
-        return math.gamma(x * shape + 1)
-
-    second = (
-        2
-        / shape**2
-        * (1 / (1 + 2 * shape) - gamma(1) ** 2 / gamma(2) / (2 * shape + 1))
-    )
-    one, three = gamma(1), gamma(3)
-    fourth = (
-        2
-        / shape**4
-        / (4 * shape + 1)
-        * (1 - 4 * one * three / gamma(4) + 3 * gamma(2) ** 2 / gamma(4))
-    )
-    return fourth / second**2 - 3

@@ -32,21 +32,6 @@ PILE = 5.0  # standard deviations that pixels at a code exceed those of codes be
 PILE_CODES = 16  # below it, that it is compared with
 
 
-def wave_of_rounding(variance: Array, mean: Array, spread: Array) -> Array:
-    """Return what rounding adds to a variance besides ROUNDING, which depends on where
-    between two codes a mean lies; all in steps of the codes, of which they are
-    multiples.
-
-    variance : of rounded values. spread : variance of the means themselves.
-    Source: B. Widrow, IRE Trans. Circuit Theory 3(4), 1956; its first harmonic."""
-    wave = np.zeros_like(variance)
-    for _ in range(4):
-        own = np.maximum(variance - ROUNDING - wave, 0)
-        damped = np.exp(-2 * np.pi**2 * (own + spread))
-        wave = -(4 * own + 1 / np.pi**2) * damped * np.cos(2 * np.pi * mean)
-    return wave
-
-
 def hidden(step: int) -> float:
     """Return the noise, DN, below which codes that are step DN apart hide its size."""
     return step * math.sqrt(COARSE - ROUNDING)
