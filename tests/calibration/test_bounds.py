@@ -14,7 +14,7 @@ from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.profile_effects import hot_pixels
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.structure import glow
-from cg2raw.calibration.table import dark_rows, told
+from cg2raw.calibration.table import dark_lines, told
 from cg2raw.calibration.updated_profile import bounds_passed
 from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
@@ -59,9 +59,9 @@ def test_more_hot_pixels_than_are_searched_for():
     law = law_of(rates(0.35, 30.0))
     assert law.has_too_many_hot and not law.has_hot and not law.is_uneven
     assert law.hot_words == f"more than {MOST_HOT:.0%}"
-    rows = {row.name: row for row in dark_rows(found_with(spread=law))}
+    rows = {name: value for name, value, _ in dark_lines(found_with(spread=law))}
     for name in ("hot pixels", "hot pixels, mean rate", "nonuniformity, rate"):
-        assert rows[name].value is None
+        assert rows[name] is None
     assert hot_pixels(found_with(spread=law)) is False  # the profile's own stays
 
 
@@ -92,9 +92,9 @@ def test_a_glow_as_wide_as_the_field_is_a_limit():
     slope = np.linspace(0, 2, 320)[None] + rng.normal(0, 0.05, (256, 320))
     shine = glow(slope.astype(np.float32))
     assert shine.stands_out and not shine.is_measured
-    rows = {row.name: row for row in dark_rows(found_with(glow=shine))}
-    assert rows["amplifier glow"].value is None
-    assert "wider than 1 half diagonals" in rows["amplifier glow"].more
+    rows = {name: more for name, *more in dark_lines(found_with(glow=shine))}
+    value, words = rows["amplifier glow"]
+    assert value is None and "wider than 1 half diagonals" in words
 
 
 def test_a_number_without_an_error_has_none():

@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.calibration.darks import read_darks
 from cg2raw.calibration.defects import defects_of
@@ -85,29 +86,26 @@ def calibrate(
     groups, excluded = screened(groups_of(scanned), np.array(sensor.black_level))
     check_groups(groups)
     sites = replace(sites_of(sensor), step=step)
-    dark_groups = [g for g in groups if g.frames[0].frame.kind == "dark"]
-    flat_groups = [g for g in groups if g.frames[0].frame.kind == "flat"]
+    dark_groups, flat_groups = (
+        [group for group in groups if group.kind == kind] for kind in ("dark", "flat")
+    )
     levels = np.asarray(sensor.black_level, float)
     if dark_groups:
         levels = dark_groups[0].level
-    defects = defects_of(dark_groups, flat_groups, levels, sites, threads)
     flat_groups.sort(key=lambda group: float(group.level.mean()))
     listed = [*dark_groups, *flat_groups]
 
-    def look(groups: Sequence[Group]) -> Seen:
-        return seen_all(
-            sensor,
-            sites,
-            groups,
-            defects.counting,
-            threads,
-            lambda x: tell("reading frames", x),
-        )
+    def look(groups: Sequence[Group], counting: NDArray[np.bool_] | None) -> Seen:
+        said = lambda x: tell("reading frames", x)  # noqa: E731
+        return seen_all(sensor, sites, groups, counting, threads, said)
 
-    seen = look(listed)
+    seen = look(listed, None)
+    defects = defects_of(seen, levels)
+    if defects.count:
+        seen = look(listed, defects.counting)
     flats = read_flats(seen, levels, lambda x: tell("flats", x))
     if flats.full is not None:  # the rim of what is full would be masked in all frames
-        seen = look(listed[: flats.full])
+        seen = look(listed[: flats.full], defects.counting)
     tell("fitting", 0.0)
     fit = fitted(seen, flats.linear(seen, levels), levels, iso)
     check_curve(flats.points, seen, fit.lost == "cut")
@@ -121,7 +119,10 @@ def calibrate(
         sites=sites,
         shape=scanned[0].shape,
         iso=iso,
-        frames=(number_of(dark_groups), number_of(flat_groups)),
+        frames=(
+            sum(len(group.frames) for group in dark_groups),
+            sum(len(group.frames) for group in flat_groups),
+        ),
         fit=fit,
         repeats=tuple(
             int(seen.statistics.frames[n]) for n in seen.statistics.shortest_darks("")
@@ -174,7 +175,7 @@ def scan_all(
 def check_groups(groups: Sequence[Group]) -> None:
     """Raise ValueError unless two frames repeat each other, and some are unsaturated,
     and darks of several exposures all say theirs."""
-    darks = [g for g in groups if g.frames[0].frame.kind == "dark"]
+    darks = [group for group in groups if group.kind == "dark"]
     unknown = [g for g in darks if g.exposure_time is None]
     if unknown and len(darks) > len(unknown):
         raise ValueError(
@@ -195,11 +196,6 @@ def check_groups(groups: Sequence[Group]) -> None:
         )
 
 
-def number_of(groups: Sequence[Group]) -> int:
-    """Return how many frames are in groups."""
-    return sum(len(group.frames) for group in groups)
-
-
 def transients_of(seen: Seen) -> tuple[Transients, ...]:
     """Return what single frames of each group have alone."""
     counts = seen.statistics.transients.sum(axis=(1, 2))
@@ -212,8 +208,7 @@ def transients_of(seen: Seen) -> tuple[Transients, ...]:
 
 def words_of(group: Group) -> str:
     """Return "10 darks of 60 s at -5 C"."""
-    kind, count = group.frames[0].frame.kind, len(group.frames)
-    words = f"{count} {kind}{'s' if count > 1 else ''}"
+    words = f"{len(group.frames)} {group.kind}s"
     if group.exposure_time is not None:
         words += f" of {group.exposure_time:g} s"
     if group.temperature is not None:

@@ -75,11 +75,11 @@ class DarkSpread:
     def is_uneven(self) -> bool:
         """Whether the others' rates differ beyond chance, and not as a normal law's,
         which would be noise that is wider than it was taken for."""
-        log_sigma, least, most = self.log_sigma.value, LEAST_LOG_SIGMA, MOST_LOG_SIGMA
+        log_sigma = self.log_sigma.value
         is_wide = (self.rate.value * log_sigma) ** 2 > FLOOR * self.noise**2
-        inside = least * (1 + AT_BOUND) < log_sigma < most * (1 - AT_BOUND)
+        is_skew = log_sigma > LEAST_LOG_SIGMA * (1 + AT_BOUND)
         seen = self.spread_nats >= LEAST_NATS and self.rate.stands_out
-        return is_wide and inside and seen and not self.has_too_many_hot
+        return is_wide and is_skew and seen and not self.has_too_many_hot
 
     @property
     def hot_words(self) -> str:
@@ -110,25 +110,17 @@ def dark_spread(rates: DarkRates, gain: float) -> DarkSpread:
     flat = fitted(counts, shot, uneven=False, hot=True)
     cold = fitted(counts, shot, uneven=True, hot=False)
     both = fitted(counts, shot, uneven=True, hot=True)
-    values = both.rate, both.log_sigma, both.fraction, both.hot_rate
-    rate, log_sigma, fraction, hot = (
-        Measured(v * unit, e * unit, words)
-        for v, e, unit, words in zip(
-            values,
-            both.errors[1:],
-            (noise, 1, 1, noise),
-            ("DN/s", "1", "1", "DN/s"),
-            strict=True,
-        )
-    )
+    _, *errors = map(float, both.errors)
+    rate = Measured(both.rate * noise, errors[0] * noise, "DN/s")
+    hot_rate = Measured(both.hot_rate * noise, errors[3] * noise, "DN/s")
     median, error = median_by(counts, shot, flat, both)
     middle = quantile(counts, 0.5)
     return DarkSpread(
         Measured(median * noise, math.hypot(error, LAW * median) * noise, "DN/s"),
         rate,
-        log_sigma,
-        fraction,
-        hot,
+        Measured(both.log_sigma, errors[1], "1"),
+        Measured(both.fraction, errors[2], "1"),
+        hot_rate,
         {share: (quantile(counts, share) - middle) * noise for share in SHARES},
         noise,
         both.nats - flat.nats,
@@ -141,12 +133,8 @@ def most_hot(counts: Array, law: DarkLaw) -> float:
     """Return the share of hot pixels, of FAR times the noise, at which the likelihood
     has fallen to its limit of 95 %: the error by its curvature is none at a bound."""
     tried = np.geomspace(LEAST_HOT, MOST_HOT, 60)
-    nats = np.array(
-        [
-            nats_of(counts, replace(law, fraction=float(share), hot_rate=FAR))
-            for share in tried
-        ]
-    )
+    laws = (replace(law, fraction=float(share), hot_rate=FAR) for share in tried)
+    nats = np.array([nats_of(counts, one) for one in laws])
     best = int(nats.argmax())
     beyond = np.flatnonzero(nats[best:] < nats[best] - FALL95)
     return float(tried[best + beyond[0]]) if beyond.size else MOST_HOT

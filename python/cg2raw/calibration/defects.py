@@ -7,22 +7,19 @@ They count in no number: their spread is not that of the others. Source: EMVA St
 1288, release 4.0, section on defect pixels, whose bound is the application's.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.frames import Group
 from cg2raw.calibration.robust import Array, clipped_moments
-from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
-from cg2raw.statistics.frame_statistics import read_ahead
+from cg2raw.calibration.seen import Seen
+from cg2raw.calibration.sites import FIELD_BLOCKS, blocks_of, centres
 
 OFF = 1 / 3  # of the response of the surroundings; dust and shading are closer
 FAR = 8.0  # standard deviations of the pixels, where these are wider than that
 NO_RESPONSE = 0.05  # of the frame's median
 FEWEST_PIXELS = 8  # along a block that surroundings are taken of
-FRAMES = 4  # that are read of a group
 SAME_CLIPPING = 0.002  # share of saturated pixels that makes no flat worse
 MOST_PLACES = 4  # lines that are named
 
@@ -66,45 +63,25 @@ class Defects:
         )
 
 
-def defects_of(
-    darks: Sequence[Group],
-    flats: Sequence[Group],
-    black: Array,
-    sites: Sites,
-    threads: int,
-) -> Defects:
-    """Return the defects that flats show above the shortest darks; none without flats.
-
-    darks : shortest first. black : (sites,) DN, where there are none."""
+def defects_of(seen: Seen, black: Array) -> Defects:
+    """Return the defects that the brightest flats with the fewest saturated pixels show
+    above the shortest darks; none without flats. black : (sites,) DN, without darks."""
+    flats = range(len(seen.darks), len(seen.groups))
     if not flats:
         return Defects()
-    response = mean_of(brightest(flats), threads)
-    if darks:
-        response -= mean_of(darks[0], threads)
+    shares = {n: np.mean([f.saturated for f in seen.groups[n].frames]) for n in flats}
+    least = min(shares.values()) + SAME_CLIPPING
+    response = seen.mean_of(max(n for n in flats if shares[n] <= least))
+    if seen.darks:
+        response -= seen.mean_of(seen.shortest[0])
     else:
-        response -= sites.spread(black, response.shape)
+        response -= seen.sites.spread(black, response.shape)
     counting = np.ones(response.shape, bool)
-    for plane, out in zip(sites.of(response), sites.of(counting), strict=True):
+    for plane, out in zip(
+        seen.sites.of(response), seen.sites.of(counting), strict=True
+    ):
         out[:] = responding(plane)
     return Defects(None if counting.all() else counting)
-
-
-def brightest(flats: Sequence[Group]) -> Group:
-    """Return the brightest flats among those with the fewest saturated pixels."""
-    shares = [float(np.mean([f.saturated for f in g.frames])) for g in flats]
-    least = min(shares) + SAME_CLIPPING
-    good = [g for g, share in zip(flats, shares, strict=True) if share <= least]
-    return max(good, key=lambda group: float(group.level.mean()))
-
-
-def mean_of(group: Group, threads: int) -> NDArray[np.float32]:
-    """Return (H, W) float32 DN, of a group's first frames."""
-    frames = [scanned.frame.pixels for scanned in group.frames[:FRAMES]]
-    total: NDArray[np.float32] | None = None
-    for raw in read_ahead(frames, threads):
-        total = raw.astype(np.float32) if total is None else total + raw
-    assert total is not None
-    return total / np.float32(len(frames))
 
 
 def responding(plane: Array) -> NDArray[np.bool_]:

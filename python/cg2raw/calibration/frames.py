@@ -13,7 +13,7 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.arrays import RawImage, raw_plane
 from cg2raw.calibration.robust import CUT, LEAST_SIGMA, LEFT, ROUNDS, Array
-from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.sites import LEAST_REPEATS, Sites
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
 from cg2raw.statistics.constant import set_points
@@ -87,6 +87,10 @@ class Group:
     frames: tuple[Scanned, ...]
 
     @property
+    def kind(self) -> Literal["dark", "flat"]:
+        return self.frames[0].frame.kind
+
+    @property
     def exposure_time(self) -> float | None:
         return self.frames[0].frame.exposure_time
 
@@ -107,10 +111,10 @@ class Group:
 def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
     """Return a first look at one frame. Raises ValueError for one of other bits."""
     raw = frame.pixels()
-    if min(raw.shape) < sites.side * sites.least_repeats:
+    if min(raw.shape) < (least := sites.side * LEAST_REPEATS):
         raise ValueError(
-            f"{frame.name}: is {raw.shape[1]}x{raw.shape[0]}; must be at least "
-            f"{sites.side * sites.least_repeats} pixels wide and high"
+            f"{frame.name}: is {raw.shape[1]}x{raw.shape[0]}; must be at least {least} "
+            "pixels wide and high"
         )
     by_site = list(_core.code_counts(raw, sites.side).astype(np.int64))
     counts = np.sum(by_site, axis=0)

@@ -4,10 +4,10 @@
 """Notes: what frames could not show, which capture would, and what stood out."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from cg2raw.calibration.fitting import MOST_LOST
-from cg2raw.calibration.flats import LINEAR
+from cg2raw.calibration.flats import HIGHEST, LINEAR, LOWEST
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.photon_transfer import MOST_CLIPPED
@@ -19,135 +19,124 @@ HIGH_MISFIT = 1.5  # of levels about their line, over what drift makes
 
 def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]:
     """Return sentences, each with what would help."""
-    return (
-        *of_frames(found, scanned),
-        *of_lost(found, scanned),
-        *of_darks(found),
-        *of_flats(found),
-    )
+    parts = of_frames(found), of_lost(found, scanned), of_darks(found), of_flats(found)
+    return tuple(note for part in parts for note in part)
 
 
-def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
-    """Return what is wrong with single frames."""
-    notes = [f"{name}: {why}: excluded" for name, why in found.excluded.items()]
-    notes += [found.defects.words] if found.defects.count else []
+def of_frames(found: Measurements) -> Iterator[str]:
+    """Yield what is wrong with single frames."""
+    yield from (f"{name}: {why}: excluded" for name, why in found.excluded.items())
+    if found.defects.count:
+        yield found.defects.words
     if (step := found.sites.step) > 1:
-        notes.append(
+        yield (
             f"codes: come in steps of {step} DN, as of fewer bits in the upper ones of "
             f"a word: rounding adds {step}^2 / 12 DN^2 to noise, and the profile has "
             "quantisation"
         )
     if found.clipped:
-        notes.append(
+        yield (
             f"{found.clipped} flats have more than {MOST_CLIPPED:.1%} of pixels at "
             "white, at 0 DN or with a full well: they show saturation and nothing else"
         )
     if found.iso is None:
-        notes.append("ISO: no frame says it, and no noise can be written: give --iso")
-    return notes
+        yield "ISO: no frame says it, and no noise can be written: give --iso"
 
 
-def of_lost(found: Measurements, scanned: Sequence[Scanned]) -> list[str]:
-    """Return why darks do not show their noise."""
+def of_lost(found: Measurements, scanned: Sequence[Scanned]) -> Iterator[str]:
+    """Yield why darks do not show their noise."""
     if found.fit.lost == "cut":
         worst = max(scanned, key=lambda item: item.cut)
-        left = "by the law of what is left of it"
-        if worst.cut > MOST_LOST:
-            left = "the profile's"
-        return [
+        is_left = worst.cut <= MOST_LOST
+        left = "by the law of what is left of it" if is_left else "the profile's"
+        yield (
             f"darks: noise is cut at the lowest code, {worst.cut:.1%} of the pixels of "
             f"{worst.frame.name}: black level and read noise are {left}, all else of "
             "darks is unknown: capture with an offset, if the camera has one"
-        ]
+        )
     if found.fit.lost == "coarse":
-        limit = hidden(found.sites.step)
-        return [
-            f"read noise: below {limit:.2g} DN, where rounding hides it, and with it "
-            "drift, DSNU and the noise of rows and columns: capture at a higher ISO or "
-            "in more bits"
-        ]
-    return []
+        yield (
+            f"read noise: below {hidden(found.sites.step):.2g} DN, where rounding "
+            "hides it, and with it drift, DSNU and the noise of rows and columns: "
+            "capture at a higher ISO or in more bits"
+        )
 
 
-def of_darks(found: Measurements) -> list[str]:
-    """Return what darks could not show."""
-    notes, lost = [], found.fit.lost
+def of_darks(found: Measurements) -> Iterator[str]:
+    """Yield what darks could not show."""
     if not found.frames[0]:
-        notes.append("black level: no darks; the profile's is used: capture biases")
-    if found.tails is None and not lost:
-        notes.append("read noise: needs two darks of one exposure")
-    elif found.tails is not None and found.tails.excess_kurtosis is None:
-        noise = found.figure("temporal dark noise")
-        size = f"{noise.value:.2f} DN is" if noise else "it is"
-        notes.append(
-            f"tails of the read noise: {size} "
-            f"below {found.sites.step} DN, a step of the codes, where rounding shapes "
-            "them: capture at a higher ISO"
-        )
-    if found.frames[0] and found.figure("black level drift") is None and not lost:
-        notes.append(
-            "black level drift: needs two darks of the shortest exposure; errors of "
-            "black level and dark current leave it out"
-        )
-    if found.frames[0] and found.dark is None and lost != "cut":
-        notes.append(
+        yield "black level: no darks; the profile's is used: capture biases"
+    if not found.fit.lost:
+        yield from of_noise(found)
+    if found.frames[0] and found.dark is None and found.fit.lost != "cut":
+        yield (
             "dark current, hot pixels, glow: need darks of two exposures: add some as "
             "long as the camera is used for"
         )
     elif found.dark is not None and found.dark.doubling is None:
-        notes.append(
-            "doubling temperature: needs long darks at two temperatures, 5 K apart"
-        )
+        yield "doubling temperature: needs long darks at two temperatures, 5 K apart"
     if found.spread is not None and found.spread.has_too_many_hot:
-        notes.append(
-            f"hot pixels: {found.spread.hot_words}, where the search ends; the "
-            "profile keeps what it said of them: capture cooler or shorter darks"
+        yield (
+            f"hot pixels: {found.spread.hot_words}, where the search ends; the profile "
+            "keeps what it said of them: capture cooler or shorter darks"
         )
     if found.fit.misfit > HIGH_MISFIT:
-        notes.append(
-            f"black level: levels of darks miss their line over exposure time by "
+        yield (
+            "black level: levels of darks miss their line over exposure time by "
             f"{found.fit.misfit:.1f} times their drift, as where they move between "
-            "series or the temperature is not held: errors of black level and dark "
-            "current are widened by that"
+            "series or the temperature is not held: the error of the dark current is "
+            "widened by that"
         )
-    return notes
 
 
-def of_flats(found: Measurements) -> list[str]:
-    """Return what flats could not show."""
+def of_noise(found: Measurements) -> Iterator[str]:
+    """Yield what darks whose noise shows could not show of it."""
+    tails, noise = found.tails, found.figure("temporal dark noise")
+    if tails is None:
+        yield "read noise: needs two darks of one exposure"
+    elif tails.excess_kurtosis is None and noise is not None:
+        yield (
+            f"tails of the read noise: {noise.value:.2f} DN is below {found.sites.step}"
+            " DN, a step of the codes, where rounding shapes them: capture at a higher "
+            "ISO"
+        )
+    if found.frames[0] and found.figure("black level drift") is None:
+        yield (
+            "black level drift: needs two darks of the shortest exposure; errors of "
+            "black level and dark current leave it out"
+        )
+
+
+def of_flats(found: Measurements) -> Iterator[str]:
+    """Yield what flats could not show."""
     if not found.frames[1]:
-        return [
-            "gain, PRNU, shading, linearity: no flats: capture some, of many levels"
-        ]
-    notes = []
-    transfer = found.transfer
+        yield "gain, PRNU, shading, linearity: no flats: capture some, of many levels"
+        return
+    transfer, line = found.transfer, found.linearity
     if found.faint:
         limit = math.sqrt(COARSE) * found.sites.step
-        notes.append(
+        yield (
             f"{found.faint} flats vary by less than {limit:.2g} DN, by rounding more "
             "than by light: they are in no number: expose more, or at a higher ISO"
         )
     if found.figure("gain") is None:
-        notes.append(
+        yield (
             f"gain: needs two flats of one level below {LINEAR:.0%} of saturation, and "
             "two darks or flats of other levels"
         )
     if transfer is not None and transfer.saturation is None:
-        notes.append("full well: no flats reach it: add some, brighter and brighter")
+        yield "full well: no flats reach it: add some, brighter and brighter"
     if found.light is None:
-        notes.append("PRNU, shading: need two flats of one level below saturation")
+        yield "PRNU, shading: need two flats of one level below saturation"
     elif not found.frames[0]:
-        notes.append("PRNU: without darks the pixels' own offsets count as response")
-    line = found.linearity
-    if line is not None and line.quadratic.stands_out and line.bend < STEADY:
-        notes.append(
-            f"linearity: levels are off proportional to exposure time by "
+        yield "PRNU: without darks the pixels' own offsets count as response"
+    if line is None:
+        yield "linearity: needs flats of three exposures under one lamp, " + (
+            f"{LOWEST:.0%} to {HIGHEST:.0%} of saturation"
+        )
+    elif line.quadratic.stands_out and line.bend < STEADY:
+        yield (
+            "linearity: levels are off proportional to exposure time by "
             f"{line.bend:.2%} in the mean, as lamps and shutters may be (below "
             f"{STEADY:.1%}): no nonlinearity is written to the profile"
         )
-    if found.linearity is None:
-        notes.append(
-            "linearity: needs flats of three exposures under one lamp, 5 to 95 % of "
-            "saturation"
-        )
-    return notes

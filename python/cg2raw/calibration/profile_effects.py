@@ -24,30 +24,15 @@ SHADING_FLOOR = 1e-3  # rms; no lamp is flatter
 STEADY = 5e-3  # relative, of a lamp and a shutter from exposure to exposure
 
 
-def effects_found(
-    found: Measurements, known: set[str], has_shapes: bool
-) -> tuple[dict[str, Found | None], list[str]]:
-    """Return ({effect: its values, None if it does not stand out}, notes).
+def effects_found(found: Measurements, has_shapes: bool) -> dict[str, Found | None]:
+    """Return {effect: its values, None if it does not stand out}.
 
-    known : names of the registry. has_shapes : the rows of noise say row_sigma, so that
-    rows' noise is no effect. What the frames cannot show is not in it."""
-    answers: dict[str, Found | None] = {}
-    for name, look in LOOKS.items():
-        answer = look(found)
-        if answer is not False:
-            answers[name] = answer
-    if has_shapes and "row_noise" in answers:
+    has_shapes : the rows of noise say row_sigma, so that rows' noise is no effect. What
+    the frames cannot show is not in it."""
+    answers = {look.__name__: look(found) for look in LOOKS}
+    if has_shapes and answers["row_noise"]:
         answers["row_noise"] = None
-    wanted = [name for name, values in answers.items() if values is not None]
-    lacking = [name for name in wanted if name not in known]
-    notes = []
-    if lacking:
-        notes.append(
-            f"{', '.join(lacking)}: found, and no effect of this version of cg2raw: "
-            "the profile goes without"
-        )
-    kept = {name: values for name, values in answers.items() if name in known}
-    return kept, notes + tails(found)
+    return {name: answer for name, answer in answers.items() if answer is not False}
 
 
 def tails(found: Measurements) -> list[str]:
@@ -213,23 +198,8 @@ def quantisation(c: Measurements) -> Answer:
     return {"step": c.sites.step / c.range} if c.sites.step > 1 else None
 
 
-LOOKS: dict[str, Callable[[Measurements], Answer]] = {
-    look.__name__: look
-    for look in (
-        bias_structure,
-        black_level_drift,
-        column_fixed_pattern,
-        dsnu,
-        row_noise,
-        read_noise_correlation,
-        dark_current,
-        dark_current_nonuniformity,
-        hot_pixels,
-        amplifier_glow,
-        prnu,
-        lens_shading,
-        nonlinearity,
-        full_well,
-        quantisation,
-    )
-}
+LOOKS: tuple[Callable[[Measurements], Answer], ...] = (
+    bias_structure, black_level_drift, column_fixed_pattern, dsnu, row_noise,
+    read_noise_correlation, dark_current, dark_current_nonuniformity, hot_pixels,
+    amplifier_glow, prnu, lens_shading, nonlinearity, full_well, quantisation,
+)  # fmt: skip

@@ -28,22 +28,17 @@ def screened(
     off}). Raises ValueError for repeats that are none, if no majority says which.
 
     black : (sites,) DN, where no dark shows it."""
-    darks = [g for g in groups if g.frames[0].frame.kind == "dark"]
-    level = float(np.mean(darks[0].level if darks else black))
+    level = float(np.mean(next((g.level for g in groups if g.kind == "dark"), black)))
     found, excluded = [], dict[str, str]()
     for group in groups:
-        if len(group.frames) < FEWEST:
-            check_alike(group, level)
-            if why := other_light(group, groups):
-                excluded[group.frames[0].frame.name] = why
-            else:
-                found.append(group)
-            continue
         off = {item.frame.name: how_off(item, group, level) for item in group.frames}
-        kept = [item for item in group.frames if not off[item.frame.name]]
+        if len(group.frames) < FEWEST:
+            off = dict.fromkeys(off, other_light(group, groups))
+        kept = tuple(item for item in group.frames if not off[item.frame.name])
         excluded |= {name: why for name, why in off.items() if why}
-        found.append(Group(tuple(kept)))
-        check_alike(found[-1], level)
+        if kept:
+            check_alike(Group(kept), level)
+            found.append(Group(kept))
     return found, excluded
 
 
@@ -59,10 +54,8 @@ def how_off(item: Scanned, group: Group, black: float) -> str:
     spread = MAD * float(np.median(np.abs(levels - middle)))
     most = max(noise, SAME_LEVEL * (middle - black), FAR * spread)
     others = others_of(group, len(levels) - 1)
-    off = item.mean_level - middle
-    if abs(off) > most:
-        where = "above" if off > 0 else "below"
-        return f"its level is {abs(off):.1f} DN {where} {others}"
+    if abs(item.mean_level - middle) > most:
+        return level_off(item.mean_level - middle, others)
     if not noise / NOISIER <= item.noise <= noise * NOISIER:
         return f"its noise is {item.noise:.2f} DN, {others} {noise:.2f} DN"
     if item.far > far + MORE_FAR_PIXELS:
@@ -73,34 +66,35 @@ def how_off(item: Scanned, group: Group, black: float) -> str:
 def other_light(group: Group, groups: Sequence[Group]) -> str:
     """Return by what a single flat's level is off the flats of its exposure, "" of
     others."""
-    time, level = group.exposure_time, float(group.level.mean())
-    if len(group.frames) > 1 or group.frames[0].frame.kind == "dark" or time is None:
+    if len(group.frames) > 1 or group.kind == "dark" or group.exposure_time is None:
         return ""
     for other in groups:
-        first = other.frames[0].frame
-        if first.kind == "flat" and first.exposure_time == time and other.frames[1:]:
-            off = level - float(other.level.mean())
-            where = "above" if off > 0 else "below"
-            return f"its level is {abs(off):.1f} DN {where} {others_of(other)}"
+        alike = other.kind == "flat" and other.exposure_time == group.exposure_time
+        if alike and other.frames[1:]:
+            off = float(group.level.mean() - other.level.mean())
+            return level_off(off, others_of(other, len(other.frames)))
     return ""
 
 
-def others_of(group: Group, count: int | None = None) -> str:
+def level_off(off: float, others: str) -> str:
+    """Return "its level is 3.0 DN above that of others"."""
+    return f"its level is {abs(off):.1f} DN {'above' if off > 0 else 'below'} {others}"
+
+
+def others_of(group: Group, count: int) -> str:
     """Return "that of the 4 other darks of 30 s"."""
-    many = len(group.frames) if count is None else count
     time = group.exposure_time
-    words = f"that of the {many} other {group.frames[0].frame.kind}s"
+    words = f"that of the {count} other {group.kind}s"
     return words if time is None else f"{words} of {time:g} s"
 
 
 def check_alike(group: Group, black: float) -> None:
     """Raise ValueError for frames whose levels or noise are not of one exposure."""
-    order = sorted(group.frames, key=lambda item: item.mean_level)
-    low, high = order[0], order[-1]
-    noise = float(np.median([item.noise for item in order]))
+    low, *_, high = sorted(group.frames * 2, key=lambda item: item.mean_level)
+    quiet, *_, loud = sorted(group.frames * 2, key=lambda item: item.noise)
+    noise = float(np.median([item.noise for item in group.frames]))
     off = high.mean_level - low.mean_level
-    charge = float(np.median([item.mean_level for item in order])) - black
-    quiet, *_, loud = sorted([*order, *order], key=lambda item: item.noise)
+    charge = float(np.median([item.mean_level for item in group.frames])) - black
     if off > max(FAR * noise, MOST_SCATTER * charge):
         what = f"{high.frame.name}: is {off:.1f} DN above {low.frame.name}"
     elif loud.noise > NOISIER**2 * quiet.noise:

@@ -133,11 +133,10 @@ def seen_all(
     their own, but for the shortest. tell : called with the share done."""
     listed = []
     for group, split in zip(groups, splits_of(groups), strict=True):
-        first = group.frames[0].frame
         names = tuple(scanned.frame.name for scanned in group.frames)
         at = group.exposure_time, group.temperature, split
         readers = [scanned.frame.pixels for scanned in group.frames]
-        listed.append((GroupInfo(first.kind, names, *at), readers))
+        listed.append((GroupInfo(group.kind, names, *at), readers))
     found, mean_of = statistics_and_means(
         listed,
         sites.side,
@@ -153,7 +152,7 @@ def seen_all(
 def splits_of(groups: Sequence[Group]) -> list[str]:
     """Return "" of flats, of the shortest darks and of the set point of most frames
     with charge; of other darks their temperature."""
-    darks = [g for g in groups if g.frames[0].frame.kind == "dark"]
+    darks = [group for group in groups if group.kind == "dark"]
     least = min((g.exposure_time or 0.0 for g in darks), default=0.0)
     points = set_points([g.temperature for g in darks])
     charged = dict.fromkeys(sorted(points), 0)

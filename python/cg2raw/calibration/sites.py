@@ -17,6 +17,7 @@ from cg2raw.statistics.codes import ROUNDING
 
 Number = TypeVar("Number", bound=np.generic)
 BLOCKS = 8  # along each side of a frame, for what changes over the field
+LEAST_REPEATS = 3 * BLOCKS  # of the CFA along each side: three to a block
 FIELD_BLOCKS = 32  # likewise, of maps of light and of dark current
 
 
@@ -28,8 +29,6 @@ class Sites:
 
     count: int
     names: tuple[str, ...]
-    # Of the CFA along each side of a frame: three to a block.
-    least_repeats: int = 3 * BLOCKS
     step: int = 1
 
     @property
@@ -56,14 +55,12 @@ class Sites:
 
 def sites_of(sensor: Sensor) -> Sites:
     """Return the sites of a sensor, named by their colours where it has any."""
-    letters = sensor.cfa
-    if is_mono(letters):
-        return Sites(1, ("",))
+    letters = "" if is_mono(sensor.cfa) else sensor.cfa
     names = []
-    for index, letter in enumerate(letters):
-        number = letters[: index + 1].count(letter)
-        names.append(f"{letter}{number}" if letters.count(letter) > 1 else letter)
-    return Sites(len(names), tuple(names))
+    for index, letter in enumerate(letters, 1):
+        number = letters[:index].count(letter) if letters.count(letter) > 1 else ""
+        names.append(f"{letter}{number}")
+    return Sites(max(len(names), 1), tuple(names) or ("",))
 
 
 def blocks_of(

@@ -7,12 +7,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from cg2raw.calibration.darks import LEAST_LAMBDA
 from cg2raw.calibration.fitting import OF_LIGHT
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.structure import EXTENTS
-from cg2raw.calibration.tails import LEAST_LAMBDA
-from cg2raw.model.figures import Figure
 
 # Figures of the fit of all frames, by section.
 BLACK = ("black level", "black level drift")
@@ -47,135 +46,116 @@ class Row:
     more: str = ""
 
 
+Line = tuple[str, Measured | None, str]  # name, value, more of a row
+
+
 def rows_of(found: Measurements) -> list[Row]:
     """Return all numbers of a calibration in the order of the physics."""
-    parts = (black_rows, noise_rows, dark_rows, light_rows)
-    return [row for part in parts for row in part(found)]
+    sections = {
+        "black": black_lines,
+        "noise": noise_lines,
+        "dark current": dark_lines,
+        "light": light_lines,
+    }
+    return [
+        Row(section, name, value, in_electrons(found, name, value), more)
+        for section, lines in sections.items()
+        for name, value, more in lines(found)
+    ]
 
 
-def in_electrons(found: Measurements, value: Measured | None) -> Measured | None:
-    """Return DN (or DN/s) in electrons; None without a gain."""
+def in_electrons(
+    found: Measurements, name: str, value: Measured | None
+) -> Measured | None:
+    """Return DN (or DN/s) in electrons; None without a gain, and of the black level,
+    which is no charge."""
     gain = found.figure("gain")
-    if value is None or gain is None:
+    if value is None or gain is None or name == BLACK[0] or value.unit[:2] != "DN":
         return None
-    unit = value.unit.replace("DN", "e-")
     product = value.value * gain.value
-    parts = (
-        value.standard_error * gain.value,
-        value.value * gain.standard_error,
-    )
-    return Measured(product, math.hypot(*parts), unit)
+    parts = value.standard_error * gain.value, value.value * gain.standard_error
+    return Measured(product, math.hypot(*parts), value.unit.replace("DN", "e-"))
 
 
-def black_rows(found: Measurements) -> Iterator[Row]:
+def black_lines(found: Measurements) -> Iterator[Line]:
     """Yield what stands in a dark of no time."""
-
-    def row(name: str, value: Measured | None, more: str = "") -> Row:
-        return Row("black", name, value, in_electrons(found, value), more)
-
-    yield from figures(found, "black", BLACK)
+    yield from figures(found, BLACK)
     s = found.structure
-    yield row("ramp, left to right", s.horizontal if s else None)
-    yield row("ramp, top to bottom", s.vertical if s else None)
+    yield "ramp, left to right", s.horizontal if s else None, ""
+    yield "ramp, top to bottom", s.vertical if s else None, ""
     if s is not None and s.edge is not None and s.edge_length is not None:
         at = f"{s.edge_length.value:.3g} px, where the search ends"
         over = f"more than {at}" if s.edge_is_longer else told(s.edge_length)
-        edge = None if s.edge_is_longer else s.edge
-        yield row("first columns", edge, f"over {over}")
-    yield from figures(found, "black", PATTERNS)
+        yield "first columns", None if s.edge_is_longer else s.edge, f"over {over}"
+    yield from figures(found, PATTERNS)
 
 
-def noise_rows(found: Measurements) -> Iterator[Row]:
+def noise_lines(found: Measurements) -> Iterator[Line]:
     """Yield the noise of a dark of no time."""
-    yield from figures(found, "noise", NOISE)
+    yield from figures(found, NOISE)
     tails, shape = found.tails, ""
     if tails is not None and tails.tukey_lambda is not None:
         beyond = "at most " if tails.tukey_lambda <= LEAST_LAMBDA else ""
         shape = f"Tukey lambda {beyond}{tails.tukey_lambda:.2f} (normal: 0.14)"
-    kurtosis = tails.excess_kurtosis if tails else None
-    yield Row("noise", "excess kurtosis", kurtosis, None, shape)
+    yield "excess kurtosis", tails.excess_kurtosis if tails else None, shape
 
 
-def dark_rows(found: Measurements) -> Iterator[Row]:
+def dark_lines(found: Measurements) -> Iterator[Line]:
     """Yield what gathers with time."""
     if found.dark is None:
-        yield Row("dark current", "dark current, median", None)
+        yield "dark current, median", None, ""
         return
     for temperature, rate in found.dark.rates:
         at = "" if temperature is None else f"at {temperature:.1f} C"
-        name = "dark current, median"
-        yield Row("dark current", name, rate, in_electrons(found, rate), at)
-    yield Row("dark current", "doubling temperature", found.dark.doubling)
-    s = found.spread
-    if s is not None:
+        yield "dark current, median", rate, at
+    yield "doubling temperature", found.dark.doubling, ""
+    if (s := found.spread) is not None:
         quantiles = "  ".join(
             f"{100 * share:g} %: {value:.3g}" for share, value in s.quantiles.items()
         )
-        middle = s.rate if s.is_uneven else None
         words = f"{s.uneven_words}; " if s.uneven_words else ""
-        yield Row(
-            "dark current",
-            "nonuniformity, rate",
-            middle,
-            in_electrons(found, middle),
-            f"{words}above the median, DN/s: {quantiles}",
-        )
+        words += f"above the median, DN/s: {quantiles}"
+        yield "nonuniformity, rate", s.rate if s.is_uneven else None, words
         log_sigma = s.log_sigma if s.is_uneven else None
-        name = "nonuniformity, sigma of log"
-        yield Row("dark current", name, log_sigma, None, s.uneven_words)
+        yield "nonuniformity, sigma of log", log_sigma, s.uneven_words
         share = s.fraction.scaled(100, "%") if s.has_hot else None
-        yield Row("dark current", "hot pixels", share, None, s.hot_words)
-        hot = s.hot_rate if s.has_hot else None
-        name = "hot pixels, mean rate"
-        yield Row("dark current", name, hot, in_electrons(found, hot))
-    yield from figures(found, "dark current", DARK)
-    g = found.glow
-    if g is not None and g.stands_out:
+        yield "hot pixels", share, s.hot_words
+        yield "hot pixels, mean rate", s.hot_rate if s.has_hot else None, ""
+    yield from figures(found, DARK)
+    if (g := found.glow) is not None and g.stands_out:
         at = f"from row {g.row:+.0f}, column {g.column:+.0f}"
-        value = g.per_second if g.is_measured else None
-        at += "" if value else f": wider than {EXTENTS[-1]:g} half diagonals"
-        shine = in_electrons(found, value)
-        yield Row("dark current", "amplifier glow", value, shine, at)
+        at += "" if g.is_measured else f": wider than {EXTENTS[-1]:g} half diagonals"
+        yield "amplifier glow", g.per_second if g.is_measured else None, at
 
 
-def light_rows(found: Measurements) -> Iterator[Row]:
+def light_lines(found: Measurements) -> Iterator[Line]:
     """Yield what light shows."""
     t, light = found.transfer, found.light
-    gain, prnu, shading = OF_LIGHT
-    yield from figures(found, "light", (gain,))
-    full = t.saturation if t else None
-    clipped = t.clipped_by if t else ""
-    yield Row("light", "saturation", full, in_electrons(found, full), clipped)
-    yield Row("light", "dynamic range", dynamic_range(found))
-    x = found.linearity
-    yield Row("light", "linearity error", x.error if x else None)
-    yield from figures(found, "light", (prnu, shading))
+    gain, *others = OF_LIGHT
+    yield from figures(found, (gain,))
+    yield "saturation", t.saturation if t else None, t.clipped_by if t else ""
+    yield "dynamic range", dynamic_range(found), ""
+    yield "linearity error", found.linearity.error if found.linearity else None, ""
+    yield from figures(found, others)
     residual = Measured(100 * light.residual, 0.0, "%") if light else None
-    yield Row("light", "shading besides, as of dust", residual)
+    yield "shading besides, as of dust", residual, ""
     lamp = found.lamp.scaled(100, "%") if found.lamp else None
-    yield Row("light", "lamp, frame to frame", lamp)
+    yield "lamp, frame to frame", lamp, ""
 
 
-def figures(found: Measurements, section: str, names: Sequence[str]) -> Iterator[Row]:
+def figures(found: Measurements, names: Sequence[str]) -> Iterator[Line]:
     """Yield figures of the fit, the mean of all sites: of few sites with each of them,
     of one with the 95 % interval; those missing without."""
     for name in names:
-        value = found.figure(name)
-        ratios = name in ("PRNU", "shading")
+        value, scale = found.figure(name), 1
+        if name in ("PRNU", "shading") and value is not None:
+            value, scale = value.scaled(100, "%"), 100
         listed = [one for one in found.fit.figures if one.name == name]
-        more = each(found, found.each(name)) if len(listed) > 1 else ""
+        more = each(found, found.each(name))
         if len(listed) == 1:
-            more = interval(listed[0], 100 if ratios else 1)
-        shown = value.scaled(100, "%") if ratios and value else value
-        in_dn = value is not None and value.unit.startswith("DN")
-        is_level = name == "black level"
-        electrons = in_electrons(found, value) if in_dn and not is_level else None
-        yield Row(section, ROWS.get(name, name), shown, electrons, more)
-
-
-def interval(figure: Figure, scale: float) -> str:
-    """Return "95 %: 1.2 to 1.4"."""
-    return f"95 %: {figure.low * scale:.5g} to {figure.high * scale:.5g}"
+            ends = listed[0].low * scale, listed[0].high * scale
+            more = "95 %: {:.5g} to {:.5g}".format(*ends)
+        yield ROWS.get(name, name), value, more
 
 
 def dynamic_range(found: Measurements) -> Measured | None:

@@ -4,6 +4,7 @@
 """Updated profile: a sensor with what was measured in place of what it had."""
 
 import json
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from cg2raw import _core
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.profile_effects import Found, effects_found
+from cg2raw.calibration.profile_effects import Found, effects_found, tails
 from cg2raw.io.json_text import formatted
 from cg2raw.sensor import Sensor
 
@@ -25,7 +26,7 @@ def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]
     """Return (JSON of a sensor's profile with what was measured, notes)."""
     profile = json.loads(sensor.to_json())
     known = {effect["name"]: effect for effect in _core.effects()}
-    effects, notes = effects_found(found, set(known), has_shapes(profile))
+    effects, notes = effects_found(found, has_shapes(profile)), tails(found)
     frames = f"{found.frames[0]} darks and {found.frames[1]} flats"
     source = f"{SOURCE}: {frames}"
     has_level = bool(found.each("black level"))
@@ -74,15 +75,17 @@ def add_noise(
     if found.iso is None or not found.fit.figures:
         return []
     betas = betas_of(found, sensor)
-    if isinstance(betas, str):
-        return [betas]
-    beta1, beta2 = betas
-    row: dict[str, Any] = {"iso": found.iso, "beta1": beta1, "beta2": beta2}
+    if len(betas) < 2:
+        lacking = "darks" if "beta1" in betas else "flats"
+        if found.fit.lost:
+            lacking = "flats of several levels from faint ones on"
+        return [f"noise: no row is written: give {lacking}, too"]
+    row: dict[str, Any] = {"iso": found.iso, **betas}
     old = {r["iso"]: r for r in profile.get("noise", [])}
     if has_shapes(profile):
         before = old.get(found.iso, profile["noise"][0])
-        row = {**before, **row, **shape_of(found, beta2, before)}
-        row["beta2"] = [rounded(b + row["row_sigma"] ** 2) for b in beta2]
+        row = {**before, **row, **shape_of(found, before)}
+        row["beta2"] = [rounded(b + row["row_sigma"] ** 2) for b in row["beta2"]]
     old[found.iso] = row
     profile["noise"] = [old[iso] for iso in sorted(old)]
     profile["sources"]["noise"] = f"ISO {found.iso:g}: {source}" + (
@@ -93,35 +96,24 @@ def add_noise(
     return []
 
 
-def betas_of(
-    found: Measurements, sensor: Sensor
-) -> tuple[list[float], list[float]] | str:
-    """Return (beta1, beta2) of each site, what was not measured by the profile; a note
-    if neither says it."""
-    count, beta1, beta2 = found.sites.count, None, None
+def betas_of(found: Measurements, sensor: Sensor) -> dict[str, list[float]]:
+    """Return beta1 and beta2 of each site, what was not measured by the profile; what
+    neither says is missing."""
+    count, betas = found.sites.count, dict[str, list[float]]()
+    with suppress(ValueError):  # no noise at this ISO
+        row = sensor.noise_at(float(found.iso or 0))
+        betas = {n: list(np.broadcast_to(row[n], count)) for n in ("beta1", "beta2")}
     if gains := found.each("gain"):
-        beta1 = [1 / (m.value * found.range) for m in gains]
+        betas["beta1"] = [1 / (one.value * found.range) for one in gains]
     read = found.each("read noise")
-    if all(m.variance_stands_out for m in read) and read:
-        beta2 = [(m.value / found.range) ** 2 for m in read]
+    if read and all(one.variance_stands_out for one in read):
+        betas["beta2"] = [(one.value / found.range) ** 2 for one in read]
     elif found.fit.lost == "coarse":
-        beta2 = [0.0] * count
-    if beta1 is None or beta2 is None:
-        try:
-            row = sensor.noise_at(float(found.iso or 0))
-        except ValueError:
-            lacking = "flats" if beta1 is None else "darks"
-            if found.fit.lost:
-                lacking = "flats of several levels from faint ones on"
-            return f"noise: no row is written: give {lacking}, too"
-        beta1 = list(np.broadcast_to(row["beta1"], count)) if beta1 is None else beta1
-        beta2 = list(np.broadcast_to(row["beta2"], count)) if beta2 is None else beta2
-    return [rounded(b) for b in beta1], [rounded(b) for b in beta2]
+        betas["beta2"] = [0.0] * count
+    return {name: [rounded(beta) for beta in each] for name, each in betas.items()}
 
 
-def shape_of(
-    found: Measurements, beta2: list[float], before: dict[str, Any]
-) -> dict[str, float]:
+def shape_of(found: Measurements, before: dict[str, Any]) -> dict[str, float]:
     """Return how a row of noise says that it is distributed."""
     if found.tails is None:
         return {name: before[name] for name in ("tukey_lambda", "row_sigma")}
@@ -141,15 +133,11 @@ def bounds_passed(values: Found, known: dict[str, Any]) -> list[str]:
         low, high = parameter["min"], parameter["max"]
         if not isinstance(given, Measured):
             continue
-        half = CI95 * given.standard_error
-        if low < given.value < high or (
-            given.value not in (low, high) and low - half < given.value < high + half
-        ):
-            continue
-        found.append(
-            f"{parameter['name']} is {given.value:.4g}; must be between {low:g} and "
-            f"{high:g}"
-        )
+        value, half = given.value, CI95 * given.standard_error
+        within = value not in (low, high) and low - half < value < high + half
+        if not (within or low < value < high):
+            name = parameter["name"]
+            found.append(f"{name} is {value:.4g}; must be between {low:g} and {high:g}")
     return found
 
 

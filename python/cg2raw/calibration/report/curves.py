@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cg2raw.calibration.darks import HISTOGRAM
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.table import told
-from cg2raw.calibration.tails import HISTOGRAM
 from cg2raw.io.plot import (
     HEIGHT,
     draw_profile,
