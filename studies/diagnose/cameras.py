@@ -20,13 +20,11 @@ import numpy as np
 import yaml
 
 from cg2raw import Sensor
-from cg2raw.calibration import calibrate
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.reader import read_captures, read_frames
 from cg2raw.synthetic.synthetic_camera import stream
-from studies.diagnose.real import uniform
+from studies.diagnose.real import calibrated_by, uniform
 from studies.diagnose.real_frames import Shot, shots
-from studies.diagnose.refinement import refined
 from studies.places import ROOT
 
 FILE = Path(__file__).with_name("frozen") / "cameras.json"
@@ -214,5 +212,4 @@ def _profile(name: str, said: Mapping[str, Any]) -> dict[str, Any]:
 
 def _calibrated(path: Path) -> Sensor:
     _, sensor, frames, _ = read_frames(path)
-    found = [uniform(frame.capture) for frame in frames]
-    return refined(calibrate(sensor, found, threads=1), found)
+    return calibrated_by(sensor, [uniform(frame.capture) for frame in frames])

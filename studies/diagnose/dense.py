@@ -18,13 +18,6 @@ from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.effects.registry import registered
-from cg2raw.diagnose.frames.reader import PIXELS, read_frames
-from cg2raw.diagnose.inference.baseline import baseline_of
-from cg2raw.diagnose.inference.calibrated_start import calibrated_start
-from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.workers import Workers
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
@@ -64,7 +57,7 @@ def _factors(effect: Effect) -> tuple[float, ...]:
     it, and only its absence is a fault. Photons are counted or they are not."""
     if effect.scales:
         return NOISE_FACTORS
-    whole = effect.estimator == "fixed pattern" or effect.name == "poisson_shot_noise"
+    whole = effect.estimator == "stated" or effect.name == "poisson_shot_noise"
     return (0.0,) if whole else FACTORS
 
 
@@ -124,28 +117,9 @@ class DenseCase:
         )
         return truth
 
-    def evidence(self, names: Sequence[str]) -> dict[str, float]:
-        """Return, per effect, the nats by which the true profile makes the select
-        frames likelier than one that is wrong in this effect alone: both with their
-        maps, from the fit frames, which take up of a fault what looks like them. A
-        diagnosis, which has to fit all, can gain less."""
-        model, splits = self._begun({})
-        whole = splits.select.total(model)
-        return {
-            name: whole
-            - splits.select.total(self._begun({name: self.strengths[name]})[0])
-            for name in names
-        }
-
-    def _begun(self, faults: Mapping[str, float | None]) -> tuple[Model, Splits]:
-        """Return where the search of a profile with faults begins."""
-        given = replace(self._true_captures, sensor=self.sensor(faults))
-        frames = read_frames(given, noise_models(given), PIXELS, lambda *_: None)
-        baseline = baseline_of(given, Splits(frames, Workers(1)), lambda *_: None)
-        start = calibrated_start(baseline, candidates(CFA))
-        if start is None:
-            return baseline.model, baseline.splits
-        return start.model, start.splits
+    def evidence(self, _: Sequence[str]) -> dict[str, float]:
+        """The density of frames with maps of their own is not known."""
+        return {}
 
     def expected(self) -> dict[str, dict[str, float]]:
         """Return the values that estimates of hidden effects should hold: what is to be

@@ -22,7 +22,6 @@ from cg2raw.diagnose.inference.nameable import DISTINCT
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.synthetic_camera import stream
 from studies.diagnose.planted import PLANTS, levels_of, planted
-from studies.diagnose.refinement import refined
 
 MANIFEST = "captures.yaml"  # of a folder
 PLANTED, CALIBRATED = 6, 4  # frames that repeat each other; 6 are two a split
@@ -107,8 +106,15 @@ def calibrated(path: Path, division: int | None) -> tuple[Sensor, tuple[Frame, .
     rng = None if division is None else stream(division, "halves")
     first, second = halves(frames, rng)
     calm = [uniform(frame.capture) for frame in first]
-    profile = refined(calibrate(sensor, calm, threads=1), calm)
-    return profile, tuple(replace(frame, borders=()) for frame in second)
+    return calibrated_by(sensor, calm), tuple(
+        replace(frame, borders=()) for frame in second
+    )
+
+
+def calibrated_by(sensor: Sensor, frames: Sequence[UniformFrame]) -> Sensor:
+    """Return a sensor with the profile that calibrate makes of darks and flats."""
+    text = calibrate(sensor, frames, threads=1).updated_profile()
+    return Sensor.from_json(text, f"{sensor.id}, calibrated")
 
 
 def uniform(capture: Capture) -> UniformFrame:

@@ -13,7 +13,6 @@ from cg2raw.diagnose import diagnose, read_captures
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import candidates
-from cg2raw.diagnose.inference.slow_part import high_pass
 from diagnose.planted import FULL_WELL, READ, capture_of
 from oracles import cameras
 from tiers import first_fast
@@ -167,18 +166,6 @@ def test_what_tells_colours_apart_is_no_candidate():
     assert offset.parameters == ("offset_00",)
     with pytest.raises(ValueError, match="cannot be left out"):
         candidates("MONO", without=["fog"])
-
-
-def test_a_map_is_of_single_pixels():
-    """A checkerboard is two levels of a Bayer sensor's sites, and a map without."""
-    rows, columns = np.indices(SHAPE)
-    board = ((rows + columns) % 2 - 0.5)[None]
-    known = np.ones(board.shape, bool)
-    np.testing.assert_allclose(high_pass(board, known, 2), 0, atol=1e-6)
-    inner = np.s_[:, 20:-20, 20:-20]
-    np.testing.assert_allclose(
-        high_pass(board, known, 1)[inner], board[inner], atol=1e-3
-    )
 
 
 @pytest.mark.slow

@@ -87,6 +87,21 @@ class DarksAndFlats:
         flats = of_levels.names if of_levels is not None else []
         return frozenset([*self.selection.gains, *levels, *flats])
 
+    @property
+    def masked(self) -> NDArray[np.bool_]:
+        """(H, W) samples that are none of a pattern: hot, or in a line that is."""
+        planes = self.statistics.planes
+        side = round(len(planes) ** 0.5)
+        shape = [
+            sum(p.masked.shape[axis] for p in planes[:: [side, 1][axis]][:side])
+            for axis in (0, 1)
+        ]
+        found = np.zeros(shape, bool)
+        for site, plane in enumerate(planes):
+            row, column = divmod(site, side)
+            found[row::side, column::side] = plane.masked
+        return found
+
     def of_split(self, split: str) -> ConstantStatistics:
         """Return the statistics of a split."""
         return of_splits(self.statistics, (split,))

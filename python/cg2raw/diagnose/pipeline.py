@@ -12,7 +12,12 @@ import numpy as np
 
 from cg2raw.diagnose.assessment.verdict import assessed
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.darks_and_flats import OF_IMAGES, is_constant, repeats
+from cg2raw.diagnose.darks_and_flats import (
+    OF_IMAGES,
+    darks_and_flats,
+    is_constant,
+    repeats,
+)
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.reader import read_frames
@@ -72,31 +77,37 @@ def diagnose(
         say(text, share)
 
     constant = [c for c in capture_set.captures if is_constant(c)]
-    of_images = names & OF_IMAGES
+    of_images = names & (OF_IMAGES | {"black_level"})
     found, images = None, capture_set
     if constant and repeats(capture_set):
         is_all = len(constant) == len(capture_set.captures)
         decided = replace(capture_set, captures=constant)
         try:
             with raised():
-                found = diagnosis_of(
-                    decided,
-                    alpha,
-                    names if is_all else names - OF_IMAGES,
-                    most == 0,
-                    () if is_all else OF_IMAGES,
-                    said,
-                )
+                own = names if is_all else names - OF_IMAGES
+                seen = darks_and_flats(decided, alpha, own, said)
+                free = frozenset() if is_all else OF_IMAGES
+                found = diagnosis_of(seen, own, most == 0, free)
         except (KeyboardInterrupt, TimeIsUp) as ended:
             interrupted = isinstance(ended, KeyboardInterrupt)
             found = unfinished(capture_set, interrupted=interrupted)
         if is_all or found.verdict == "incomplete":
             say("done", 1.0)
             return replace(found, seconds=time.monotonic() - started)
-        images = with_images_alone(capture_set, found)
-        names = of_images
+        images = with_images_alone(capture_set, found, seen.masked)
+        of_images &= OF_IMAGES
     workers = Workers(threads, deadline)
-    second = _searched(images, names, alpha, most, say, workers, pixels, details)
+    second = _searched(
+        images,
+        of_images,
+        alpha,
+        most,
+        say,
+        workers,
+        pixels,
+        details,
+        found is not None or most == 0,
+    )
     say("done", 1.0)
     whole = second if found is None else together(found, second)
     return replace(whole, seconds=time.monotonic() - started)
@@ -122,20 +133,21 @@ def _searched(
     workers: Workers,
     pixels: int | None,
     details: bool,
+    is_noise_known: bool,
 ) -> Diagnosis:
     """Return what a search finds in scenes and charts, and in what does not repeat.
 
-    names : which may be named."""
+    names : which may be named. is_noise_known : by darks and flats."""
     frames = read_frames(capture_set, noise_models(capture_set), pixels, say)
     splits = Splits(frames, workers)
     splits.check()
-    baseline = baseline_of(capture_set, splits, say)
+    baseline = baseline_of(capture_set, splits, say, is_noise_known)
     effects, unseen = nameable(capture_set, splits, names)
     search = Search(baseline, effects, alpha, most, _counted(say))
     model = search.run()
     workers.deadline = None  # the report is written in any case
     say("writing down what was found", 0.92)
-    found = assessed(capture_set, search.compared, search, model, details)
+    found = assessed(capture_set, baseline, search, model, details)
     never = [DetectionLimit(e.name, e.parameters[0], None, e.units[0]) for e in unseen]
     return replace(found, detection_limits=[*found.detection_limits, *never])
 

@@ -10,7 +10,7 @@ from cg2raw.diagnose.inference.splits import Splits
 from diagnose.planted import ONE, READ, captures_of, drawn, frames_of, model_of
 from diagnose.shaded import SENSOR, SHADING
 
-TRUE = model_of(SENSOR, **SHADING, black_level=[2 * READ] * 4, dark_current=[READ])
+TRUE = model_of(SENSOR, **SHADING, black_level=[2 * READ] * 4)
 
 
 @pytest.fixture(scope="module")
@@ -23,16 +23,6 @@ def drop_one():
         captures += [type(one)(**{**vars(one), "name": n}) for n, one in renamed]
         frames += drawn(frames_of(SENSOR, captures), TRUE, 7)
     return DropOne(fit(TRUE, Splits(frames, ONE).fit), Splits(frames, ONE))
-
-
-def test_what_two_may_explain_is_lost_where_one_does_not_act(drop_one):
-    """Dark current lifts darks as a black level does, but for biases, where there is no
-    time."""
-    lost, of_biases = (
-        drop_one.loss("black_level"),
-        drop_one.loss_elsewhere("black_level", "dark_current"),
-    )
-    assert 1000 < of_biases < lost
 
 
 def test_what_acts_on_light_alone_loses_little_elsewhere(drop_one):

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.assessment.findings import findings_of, notes_on_refused
+from cg2raw.diagnose.assessment.findings import findings_of
 from cg2raw.diagnose.diagnosis import LARGEST_E, Estimate
 from cg2raw.diagnose.inference.model_selection import Step
 from cg2raw.diagnose.report.text import evidence
@@ -29,9 +29,3 @@ def test_the_largest_evidence_is_reported_as_such(nats, shown):
 def test_a_name_that_was_not_tested_in_time_is_no_finding():
     model = model_of(sensor_of(), exposure=[0.1])
     assert findings_of(model, [], {}, gap(), False) == []
-
-
-def test_what_drawn_captures_gain_as_well_is_said():
-    [note] = notes_on_refused({"heavy_tailed_noise": 18.04})
-    assert note.startswith("Heavy-tailed read noise gains 18 nats and is not named")
-    assert notes_on_refused({}) == []

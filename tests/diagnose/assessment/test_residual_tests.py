@@ -10,7 +10,6 @@ from scipy.stats import kstest
 
 from cg2raw.diagnose.assessment.residual_tests import residual_tests
 from cg2raw.diagnose.captures.splits import third
-from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
@@ -231,18 +230,6 @@ def test_every_autocorrelation_has_its_lag(frames):
         assert found[name] < ALARM
         others = [n for n in found if n.startswith("autocorrelation") and n != name]
         assert min(found[n] for n in others) > 1e-4
-
-
-def test_a_map_explains_the_fixed_pattern():
-    both = frames_of(SENSOR, captures_of(KINDS) + captures_of(KINDS, "report"))
-    pattern = READ * np.random.default_rng(3).standard_normal(both[0].signal.shape)
-    shown = drawn(both, Model(SENSOR), 42, lambda frame, rng: pattern)
-    name = "fixed pattern: the same pixel in all frames"
-    assert p_values(shown[6:])[name] < 1e-9
-    model = fit_patterns(model_of(SENSOR, dsnu=[0.0]), on(shown[:6]))
-    after = p_values(shown[6:], model)
-    assert after[name] > 1e-3
-    assert min(after.values()) > ALARM / 10
 
 
 def test_row_noise_that_the_model_has_is_silent(frames):

@@ -39,12 +39,9 @@ PLANTED = {
     "gr_gb_imbalance": (0.02, -0.01),
     "nonlinearity": (0.06, 0.02),
     "full_well": (0.55,),
-    "dark_current": (0.004,),
     "black_level": (0.002, -0.001, 0.003, 0.001),
     "shot_noise": (0.4,),
     "read_noise": (0.5,),
-    "bias_structure": (0.002, -0.001, 0.003, 20.0),
-    "amplifier_glow": (0.004, -0.9, 1.0, 0.4),
 }
 
 

@@ -4,18 +4,11 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose import diagnose
-from cg2raw.diagnose.effects.catalogue import every
-from cg2raw.diagnose.likelihood.model import Model
 from diagnose.planted import (
-    captures_of,
-    drawn,
-    frames_of,
-    on,
     sensor_of,
     shot_by_registry,
 )
@@ -23,33 +16,6 @@ from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "mains_flicker"
-EFFECT = every()[NAME]
-
-
-def waved(amplitude, period):
-    """Return what adds a wave to a frame's light, of any phase."""
-
-    def add(frame, rng):
-        turns = frame.tiles.rows_and_columns()[0] / period + rng.random()
-        light = frame.of_site(frame.camera.astype(float))
-        return amplitude * light * np.cos(2 * np.pi * turns)
-
-    return add
-
-
-@pytest.mark.parametrize("period", [7.3, 23.0, 38.0])
-def test_a_search_starts_at_the_period(period):
-    """Of frames of 64 rows a period is known to about a tenth of a wave."""
-    frames = frames_of(SENSOR, captures_of(("flat", "scene", "scene", "dark")))
-    shown = on(drawn(frames, Model(SENSOR), 3, extra=waved(0.03, period)))
-    amplitude, found = EFFECT.first_values(shown.predicted(Model(SENSOR)))
-    assert found == pytest.approx(period, rel=0.1 * period / 64)
-    assert amplitude == pytest.approx(0.03, rel=0.25)
-
-
-def test_darks_show_no_wave():
-    shown = on(frames_of(SENSOR, captures_of(("dark", "dark"))))
-    assert EFFECT.first_values(shown.predicted(Model(SENSOR))) is None
 
 
 @pytest.mark.parametrize(
@@ -86,23 +52,3 @@ def test_a_profile_that_lists_it_has_no_gap():
     known = sensor_of(effects=[{"name": NAME, "parameters": values}])
     found = diagnose(replace(captures, sensor=known), threads=1, details=False)
     assert found.verdict == "consistent"
-
-
-def test_a_wave_that_all_frames_share_is_none():
-    """What stays where it is is shading that no polynomial describes, or dust."""
-
-    def still(frame, _):
-        rows = frame.tiles.rows_and_columns()[0]
-        light = frame.of_site(frame.camera.astype(float))
-        return 0.03 * light * np.cos(2 * np.pi * rows / 23.0)
-
-    frames = frames_of(SENSOR, captures_of(("flat", "flat", "scene", "dark")))
-    shown = on(drawn(frames, Model(SENSOR), 3, extra=still))
-    assert EFFECT.first_values(shown.predicted(Model(SENSOR))) is None
-
-
-def test_noise_shows_no_wave():
-    frames = frames_of(SENSOR, captures_of(("flat", "flat", "flat", "dark")))
-    for seed in range(5):
-        shown = on(drawn(frames, Model(SENSOR), seed))
-        assert EFFECT.first_values(shown.predicted(Model(SENSOR))) is None

@@ -9,7 +9,6 @@ from scipy.stats import kstest
 
 from cg2raw import _core
 from cg2raw.diagnose.effects.mixture import normal_score
-from cg2raw.diagnose.effects.rate_law import RateLaw
 
 FAR = np.array([0.0, -0.0, 1e-9, 0.4, -1.0, 5.0, -30.0, 36.0, -40.0, 1e3, -1e5])
 
@@ -59,26 +58,6 @@ def test_scores_of_tails_are_normal():
     assert kstest(white.ravel(), "norm").pvalue > 1e-3
 
 
-def test_scores_of_rates():
-    law = RateLaw.of_few(0.1, 3.0)
-    z, rng = residuals()[0, 0], np.random.default_rng(4)
-    variance, gain, seconds = 1 + rng.random(z.size), rng.random(z.size), 5.0
-    below, above, density = np.zeros((3, z.size))
-    for weight, mean, spread in zip(law.weights, law.means, law.variances, strict=True):
-        ratio = 1 + (gain * seconds * mean + seconds**2 * spread) / variance
-        away = (z * np.sqrt(variance) - seconds * mean) / np.sqrt(variance * ratio)
-        below += weight * ndtr(away)
-        above += weight * ndtr(-away)
-        density += weight * np.exp(-0.5 * away**2) / np.sqrt(ratio)
-    tail = -ndtri(np.maximum(np.minimum(below, above), 1e-300))
-    right = np.where(below < above, -tail, tail)
-    parts = np.array([law.weights, law.means, law.variances])
-    found = _core.normal_scores_of_rates(parts, z, variance, gain, seconds)
-    np.testing.assert_allclose(found[0], right, atol=1e-10)
-    log = np.log(np.maximum(density, 1e-300)) + 0.5 * right**2
-    np.testing.assert_allclose(found[1], log, atol=1e-8, rtol=1e-12)
-
-
 @pytest.mark.parametrize("count", [0, 1, 511, 512, 513])
 def test_pieces_make_no_difference(count):
     z = residuals()[0, 0]
@@ -90,10 +69,6 @@ def test_pieces_make_no_difference(count):
 
 
 def test_other_shapes_are_refused():
-    z, law = np.zeros(5), np.ones((3, 4))
+    z = np.zeros(5)
     with pytest.raises(ValueError, match="as many"):
         _core.normal_scores_of_two(z, z, z, z[:4])
-    with pytest.raises(ValueError, match="as many"):
-        _core.normal_scores_of_rates(law, z, z, z[:4], 1.0)
-    with pytest.raises(ValueError, match="array of three rows"):
-        _core.normal_scores_of_rates(law[:2], z, z, z, 1.0)

@@ -86,7 +86,7 @@ OF_WHITE = {
     "black_level_drift": "sigma",
     "amplifier_glow": "per_second",
     "random_telegraph_noise": "amplitude",
-    "dark_current_nonuniformity": "sigma",
+    "dark_current_nonuniformity": "rate",
 }
 
 

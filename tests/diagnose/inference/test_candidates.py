@@ -8,16 +8,12 @@ import pytest
 from cg2raw.diagnose.inference import candidates
 from cg2raw.diagnose.inference.candidates import Candidates, null_gain
 from cg2raw.diagnose.inference.fitting import fit
-from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.steps import Trial
 from cg2raw.diagnose.likelihood.model import Model
 from diagnose.planted import (
     BY_NAME,
     ONE,
-    captures_of,
-    drawn,
-    frames_of,
     model_of,
     on,
 )
@@ -77,25 +73,6 @@ def test_parameters_gain_one_nat_each_by_chance():
     assert np.mean(gains) == pytest.approx(7, abs=3 * np.sqrt(14 / 12))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("mapped", [False, True])
-def test_beside_maps_it_is_the_select_frames_that_screen(mapped):
-    """The frames that maps were made of would have the noise of these again."""
-    groups = groups_of(2)
-    splits, model = splits_of(groups), shaded(groups)
-    if mapped:
-        model = fit_patterns(model.with_effect(BY_NAME["dsnu"]), splits.fit)
-    screened = candidates_of(splits, model)._screened(EFFECTS)
-    for one in screened:
-        select = splits.select.total(one.start) - splits.select.total(model)
-        if mapped or one.effect.estimator == "fixed pattern":
-            assert one.score == pytest.approx(select)
-        else:
-            fitted = splits.fit.total(one.start) - splits.fit.total(model)
-            assert one.score == pytest.approx(fitted, abs=1e-3)
-    assert len(screened) > 10
-
-
 def test_a_term_that_rests_gains_nothing():
     groups = groups_of(1)
     splits, model = splits_of(groups), shaded(groups)
@@ -108,35 +85,3 @@ def test_a_term_that_rests_gains_nothing():
 
 JUMPS = "random_telegraph_noise"
 OF_TAILS, OF_FEW = "the tails of all pixels", "the same few pixels"
-
-
-@pytest.mark.parametrize("widened", [OF_TAILS, OF_FEW])
-def test_a_map_of_variance_is_told_by_its_pixels(widened):
-    """Of noise whose tails are farther out than a model has them, a law of jumps
-    describes the shape. That gains on held-out frames, wherever its map has them."""
-    groups = [
-        frames_of(SENSOR, captures_of(("dark",) * 6, group))
-        for group in ("fit", "select")
-    ]
-    few = np.random.default_rng(3).random(groups[0][0].signal.shape) < 0.01
-
-    def jumps(frame, rng):
-        hit = few if widened == OF_FEW else rng.random(few.shape) < 0.01
-        side = np.sign(rng.standard_normal(few.shape))
-        return hit * side * 4 * np.sqrt(frame.beta2)
-
-    fitted, held = (
-        on(drawn(frames, Model(SENSOR), seed, jumps))
-        for seed, frames in enumerate(groups)
-    )
-    model = fit_patterns(model_of(SENSOR, **{JUMPS: [0.0]}), fitted)
-    gain = held.total(model) - held.total(model.without(JUMPS))
-    told = candidates.told_by_pixels(model, JUMPS, held)
-    assert gain > 5 * THRESHOLD
-    assert told > gain / 2 if widened == OF_FEW else told < 0
-
-
-def test_what_is_no_map_of_variance_needs_no_pixels():
-    model = model_of(SENSOR, prnu=[0.01], read_noise=[0.1])
-    for name in model.names:
-        assert candidates.told_by_pixels(model, name, on([])) == np.inf

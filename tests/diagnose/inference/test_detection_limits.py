@@ -7,7 +7,6 @@ import pytest
 
 from cg2raw.diagnose.effects.heavy_tailed_noise import NOISY
 from cg2raw.diagnose.inference.detection_limits import detection_limits
-from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
@@ -125,27 +124,6 @@ def test_noise_reduction(frames):
     assert mean_gain(frames, best, draws) == pytest.approx(NEEDED, abs=TOLERANCE)
 
 
-@pytest.mark.parametrize("name", ["prnu", "dsnu", "column_fixed_pattern"])
-def test_maps(name, frames, fitted):
-    sigma = strength_of(name, frames, fitted=fitted)
-    gains = []
-    for seed in range(SEEDS):
-        rng = np.random.default_rng([seed, 77])
-        height, width = frames[0].signal.shape[1:]
-        size = (1, 1, width) if name == "column_fixed_pattern" else (1, height, width)
-        pattern = sigma * rng.standard_normal(size)
-
-        def extra(frame, _, pattern=pattern):
-            light = predict(Model(SENSOR), frame).mean if name == "prnu" else 1
-            return pattern * light
-
-        learnt = drawn(fitted, Model(SENSOR), seed, extra)
-        seen = drawn(frames, Model(SENSOR), 100 + seed, extra)
-        best = fit_patterns(model_of(SENSOR, **{name: [0.0]}), on(learnt))
-        gains.append(on(seen).total(best) - on(seen).total(Model(SENSOR)))
-    assert np.mean(gains) == pytest.approx(NEEDED, abs=1.5 * TOLERANCE)
-
-
 def test_photons_show_in_the_dim_frames_only():
     """Ten times the electrons, ten times less skewness squared."""
     few, many = (
@@ -173,10 +151,3 @@ def test_strengths_that_the_model_takes_up_are_not_visible():
     alone = strength_of("nonlinearity", [flat])
     beside = strength_of("nonlinearity", [flat], model_of(SENSOR, exposure=[0.0]))
     assert beside is None or beside > 3 * alone
-
-
-def test_without_fit_frames_nothing_is_said_of_maps(frames):
-    names = ("prnu", "dsnu", "exposure", "hot_pixels")
-    known = [BY_NAME[name] for name in names]
-    limits = detection_limits(Model(SENSOR), known, on(frames), on([]), 0.01)
-    assert [limit.name for limit in limits] == ["exposure"]

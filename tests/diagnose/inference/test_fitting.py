@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.inference.coordinate_search import climb, fit_transform
-from cg2raw.diagnose.inference.drawn_frames import drawn_frames
 from cg2raw.diagnose.inference.fisher_scoring import (
     Linearisation,
     free_parameters,
@@ -18,7 +17,6 @@ from cg2raw.diagnose.inference.fisher_scoring import (
 )
 from cg2raw.diagnose.inference.fitting import first_guess, fit
 from cg2raw.diagnose.inference.intervals import estimates, standard_errors
-from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.nuisance import Nuisance
@@ -51,7 +49,6 @@ PLANTED = {
     "crosstalk": [0.01, 0.015, 0.02, 0.005],
     "gr_gb_imbalance": [0.01, -0.01],
     "nonlinearity": [0.05, 0.02],
-    "dark_current": [0.001],
     "black_level": [5e-4, -3e-4, 2e-4, 1e-4],
     "shot_noise": [0.2],
     "read_noise": [-0.3],
@@ -312,25 +309,6 @@ def test_noise_reduction_leaves_the_noise_of_a_mean_as_it_was():
         at = parameters.index(("exposure", 0))
         known.append(information[at, at])
     assert known[1] == pytest.approx(known[0], rel=0.03)
-
-
-@pytest.mark.parametrize(("stated", "true"), [(0.25, 0.12), (0.12, 0.25), (0.2, 0.0)])
-def test_noise_reduction_may_be_less_than_a_profile_states(stated, true):
-    def blending(blend):
-        parameters = {"blend": blend, "diagonal": 0.0}
-        listed = [{"name": "noise_reduction", "parameters": parameters}]
-        return Model(sensor_of(effects=listed if blend else []))
-
-    model = blending(stated)
-    kinds = ("dark", "flat", "scene")
-    splits = Splits(frames_of(model.sensor, captures_of(kinds)), ONE)
-    shown = drawn_frames(blending(true), splits, 3).fit
-    base = Linearisation(model, shown)
-    start, gain = first_guess(BY_NAME["noise_reduction"], base)
-    assert gain > 100
-    found = fit(start, shown).term("noise_reduction")
-    total = stated + found.values[0]
-    assert total == pytest.approx(true, abs=0.02)
 
 
 def test_noise_reduction_never_sharpens():

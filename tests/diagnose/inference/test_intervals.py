@@ -76,7 +76,7 @@ def test_two_values_may_be_none_each_and_both_cannot(second, square):
     """Of which frames tell the difference, and hardly the sum."""
     name = "gr_gb_imbalance"
     alike = np.array([[1.0, 0.99], [0.99, 1.0]])
-    told = Covariances(alike, alike, alike, 100.0)
+    told = Covariances(alike, alike, 100.0)
     model = model_of(sensor_of(), **{name: [1.0, second]})
     smooth = SmoothValues(model, [(name, 0), (name, 1)], told)
     found = smooth.square_of_distance(name, BY_NAME[name].used)

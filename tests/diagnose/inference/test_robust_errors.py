@@ -92,25 +92,6 @@ def test_a_value_that_is_not_fitted_is_no_wrong_model(frames):
     assert wider["exposure", 0] == pytest.approx(1)
 
 
-@pytest.mark.parametrize(
-    ("name", "along", "alike"),
-    [("column_fixed_pattern", (0, 1), 32), ("dsnu", (0,), 1)],
-)
-def test_the_mean_of_a_map_is_some_of_a_black_level(frames, name, along, alike):
-    """Columns of 96, half of which have a site; its pixels, a quarter of all."""
-    darks = [frame for frame in frames if not frame.capture.shows.light] * 4
-    sigma = 2 * np.sqrt(darks[0].beta2.mean())
-    shape = [1 if axis in along else n for axis, n in enumerate(darks[0].signal.shape)]
-    offsets = sigma * np.random.default_rng(8).standard_normal(shape)
-    shown = on(drawn(darks, model_of(SENSOR), 5, extra=lambda *_: offsets))
-    model = fit(model_of(SENSOR, black_level=[0.0] * 4, **{name: [sigma]}), shown)
-    known = model.term(name).values[0]
-    own = known / np.sqrt(darks[0].signal.size / 4 / alike)
-    for one in estimates(model, shown)["black_level"].values():
-        error = (one.ci95[1] - one.ci95[0]) / (2 * 1.96)
-        assert own < error < 1.25 * own
-
-
 def test_patches_of_a_chart_are_a_place_each(tmp_path):
     """They lie nowhere: as many as there are say how far scores differ."""
     captures = read_captures(write_tables(tmp_path, offset=0.02))
@@ -123,30 +104,3 @@ def test_patches_of_a_chart_are_a_place_each(tmp_path):
     patches = {len(frame.signal) for frame in fitted}
     assert {round(found.places)} == patches
     assert (found.errors > 0).all()
-
-
-def test_columns_of_frames_of_another_width_are_others():
-    """As of a masked border beside its frame, of which a tile lies at the origin, too:
-    what maps do to the scores of both is the sum of what they do to those of each."""
-    frames = frames_of(SENSOR, captures_of(("dark", "dark")))
-    narrow = captures_of(("dark", "dark"), shape=(64, 48))
-    frames += frames_of(SENSOR, narrow)
-    assert len({frame.tiles.origins.tobytes() for frame in frames}) == 1
-    sigma = 2 * np.sqrt(frames[0].beta2.mean())
-
-    def columns(frame, _):
-        width = frame.signal.shape[-1]
-        return sigma * np.random.default_rng(width).standard_normal(width)
-
-    shown = drawn(frames, model_of(SENSOR), 5, extra=columns)
-    model = model_of(SENSOR, black_level=[0.0] * 4, column_fixed_pattern=[sigma])
-    model, by_maps = fit(model, on(shown)), {}
-    for name, some in {"both": shown, "wide": shown[:2], "narrow": shown[2:]}.items():
-        base = Linearisation(model, on(some))
-        _, score, information = base.system(model)
-        found = covariances(base, score, information)
-        drawn_maps = found.expected - found.by_noise
-        by_maps[name] = information @ drawn_maps @ information
-    assert all(np.diag(by_maps[name]).min() > 0 for name in ("wide", "narrow"))
-    parts = by_maps["wide"] + by_maps["narrow"]
-    np.testing.assert_allclose(by_maps["both"], parts, rtol=1e-6)

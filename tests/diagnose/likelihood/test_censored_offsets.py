@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.effects.base import SensorMap
 from cg2raw.diagnose.frames.frame import frame_of, source_of
 from cg2raw.diagnose.frames.tiling import Tiling
 from cg2raw.diagnose.inference.noise_level import noise_models
@@ -17,10 +16,9 @@ from cg2raw.diagnose.likelihood.censored_offsets import (
     censored_offsets,
 )
 from cg2raw.diagnose.likelihood.likelihood import log_density
-from cg2raw.diagnose.likelihood.model import Model, Term
+from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
-    BY_NAME,
     READ,
     capture_of,
     cut_at_zero,
@@ -87,26 +85,6 @@ def test_pixels_at_white_do_not_move_their_row():
         rows_of(p, 0.3, one).likeliest.mean - p.mean for one in (bright, unseen)
     )
     assert (found == wanted).all() and np.abs(found).max() > 0.1 * READ
-
-
-def test_pixels_that_jump_do_not_move_their_row():
-    """A twentieth of them, 30 deviations off, which is known of them."""
-    (frame,) = cut_at_zero(darks(0.3))
-    bare = predict(Model(SENSOR), frame)
-    rng = np.random.default_rng(4)
-    jumping = rng.random(frame.signal.shape) < 0.05
-    far = frame.signal + 30 * READ * jumping * rng.standard_normal(jumping.shape)
-    frame = replace(frame, signal=np.where(frame.at_zero, frame.signal, far))
-    jumps = np.where(jumping, 900 * bare.variance, 0)
-    known = SensorMap(jumps, np.zeros_like(jumps), chance=jumping.astype(float))
-    term = Term(BY_NAME["random_telegraph_noise"], np.array([0.05, 0.1]), known)
-    model = model_of(SENSOR, row_noise=[0.3])
-    unseen = replace(frame, keep=frame.keep & ~jumping)
-    found, wanted = (
-        log_density(one, of)[2].mean - bare.mean
-        for one, of in ((model.with_term(term), frame), (model, unseen))
-    )
-    assert found == pytest.approx(wanted, abs=0.02 * READ)
 
 
 @pytest.mark.parametrize("sigma", [0.1, 0.5, 2.0])

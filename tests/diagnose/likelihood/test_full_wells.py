@@ -3,31 +3,24 @@
 """Light that is new in every frame, where wells are full of it: a wave that dims rows
 by some percent empties pixels that were expected full."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.optimize import minimize
 
 from cg2raw.diagnose.frames.well import Well
-from cg2raw.diagnose.inference.drawn_frames import drawn_frames
-from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.full_wells import (
     LIGHT_AT_REST,
     MOST_STEPS_OF_LIGHT,
     Light,
 )
 from cg2raw.diagnose.likelihood.likelihood import log_density
-from cg2raw.diagnose.likelihood.nuisance import Nuisance
 from cg2raw.diagnose.likelihood.prediction import predict
 from diagnose.planted import (
     BY_NAME,
-    ONE,
     captures_of,
     drawn,
     frames_of,
     model_of,
-    on,
     sensor_of,
 )
 
@@ -60,45 +53,6 @@ def residuals(model, frames):
     return np.concatenate(near), np.concatenate(far)
 
 
-def test_residuals_beside_flicker_are_white_where_wells_are_full():
-    model, frames = around_the_well(**FLICKER)
-    shown = drawn_frames(model, Splits(frames, ONE), 1).frames
-    near, far = residuals(model, shown)
-    assert near.size > 8000
-    assert np.square(near).mean() == pytest.approx(1, abs=0.1)
-    # Of a wave of a fifth of the light, shot noise is that of the mean light.
-    assert np.square(far).mean() == pytest.approx(1, abs=0.1)
-    assert abs(near.mean()) < 4 / np.sqrt(near.size)
-
-
-def test_flicker_is_as_likely_where_wells_are_full_as_it_is():
-    """The likelihood of frames of a planted amplitude is highest near it: wells that
-    are taken for full hold a wave of any size off."""
-    model, frames = around_the_well(**FLICKER)
-    shown = on(drawn_frames(model, Splits(frames, ONE), 2).frames)
-    amplitudes = [0.08, 0.14, 0.2, 0.28, 0.4]
-    totals = [
-        shown.total(model.with_values("mains_flicker", np.array([each, 30.0])))
-        for each in amplitudes
-    ]
-    assert np.argmax(totals) in (1, 2, 3)
-    assert max(totals) - totals[2] < 3
-
-
-def test_light_that_nobody_measured_fills_wells_as_it_shows():
-    """Flats are 10 % dimmer than they were taken for."""
-    unsure = Nuisance(0.1, 0.0, 0.0, 0.0, frozenset({"exposure"}))
-    model, frames = around_the_well()
-    dimmer = flats(level=0.9 * 0.9)
-    signals = drawn_frames(model, Splits(dimmer, ONE), 3).frames
-    shown = [
-        replace(frame, signal=one.signal, at_white=one.at_white)
-        for frame, one in zip(frames, signals, strict=True)
-    ]
-    near, _ = residuals(replace(model, nuisance=unsure), shown)
-    assert np.square(near).mean() == pytest.approx(1, abs=0.1)
-
-
 def test_far_below_the_well_light_of_a_frame_moves_no_prediction():
     model, frames = around_the_well(**FLICKER)
     without = model.without("mains_flicker")
@@ -113,7 +67,7 @@ def test_full_pixels_without_any_noise_leave_it_a_number():
     """Of a pixel that is full for sure, only read noise would be left."""
     model, frames = around_the_well(**FLICKER)
     silent = model.with_effect(BY_NAME["read_noise"], np.array([-40.0]))
-    for frame in drawn_frames(model, Splits(frames, ONE), 5).frames:
+    for frame in drawn(frames, model, 5):
         p = predict(silent, frame)
         assert np.isfinite(p.mean).all() and np.isfinite(p.well.light).all()
         assert (p.variance > 0).all()

@@ -74,7 +74,7 @@ def _least_founded(
     height = likelihood.total(model)
     found = []
     for name in on_bound[:1] or reasons:
-        rest = fit(model.without_finding(name), likelihood)
+        rest = fit(model.without(name), likelihood)
         lost = height - likelihood.total(rest)
         found.append((name, rest, lost / smooth.widening(name)))
     name, rest, _ = min(found, key=lambda one: one[2])
@@ -84,9 +84,7 @@ def _least_founded(
 def _is_clear_together(model: Model, name: str, smooth: SmoothValues) -> bool:
     """Return whether smooth values are not all null, though each may be: two of which
     frames tell the difference.
-
-    By how far they are from it, and not by what a fit without them loses: beside a map
-    that alone is more or less, by the turns of the fit."""
+    """
     term = model.term(name)
     assert term is not None
     used = term.effect.switches or term.effect.used
@@ -122,8 +120,6 @@ def _bound_of(model: Model, term: Term, empty: Collection[str]) -> str:
 
     empty : parameters that say nothing."""
     effect = term.effect
-    if effect.estimator == "fixed pattern":
-        return ""
     for name, value, bounds in zip(
         effect.parameters,
         term.values,
@@ -131,7 +127,7 @@ def _bound_of(model: Model, term: Term, empty: Collection[str]) -> str:
         strict=True,
     ):
         bound = _reached(value, bounds)
-        if bound and name not in {*empty, *effect.held}:
+        if bound and name not in empty:
             return f"{name} is {bound:g}"
     return _registry_bound(model, term, empty)
 
@@ -162,13 +158,9 @@ def _registry_bound(model: Model, term: Term, empty: Collection[str]) -> str:
     return ""
 
 
-def is_better(before: Sums, after: Sums, of_maps: float = 0.0) -> bool:
-    """Return whether whole held-out frames are more likely by more than chance.
-
-    of_maps : nats that maps of their own gain by what is found of their strength, which
-    hardly moves what is predicted where maps are known."""
-    gain = after.log_likelihood - before.log_likelihood
-    return gain + of_maps >= CONFIRMING_GAIN
+def is_better(before: Sums, after: Sums) -> bool:
+    """Return whether whole held-out frames are more likely by more than chance."""
+    return after.log_likelihood - before.log_likelihood >= CONFIRMING_GAIN
 
 
 def refusals(refused: Mapping[str, str]) -> list[str]:

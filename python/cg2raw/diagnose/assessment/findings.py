@@ -68,12 +68,9 @@ def without_shapes(
 
     An effect's model has a shape; what the true one has beside it is taken up by
     another. That stays in the model, and is not called an effect of its own. What is
-    shown by frames on which the larger effect does not act is none of its shape.
-
-    What was found all together has gained beside all others what it would lose."""
+    shown by frames on which the larger effect does not act is none of its shape."""
     gains = {finding.name: finding.gain_nats for finding in findings}
-    together = all(step.action in ("calibrated", "dropped") for step in search.steps)
-    quick, whole = (DropOne(model, search.splits, quick) for quick in (True, False))
+    drop_one = DropOne(model, search.splits)
     kept, notes = [], []
     for finding in findings:
         least = {
@@ -81,32 +78,17 @@ def without_shapes(
             for larger in gains
             if finding.name in effect(larger).taken_up_by
         }
-        if together:
-            gained = finding.gain_nats
-            least = {name: nats for name, nats in least.items() if gained < nats}
-        larger = _taken_up(finding.name, least, quick, search.threshold)
-        if larger and search.splits.few:
-            larger = _taken_up(finding.name, least, whole, search.threshold)
+        larger = _taken_up(finding.name, least, drop_one, search.threshold)
         if not larger:
             kept.append(finding)
             continue
-        share = whole.loss(finding.name) / gains[larger]
+        share = drop_one.loss(finding.name) / gains[larger]
         notes.append(
             f"{heading(finding.name)} takes up what the model of "
             f"{title(larger)} does not describe ({share:.1%} of its gain): it is in "
             "the profile, and is no finding of its own."
         )
     return kept, notes
-
-
-def notes_on_refused(refused: Mapping[str, float]) -> list[str]:
-    """Return a sentence on each effect that gains on drawn captures what it does on
-    measured ones. refused : nats that these gain, by name."""
-    return [
-        f"{heading(name)} gains {nats:.3g} nats and is not named: captures that are "
-        "drawn without it may gain as much by it."
-        for name, nats in refused.items()
-    ]
 
 
 def _taken_up(
@@ -128,12 +110,8 @@ def with_losses(
 ) -> list[Finding]:
     """Return findings with what is lost without each of them, all others fitted once
     more: drop-one. Two that stand in for each other lose little each."""
-    known = search.losses if set(search.losses) == set(model.found_names) else {}
     drop_one = DropOne(model, search.splits)
-    return [
-        replace(one, loss_nats=known.get(one.name) or drop_one.loss(one.name))
-        for one in findings
-    ]
+    return [replace(one, loss_nats=drop_one.loss(one.name)) for one in findings]
 
 
 def rung_of(step: Step) -> Rung:

@@ -3,19 +3,19 @@
 
 """Residual statistics: sufficient sums of what residual tests ask."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from cg2raw.diagnose.assessment.fixed_sums import FixedSums, shown_maps
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.likelihood.censoring import DRAWN_ABOVE
 from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
 from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.likelihood.prediction import pattern_variances
 
 LEVEL_EDGES = (0.003, 0.01, 0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6, 0.8)
 RADIUS_BINS = 10
@@ -25,6 +25,7 @@ LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (2, 2))
 STEEPEST = 30.0  # of an edge, in standard deviations per pixel
 FAR_ABOVE = 8.0  # standard deviations beyond white that are surely at white
 OUTLYING = 3.5  # standard deviations
+COLUMNS, JUMPS = "column_fixed_pattern", "random_telegraph_noise"
 
 
 @dataclass
@@ -45,13 +46,38 @@ class TestSums:
 
 
 @dataclass(frozen=True)
-class MapDoubt:
-    """Standard deviations of the pixels that are used, of what is the same in all
-    frames: independent ones, whose mean over a group a map leaves out; and those that
-    the pixels of a column share."""
+class Patterns:
+    """Standard deviations of the fixed patterns that a profile states, in those of the
+    residuals of the pixels that are used: of pixels, and of columns."""
 
     of_pixels: Array
     of_columns: Array
+
+
+@dataclass
+class FixedSums:
+    """Per pixel, of frames of one shape: sums of residuals and of their squares, number
+    of frames, and what patterns that a profile states make of the squares of the sums
+    beyond the sums of the squares."""
+
+    residuals: Any = 0.0
+    squares: Any = 0.0
+    counts: Any = 0
+    _shown: dict[str, Any] = field(default_factory=dict)
+    _alone: Any = 0.0
+
+    def add(self, z: Array, used: Mask, shown: Mapping[str, Array]) -> None:
+        """Count residuals. shown : standard deviations of each pattern in them."""
+        self.residuals = self.residuals + np.where(used, z, 0)
+        self.squares = self.squares + np.where(used, z * z, 0)
+        self.counts = self.counts + used
+        for name, size in shown.items():
+            self._shown[name] = self._shown.get(name, 0.0) + np.where(used, size, 0)
+            self._alone = self._alone + np.where(used, size**2, 0)
+
+    @property
+    def of_patterns(self) -> Any:
+        return sum(size**2 for size in self._shown.values()) - self._alone
 
 
 @dataclass
@@ -143,15 +169,16 @@ def _collect(
     if frame.samples is not None:
         _means(c, frame, p, z, used)
         return
-    doubt = _doubt(model, frame, p, used)
+    shown = _shown_patterns(model, frame, p)
+    patterns = _patterns(shown, used)
     site = np.broadcast_to(frame.site[None], z.shape)[used]
     sites = int(frame.site.max()) + 1
     for name, labels, size in _groups(frame, p):
         chosen = np.broadcast_to(labels, z.shape)[used]
-        _group_sums(c, name, chosen, size, values, doubt)
+        _group_sums(c, name, chosen, size, values, patterns)
         if name in ("radius", "level", "tile"):
             both = chosen * sites + site
-            _group_sums(c, f"{name} by channel", both, size * sites, values, doubt)
+            _group_sums(c, f"{name} by channel", both, size * sites, values, patterns)
     c.add("frame mean", values.sum() ** 2 / n, 1, True)
     c.add("frame variance", (values**2 - 1).sum() ** 2 / (2 * n), 1, True)
     c.add("skewness", (values**3 - 3 * values).sum(), 6 * n)
@@ -160,14 +187,7 @@ def _collect(
     if frame.capture.shows.render:
         _edges(c, frame, z, p, used)
     _count_outliers(c, model, z, used & ~frame.censored)
-    of_unknown = model.rate_law_on(frame)
-    # What is not known of a pixel repeats, as any map of it would.
-    mapped = used if of_unknown is None else used & ~of_unknown[0]
-    fixed = c.fixed.setdefault(z.shape, FixedSums())
-    fixed.residuals = fixed.residuals + np.where(mapped, z, 0)
-    fixed.squares = fixed.squares + np.where(mapped, z * z, 0)
-    fixed.counts = fixed.counts + mapped
-    fixed.count_maps(shown_maps(model, frame, p, mapped))
+    c.fixed.setdefault(z.shape, FixedSums()).add(z, used, shown)
 
 
 def _means(c: Statistics, frame: Frame, p: Prediction, z: Array, used: Mask) -> None:
@@ -187,7 +207,7 @@ def _means(c: Statistics, frame: Frame, p: Prediction, z: Array, used: Mask) -> 
 def _count_outliers(c: Statistics, model: Model, z: Array, used: Mask) -> None:
     suspect = c.suspects.get(z.shape)
     # Pixels that jump by chance are out again by that same chance.
-    if suspect is None or any(one.layout == "jumps" for _, one, _ in model.maps):
+    if suspect is None or JUMPS in model.profile_parameters:
         return
     outlying = used & (np.abs(z) > OUTLYING)
     c.outliers.again += int((outlying & suspect).sum())
@@ -202,20 +222,20 @@ def _group_sums(
     labels: Array,
     size: int,
     values: Array,
-    doubt: MapDoubt,
+    patterns: Patterns,
 ) -> None:
     """Add mean and variance of the groups of one kind.
 
     labels, values : (n,), of the pixels that are used."""
     count = np.bincount(labels, minlength=size)
     mean = np.bincount(labels, values, size)
-    of_maps = np.bincount(labels, doubt.of_pixels**2, size)
+    repeated = np.bincount(labels, patterns.of_pixels**2, size)
     if name in ("row", "tile"):
-        squares = (mean**2 / np.maximum(count + of_maps, 1)).sum()
+        squares = (mean**2 / np.maximum(count + repeated, 1)).sum()
         c.add(f"{name} mean, each frame", squares, int((count > 0).sum()), True)
     if name == "column":
-        of_maps += np.bincount(labels, doubt.of_columns, size) ** 2
-    c.add(f"{name} mean", mean, count.astype(float), repeated=np.sqrt(of_maps))
+        repeated += np.bincount(labels, patterns.of_columns, size) ** 2
+    c.add(f"{name} mean", mean, count.astype(float), repeated=np.sqrt(repeated))
     if name in ("channel", "radius", "level", "row"):
         c.add(f"{name} variance", np.bincount(labels, values**2 - 1, size), 2 * count)
 
@@ -235,20 +255,21 @@ def _groups(frame: Frame, p: Prediction) -> Iterator[tuple[str, Array, int]]:
     yield "column", columns, width
 
 
-def _doubt(model: Model, frame: Frame, p: Prediction, used: Mask) -> MapDoubt:
-    """Return what maps leave uncertain of the pixels that are used."""
-    count = int(used.sum())
-    of_pixels, of_columns = np.zeros(count), np.zeros(count)
-    for term, effect, sensor_map in model.maps:
-        if sensor_map.mean.shape != p.mean.shape:
-            continue
-        if effect.layout == "columns":
-            of_columns = np.sqrt(sensor_map.variance / p.variance)[used]
-        elif effect.lacks_slow_part:
-            shown = np.abs(effect.shown(frame, p))
-            size = shown * float(term.values[0]) / np.sqrt(p.variance)
+def _shown_patterns(model: Model, frame: Frame, p: Prediction) -> dict[str, Array]:
+    """Return (T, h, w) the standard deviation of each pattern that a profile states."""
+    found = pattern_variances(model, frame, p.exposed)
+    return {name: np.sqrt(one / p.variance) for name, one in found.items()}
+
+
+def _patterns(shown: Mapping[str, Array], used: Mask) -> Patterns:
+    """Return the sizes of patterns in the pixels that are used."""
+    of_pixels, of_columns = np.zeros((2, int(used.sum())))
+    for name, size in shown.items():
+        if name == COLUMNS:
+            of_columns = size[used]
+        else:
             of_pixels = np.hypot(of_pixels, size[used])
-    return MapDoubt(of_pixels, of_columns)
+    return Patterns(of_pixels, of_columns)
 
 
 def _correlations(c: Statistics, z: Array, used: Mask) -> None:

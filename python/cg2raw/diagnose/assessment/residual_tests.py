@@ -92,7 +92,7 @@ def _fixed(c: Statistics) -> ResidualTest:
     for one in c.fixed.values():
         counts = np.asarray(one.counts, float)
         used = counts > 1
-        excess += float((one.residuals**2 - one.squares - one.of_maps)[used].sum())
+        excess += float((one.residuals**2 - one.squares - one.of_patterns)[used].sum())
         variance += float((2 * counts[used] * (counts[used] - 1)).sum())
     size = excess / np.sqrt(max(variance, 1.0))
     p_value, nats = float(2 * norm.sf(abs(size))), 0.5 * (size**2 - 1)

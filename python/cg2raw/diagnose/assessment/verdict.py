@@ -12,12 +12,10 @@ from cg2raw.diagnose.assessment.acceptance import (
     not_better,
     refusals,
 )
-from cg2raw.diagnose.assessment.characteristics import characteristics_of
 from cg2raw.diagnose.assessment.curves import curves_of
 from cg2raw.diagnose.assessment.figures import histogram
 from cg2raw.diagnose.assessment.findings import (
     findings_of,
-    notes_on_refused,
     refused_rung,
     rung_of,
     with_losses,
@@ -41,7 +39,6 @@ from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.discriminating_captures import deciding_captures
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.baseline import Baseline
-from cg2raw.diagnose.inference.contradictions import lost_as_stated
 from cg2raw.diagnose.inference.detection_limits import detection_limits
 from cg2raw.diagnose.inference.intervals import estimates
 from cg2raw.diagnose.inference.model_selection import Search
@@ -75,23 +72,13 @@ def _held(
 ) -> _Held:
     model, values, refused = founded(model, splits.fit)
     notes = refusals(refused)
-    pieces = Pieces(
-        capture_set,
-        baseline.model,
-        baseline.registration,
-        splits.fit,
-        search.most_outliers,
-        search.light,
-    )
+    pieces = Pieces(capture_set, baseline.model, baseline.registration, splits.fit)
     fitted = on_whole_frames(model, pieces)
     if fitted is not model:
         model, values = fitted, estimates(fitted, splits.fit)
     whole = WholeFrames(splits.report, baseline.model, pieces, details)
     look = whole.look_at(model)
-    corrected = {s.name for s in search.steps if s.action == "contradicted"}
-    corrected &= set(model.found_names)
-    of_maps = sum(lost_as_stated(model, corrected, splits.report).values())
-    if model.found_names and not is_better(look.before, look.after, of_maps):
+    if model.found_names and not is_better(look.before, look.after):
         notes.append(not_better(model.found_names, look.before, look.after))
         return _Held(baseline.model, {}, look.unchanged, [*refused], False, notes)
     return _Held(model, values, look, [*refused], True, notes)
@@ -129,7 +116,7 @@ def assessed(
     ]
     every = findings_of(held.model, search.steps, held.values, gap, bool(left))
     findings, shapes = without_shapes(every, held.model, search)
-    notes = _notes(capture_set, report.frames, _traces(after, left))
+    notes = _notes(capture_set, baseline.model, _traces(after, left))
     found = Diagnosis(
         verdict=_verdict(findings, left, cut_short),
         sensor_id=capture_set.sensor.id,
@@ -145,7 +132,7 @@ def assessed(
             held.model, search.effects, splits.select, splits.fit, search.alpha
         ),
         next_captures=_next_captures(findings),
-        notes=[*notes, *shapes, *notes_on_refused(search.refused), *held.notes],
+        notes=[*notes, *shapes, *held.notes],
         groups=splits.names,
         pictures=list(held.look.pictures),
         histogram_before=histogram(baseline.model, report),
@@ -158,19 +145,16 @@ def assessed(
         interrupted=search.interrupted,
         time_limit_reached=search.timed_out,
     )
-    return _detailed(found, baseline.model, held, search) if details else found
+    return _detailed(found, held, search) if details else found
 
 
-def _detailed(found: Diagnosis, base: Model, held: _Held, search: Search) -> Diagnosis:
+def _detailed(found: Diagnosis, held: _Held, search: Search) -> Diagnosis:
     """Return a diagnosis with what is drawn, and what is lost without each effect."""
     splits = search.splits
     return replace(
         found,
         effects=with_losses(found.effects, held.model, search),
         curves=curves_of(held.model, held.values, splits.report.frames),
-        characteristics=characteristics_of(
-            base, held.model, splits, held.look.patterns
-        ),
     )
 
 
@@ -205,16 +189,16 @@ def _traces(
 
 
 def _notes(
-    capture_set: CaptureSet, frames: Sequence[Frame], traces: Sequence[ResidualTest]
+    capture_set: CaptureSet, model: Model, traces: Sequence[ResidualTest]
 ) -> list[str]:
     notes = list(capture_set.notes)
     if capture_set.nuisances:
         free = ", ".join(sorted(capture_set.nuisances))
         notes.append(f"Free nuisances, which are not effects: {free}.")
-    if any(not frame.noise.measured for frame in frames):
+    if any(term.calibration for term in model.terms):
         notes.append(
-            "The profile has no noise at these ISOs: its level was fitted to the "
-            "captures, and is no finding."
+            "The noise was fitted to the images, and is no finding: darks and flats "
+            "that repeat each other tell it."
         )
     if traces:
         most = max(traces, key=lambda test: test.nats_per_pixel)

@@ -32,19 +32,16 @@ System = tuple[list[Parameter], Array, Array]  # with score and Fisher informati
 def on_whole_frames(model: Model, pieces: Pieces) -> Model:
     """Return a model with its fields of light, and what else moves the mean by light,
     after a step of Fisher scoring all over the frames; the same where it has no
-    field, or where frames were taken whole before.
-
-    Maps are left out: they are of these frames, and have taken up what is missing."""
+    field, or where frames were taken whole before."""
     if not any(term.effect.is_field and not term.calibration for term in model.terms):
         return model
-    bare = model.without_maps()
     held = [term.name for term in model.terms if not _is_of_light(term)]
     tiled = [
         frame
         for frame in pieces.learnt_from.frames
         if frame.capture.shows.light and not frame.tiles.is_whole
     ]
-    work = partial(_system, bare, held, pieces)
+    work = partial(_system, model, held, pieces)
     systems = pieces.learnt_from.workers.map(work, tiled)
     if not systems:
         return model
@@ -63,6 +60,6 @@ def _system(
     """Return the system of small tiles all over a frame, whose files are not kept."""
     tiles = even_tiling(frame.tiles.shape, repeat_of(model.sensor.cfa))
     own = pieces.afresh()
-    piece = own.without_outliers(own.of(frame, tiles), model)
+    piece = own.of(frame, tiles)
     alone = Likelihood([piece], Workers(1))
     return Linearisation(model, alone).system(model, held)

@@ -6,9 +6,9 @@
 The registry (cg2raw.effects()) says what an effect does to a signal. A file of this
 folder says the rest, and only where the default does not do. Three estimators:
 
-"smooth"         its parameters move mean and variance, and are fitted by Fisher scoring
-"transform"      it turns its structured noise into white noise, and is fitted by search
-"fixed pattern"  a map of the sensor, estimated pixel by pixel
+"smooth"     its parameters move mean and variance, and are fitted by Fisher scoring
+"transform"  it turns its structured noise into white noise, and is fitted by search
+"stated"     darks and flats decide it; images take it as the profile states it
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,13 +23,12 @@ from numpy.typing import NDArray
 from cg2raw.cfa import is_mono
 from cg2raw.diagnose.diagnosis import Curve, Estimate
 from cg2raw.diagnose.effects.registry import registered
-from cg2raw.diagnose.effects.sensor_map import SensorMap as SensorMap
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
 
-Estimator = Literal["smooth", "transform", "fixed pattern"]
+Estimator = Literal["smooth", "transform", "stated"]
 Values = NDArray[np.float64]
 Estimates = Mapping[str, Estimate]  # of an effect's parameters
 EstimatesByEffect = Mapping[str, Estimates]
@@ -54,20 +53,6 @@ class Parameter:
     unit: str = "1"
 
 
-@dataclass(frozen=True)
-class Moments:
-    """Of uniform frames, where a fit of all effects together starts.
-
-    light, read : measured over predicted variance, of what grows with light and of the
-        read noise; None where no frames repeat each other that show it.
-    offset, rate : of darks above what is predicted, signal and signal per second."""
-
-    light: float | None
-    read: float | None
-    offset: float
-    rate: float
-
-
 class WhiteningStage(IntEnum):
     """The order in which a model's effects whiten residuals: back through a camera.
 
@@ -80,9 +65,8 @@ class WhiteningStage(IntEnum):
     ROWS = 4
     FRAME = 5
     NUISANCE = 6
-    JUMPS = 7
-    PHOTONS = 8
-    READOUT = 9
+    PHOTONS = 7
+    READOUT = 8
 
 
 class Effect:
@@ -98,7 +82,6 @@ class Effect:
     ends : parameters whose bounds are ends of what there is, not of what is looked for.
     shape_of : parameters that say nothing where another one, of which they are the
         shape, is 0.
-    held : parameters that stay as first_values found them.
     families : effects that share one look alike.
     signature : what it changes, for the captures that discriminate it from others (see
         discriminating_captures); told_apart : the same for one other effect.
@@ -111,8 +94,6 @@ class Effect:
         nor does it look like errors of the chart's own colours, the same in all frames.
     taken_up_by : effects that take up what this one's model does not describe, and the
         share of its gain up to which they are none.
-    correlates : noise that neighbours share, as they do what is lacking in a mean.
-    shows_without_image : darks and flats show it; then nothing takes it up.
     bayer_only : other CFAs have none. nameable : False for what is never looked for.
     detailed : with the parameters of its `detail`. cfa : the sensor's; see `of_cfa`."""
 
@@ -130,7 +111,6 @@ class Effect:
     switches: ClassVar[tuple[str, ...]] = ()
     ends: ClassVar[frozenset[str]] = frozenset()
     shape_of: ClassVar[Mapping[str, str]] = {}
-    held: ClassVar[frozenset[str]] = frozenset()
     families: ClassVar[frozenset[str]] = frozenset()
     signature: ClassVar[frozenset[str]] = frozenset()
     told_apart: ClassVar[Mapping[str, str]] = {}
@@ -140,8 +120,6 @@ class Effect:
     needs: ClassVar[frozenset[str]] = frozenset()
     from_means: ClassVar[bool] = False
     taken_up_by: ClassVar[Mapping[str, float]] = {}
-    correlates: ClassVar[bool] = False
-    shows_without_image: ClassVar[bool] = False
     bayer_only: ClassVar[bool] = False
     nameable: ClassVar[bool] = True
     cfa: str | None = None
@@ -206,13 +184,6 @@ class Effect:
 
     # How it is found.
 
-    # Darks and flats alone measure it: it is in a model from the start (full_start).
-    measured_by_uniform_frames: ClassVar[bool] = False
-
-    def from_moments(self, moments: Moments) -> Values:
-        """Return where a fit of all effects together starts."""
-        return self.null
-
     starts_from_data: ClassVar[bool] = False  # its likelihood has no slope at its null
 
     def first_values(self, predicted: Predicted) -> Values | None:
@@ -229,8 +200,6 @@ class Effect:
         return None
 
     # How strong it would have to be to be found.
-
-    has_strength: ClassVar[bool] = True
 
     def expected_gain(
         self, selected: Predicted, fitted: Predicted, information: float
@@ -254,21 +223,9 @@ class Effect:
         """Return the part of a noise table's beta2 that is its own."""
         return 0.0
 
-    def share_beyond(
-        self, parameters: Mapping[str, float], signal: float, seconds: float
-    ) -> float:
-        """Return the share of a dark's pixels that a profile puts beyond a signal."""
-        return 0.0
-
     def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
         """Write it into a profile's noise table; False if that is not its place."""
         return False
-
-    def registry_estimates(
-        self, estimates: Estimates, sensor_map: SensorMap | None
-    ) -> Estimates:
-        """Return the parameters by which the registry simulates it."""
-        return estimates
 
     # What is said of it.
 

@@ -6,7 +6,7 @@
 import numpy as np
 
 from cg2raw.cfa import is_mono
-from cg2raw.diagnose.effects.base import Effect, Estimates, Moments, Values
+from cg2raw.diagnose.effects.base import Effect, Estimates
 from cg2raw.diagnose.effects.families import PEDESTAL
 from cg2raw.sensor import Sensor
 
@@ -15,7 +15,6 @@ class BlackLevel(Effect):
     name = "black_level"
     title = "black level"
     where = "an offset per CFA site, whatever the light"
-    measured_by_uniform_frames = True
     step = 1e-4
     families = frozenset({PEDESTAL})
     signature = frozenset({"offset"})
@@ -32,9 +31,6 @@ class BlackLevel(Effect):
             for site, span, e in zip(sites, ranges, values.values(), strict=True)
         ]
         return f"the black level is off by {', '.join(parts)}"
-
-    def from_moments(self, moments: Moments) -> Values:
-        return np.full(len(self.parameters), moments.offset)
 
 
 EFFECT = BlackLevel()

@@ -11,7 +11,6 @@ class ColorShading(Effect):
     name = "color_shading"
     title = "colour shading"
     where = "with radius, red and blue unlike green"
-    measured_by_uniform_frames = True
     is_field = True
     step = 2e-3
     families = frozenset({GAIN})

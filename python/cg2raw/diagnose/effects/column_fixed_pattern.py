@@ -3,17 +3,21 @@
 
 """Column fixed pattern: an offset for each column, the same in all frames."""
 
+from collections.abc import Mapping
+
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.frames.tiling import Array
 
 
 class ColumnFixedPattern(FixedPattern):
     name = "column_fixed_pattern"
     title = "column fixed pattern"
     where = "columns differ, the same in all frames"
-    layout = "columns"
-    absorbs = True  # ramps and edges along rows
-    # What columns have in common by chance, or a ramp of them: of a hundred, 1 % each.
-    taken_up_by = {"black_level": 0.04, "bias_structure": 0.04}
+
+    def pattern_variance(
+        self, stated: Mapping[str, float], light: Array, seconds: float
+    ) -> float:
+        return stated["sigma"] ** 2
 
 
 EFFECT = ColumnFixedPattern()

@@ -3,22 +3,25 @@
 
 """DSNU: pixels of unequal offset."""
 
+from collections.abc import Mapping
+
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
+from cg2raw.diagnose.frames.tiling import Array
 
 
 class Dsnu(FixedPattern):
     name = "dsnu"
     title = "DSNU"
     where = "the same pixels in all frames, whatever the light"
-    is_offset = True
-    lacks_slow_part = True
-    has_long_tails = True
-    # The slow part of the map, which the map leaves out.
-    taken_up_by = {"bias_structure": 0.01}
     told_apart = {
         "prnu": "Darks and flats: DSNU is there without light, PRNU is in proportion "
         "to it.",
     }
+
+    def pattern_variance(
+        self, stated: Mapping[str, float], light: Array, seconds: float
+    ) -> float:
+        return stated["sigma"] ** 2
 
 
 EFFECT = Dsnu()

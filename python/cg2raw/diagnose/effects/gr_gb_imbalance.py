@@ -11,7 +11,6 @@ class GrGbImbalance(Effect):
     name = "gr_gb_imbalance"
     title = "Gr/Gb imbalance"
     where = "greens of red rows against greens of blue rows"
-    measured_by_uniform_frames = True
     families = frozenset({GAIN})
     needs = LIGHT
     from_means = True

@@ -47,7 +47,6 @@ class HeavyTailedNoise(Effect):
     signature = frozenset({"noise"})
     absorbs = True
     moves_mean = False
-    shows_without_image = True
     whitening = WhiteningStage.READOUT
 
     def whiten(

@@ -44,20 +44,13 @@ class LensShading(Effect):
     name = "lens_shading"
     title = "lens shading"
     where = "falls off with radius, all channels, in proportion to signal"
-    measured_by_uniform_frames = True
     is_field = True
     step = 2e-3
     families = frozenset({GAIN})
     signature = frozenset({"gain"})
     needs = LIGHT
-    # Vignetting that is no polynomial; a lamp's light, which differs from flat to flat
-    # by some thousandths of it.
-    taken_up_by = {
-        "exposure": 1e-4,
-        "prnu": 5e-5,
-        "dust": 2e-3,
-        "mains_flicker": 1e-4,
-    }
+    # Vignetting that is no polynomial.
+    taken_up_by = {"exposure": 1e-4}
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",

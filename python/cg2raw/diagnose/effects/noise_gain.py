@@ -21,7 +21,6 @@ class NoiseGain(Effect):
     absorbs: ClassVar[bool] = True
     moves_mean: ClassVar[bool] = False
     in_photon_transfer: ClassVar[bool] = True
-    measured_by_uniform_frames: ClassVar[bool] = True
 
     def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
         factor = float(np.exp(values[0]))

@@ -44,8 +44,6 @@ class NoiseReduction(Effect):
     families = frozenset({SPREAD})
     signature = frozenset({"softener"})
     moves_mean = False
-    correlates = True
-    shows_without_image = True
     bayer_only = True
     whitening = WhiteningStage.FILTER
     linear = True

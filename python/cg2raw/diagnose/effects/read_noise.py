@@ -3,9 +3,7 @@
 
 """Read noise: its variance."""
 
-import numpy as np
-
-from cg2raw.diagnose.effects.base import Moments, Parameter, Values
+from cg2raw.diagnose.effects.base import Parameter
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
 NO_DIRECTION = (
@@ -25,9 +23,6 @@ class ReadNoise(NoiseGain):
         "row_noise": NO_DIRECTION,
         "column_fixed_pattern": NO_DIRECTION,
     }
-
-    def from_moments(self, moments: Moments) -> Values:
-        return np.array([np.log(moments.read or 1.0)])
 
 
 EFFECT = ReadNoise()

@@ -48,9 +48,6 @@ class ReadNoiseCorrelation(Effect):
     families = frozenset({SPREAD})
     signature = frozenset({"noise"})
     moves_mean = False
-    correlates = True
-    shows_without_image = True
-    measured_by_uniform_frames = True
     whitening = WhiteningStage.AMPLIFIER
     linear = True
     told_apart = {"noise_reduction": SOFTENED, "blur": SOFTENED, "crosstalk": SOFTENED}

@@ -44,7 +44,6 @@ class SharedOffset(Effect):
     moves_mean: ClassVar[bool] = False
     linear: ClassVar[bool] = True
     whitens_variance: ClassVar[bool] = True
-    measured_by_uniform_frames: ClassVar[bool] = True
 
     @abstractmethod
     def summed(self, tiles: Tiling, image: Array) -> Array:
@@ -62,13 +61,10 @@ class SharedOffset(Effect):
         """Return the offset's standard deviation in those of each pixel, (T, h, w)."""
         return frame.keep * np.sqrt(self.offset_variance(values, frame) / p.variance)
 
-    def covariance(
-        self, along: Array, frame: Frame, wider: Array | float = 1.0
-    ) -> GroupCovariance:
-        """Return that of residuals of a frame; along : as of `along`. wider : as of
-        GroupCovariance."""
+    def covariance(self, along: Array, frame: Frame) -> GroupCovariance:
+        """Return that of residuals of a frame; along : as of `along`."""
         summed = partial(self.summed, frame.tiles)
-        return GroupCovariance(along, summed, frame.keep, wider)
+        return GroupCovariance(along, summed, frame.keep)
 
     def leverage(self, along: Array, frame: Frame) -> Array:
         """Return the share of a pixel's variance that the likeliest offset of its group

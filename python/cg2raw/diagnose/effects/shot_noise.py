@@ -3,9 +3,7 @@
 
 """Shot noise: its variance per signal."""
 
-import numpy as np
-
-from cg2raw.diagnose.effects.base import Moments, Parameter, Values
+from cg2raw.diagnose.effects.base import Parameter
 from cg2raw.diagnose.effects.families import LIGHT_AGAIN
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
@@ -22,9 +20,6 @@ class ShotNoise(NoiseGain):
         "variance grows with the square of the signal, that of shot noise with the "
         "signal.",
     }
-
-    def from_moments(self, moments: Moments) -> Values:
-        return np.array([np.log(moments.light or 1.0)])
 
 
 EFFECT = ShotNoise()

@@ -107,27 +107,6 @@ class Frame:
         green_or_blue = np.where(color == 1, inner[:, 1], inner[:, 2])
         return np.where(color == 0, inner[:, 0], green_or_blue)
 
-    def of_few_tiles(self) -> "Frame":
-        """Return what a few of its tiles show; itself if it is small."""
-        few = self.tiles.few
-        if few is None:
-            return self
-        masks = self.at_white[few], self.at_zero[few], self.keep[few]
-        camera, context = self.rendered
-        return replace(
-            self,
-            tiles=self.tiles.of_few(),
-            signal=self.signal[few],
-            at_white=masks[0],
-            at_zero=masks[1],
-            keep=masks[2],
-            camera=self.camera[few],
-            uniform=self.uniform[few],
-            rendered=(camera[few], context),
-            given=None if self.given is None else self.given[few],
-            highlights=None if self.highlights is None else self.highlights[few],
-        )
-
     @property
     def counted(self) -> Mask:
         """Pixels whose likelihood counts."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from cg2raw.diagnose.frames.response import Response
 from cg2raw.diagnose.frames.tiling import Array, Mask
 from cg2raw.diagnose.frames.well import Well
 
@@ -20,12 +19,10 @@ class Prediction:
     exposed : the mean before noise. photon_variance : of the light, by its photons.
     light_variance : of light that nobody measured, part of the variance.
     shrinking : what integrates a nuisance out of residuals of a prediction.
-    well : what fills a full well; None without one. response : None of one that is
-    straight. kept : of the variance of noise, in residuals of a frame that maps were
-    made of. jumps : variance of pixels that jump, beside that of all others, which
-    whitening has by chance. tails : share of the read noise that is wider than the
-    rest, and by which ratio of variances; 0 and 1 if none. memo : what was last made of
-    it, for whoever asks again (likelihood.whitening)."""
+    well : what fills a full well; None without one.
+    tails : share of the read noise that is wider than the rest, and by which ratio of
+    variances; 0 and 1 if none. memo : what was last made of it, for whoever asks again
+    (likelihood.whitening)."""
 
     mean: Array
     variance: Array
@@ -34,9 +31,6 @@ class Prediction:
     light_variance: Array | float = 0.0
     shrinking: Callable[["Prediction"], Any] | None = None
     well: Well | None = None
-    response: Response | None = None
-    kept: Array | float = 1.0
-    jumps: Array | float = 0.0
     tails: tuple[float, float] = (0.0, 1.0)
     memo: dict[str, Any] = field(
         init=False, default_factory=dict, compare=False, repr=False

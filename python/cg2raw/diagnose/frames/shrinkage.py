@@ -51,37 +51,29 @@ class Shrinkage:
 
 
 class GroupCovariance:
-    """The covariance wider^2 + along along^T of the residuals of each group of pixels,
-    of which `whiten` leaves wider^2."""
+    """The covariance 1 + along along^T of the residuals of each group of pixels, of
+    which `whiten` leaves 1."""
 
     def __init__(
-        self,
-        along: Array,
-        summed: Callable[[Array], Array],
-        keep: Mask,
-        wider: Array | float = 1.0,
+        self, along: Array, summed: Callable[[Array], Array], keep: Mask
     ) -> None:
         """along : (T, h, w), in standard deviations of a pixel, 0 where keep is False.
         summed : returns sums of an image over the pixels of a group, at each of them,
-        or in a shape that is broadcast to them. keep : pixels that share the cost.
-        wider : how many times wider pixels are that tell less of others."""
-        along = along / wider
-        self._summed, self._keep, self._wider = summed, keep, wider
+        or in a shape that is broadcast to them. keep : pixels that share the cost."""
+        self._summed, self._keep = summed, keep
         self._square = summed(along * along) + 1e-300
         self._unit = along / np.sqrt(self._square)
 
     def whiten(self, z: Array) -> tuple[Array, Array]:
         """Return residuals (T, h, w) without what they share, and the log of the
         determinant of that, per pixel."""
-        shared = self._summed(self._unit / self._wider * z)
-        return z - self._wider * self._shrinking * shared, self._cost
+        return z - self._shrinking * self._summed(self._unit * z), self._cost
 
     def colour(self, z: Array) -> Array:
         """Return z such that its product with what `whiten` makes of an image is that
         of z with the image."""
         more = np.sqrt(1 + self._square) - 1
-        shared = self._summed(self._unit * self._wider * z)
-        return z + more / self._wider * self._unit * shared
+        return z + more * self._unit * self._summed(self._unit * z)
 
     @cached_property
     def _shrinking(self) -> Array:
@@ -91,18 +83,6 @@ class GroupCovariance:
     def _cost(self) -> Array:
         count = np.maximum(self._summed(self._keep.astype(float)), 1)
         return np.asarray(-0.5 * np.log1p(self._square) / count * self._keep)
-
-
-def beside(
-    wider: Array | float, whiten: Callable[[Array], tuple[Array, Array | float]]
-) -> Callable[[Array], tuple[Array, Array | float]]:
-    """Return what whitens residuals that are wider, and leaves them as wide."""
-
-    def whiten_wider(z: Array) -> tuple[Array, Array | float]:
-        white, cost = whiten(z / wider)
-        return wider * white, cost
-
-    return whiten if np.ndim(wider) == 0 and wider == 1 else whiten_wider
 
 
 def whitener_along(

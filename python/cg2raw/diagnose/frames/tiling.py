@@ -4,7 +4,7 @@
 """Tiling: the pieces of a frame that are worked on."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,12 +16,6 @@ Mask = NDArray[Any]  # of bool
 
 LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of them
 SMALLEST_TILE, STEP_OF_TILES = 18, 6  # a multiple of any CFA's repeat
-# Places of a few tiles, from one end to the other: corners and middle, and between
-# them at distances that tell the terms of a shading from each other.
-FEW_PLACES = (
-    *((0, 0), (0, 1), (0.5, 0.5), (1, 0), (1, 1)),
-    *((0.25, 0.25), (0.75, 0.75), (0.25, 1), (0.75, 0)),
-)
 FEWEST_TILES = 5  # pieces along each side: both ends, the middle and between
 NARROW = 176  # pixels: a border of masked pixels is taken whole
 WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
@@ -66,23 +60,6 @@ class Tiling:
         """(T, 2) row and column of the first pixel of each tile with its margin."""
         last = np.subtract(self.shape, self.block_size)
         return np.clip(self.origins - self.margin, 0, last)
-
-    @cached_property
-    def few(self) -> NDArray[np.intp] | None:
-        """Which tiles lie at FEW_PLACES; None if they are no fewer."""
-        if self.is_whole or len(self.origins) <= len(FEW_PLACES):
-            return None
-        first, last = self.origins.min(0), self.origins.max(0)
-        wanted = first + np.array(FEW_PLACES) * (last - first)
-        away = np.abs(self.origins[:, None] - wanted).sum(2)
-        return np.unique(away.argmin(0))
-
-    def of_few(self) -> "Tiling":
-        """Return those tiles alone."""
-        if self.few is None:
-            return self
-        fresh = None if self.fresh is None else self.fresh[self.few]
-        return replace(self, origins=self.origins[self.few], fresh=fresh)
 
     def cut(self, image: NDArray[Any], with_margin: bool = False) -> NDArray[Any]:
         """Return the tiles (T, h, w, ...) of an image (H, W, ...)."""

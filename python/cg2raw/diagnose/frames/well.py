@@ -1,11 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Well: what a full one cuts of charge, as maps of the sensor fill it more or less.
-
-A normal charge is cut at a level: the registry predicts that without maps, and a map
-that takes a tenth of the light moves pixels from above the level to below it.
-"""
+"""Well: what a full one cuts of charge: a normal charge is cut at a level."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +16,6 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 FAR_FROM_LEVEL = (
     8.0  # standard deviations from the level, beyond which all or nothing is cut
 )
-SURELY_BELOW = 0.999  # chance that a pixel is not full
 NEAR_WELL = 6.0  # such deviations below the level, that its clipping is felt in
 ROOT_2_PI = np.sqrt(2 * np.pi)
 
@@ -67,12 +62,6 @@ class Well:
         near = self._near
         chance[near] = ndtr(-self._above(near)[0])
         return chance
-
-    @property
-    def surely_below(self) -> Mask:
-        """Where charge stays below: only there is a signal straight in a map."""
-        surely: Mask = self.below >= SURELY_BELOW
-        return surely
 
     @property
     def cut(self) -> Array:

@@ -3,14 +3,13 @@
 
 """Baseline: the model that captures are compared with first, ready to be used."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects.catalogue import candidates
-from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.fitting import fit
 from cg2raw.diagnose.inference.nuisance_fit import nuisance_of, without_highlights
 from cg2raw.diagnose.inference.registration import Registration
@@ -22,7 +21,6 @@ from cg2raw.interrupts import raised
 
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
 HIGHEST_COMPARED = 0.9  # of white, for that
-FEWEST_OF_MAPS = 2  # fit frames: what is the pixels' own does not differ in one
 FEWEST_COMPARED = 500  # pixels, for that
 
 
@@ -31,25 +29,28 @@ class Baseline:
     """The sensor as its profile says, with what has to be fitted to use it at all.
 
     registration : where renders lie, if they may be displaced or differently bright.
-    free : nuisances of the captures.
     ended : what came in between, Ctrl-C or the time, and left the profile alone."""
 
     model: Model
     splits: Splits
     registration: Registration | None = None
     ended: type[BaseException] | None = None
-    free: frozenset[str] = frozenset()
 
 
 def baseline_of(
-    capture_set: CaptureSet, splits: Splits, report: Callable[[str, float], None]
+    capture_set: CaptureSet,
+    splits: Splits,
+    report: Callable[[str, float], None],
+    is_noise_known: bool = True,
 ) -> Baseline:
-    """Return the baseline of captures. Raises ValueError for renders of something
-    else."""
+    """Return the baseline of captures.
+
+    is_noise_known : as the profile states it; else it is fitted, and is no finding.
+    Raises ValueError for renders of something else."""
     bare = Model(capture_set.sensor)
     try:
         with raised():
-            return _found(capture_set, splits, bare, report)
+            return _found(capture_set, splits, bare, report, is_noise_known)
     except (KeyboardInterrupt, TimeIsUp) as ended:
         return Baseline(bare, splits, ended=type(ended))
 
@@ -59,6 +60,7 @@ def _found(
     splits: Splits,
     bare: Model,
     report: Callable[[str, float], None],
+    is_noise_known: bool,
 ) -> Baseline:
     """Return the baseline of all steps."""
     registration = _registration(capture_set, splits, bare, report)
@@ -67,8 +69,8 @@ def _found(
         shown = [without_highlights(frame, bare) for frame in placed.frames]
         placed = Splits(shown, placed.workers)
     check_correspondence(bare, placed)
-    model = _fitted(capture_set, placed, bare)
-    return Baseline(model, placed, registration, free=capture_set.nuisances)
+    model = _fitted(capture_set, placed, bare, is_noise_known)
+    return Baseline(model, placed, registration)
 
 
 def _registration(
@@ -87,24 +89,18 @@ def _registration(
     return found
 
 
-def _fitted(capture_set: CaptureSet, splits: Splits, model: Model) -> Model:
-    """Return the model with its nuisance, and with terms that calibrate it: a profile
-    says how strong a fixed pattern is, and its map is each camera's own; noise that no
-    profile states has to come from the captures."""
+def _fitted(
+    capture_set: CaptureSet, splits: Splits, model: Model, is_noise_known: bool
+) -> Model:
+    """Return the model with its nuisance, and with noise that has to come from the
+    captures."""
     model = replace(model, nuisance=nuisance_of(capture_set, splits.of_nuisances))
-    listed = {effect["name"] for effect in capture_set.sensor.effects}
-    measured = all(frame.noise.measured for frame in splits.frames)
-    for effect in candidates(capture_set.sensor.cfa):
-        is_own = effect.estimator == "fixed pattern" and effect.name in listed
-        is_own &= can_map(splits.fit.frames)
-        if is_own or (effect.scales and not measured):
-            model = model.with_term(Term(effect, effect.null, calibration=True))
+    pixels = [frame for frame in splits.frames if frame.samples is None]
+    if pixels and not (is_noise_known and all(f.noise.measured for f in pixels)):
+        for effect in candidates(capture_set.sensor.cfa):
+            if effect.scales:
+                model = model.with_term(Term(effect, effect.null, calibration=True))
     return fit(model, splits.fit) if model.terms else model
-
-
-def can_map(frames: Sequence[Frame]) -> bool:
-    """Return whether frames can tell what is each pixel's own from noise."""
-    return sum(frame.samples is None for frame in frames) >= FEWEST_OF_MAPS
 
 
 def check_correspondence(model: Model, splits: Splits) -> None:

@@ -3,32 +3,26 @@
 
 """Candidates: effects that a model lacks, and what each would gain.
 
-All are screened by one step on the fit frames, or by what that gains on the select
-frames; the best are fitted, and the select frames say what they gain. Of large frames a
-few tiles are asked first.
+All are screened by one step on the fit frames; the best are fitted, and the select
+frames say what they gain.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
 from cg2raw.diagnose.inference.fitting import first_guess, fit
-from cg2raw.diagnose.inference.pruning import TURNS_WITHOUT
-from cg2raw.diagnose.inference.splits import LUCK, Splits
+from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.inference.steps import Trial
-from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
 MOST_FITTED = 6  # candidates that are fitted in full, of those screened
 WORTH_FITTING = 0.05  # of the best screening score
 LEAST_SCORE = 2.0  # nats that screening finds, beyond one for every parameter
 # Of what all tiles show, that a few have to show of it in proportion.
-SHOWN_BY_FEW = 0.5
 
 
 @dataclass(frozen=True)
@@ -74,14 +68,11 @@ class Candidates:
         best = max((one.score for one in screened), default=0.0)
         found = []
         for rank, one in enumerate(screened[:MOST_FITTED]):
-            chance = 0 if self._held_out(one.effect) else len(one.effect.used)
-            if one.score < LEAST_SCORE + chance:
+            if one.score < LEAST_SCORE + len(one.effect.used):
                 continue
             if rank >= 3 and one.score < WORTH_FITTING * best:
                 continue
             self.report(f"fitting {one.effect.name}")
-            if self._is_hopeless(one):
-                continue
             fitted = fit(one.start, self.splits.fit, self.turns)
             blocks = self.splits.select.in_blocks(fitted) - self.current
             found.append(Trial(one.effect.name, float(blocks.sum()), blocks, fitted))
@@ -100,45 +91,8 @@ class Candidates:
             if guess is None:
                 continue
             start, score = guess
-            if self._held_out(candidate):
-                score = self.splits.select.total(start) - self._height
             found.append(Screened(score, candidate, start))
         return sorted(found, key=lambda one: one.score, reverse=True)
-
-    def _held_out(self, candidate: Effect) -> bool:
-        """Return whether the select frames screen a candidate: the fit frames, which
-        made the maps of a model, would rather have the noise of that again."""
-        return candidate.estimator == "fixed pattern" or any(self.model.maps)
-
-    @cached_property
-    def _height(self) -> float:
-        return self.splits.select.total(self.model)
-
-    @cached_property
-    def _of_few(self) -> tuple[Splits, Model] | None:
-        """A few tiles, and the model fitted to them; None where frames are small."""
-        few = self.splits.few
-        if few is None:
-            return None
-        model = self.model.of_few_tiles(self.splits.frames)
-        return few, fit(model, few.fit, TURNS_WITHOUT)
-
-    def _is_hopeless(self, one: Screened) -> bool:
-        """Return whether a few tiles show a candidate as well as all do, and that it
-        gains too little."""
-        if self._of_few is None:
-            return False
-        few, model = self._of_few
-        share = few.select.pixels / self.splits.select.pixels
-        start = one.start.of_few_tiles(self.splits.frames)
-        shown = few.select if self._held_out(one.effect) else few.fit
-        alone = self.model.of_few_tiles(self.splits.frames)
-        if shown.total(start) - shown.total(alone) < SHOWN_BY_FEW * share * one.score:
-            return False
-        fitted = fit(start, few.fit, TURNS_WITHOUT)
-        blocks = few.select.in_blocks(fitted) - few.select.in_blocks(model)
-        most = blocks.sum() + LUCK * blocks.std() * np.sqrt(blocks.size)
-        return bool(most < share * self.threshold)
 
     @cached_property
     def _null_gain(self) -> float:
@@ -149,27 +103,7 @@ class Candidates:
         evidence = trial.gain - self._null_gain
         if evidence < self.threshold <= 2 * trial.gain:
             evidence += null_gain(trial.model, self.splits, trial.name)
-        if evidence >= self.threshold:
-            told = told_by_pixels(trial.model, trial.name, self.splits.select)
-            evidence = min(evidence, told)
         return replace(trial, evidence=evidence)
-
-
-def told_by_pixels(model: Model, name: str, select: Likelihood) -> float:
-    """Return what a model's map of variance gains for sure by the pixels that it is of,
-    beyond what it does at others: that is a law of tails, and any noise has some.
-    Infinite of effects that have no such map.
-
-    Source: a permutation test; P. Good, Permutation Tests, 2000."""
-    term = model.term(name)
-    if term is None or term.sensor_map is None or not term.effect.whitens_variance:
-        return np.inf
-    elsewhere = [
-        select.total(model.with_term(replace(term, sensor_map=other)))
-        for other in term.sensor_map.displaced()
-    ]
-    most_by_chance = np.mean(elsewhere) + LUCK * np.std(elsewhere, ddof=1)
-    return float(select.total(model) - most_by_chance)
 
 
 def null_gain(model: Model, splits: Splits, but: str = "") -> float:

@@ -58,14 +58,15 @@ class Design:
         return residual, square - moved[self.of_variance] @ self.variance
 
     def sums_by_label(
-        self, labels: NDArray[np.intp], count: int, residual: Rows, square: Rows | None
+        self, labels: NDArray[np.intp], count: int, residual: Rows, square: Rows
     ) -> Array:
         """Return (n, count) of the sums of `scores`, over the pixels of each label
-        (N,). square : None for those of the mean alone."""
+        (N,)."""
         found = np.zeros((self.count, count))
-        parts = [(self.of_mean, self.mean, residual)]
-        if square is not None:
-            parts.append((self.of_variance, self.variance, square))
+        parts = (
+            (self.of_mean, self.mean, residual),
+            (self.of_variance, self.variance, square),
+        )
         for numbers, rows, scores in parts:
             for k, row in zip(numbers, rows, strict=True):
                 found[k] += np.bincount(labels, row * scores, count)

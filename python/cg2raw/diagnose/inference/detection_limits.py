@@ -54,7 +54,7 @@ def detection_limits(
     needed = float(np.log(max(len(effects), 1) / alpha))
     limits = []
     for effect in effects:
-        if effect.name in model.names or not effect.has_strength:
+        if effect.name in model.names:
             continue
         is_searched = effect.scored and effect.estimator != "smooth"
         own = _information(model, effect, base) if is_searched else 0.0

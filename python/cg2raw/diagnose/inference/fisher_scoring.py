@@ -6,7 +6,7 @@
 Source: S. M. Kay, Fundamentals of Statistical Signal Processing I, 1993, section 3.9.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,10 +22,9 @@ from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.inference.design import Derivatives, Design, Rows, scaled
 from cg2raw.diagnose.likelihood.censored_offsets import censored_offsets
 from cg2raw.diagnose.likelihood.censoring import scores
-from cg2raw.diagnose.likelihood.jumps import predict_with_jumps
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model, Term
-from cg2raw.diagnose.likelihood.prediction import mean_without_maps
+from cg2raw.diagnose.likelihood.prediction import mean_of, predict
 from cg2raw.diagnose.likelihood.whitening import (
     colour_offsets,
     cut_offsets,
@@ -48,14 +47,14 @@ class _State:
 
     residual, square : scores of a pixel's mean, in standard deviations, and of the log
     of its variance. weight : root of its information on its mean, 1 but of pixels that
-    are cut at an end of the ADC. without_maps : the mean. own : derivatives by the
-    model's parameters, once they were asked for."""
+    are cut at an end of the ADC. mean : as if no well were full. own : derivatives by
+    the model's parameters, once they were asked for."""
 
     prediction: Prediction
     residual: Array
     square: Array
     weight: Array
-    without_maps: Array
+    mean: Array
     own: tuple[tuple[Parameter, ...], Design] | None = None
 
 
@@ -88,7 +87,7 @@ class Linearisation:
         return states
 
     def _state(self, frame: Frame) -> _State:
-        p = predict_with_jumps(self.model, frame)
+        p = predict(self.model, frame)
         cut = cut_offsets(self.model, frame)
         at = p if cut is None else censored_offsets(p, cut, frame).likeliest
         z, square, weight = scores(at, frame)
@@ -98,7 +97,7 @@ class Linearisation:
         # What pixels share is no variance of their own.
         own = (white * white - 1) * np.sqrt(0.5)
         square = np.where(frame.counted & ~frame.censored, own, square)
-        bare = mean_without_maps(self.model, frame)
+        bare = mean_of(self.model, frame)
         return _State(p, white, square, weight, bare)
 
     def _standardised(
@@ -160,22 +159,6 @@ class Linearisation:
 
         pairs = list(zip(self._states, self.likelihood.frames, strict=True))
         return self.likelihood.workers.map(one, pairs)
-
-    def sums_along(
-        self, along: Callable[[Frame, Prediction], Array | float], labels: PixelLabels
-    ) -> Iterator[Array]:
-        """Yield, of every frame, products (n, count) of derivatives of its mean by the
-        model's free parameters with some image's, summed over the pixels of each label.
-
-        along : returns the image (T, h, w). labels : as of `score_sums`."""
-        own = tuple(free_parameters(self.model))
-        for state, frame in zip(self._states, self.likelihood.frames, strict=True):
-            image = np.broadcast_to(along(frame, state.prediction), frame.signal.shape)
-            moved, _ = self._standardised(state, frame, (image, None))
-            design = self._own_design(state, frame, own, self.model)
-            assert moved is not None
-            along_it = moved.astype(np.float32)
-            yield design.sums_by_label(*counted_labels(frame, labels), along_it, None)
 
     def _own_design(
         self, state: _State, frame: Frame, own: tuple[Parameter, ...], model: Model
@@ -241,11 +224,10 @@ def _moved_by(state: _State, frame: Frame, effect: Effect, model: Model) -> Deri
     p = state.prediction
     late = registered(effect.cfa)[effect.name]["stage"] == "readout"
     if effect.moves_mean and (effect.acts_on_light or late or effect.needs == TIME):
-        # Alike whatever maps add, but for a share as small as a map, in pixels that a
-        # full well does not hide.
-        mean = mean_without_maps(model, frame) - state.without_maps
+        # In pixels that a full well does not hide.
+        mean = mean_of(model, frame) - state.mean
         return mean * (1.0 if late else p.below), None
-    moved = predict_with_jumps(model, frame)
+    moved = predict(model, frame)
     mean = moved.mean - p.mean
     if effect.moves_mean:
         return mean, None
@@ -259,7 +241,7 @@ def free_parameters(model: Model) -> list[Parameter]:
         for term in model.terms
         if term.effect.scored
         for index, name in enumerate(term.effect.parameters)
-        if name in term.effect.used and name not in term.effect.held
+        if name in term.effect.used
     ]
 
 
@@ -284,9 +266,8 @@ def moved(model: Model, parameters: Sequence[Parameter], step: Array) -> Model:
     for (name, index), delta in zip(parameters, step, strict=True):
         values[name][index] += delta
     for term in model.terms:
-        if term.effect.estimator != "fixed pattern":
-            bounded = _bounded(model, term, values[term.name])
-            model = model.with_values(term.name, bounded)
+        bounded = _bounded(model, term, values[term.name])
+        model = model.with_values(term.name, bounded)
     return model
 
 

@@ -10,9 +10,7 @@ import numpy as np
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.inference.coordinate_search import ENOUGH, fit_transform
-from cg2raw.diagnose.inference.cross_fit import fit_beside_maps
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation, one_step
-from cg2raw.diagnose.inference.fixed_patterns import fit_patterns
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.model import Model
 
@@ -31,27 +29,14 @@ def fit(model: Model, likelihood: Likelihood, turns: int = TURNS) -> Model:
         model, current = scored(model, current, likelihood)
         if all(term.effect.estimator == "smooth" for term in model.terms):
             break
-        model = fit_patterns(model, likelihood)
         for term in model.terms:
-            # Scores of a variance are squares, which outliers of a map decide.
+            # Scores of a variance are squares, which outliers decide.
             if term.effect.estimator == "transform" or term.effect.scales:
-                model = fit_beside_maps(model, term.name, likelihood)
+                model, _ = fit_transform(model, term.name, likelihood)
         current = likelihood.total(model)
         if abs(current - start) < SETTLED:
             break
     return model
-
-
-def fit_alone(model: Model, name: str, likelihood: Likelihood) -> Model:
-    """Return the model with one of its terms fitted, all others as they are."""
-    term = model.term(name)
-    assert term is not None
-    if term.effect.estimator == "fixed pattern":
-        return fit_patterns(model, likelihood, [name])
-    if term.effect.estimator == "transform":
-        return fit_beside_maps(model, name, likelihood)
-    others = [other for other in model.names if other != name]
-    return scored(model, likelihood.total(model), likelihood, others)[0]
 
 
 def scored(
@@ -77,26 +62,18 @@ def drawn_by_profile(effect: Effect, frames: Sequence[Frame]) -> Values | None:
     return np.array(drawn[0], float) if drawn and drawn[0] is not None else None
 
 
-def begun_from_data(
-    effect: Effect, model: Model, likelihood: Likelihood
-) -> Model | None:
-    """Return a model with an effect where frames say that its fit starts; None if they
-    show nothing of it."""
-    values = effect.first_values(likelihood.predicted(model))
-    return None if values is None else model.with_effect(effect, effect.clipped(values))
-
-
 def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | None:
-    """Return (model with a first guess of an effect, its gain when fitted, 0 of a fixed
-    pattern); None if frames show nothing of it.
+    """Return (model with a first guess of an effect, its gain when fitted); None if
+    frames show nothing of it.
 
     base : of the model that lacks it."""
     model, likelihood = base.model, base.likelihood
     in_profile = effect.name in model.profile_parameters  # and has a slope there
-    if effect.starts_from_data and (effect.held or not in_profile):
-        start = begun_from_data(effect, model, likelihood)
-        if start is None:
+    if effect.starts_from_data and not in_profile:
+        values = effect.first_values(likelihood.predicted(model))
+        if values is None:
             return None
+        start = model.with_effect(effect, effect.clipped(values))
         return start, likelihood.total(start) - base.height
     if effect.estimator == "smooth":
         start, gain = one_step(model.with_effect(effect), base, base.height)
@@ -112,4 +89,4 @@ def first_guess(effect: Effect, base: Linearisation) -> tuple[Model, float] | No
         is_new = drawn is None
         start, score = fit_transform(start, effect.name, likelihood, quick=is_new)
         return start, score - base.height
-    return fit_patterns(model.with_effect(effect), likelihood), 0.0
+    raise ValueError(f"{effect.name}: is none that images are searched for")

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import NORMAL_95, Estimates, EstimatesByEffect
-from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.inference.fisher_scoring import (
     Linearisation,
     Parameter,
@@ -48,9 +47,6 @@ def _standard_errors(
             errors[name, index] = float(
                 np.ptp([term.effect.low, term.effect.high], 0)[index]
             )
-    for term, effect, sensor_map in model.maps:
-        of_map = effect.standard_errors(term.values, sensor_map)
-        errors.update({(term.name, i): e for i, e in enumerate(of_map)})
     for term in model.terms:
         if (term.name, 0) not in errors:
             of_term = _errors_by_likelihood(model, term, likelihood)
@@ -84,8 +80,8 @@ def _errors_by_likelihood(
     model: Model, term: Term, likelihood: Likelihood
 ) -> list[float]:
     """Errors of a transform's values from the bend of the likelihood in all of them;
-    of their logarithms, if it does not bend down in these: maps that were fitted along
-    leave values beside the top, and of shares and ratios the likelihood is skewed."""
+    of their logarithms, if it does not bend down in these: of shares and ratios the
+    likelihood is skewed."""
     low, high = term.effect.low, term.effect.high
     steps = np.maximum(0.1 * np.abs(term.values), 1e-3)
     steps = np.minimum(steps, (high - low) / 4)
@@ -143,8 +139,7 @@ def estimates(model: Model, likelihood: Likelihood) -> EstimatesByEffect:
         ):
             if name not in term.effect.used:
                 continue
-            # What is held was found once, and has no error.
-            error = errors.get((term.name, index), 0.0)
+            error = errors[term.name, index]
             low, high = _interval(term, index, error, of_shape)
             value = float(term.values[index]) * scale
             of_term[name] = Estimate(value, unit, (low * scale, high * scale))
@@ -195,8 +190,6 @@ def _interval(
 ) -> tuple[float, float]:
     """Return the interval of a value. of_shape : as of _errors_of_shape."""
     name, value = term.effect.parameters[index], float(term.values[index])
-    if index == 0 and (own := _own_interval(term)):
-        return own
     half = NORMAL_95 * error
     if abs(value) < half and name in term.effect.shape_of.values():
         if NORMAL_95 * of_shape[name] < abs(value):
@@ -209,10 +202,3 @@ def _to_a_factor(value: float, half: float) -> tuple[float, float]:
     factor = float(np.exp(min(half / abs(value), LARGEST_LOG)))
     low, high = sorted((value / factor, value * factor))
     return low, high
-
-
-def _own_interval(term: Term) -> tuple[float, float] | None:
-    """Return the interval of a map that is not normal; None of all else."""
-    if term.sensor_map is None or not isinstance(term.effect, FixedPattern):
-        return None
-    return term.effect.interval(float(term.values[0]), term.sensor_map)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from cg2raw.cfa import sites_of
-from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import EstimatesByEffect
 from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.diagnose.frames.frame import Frame
@@ -25,7 +24,7 @@ def model_profile(
     profile: dict[str, Any] = json.loads(model.sensor.to_json())
     _add_estimated_noise(profile, frames)
     effects = {effect["name"]: effect for effect in profile.get("effects", [])}
-    listed = model.warm_parameters
+    listed = model.profile_parameters
     for name, entry in effects.items():
         entry["parameters"] = {p: listed[name][p] for p in entry["parameters"]}
     for term in model.terms:
@@ -34,7 +33,7 @@ def model_profile(
             continue
         # What moves the prediction was fitted on top of the profile's, all else whole.
         old = listed.get(term.name, {}) if effect.predicted else {}
-        found = effect.registry_estimates(estimates[term.name], term.sensor_map)
+        found = estimates[term.name]
         names = effect.registry_parameters
         values = np.array([value_of(found, name) for name in names])
         if old:
@@ -45,22 +44,6 @@ def model_profile(
     if effects:
         profile["effects"] = list(effects.values())
     return profile
-
-
-def values_alone(model: Model, frames: Sequence[Frame]) -> EstimatesByEffect:
-    """Return the values of every term in the registry's units, each its own interval:
-    how sure they are is not asked."""
-    result = {}
-    for term in model.terms:
-        scaled = term.values * term.effect.unit_scale(frames)
-        result[term.name] = {
-            name: Estimate(float(value), unit, (float(value), float(value)))
-            for name, unit, value in zip(
-                term.effect.parameters, term.effect.units, scaled, strict=True
-            )
-            if name in term.effect.used
-        }
-    return result
 
 
 def _add_estimated_noise(profile: dict[str, Any], frames: Sequence[Frame]) -> None:

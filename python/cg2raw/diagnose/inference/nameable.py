@@ -8,13 +8,9 @@ from collections.abc import Collection, Sequence
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import candidates
-from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Mask
-from cg2raw.diagnose.inference.baseline import can_map
-from cg2raw.diagnose.inference.outliers import expected_outliers
 from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.model import Model
 
 DISTINCT = 1.2  # ratio of two flats' levels that show a curve
 
@@ -29,14 +25,12 @@ def nameable(
     fitted, selected = splits.fit.frames, splits.select.frames
     again = _shows_light_again([*fitted, *selected])
     groups = [_shown_by(frames, again) for frames in (fitted, selected)]
-    by_defects = _has_unmapped_defects(capture_set, splits)
     held_out = splits.hold_out_frames
 
     def is_shown(effect: Effect) -> bool:
         if effect.shares_offset == "frame" and not held_out:
             return False  # what a frame shares is in all parts of its pixels
-        has_tails = effect.tails(effect.null) is not None
-        if by_defects and (has_tails or isinstance(effect, FixedPattern)):
+        if effect.estimator == "stated":
             return False
         return all(
             any(effect.needs <= shown and (pixels or effect.from_means)
@@ -48,15 +42,6 @@ def nameable(
         [effect for effect in known if is_shown(effect)],
         [effect for effect in known if not is_shown(effect)],
     )
-
-
-def _has_unmapped_defects(capture_set: CaptureSet, splits: Splits) -> bool:
-    """Return whether a profile has defects, and no fit frames repeat to show which
-    pixels they are: then neither tails nor patterns are more than the profile says."""
-    if can_map(splits.fit.frames):
-        return False
-    model = Model(capture_set.sensor)
-    return any(expected_outliers(model, frame) for frame in splits.frames)
 
 
 def _is_even(frame: Frame) -> bool:

@@ -33,20 +33,18 @@ LEAST_INVERTED = 1e-9  # of the largest eigenvalue of a correlation, that has an
 
 @dataclass(frozen=True)
 class Covariances:
-    """Those (n, n) of a model's smooth values: by noise, by that and what maps are by
-    chance, and by scores where they lie.
+    """Those (n, n) of a model's smooth values: by noise, and by scores where they lie.
 
     places : in how many, each by itself, noise has as much chance."""
 
     by_noise: Array
-    expected: Array
     robust: Array
     places: float
 
     @property
     def errors(self) -> Array:
         """Standard errors (n,)."""
-        expected = np.diag(self.expected)
+        expected = np.diag(self.by_noise)
         ratio = np.diag(self.robust) / np.where(expected > 0, expected, 1)
         return np.asarray(np.sqrt(expected * self._widening(ratio)))
 
@@ -63,8 +61,7 @@ class Covariances:
             shares = inverse_of(below[among]) * above[among]
             return np.asarray(shares.sum() / len(told))
 
-        by_maps = ratio(self.expected, self.by_noise)
-        return float(by_maps * self._widening(ratio(self.robust, self.expected)))
+        return float(self._widening(ratio(self.robust, self.by_noise)))
 
     def _widening(self, ratio: Array) -> Array:
         """Return 1 where noise explains a ratio of squares, else as much as it is."""
@@ -78,11 +75,9 @@ def covariances(base: Linearisation, score: Array, information: Array) -> Covari
     score, information : as of `Linearisation.system`."""
     inverse = inverse_of(information)
     if not information.size:
-        return Covariances(inverse, inverse, inverse, 1.0)
+        return Covariances(inverse, inverse, 1.0)
     spread, places = _spread(base, inverse @ score)
-    of_maps = _spread_of_maps(base, len(inverse))
-    robust, drawn = (inverse @ one @ inverse for one in (spread, of_maps))
-    return Covariances(inverse, inverse + drawn, robust, places)
+    return Covariances(inverse, inverse @ spread @ inverse, places)
 
 
 def inverse_of(information: Array) -> Array:
@@ -148,31 +143,3 @@ def _with_neighbours(sums: Array, shape: tuple[int, int], power: int = 1) -> Arr
         weights = np.maximum(1 - away, 0) ** power
         fields = np.moveaxis(np.tensordot(fields, weights, (axis, 0)), -1, axis)
     return np.asarray(fields.reshape(sums.shape))
-
-
-def _spread_of_maps(base: Linearisation, count: int) -> Array:
-    """Return the covariance (n, n) of scores by what the maps of a model are by chance:
-    the mean of a column's offsets is some of a black level."""
-    spread = np.zeros((count, count))
-    for term, effect, _ in base.model.maps:
-        if effect.layout not in ("pixels", "columns"):
-            continue
-        labels = _columns if effect.layout == "columns" else _pixels
-        sums: dict[object, Array] = defaultdict(lambda: np.zeros(()))
-        products = base.sums_along(effect.shown, labels)
-        for frame, found in zip(base.likelihood.frames, products, strict=True):
-            tiles = frame.tiles
-            place = tiles.shape, tiles.size, tiles.origins.tobytes()
-            sums[place] = sums[place] + found
-        for total in sums.values():
-            spread += float(term.values[0]) ** 2 * total @ total.T
-    return spread
-
-
-def _pixels(frame: Frame) -> tuple[NDArray[np.intp], int]:
-    size = frame.signal.size
-    return np.arange(size).reshape(frame.signal.shape), size
-
-
-def _columns(frame: Frame) -> tuple[NDArray[np.intp], int]:
-    return frame.tiles.rows_and_columns()[1], frame.tiles.shape[1]

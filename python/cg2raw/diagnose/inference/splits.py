@@ -13,9 +13,6 @@ from cg2raw.diagnose.inference.registration import Registration
 from cg2raw.diagnose.likelihood.likelihood import Likelihood
 from cg2raw.diagnose.likelihood.workers import Workers
 
-# Standard errors that all tiles may differ by from what a few of them show.
-LUCK = 3.0
-
 
 class Splits:
     """All frames of a diagnosis, in order, and the likelihood of each split."""
@@ -76,14 +73,6 @@ class Splits:
         pixels, each is in all splits, with what its pixels share."""
         shots = {id(frame.capture.raw) for frame in self.fit.frames}
         return any(id(frame.capture.raw) not in shots for frame in self.select.frames)
-
-    @cached_property
-    def few(self) -> "Splits | None":
-        """A few tiles of large frames, and small ones whole: what these show by far,
-        all show. None if all are small."""
-        if all(frame.tiles.few is None for frame in self.frames):
-            return None
-        return Splits([frame.of_few_tiles() for frame in self.frames], self.workers)
 
     def placed(self, registration: Registration) -> "Splits":
         """Return the same frames with their renders where a registration found them."""

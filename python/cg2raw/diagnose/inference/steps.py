@@ -3,7 +3,7 @@
 
 """Steps of a search: what was tried, what was taken, and why."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,37 +42,6 @@ class Step:
     rule: str = ""
 
 
-CALIBRATED = (
-    "Measured on darks and flats together with all others: so much less likely are the "
-    "held-out frames without it."
-)
-
-CONTRADICTED = (
-    "It is not as strong as the profile says: so much likelier are the pixels of the "
-    "held-out frames, which made maps of their own."
-)
-
-
-def calibrated_steps(
-    losses: Mapping[str, float], ranking: Sequence[tuple[str, float]] = ()
-) -> list[Step]:
-    """Return the steps of effects that were there from the start. losses : nats that
-    the select frames lose without each."""
-    return [
-        Step("calibrated", name, loss, loss, ranking, rule=CALIBRATED)
-        for name, loss in losses.items()
-    ]
-
-
-def contradicted_steps(lost: Mapping[str, float]) -> list[Step]:
-    """Return the steps of maps that are not as strong as a profile says. lost : nats,
-    by that, of the maps of the select frames."""
-    return [
-        Step("contradicted", name, nats, nats, rule=CONTRADICTED)
-        for name, nats in lost.items()
-    ]
-
-
 def rule_of(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
     """Return why one of the trials was taken, in words."""
     if best is not first:
@@ -93,17 +62,13 @@ def rule_of(best: Trial, first: Trial, trials: Sequence[Trial]) -> str:
 
 def mean_first(trials: Sequence[Trial], effects: Sequence[Effect]) -> Trial:
     """Return which of the trials, best first, goes first: noise absorbs any misfit of
-    the mean, and an effect of the mean goes before it; a map that does comes after
-    those that are none."""
+    the mean, and an effect of the mean goes before it."""
     kinds = {effect.name: effect for effect in effects}
     best = trials[0]
     if not kinds[best.name].absorbs:
         return best
-    is_map = kinds[best.name].estimator == "fixed pattern"
     for trial in trials:
         known = kinds[trial.name]
-        if is_map and known.estimator == "fixed pattern":
-            continue
         enough = trial.gain > MEAN_FIRST * best.gain
         if known.moves_mean and not known.absorbs and enough:
             return trial

@@ -6,15 +6,11 @@
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import confusable
-from cg2raw.diagnose.inference.candidates import told_by_pixels
 from cg2raw.diagnose.inference.fisher_scoring import Linearisation
 from cg2raw.diagnose.inference.fitting import first_guess, fit
-from cg2raw.diagnose.inference.splits import LUCK, Splits
-from cg2raw.diagnose.inference.ties import CLEAR
+from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.model import Model
 
 NEAR, NEARBY_NATS = 0.5, 50.0  # of what is lost, and beyond it, that a fit may make up
@@ -43,18 +39,9 @@ def best_swap(
 
     names : of those that may be exchanged. known : pairs that were swapped, and are not
     swapped back."""
-    found = []
+    found: list[Swap] = []
     for old, candidates in _alike(model, names, effects, known):
-        few = splits.few
-        if few is not None:
-            of_few = model.of_few_tiles(splits.frames)
-            candidates = [
-                one
-                for one in candidates
-                if _may_gain(_swapped(of_few, old, [one], few, report))
-            ]
-        for swap, _ in _swapped(model, old, candidates, splits, report):
-            found.append(swap)
+        found += _swapped(model, old, candidates, splits, report)
     return max(found, key=lambda swap: swap.gain, default=None)
 
 
@@ -85,29 +72,20 @@ def _swapped(
     candidates: Sequence[Effect],
     splits: Splits,
     report: Callable[[str], None],
-) -> Iterator[tuple[Swap, float]]:
-    """Yield swaps of an effect for each of others, but those that come nowhere near,
-    with the standard error of the gain."""
-    height = splits.select.in_blocks(model)
+) -> Iterator[Swap]:
+    """Yield swaps of an effect for each of others, but those that come nowhere near."""
+    height = splits.select.total(model)
     rest = model.without(old)
-    loss = height.sum() - splits.select.total(rest)
+    loss = height - splits.select.total(rest)
     base = Linearisation(rest, splits.fit)
     for candidate in candidates:
         report(f"would {candidate.name} do as well as {old}")
         guess = first_guess(candidate, base)
         if guess is None:
             continue
-        lost = height.sum() - splits.select.total(guess[0])
+        lost = height - splits.select.total(guess[0])
         if lost > NEAR * abs(loss) + NEARBY_NATS:
             continue
         fitted = fit(guess[0], splits.fit)
-        if told_by_pixels(fitted, candidate.name, splits.select) < CLEAR:
-            continue
-        gained = splits.select.in_blocks(fitted) - height
-        error = float(gained.std() * np.sqrt(gained.size))
-        yield Swap(float(gained.sum()), old, candidate.name, fitted), error
-
-
-def _may_gain(few: Iterator[tuple[Swap, float]]) -> bool:
-    """Return whether any swap gains on a few tiles, or might on all of them."""
-    return any(swap.gain + LUCK * error > 0 for swap, error in few)
+        gained = splits.select.total(fitted) - height
+        yield Swap(gained, old, candidate.name, fitted)

@@ -46,19 +46,12 @@ class CensoredOffsets:
 
 
 def censored_offsets(
-    p: Prediction,
-    variances: OffsetVariances,
-    frame: Frame,
-    telling: Array | None = None,
+    p: Prediction, variances: OffsetVariances, frame: Frame
 ) -> CensoredOffsets:
-    """Return a prediction with offsets of rows and of the frame.
-
-    telling : (T, h, w), the variance by which pixels tell of offsets; that of the
-        prediction if None, which has nothing of pixels that jump."""
+    """Return a prediction with offsets of rows and of the frame."""
     if variances.row <= 0 and variances.frame <= 0:
         return CensoredOffsets(p, p, np.zeros_like(p.mean))
-    told = p if telling is None else replace(p, variance=telling)
-    offsets = _Offsets(told, variances, frame)
+    offsets = _Offsets(p, variances, frame)
     for _ in range(NEWTON_STEPS):
         if offsets.step() < LEAST_STEP:
             break

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Full wells: as full as a model's maps and the light of a frame make them.
+"""Full wells: as full as the light of a frame makes them.
 
 Light that a frame has by normal numbers of its own, as a wave of flicker, whitening
 integrates out as what is linear. A well is not: of pixels that are expected full, a
@@ -9,7 +9,7 @@ dimmer wave shows some that are not. So the well is filled by the likeliest ligh
 the signal is linear about that, by Laplace's method.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -32,31 +32,15 @@ def cut_by_well(
     frame: Frame,
     mean: Array,
     variance: Array,
-    gain: Array,
     well: Well,
-    slopes: Mapping[str, Array | float],
 ) -> tuple[Array, Array, Well]:
-    """Return (mean, variance, full well) with the well as full as maps and the light
-    of the frame make it, before maps and light are added."""
+    """Return (mean, variance, full well) with the well as full as the light of the
+    frame makes it, before that is added."""
     uncut = np.stack([mean, variance]) + well.cut
     seen = frame.signal - uncut[0] + well.charge
-    filled = _filled_by_maps(well, model, slopes, gain)
-    filled, bent = _filled_by_light(filled, model, frame, seen, uncut[1])
+    filled, bent = _filled_by_light(well, model, frame, seen, uncut[1])
     mean, variance = uncut - filled.cut
     return mean + bent, variance, filled
-
-
-def _filled_by_maps(
-    well: Well, model: Model, slopes: Mapping[str, Array | float], gain: Array
-) -> Well:
-    """Return the full well with what maps of known pixels fill it with."""
-    more, noisier = np.zeros((2, *well.charge.shape))
-    for term, effect, known in model.maps:
-        if effect.fills_well and known.mean.shape == more.shape:
-            shift = slopes[term.name] * known.mean
-            more += shift
-            noisier += gain * shift * effect.is_charge
-    return well.with_more(more, noisier)
 
 
 def _filled_by_light(

@@ -10,7 +10,6 @@ from typing import TypeVar
 import numpy as np
 from scipy.special import log_ndtr
 
-from cg2raw.diagnose.effects.base import Whitened
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
@@ -19,9 +18,8 @@ from cg2raw.diagnose.likelihood.censored_offsets import (
     censored_offsets,
 )
 from cg2raw.diagnose.likelihood.censoring import LOG_2PI, first_censored, residuals
-from cg2raw.diagnose.likelihood.jumps import for_means
 from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import photon_gain, predict
+from cg2raw.diagnose.likelihood.prediction import predict
 from cg2raw.diagnose.likelihood.whitening import cut_offsets, whiten
 from cg2raw.diagnose.likelihood.workers import Workers
 
@@ -86,7 +84,7 @@ def log_density(
     the ADC cuts)."""
     density, z, p, cut = _density(model, frame, prediction)
     if cut is not None:
-        z = whiten(_residuals(model, frame, cut.drawn)[0], cut.drawn, model, frame)[0]
+        z = whiten(residuals(cut.drawn, frame), cut.drawn, model, frame)[0]
     return density, z, p
 
 
@@ -98,14 +96,12 @@ def _density(
     p = predict(model, frame) if prediction is None else prediction
     shared, cut = cut_offsets(model, frame), None
     if shared is not None:
-        telling = for_means(p, model, frame).variance
-        cut = censored_offsets(p, shared, frame, telling)
+        cut = censored_offsets(p, shared, frame)
     p = p if cut is None else cut.likeliest
     if RESIDUALS not in p.memo:
-        p.memo[RESIDUALS] = _residuals(model, frame, p)
-    start, of_rates = p.memo[RESIDUALS]
-    z, cost = whiten(start, p, model, frame)
-    density = -0.5 * z * z - 0.5 * LOG_2PI + cost + of_rates - 0.5 * np.log(p.variance)
+        p.memo[RESIDUALS] = residuals(p, frame)
+    z, cost = whiten(p.memo[RESIDUALS], p, model, frame)
+    density = -0.5 * z * z - 0.5 * LOG_2PI + cost - 0.5 * np.log(p.variance)
     density = density - np.log(frame.range)
     for hit, sign in ((frame.at_white, 1.0), (frame.at_zero, -1.0)):
         if hit.any():
@@ -113,21 +109,6 @@ def _density(
             beyond = log_ndtr(-end)
             density[hit] = np.maximum(beyond, LEAST_LOG)
     return density if cut is None else density + cut.log_density, z, p, cut
-
-
-def _residuals(model: Model, frame: Frame, p: Prediction) -> Whitened:
-    """Return (standardised residuals, log of a determinant per pixel): of pixels whose
-    rates no frame tells, they are normal scores by the law of these."""
-    z = residuals(p, frame)
-    of_unknown = model.rate_law_on(frame)
-    if of_unknown is None or not frame.seconds:
-        return z, 0.0
-    unknown, law = of_unknown
-    gain = np.broadcast_to(photon_gain(model, frame), z.shape)[unknown]
-    scored = law.scores(z[unknown], p.variance[unknown], frame.seconds, gain)
-    cost = np.zeros_like(z)
-    z[unknown], cost[unknown] = scored
-    return z, cost
 
 
 def block_sums(image: Array) -> Array:

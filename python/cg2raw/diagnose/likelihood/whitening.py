@@ -13,19 +13,17 @@ import numpy as np
 
 from cg2raw.diagnose.effects.base import (
     Effect,
-    SensorMap,
     Values,
     Whitened,
     Whitener,
     WhiteningStage,
 )
 from cg2raw.diagnose.effects.catalogue import every
-from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.shared_fields import SharedFields
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
-from cg2raw.diagnose.frames.shrinkage import GroupCovariance, beside, whitener_along
+from cg2raw.diagnose.frames.shrinkage import GroupCovariance, whitener_along
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.likelihood.censored_offsets import OffsetVariances
 from cg2raw.diagnose.likelihood.model import Model
@@ -52,20 +50,15 @@ def whiten(z: Array, p: Prediction, model: Model, frame: Frame) -> Whitened:
     for effect, values in _steps(model, frame):
         if isinstance(effect, SharedOffset) and cut_offsets(model, frame):
             continue
-        known = model.map_on(effect, frame) if effect else None
-        key = (
-            effect and effect.name,
-            values.tobytes(),
-            id(known),
-            _tails_in(effect, tails),
-        )
+        name = effect and effect.name
+        key = (name, values.tobytes(), _tails_in(effect, tails))
         old = before[len(links)] if len(links) < len(before) else None
         if old and old.key == key and links[-1] is before[len(links) - 1]:
             links.append(old)
             if effect and old.stage:
                 stages.resume(effect, old.stage, values)
         else:
-            links.append(_passed(links[-1], key, effect, values, stages, known))
+            links.append(_passed(links[-1], key, effect, values, stages))
     p.memo[LINKS] = links
     return links[-1].z, links[-1].cost
 
@@ -80,13 +73,12 @@ def _tails_in(effect: Effect | None, tails: tuple[float, float]) -> object:
 class _Link:
     """What a stage has left of residuals and added to the cost.
 
-    key : what it is of. stage : that of an effect without a map. known : its map."""
+    key : what it is of. stage : that of an effect."""
 
     key: tuple[object, ...]
     z: Array
     cost: Array | float = 0.0
     stage: Whitener | None = None
-    known: SensorMap | None = None
 
 
 def _passed(
@@ -95,17 +87,14 @@ def _passed(
     effect: Effect | None,
     values: Values,
     stages: "_Stages",
-    known: SensorMap | None,
 ) -> _Link:
     stage = None
     if effect is None:
         z, more = stages.p.shrinkage.apply(before.z, stages.frame.keep)
-    elif isinstance(effect, FixedPattern):
-        z, more = effect.whiten_by_map(before.z, stages.within, known)
     else:
         stage = stages.next(effect, values)
         z, more = stage(before.z)
-    return _Link(key, z, before.cost + more, stage, known)
+    return _Link(key, z, before.cost + more, stage)
 
 
 def whiten_linearly(
@@ -206,28 +195,21 @@ class _Stages:
     """What whitens residuals of a prediction, one after the other: the direction of an
     offset or a field is that in residuals which those before have whitened.
 
-    within : the prediction before what of its processing is whitened. Pixels that jump
-    tell of what they share with others by as much less as they are noisier."""
+    within : the prediction before what of its processing is whitened."""
 
     def __init__(self, p: Prediction, frame: Frame, read: Array) -> None:
-        self.p, self.frame, self._read = p, frame, read * p.kept
+        self.p, self.frame, self._read = p, frame, read
         self._linear: list[Whitener] = []
         self.within = p
 
     def next(self, effect: Effect, values: Values) -> Whitener:
         """Return what whitens by an effect, of residuals alone."""
-        p, frame, wider = self.p, self.frame, self._wider
+        p, frame = self.p, self.frame
         if isinstance(effect, SharedOffset):
             stage: Whitener = self.covariance(effect, values).whiten
         elif isinstance(effect, SharedFields):
             fields = [self._seen(one) for one in effect.fields(p, values, frame)]
-            stage = beside(
-                wider, whitener_along([one / wider for one in fields], frame)
-            )
-        elif effect.whitening is WhiteningStage.AMPLIFIER:
-            jumping = replace(self.within, variance=self.within.variance * wider**2)
-            own = effect.whitener(jumping, values, frame, self._read)
-            stage = beside(wider, own)
+            stage = whitener_along(fields, frame)
         else:
             stage = effect.whitener(self.within, values, frame, self._read)
         self.resume(effect, stage, values)
@@ -236,14 +218,7 @@ class _Stages:
     def covariance(self, effect: SharedOffset, values: Values) -> GroupCovariance:
         """Return that of the residuals by then."""
         along = self._seen(effect.along(self.p, values, self.frame))
-        return effect.covariance(along, self.frame, self._wider)
-
-    @property
-    def _wider(self) -> Array | float:
-        """How many times wider pixels are with their jumps."""
-        if np.ndim(self.p.jumps) == 0 and self.p.jumps == 0:
-            return 1.0
-        return np.sqrt(1 + self.p.jumps / self.within.variance)
+        return effect.covariance(along, self.frame)
 
     def resume(self, effect: Effect, stage: Whitener, values: Values) -> None:
         """Go on after a stage."""

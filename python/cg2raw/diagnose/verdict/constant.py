@@ -4,7 +4,7 @@
 """What darks and flats say, as a Diagnosis: verdict, findings, gap, limits, profile."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,6 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import (
     TEST,
     DarksAndFlats,
-    darks_and_flats,
     levels_of,
 )
 from cg2raw.diagnose.diagnosis import (
@@ -59,20 +58,16 @@ MOVES: Mapping[str, tuple[str, ...]] = {
 
 
 def diagnosis_of(
-    captures: CaptureSet,
-    alpha: float,
+    found: DarksAndFlats,
     names: Collection[str],
     is_judged: bool = False,
     free: Collection[str] = (),
-    say: Callable[[str, float], None] = lambda text, share: None,
 ) -> Diagnosis:
-    """Return the diagnosis of a set of darks and flats.
+    """Return what darks and flats say as a diagnosis.
 
-    alpha : chance of a false name. names : which may be named. is_judged : the profile
-    is judged as it is, and nothing is named. free : effects that others decide, which
-    are fitted all the same. say : is called with what is being done and the share that
-    is done. Raises ValueError for frames whose noise is not known."""
-    found = darks_and_flats(captures, alpha, names, say)
+    names : which may be named. is_judged : the profile is judged as it is, and nothing
+    is named. free : effects that others decide, which are fitted all the same."""
+    captures = found.captures
     chosen = [] if is_judged else list(found.names)
     frames = _by_split(found.statistics)
     test = found.of_split(TEST)

@@ -8,20 +8,40 @@ what happens to light."""
 
 from dataclasses import replace
 
-from cg2raw.diagnose.captures.capture import CaptureSet
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.darks_and_flats import OF_IMAGES
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis, Gap
 from cg2raw.sensor import Sensor
 
 
-def with_images_alone(captures: CaptureSet, decided: Diagnosis) -> CaptureSet:
-    """Return the captures with light, of a sensor that has what darks and flats
-    decided."""
+def with_images_alone(
+    captures: CaptureSet, decided: Diagnosis, masked: NDArray[np.bool_]
+) -> CaptureSet:
+    """Return the captures of known light, of a sensor that has what darks and flats
+    decided.
+
+    masked : (H, W) pixels that darks and flats show to be none of a pattern: hot, or
+    in a line that is."""
     sensor = captures.sensor
     if decided.profile_json:
         sensor = Sensor.from_json(decided.profile_json, f"{sensor.id} as decided")
-    lit = [c for c in captures.captures if c.shows.light]
+    lit = [
+        _without(capture, masked)
+        for capture in captures.captures
+        if capture.shows.light and (capture.shows.image or capture.scene is not None)
+    ]
     return replace(captures, sensor=sensor, captures=lit)
+
+
+def _without(capture: Capture, masked: NDArray[np.bool_]) -> Capture:
+    """Return a capture of whose pixels some do not count."""
+    if not masked.any() or capture.shape != masked.shape:
+        return capture
+    own = capture.mask
+    return replace(capture, mask=lambda: ~masked if own is None else own() & ~masked)
 
 
 def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
