@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cg2raw import _core
-from cg2raw.calibration.dark_spread import MOST_HOT, dark_spread
-from cg2raw.calibration.darks import DarkCurrent
+from cg2raw.calibration.darks import MOST_HOT, DarkCurrent, dark_spread
 from cg2raw.calibration.fitting import Fitted
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements

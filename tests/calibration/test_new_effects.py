@@ -11,7 +11,7 @@ import pytest
 import cg2raw
 from calibration.planted import RANGE, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.dark_spread import dark_spread
+from cg2raw.calibration.darks import dark_spread
 from cg2raw.calibration.structure import glow, ramp_and_edge
 from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 

@@ -10,8 +10,7 @@ import pytest
 
 from calibration.planted import BLACK, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.frames import groups_of, scan
-from cg2raw.calibration.screening import screened
+from cg2raw.calibration.frames import groups_of, scan, screened
 from cg2raw.calibration.sites import sites_of
 
 SENSOR = sensor_of({"prnu": {"sigma": 0.01}}, shape=(64, 96))

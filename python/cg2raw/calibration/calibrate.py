@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.calibration.darks import read_darks
-from cg2raw.calibration.defects import defects_of
+from cg2raw.calibration.defects import Defects, defects_of
 from cg2raw.calibration.fitting import fitted, of_sites
 from cg2raw.calibration.flats import above_darks, read_flats
 from cg2raw.calibration.frames import (
@@ -25,12 +25,12 @@ from cg2raw.calibration.frames import (
     groups_of,
     in_steps,
     scan,
+    screened,
 )
-from cg2raw.calibration.measurements import Measurements, Transients
+from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.notes import notes_on
 from cg2raw.calibration.parts import check_one_chain
 from cg2raw.calibration.photon_transfer import check_curve
-from cg2raw.calibration.screening import screened
 from cg2raw.calibration.seen import Seen, seen_all
 from cg2raw.calibration.sites import sites_of
 from cg2raw.calibration.updated_profile import updated_profile
@@ -55,6 +55,10 @@ class Calibration(Measurements):
         """Return what stands out and cannot be written into a profile."""
         return updated_profile(self, self.sensor)[1]
 
+
+# At all frames, at most, while there are defects that the statistics have not masked:
+# wide ones hide where they end.
+LOOKS = 3
 
 Progress = Callable[[str, float], None]
 
@@ -99,10 +103,12 @@ def calibrate(
         said = lambda x: tell("reading frames", x)  # noqa: E731
         return seen_all(sensor, sites, groups, counting, threads, said)
 
-    seen = look(listed, None)
-    defects = defects_of(seen, levels)
-    if defects.count:
+    defects = Defects()
+    for _ in range(LOOKS):
         seen = look(listed, defects.counting)
+        defects = defects_of(seen, levels)
+        if defects.are_masked(seen):
+            break
     flats = read_flats(seen, levels, lambda x: tell("flats", x))
     if flats.full is not None:  # the rim of what is full would be masked in all frames
         seen = look(listed[: flats.full], defects.counting)
@@ -196,14 +202,11 @@ def check_groups(groups: Sequence[Group]) -> None:
         )
 
 
-def transients_of(seen: Seen) -> tuple[Transients, ...]:
-    """Return what single frames of each group have alone."""
+def transients_of(seen: Seen) -> dict[str, int]:
+    """Return how many samples single frames of each group have alone, where any has."""
     counts = seen.statistics.transients.sum(axis=(1, 2))
-    return tuple(
-        Transients(words_of(group), int(count), len(group.frames))
-        for group, count in zip(seen.groups, counts, strict=True)
-        if len(group.frames) > 1
-    )
+    pairs = zip(seen.groups, counts, strict=True)
+    return {words_of(group): int(count) for group, count in pairs if count}
 
 
 def words_of(group: Group) -> str:

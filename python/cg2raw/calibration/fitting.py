@@ -24,7 +24,8 @@ from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
 # what hot ones and dark current brighten.
 MOST_LOST = 0.95
 OF_LIGHT = ("gain", "PRNU", "shading")
-LEFT = ("black level", "read noise", *OF_LIGHT)  # where darks have lost the rest
+BLACK = "black level"
+LEFT = (BLACK, "read noise", *OF_LIGHT)  # where darks have lost the rest
 
 # Why darks do not show all: noise is cut at the lowest code, codes are too coarse.
 Lost = Literal["", "cut", "coarse"]
@@ -83,7 +84,7 @@ def fitted(
         figures = with_levels(figures, statistics.only(biases))
     figures = [in_dn(one, step, offset) for one in figures]
     if not darks:
-        figures = less_known(figures, seen, used, levels, iso, lost)
+        figures = of_flats(figures, seen, used, levels, iso, lost)
     if lost:
         kept = LEFT if cut <= MOST_LOST else OF_LIGHT
         figures = [one for one in figures if one.name in kept]
@@ -105,18 +106,9 @@ def with_levels(
     levels = figures_of(shortest, fit(shortest), MOST_LOST)
     time = shortest.groups[0].exposure_time or 0.0
     rate = of_all(figures, "dark current") or Measured(0.0, 0.0, "DN/s")
-    moved = {
-        one.site: replace(
-            one,
-            value=one.value - rate.value * time,
-            standard_error=math.hypot(one.standard_error, rate.standard_error * time),
-            low=one.low - rate.value * time,
-            high=one.high - rate.value * time,
-        )
-        for one in levels
-        if one.name == "black level"
-    }
-    return [moved[f.site] if f.name == "black level" else f for f in figures]
+    charge = -rate.value * time, rate.standard_error * time
+    black = {f.site: moved(f, *charge, f.site) for f in levels if f.name == BLACK}
+    return [black[f.site] if f.name == BLACK else f for f in figures]
 
 
 def of_sites(figures: Sequence[Figure], name: str) -> tuple[Measured, ...]:
@@ -132,7 +124,7 @@ def of_all(figures: Sequence[Figure], name: str) -> Measured | None:
         return None
     errors = [one.standard_error for one in found]
     alone = math.hypot(*errors) / len(errors)
-    error = max(errors) if name == "black level" else alone
+    error = max(errors) if name == BLACK else alone
     return Measured(sum(one.value for one in found) / len(found), error, found[0].unit)
 
 
@@ -190,7 +182,7 @@ def knows_noise(seen: Seen, iso: float | None) -> bool:
     return True
 
 
-def less_known(
+def of_flats(
     figures: Sequence[Figure],
     seen: Seen,
     flats: Sequence[int],
@@ -201,38 +193,43 @@ def less_known(
     """Return figures of flats alone, with the black level of darks of one code. The
     gain of flats of one level has in its error what noise may be without light; it is
     missing where nobody says that."""
+    found = [one for one in figures if one.name != "gain"]
+    gains = [one for one in figures if one.name == "gain"]
     light = np.array([seen.levels(n).mean() for n in flats]) - levels.mean()
-    unsure, found = 0.0, []
+    unsure = 0.0
     if lost == "coarse":
         error = math.sqrt(seen.sites.rounding)
-        sites = range(len(levels))
-        found = [with_error("black level", "DN", levels[s], error, s) for s in sites]
-    if np.ptp(light) <= SAME_LIGHT * light.max() and not (
-        lost != "coarse" and knows_noise(seen, iso)
-    ):
-        most = (COARSE - ROUNDING) / math.sqrt(12) * seen.sites.step**2
-        unsure = most if lost == "coarse" else math.inf
-    for one in figures:
-        if one.name != "gain":
-            found.append(one)
-        elif math.isfinite(unsure):
-            by_noise = one.value**2 * unsure / float(light.mean())
-            error = math.hypot(one.standard_error, by_noise)
-            found.append(with_error("gain", one.unit, one.value, error, one.site))
+        black = Figure(BLACK, "DN", 0.0, error, -NORMAL * error, NORMAL * error)
+        found += [moved(black, level, 0.0, site) for site, level in enumerate(levels)]
+        unsure = (COARSE - ROUNDING) / math.sqrt(12) * seen.sites.step**2
+    elif not knows_noise(seen, iso):
+        unsure = math.inf
+    if np.ptp(light) > SAME_LIGHT * light.max():
+        unsure = 0.0
+    if math.isfinite(unsure):
+        slope = unsure / float(light.mean())
+        found += [moved(one, 0.0, one.value**2 * slope, one.site) for one in gains]
     return found
 
 
-def with_error(
-    name: str, unit: str, value: float, error: float, site: int | None
-) -> Figure:
-    half = NORMAL * error
-    return Figure(name, unit, float(value), error, value - half, value + half, site)
+def moved(figure: Figure, by: float, error: float, site: int | None) -> Figure:
+    """Return a figure of a site moved, with one more standard error."""
+    total = math.hypot(figure.standard_error, error)
+    wide = total / figure.standard_error
+    return replace(
+        figure,
+        value=figure.value + by,
+        standard_error=total,
+        low=figure.value + by - wide * (figure.value - figure.low),
+        high=figure.value + by + wide * (figure.high - figure.value),
+        site=site,
+    )
 
 
 def in_dn(figure: Figure, step: int, offset: int) -> Figure:
     """Return a figure whose unit of codes is a step, DN, from an offset."""
     scale = {"DN": step, "DN/s": step, "e-/DN": 1 / step}.get(figure.unit, 1)
-    start = offset if figure.name == "black level" else 0
+    start = offset if figure.name == BLACK else 0
     value, low, high = (
         start + scale * x for x in (figure.value, figure.low, figure.high)
     )

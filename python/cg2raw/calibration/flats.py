@@ -169,7 +169,12 @@ def above_darks(
         best = flats.used[-1]
         response = seen.mean_of(best)
         known = seen.known(response)
-        response -= above_black(seen, best, darks, black)
+        response -= seen.sites.spread(black, response.shape)
+        if darks.offset is not None:
+            response -= darks.offset
+        if darks.rate is not None:
+            since = seen.time(best) - seen.time(seen.shortest[0])
+            response -= darks.rate * np.float32(since)
         light = light_of(response, known, seen, best)
     top = ceiling.value if ceiling is not None else white
     return FlatResults(
@@ -183,26 +188,12 @@ def above_darks(
     )
 
 
-def above_black(
-    seen: Seen, number: int, darks: DarkResults, black: NDArray[np.float64]
-) -> Map:
-    """Return (H, W) DN, what pixels of a flat have without light."""
-    height, width = seen.groups[number].frames[0].shape
-    found = seen.sites.spread(black, (height, width))
-    if darks.offset is not None:
-        found += darks.offset
-    if darks.rate is not None:
-        since = seen.time(number) - seen.time(seen.shortest[0])
-        found += darks.rate * np.float32(since)
-    return found
-
-
 def light_of(mean: NDArray[np.float32], known: Array, seen: Seen, number: int) -> Light:
     """Return the response of the mean of a group of flats, by its number.
 
     mean : (H, W) DN above black and dark; in place, each site's median comes to 1, as
     does what is not known. known : (H, W) bool."""
-    sites, noise = seen.sites, seen.noise(number).site_variance
+    sites, noise = seen.sites, seen.statistics.variance(number)
     relative = []
     pairs = zip(sites.of(mean), sites.of(known), noise, strict=True)
     for plane, used, variance in pairs:

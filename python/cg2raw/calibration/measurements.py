@@ -18,15 +18,6 @@ from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
 
 
-@dataclass(frozen=True)
-class Transients:
-    """Pixels of single frames far above their repeats: cosmic rays, or flicker."""
-
-    group: str
-    count: int
-    frames: int
-
-
 @dataclass(frozen=True, kw_only=True)
 class Measurements(DarkResults, FlatResults):
     """What frames of uniform light and of none show; None where they cannot, and why
@@ -36,7 +27,8 @@ class Measurements(DarkResults, FlatResults):
     shape : (H, W) px. frames : (darks, flats). fit : figures by one likelihood, and why
     darks do not show all of them. repeats : how many of the shortest darks repeat each
     other, group by group. excluded : {name of a frame that is none of its repeats: how
-    it is off}."""
+    it is off}. transients : {group: how many pixels of single frames are far off their
+    repeats, by cosmic rays or flicker}."""
 
     sensor: Sensor
     sites: Sites
@@ -45,7 +37,7 @@ class Measurements(DarkResults, FlatResults):
     frames: tuple[int, int]
     fit: Fitted = field(default_factory=Fitted)
     repeats: tuple[int, ...] = ()
-    transients: tuple[Transients, ...] = ()
+    transients: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     excluded: Mapping[str, str] = field(default_factory=dict)
     defects: Defects = field(default_factory=Defects, repr=False)

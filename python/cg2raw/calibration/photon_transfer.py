@@ -74,7 +74,8 @@ def transfer_points(
     however the light falls off. black : (sites,) DN, dark signal included.
 
     darker : points of darker flats, which tell where wells are full."""
-    noise, image, sites = seen.noise(number), seen.mean_of(number), seen.sites
+    (variance, error), image = seen.noise(number), seen.mean_of(number)
+    sites = seen.sites
     frames = int(seen.statistics.frames[number])
     means, levels, least = [], [], LEAST_SIGMA * sites.step
     kept = sites.of(seen.known(image))
@@ -86,20 +87,18 @@ def transfer_points(
             some = inside.size > 8
             middle = clipped_moments(inside, least)[0] if some else level
             means.append(middle - level)
-    mean = np.reshape(means, noise.variance.shape)
-    error = noise.error
+    mean = np.reshape(means, variance.shape)
     largest = np.max([p.variance for p in darker], axis=0) if darker else 0.0
-    full = noise.variance * (1 + CERTAIN * error) < CEILING * largest
-    share = float(noise.pixels[full].sum() / max(noise.pixels.sum(), 1))
+    full = variance * (1 + CERTAIN * error) < CEILING * largest
     return TransferPoints(
         mean,
-        noise.variance,
+        variance,
         error,
         float(np.mean(levels)),
         seen.groups[number].exposure_time,
         frames,
-        max(seen.clipped(number), share),
-        float(np.median(noise.variance)) < COARSE * sites.step**2,
+        max(seen.clipped(number), float(np.average(full, weights=error**-2))),
+        float(np.median(variance)) < COARSE * sites.step**2,
     )
 
 

@@ -3,6 +3,7 @@
 
 """Seen: what the frames of each group say, by the statistics of all groups."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -23,25 +24,6 @@ from cg2raw.statistics.constant import (
 from cg2raw.statistics.frame_statistics import statistics_and_means
 
 FEWEST_KEPT = 0.002  # share of a site's pixels below white, of which noise is taken
-
-
-@dataclass(frozen=True)
-class Noise:
-    """Temporal noise of one frame, DN, without rows' and columns' own.
-
-    site_variance : (sites,) DN^2. variance, pixels : (sites, blocks) DN^2, by pairs,
-    and of how many pixels each. error : (sites, blocks), the relative one of normal
-    noise. pairs : of frames, disjoint."""
-
-    site_variance: Array
-    variance: Array
-    pixels: Array
-    pairs: int
-
-    @property
-    def error(self) -> Array:
-        found: Array = np.sqrt(2 / (np.maximum(self.pixels, 1) * self.pairs))
-        return found
 
 
 @dataclass(frozen=True)
@@ -101,17 +83,20 @@ class Seen:
         known: NDArray[np.bool_] = mean < self.white
         return known if self.counting is None else known & self.counting
 
-    def noise(self, number: int) -> Noise:
-        """Return the noise of a group of several frames."""
+    def noise(self, number: int) -> tuple[Array, Array]:
+        """Return (sites, blocks) DN^2, variances of a frame by pairs of a group without
+        rows' and columns' own noise, and the relative error of each, far above 1 where
+        all is masked."""
         pairs = int(self.statistics.pairs[number])
-        planes = self.statistics.planes
-        pixels = np.array([counts_of(plane.masked) for plane in planes])
-        squares = np.array([plane.noise[number] for plane in planes])
-        # Row and column means and the field took their part of the squares with them.
-        left = [plane.freedom[PIXEL] / (~plane.masked).sum() for plane in planes]
-        each = pixels * np.array(left)[:, None] * pairs
-        variance = squares / np.maximum(each, 1e-9)
-        return Noise(self.statistics.variance(number), variance, pixels, pairs)
+        variances, errors = [], []
+        for plane in self.statistics.planes:
+            kept = [np.count_nonzero(b) for b in blocks_of(~plane.masked, BLOCKS)]
+            pixels = np.array(kept, float)
+            # Row and column means and the field took their part of the squares along.
+            left = plane.freedom[PIXEL] / max(pixels.sum(), 1) * pixels * pairs
+            variances.append(plane.noise[number] / np.maximum(left, 1e-9))
+            errors.append(np.sqrt(2 / (np.maximum(pixels, 1e-3) * pairs)))
+        return np.array(variances), np.array(errors)
 
     def is_coarse(self, number: int) -> bool:
         """Whether rounding hides the noise of a dark. Source: EMVA 1288, R4.0."""
@@ -151,23 +136,15 @@ def seen_all(
 
 def splits_of(groups: Sequence[Group]) -> list[str]:
     """Return "" of flats, of the shortest darks and of the set point of most frames
-    with charge; of other darks their temperature."""
-    darks = [group for group in groups if group.kind == "dark"]
-    least = min((g.exposure_time or 0.0 for g in darks), default=0.0)
-    points = set_points([g.temperature for g in darks])
-    charged = dict.fromkeys(sorted(points), 0)
-    for group, point in zip(darks, points, strict=True):
-        charged[point] += ((group.exposure_time or 0.0) > least) * len(group.frames)
-    main = max(charged, key=lambda point: charged[point], default=0)
-    others = {
-        id(g): f"set point {point}"
-        for g, point in zip(darks, points, strict=True)
-        if point != main and (g.exposure_time or 0.0) > least
-    }
-    return [others.get(id(group), "") for group in groups]
-
-
-def counts_of(masked: NDArray[np.bool_]) -> Array:
-    """Return (blocks,) how many pixels of a plane count."""
-    blocks = blocks_of(~masked, BLOCKS)
-    return np.array([float(np.count_nonzero(block)) for block in blocks])
+    with charge; of other darks their set point. groups : as of Seen."""
+    times = [group.exposure_time or 0.0 for group in groups if group.kind == "dark"]
+    points = set_points([group.temperature for group in groups[: len(times)]])
+    charged = Counter[int]()
+    for group, time, point in zip(groups, times, points, strict=False):
+        charged[point] += (time > times[0]) * len(group.frames)
+    main = charged.most_common(1)[0][0] if charged else 0
+    splits = [
+        "" if point == main or time == times[0] else f"set point {point}"
+        for time, point in zip(times, points, strict=True)
+    ]
+    return splits + [""] * (len(groups) - len(times))

@@ -96,13 +96,12 @@ class BiasStructure:
         return self.edge_length.value > AT_END * longest
 
     @property
-    def edge_columns(self) -> Array:
-        """The edge alone, DN of each column."""
+    def edge_mean(self) -> float:
+        """What the edge adds to the mean of all columns, DN."""
         if self.edge is None or self.edge_length is None:
-            return np.zeros(len(self.columns))
-        place = np.arange(len(self.columns))
-        found: Array = self.edge.value * np.exp(-place / self.edge_length.value)
-        return found
+            return 0.0
+        fall = np.exp(-np.arange(len(self.columns)) / self.edge_length.value)
+        return self.edge.value * float(fall.mean())
 
 
 def bias_structure(seen: Seen) -> BiasStructure:

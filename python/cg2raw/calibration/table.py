@@ -203,8 +203,7 @@ def as_text(found: Measurements) -> str:
         value = told(row.value) if row.value else "-"
         electrons = told(row.electrons) if row.electrons else ""
         lines.append(f"  {row.name:29}{value:26}{electrons:24}{row.more}".rstrip())
-    hits = [t for t in found.transients if t.count]
-    for t in hits:
-        lines.append(f"{'transients':31}{t.count} pixels in {t.group}, left out")
+    for group, count in found.transients.items():
+        lines.append(f"{'transients':31}{count} pixels in {group}, left out")
     lines += [f"{'note':31}{note}" for note in found.notes]
     return "\n".join(lines)

@@ -31,7 +31,10 @@ def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]
     source = f"{SOURCE}: {frames}"
     has_level = bool(found.each("black level"))
     if has_level:
-        profile["black_level"] = levels_of(found, "bias_structure" in effects)
+        # Without the first columns' edge, where the profile has that by itself.
+        has_edge = "edge" in (effects.get("bias_structure") or {})
+        edge = found.structure.edge_mean if found.structure and has_edge else 0.0
+        profile["black_level"] = [rounded(max(x - edge, 0.0)) for x in found.black]
         profile["sources"]["black_level"] = source
     notes += add_noise(profile, found, sensor, source)
     settings = {effect["name"]: effect for effect in profile.get("effects", [])}
@@ -49,15 +52,6 @@ def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]
     if not settings:  # frames that show none say so, where a profile leaves it out
         text = formatted({**json.loads(text), "effects": []})
     return text, notes
-
-
-def levels_of(found: Measurements, has_structure: bool) -> list[float]:
-    """Return the black level of each site; without the first columns' edge, where the
-    profile has that by itself."""
-    edge = 0.0
-    if has_structure and found.structure is not None:
-        edge = float(found.structure.edge_columns.mean())
-    return [rounded(max(level - edge, 0.0)) for level in found.black]
 
 
 def has_shapes(profile: dict[str, Any]) -> bool:

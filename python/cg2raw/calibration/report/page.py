@@ -26,7 +26,7 @@ def page(found: Measurements) -> str:
             (name, [cells(row) for row in rows])
             for name, rows in groupby(rows_of(found), lambda row: row.section)
         ],
-        transients=[t for t in found.transients if t.count],
+        transients=found.transients,
         notes=found.notes,
     )
 
