@@ -16,7 +16,6 @@ from cg2raw.statistics.constant import (
     GroupInfo,
     PlaneStatistics,
     polynomials,
-    set_points,
 )
 from cg2raw.statistics.frame_statistics import (
     frame_statistics,
@@ -416,21 +415,9 @@ def test_a_frame_is_read_again_where_all_do_not_fit(monkeypatch):
     assert sorted(read) == [0, 0, 1, 1, 1, 2, 2, 2]
 
 
-@pytest.mark.parametrize(
-    ("temperatures", "points"),
-    [
-        ([20.0, 23.4, 20.9, 21.9, 23.0], [0, 1, 0, 0, 1]),  # each within 1 K of another
-        ([None, 3.0, 1.0], [0, 1, 0]),
-        ([None, None], [0, 0]),
-    ],
-)
-def test_temperatures_of_one_set_point(temperatures, points):
-    assert set_points(temperatures) == points
-
-
 def test_groups_say_what_they_are():
     (info, frames), *_ = groups_of(drawn((8, 9), 2))
-    info = replace(info, temperature=-5.0, split="training")
+    info = replace(info, temperature=-5.0, split="training", warmth=(1.0,))
     assert measured([(info, frames)], 1).groups == (info,)
 
 

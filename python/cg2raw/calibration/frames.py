@@ -19,7 +19,7 @@ from cg2raw.calibration.robust import CUT, LEAST_SIGMA, LEFT, MAD, ROUNDS, Array
 from cg2raw.calibration.sites import LEAST_REPEATS, Sites
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
-from cg2raw.statistics.constant import set_points
+from cg2raw.statistics.temperature import set_points
 
 SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
 MIDDLE = (0.159, 0.841)  # of the pixels, a standard deviation to either side

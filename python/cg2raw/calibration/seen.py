@@ -19,9 +19,9 @@ from cg2raw.statistics.constant import (
     PIXEL,
     ConstantStatistics,
     GroupInfo,
-    set_points,
 )
 from cg2raw.statistics.frame_statistics import statistics_and_means
+from cg2raw.statistics.temperature import set_points
 
 FEWEST_KEPT = 0.002  # share of a site's pixels below white, of which noise is taken
 

@@ -28,14 +28,10 @@ from cg2raw.model.shapes import shapes
 from cg2raw.model.values import Value, effect_values
 from cg2raw.sensor import Sensor
 from cg2raw.short_messages import plural
-from cg2raw.statistics.constant import (
-    Array,
-    ConstantStatistics,
-    GroupInfo,
-    set_points,
-)
+from cg2raw.statistics.constant import Array, ConstantStatistics, GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 from cg2raw.statistics.kept import Kept
+from cg2raw.statistics.temperature import set_points, warmth_of_readings
 
 TRAINING, VALIDATION, TEST = GROUPS
 NAMES = 33  # that a diagnosis could give: each may be false
@@ -273,6 +269,8 @@ def statistics_by_split(
         keys.setdefault(key, []).append(capture)
     kept = Kept()
     read = {id(capture): kept.reader(capture.raw) for capture in captures}
+    factors, error = warmth_of_readings([capture.temperature for capture in captures])
+    warmth = {id(capture): by for capture, by in zip(captures, factors, strict=True)}
     groups = []
     for members in keys.values():
         parts = [members]
@@ -286,6 +284,8 @@ def statistics_by_split(
                 part[0].exposure_time,
                 part[0].temperature,
                 part[0].group,
+                tuple(warmth[id(capture)] for capture in part),
+                error,
             )
             groups.append((info, [read[id(capture)] for capture in part]))
     masks = [capture.mask() for capture in captures if capture.mask is not None]

@@ -62,7 +62,9 @@ class DarkLevels:
         those whose are as in @theta; all others' are as the profile has them, and its
         patterns let them be."""
         start, free = fit.theta.copy(), np.zeros(len(self.profile), bool)
+        likelihood = fit.likelihood.without_means()
         if fit.likelihood.is_coarse:  # then a level and noise depend on each other
+            likelihood = fit.likelihood
             free = np.isfinite(np.diagonal(fit.covariance))
             for own in self.places.values():
                 free &= ~own
@@ -81,7 +83,7 @@ class DarkLevels:
                     priors.append(prior)
                     free[prior.places] = True
         prior = Prior.of_all(priors) if priors else None
-        return refitted(fit.likelihood, start, free, prior)
+        return refitted(likelihood, start, free, prior)
 
     def _prior(self, name: str) -> Prior | None:
         """Return where patterns whose mean is not 0 move a level from a profile's."""

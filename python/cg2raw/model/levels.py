@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.statistics.codes import ROUNDING
-from cg2raw.statistics.constant import PIXEL, Array
+from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
 
 # Of the noise: laws of few codes are known so well. CUT : share of samples at the end
 # of codes, as far as which a normal law would be known.
@@ -37,12 +36,13 @@ class LevelLikelihood:
         self,
         planes: list[PlaneLikelihood],
         parameters: Parameters,
-        frames: NDArray[np.int64],
+        statistics: ConstantStatistics,
         theta: Array | None = None,
     ) -> None:
         self.planes, self.parameters = planes, parameters
         self.darks = np.flatnonzero(~planes[0].is_flat)
-        self.frames = frames[self.darks].astype(float)
+        self.frames = statistics.frames[self.darks].astype(float)
+        self.groups = [statistics.groups[g] for g in self.darks]
         self.time = planes[0].time[self.darks]
         count = len(planes)
         # Orthonormal: the first row is the mean, times the root of their number.
@@ -52,6 +52,11 @@ class LevelLikelihood:
         at = parameters.of("dark_current_nonuniformity")
         uneven = 0.0 if theta is None else max(float(theta[at]), 0.0)
         self.uneven = uneven / planes[0].plane.masked.size
+        at = parameters.of("dark_current")
+        self.rate = 0.0 if theta is None else float(theta[at])
+        # What a reading leaves open of a temperature, its charge has.
+        error = np.array([group.warmth_error for group in self.groups])
+        self.unread = (self.rate * self.time * error) ** 2
         self.unsure = np.mean([level_doubt(plane)[self.darks] for plane in planes], 0)
         self.parameters_of_means = (
             1 + int(np.ptp(self.time) > 0) if len(self.time) else 0
@@ -84,7 +89,8 @@ class LevelLikelihood:
                 covariance += self.uneven * np.outer(self.time, self.time)
                 found.add_correlated(weights @ places - mean, slopes, covariance)
                 continue
-            variance = count * (theta[at("black_level_drift")] + floor)
+            drift = theta[at("black_level_drift")]
+            variance = count * (drift + floor + self.unread)
             if (variance <= 0).any():
                 found.value = -np.inf
                 return
@@ -115,6 +121,7 @@ class LevelLikelihood:
                 w * plane.plane.levels[g]
                 for w, plane in zip(weights, self.planes, strict=True)
             )
+            levels = levels - weights.sum() * response[i] * self._warmer(i)
             measured = np.var(levels, ddof=1) / response[i] ** 2
             found.add_chi_square(
                 np.array([measured]),
@@ -122,6 +129,14 @@ class LevelLikelihood:
                 by[i : i + 1],
                 np.array([self.frames[i] - 1.0]),
             )
+
+    def _warmer(self, number: int) -> Array:
+        """Return (frames,) DN, what frames of a group of darks have more of charge than
+        their mean, as readings say."""
+        group = self.groups[number]
+        warmer = np.array(group.warmth or (1.0,)) - np.mean(group.warmth or 1.0)
+        found: Array = self.rate * (group.exposure_time or 0.0) * warmer
+        return found
 
     def noise(self) -> tuple[Array, Array]:
         """Return (G,) DN^2 each, the variances of a frame's mean level, and of what a
@@ -147,7 +162,7 @@ class LevelLikelihood:
             theta[self.parameters.of("dark_current")],
         ]
         floor = self.noise()[0][self.darks]
-        variance = theta[self.parameters.of("black_level_drift")] + floor
+        variance = theta[self.parameters.of("black_level_drift")] + floor + self.unread
         squares = (levels - design @ np.array(line)) ** 2 * self.frames / variance
         misfit = np.sqrt(max(float(squares.sum()) / left, 1.0)) if left > 0 else 1.0
         return Line(freedom, float(misfit))

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """The likelihood of the statistics of darks and flats, linear in variances."""
 
+from copy import copy
+
 import numpy as np
 
 from cg2raw.model.evaluation import Evaluation, Parameters
@@ -31,9 +33,17 @@ class Likelihood:
             for recorder in plane.recorders
         )
         self.means = MeanImageLikelihood(self.planes, self.parameters, statistics)
-        self.levels = LevelLikelihood(
-            self.planes, self.parameters, statistics.frames, theta
-        )
+        self.levels = LevelLikelihood(self.planes, self.parameters, statistics, theta)
+        self.has_means = True
+
+    def without_means(self) -> "Likelihood":
+        """Return that of the levels and of what repeats differ by.
+
+        The noise of mean images says of the charge, too, and so closely that whatever
+        their patterns have besides would tell the dark current from the levels."""
+        found = copy(self)
+        found.has_means = False
+        return found
 
     def __call__(self, theta: Array) -> Evaluation:
         """Return value, slope and information at a vector of parameters."""
@@ -46,6 +56,7 @@ class Likelihood:
             plane.add_to(found, theta, *known)
             if not np.isfinite(found.value):
                 return found
-        self.means.add_to(found, theta, recorded)
+        if self.has_means:
+            self.means.add_to(found, theta, recorded)
         self.levels.add_to(found, theta, recorded)
         return found

@@ -44,7 +44,7 @@ class PlaneLikelihood:
         self.plane, self.site, self.parameters = plane, site, parameters
         self.frames = statistics.frames
         self.is_flat = np.array([g.kind == "flat" for g in statistics.groups])
-        self.time = np.array([g.exposure_time or 0.0 for g in statistics.groups])
+        self.time = np.array([g.charge_time for g in statistics.groups])
         self.repeats = self.frames > 1
         self.side = side = round(len(statistics.planes) ** 0.5)
         self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
@@ -80,6 +80,13 @@ class PlaneLikelihood:
         known = self.freedom[:, PIXEL] > 0
         own = 2 / self.freedom[known, PIXEL]
         own += chance[known] / self.scatter[known, PIXEL] ** 2
+        # What a reading leaves open of a temperature, shot noise has.
+        if theta is not None:
+            of = [parameters.of("gain", site), parameters.of("dark_current")]
+            error = np.array([g.warmth_error for g in statistics.groups])
+            error[self.is_flat] = 0.0  # its charge is that of its level
+            charge = np.prod(theta[of]) * self.time * error / np.sqrt(self.frames)
+            own += (charge[known] / self.scatter[known, PIXEL]) ** 2
         self.freedom[known, PIXEL] = 2 / own
 
     def _recorders(self, white: int, theta: Array | None) -> list[Recorder]:

@@ -22,7 +22,7 @@ from cg2raw.io.atomic_file import write_atomically
 
 Array = NDArray[np.float64]
 
-VERSION = 4  # of saved files
+VERSION = 5  # of saved files
 WHOLE = ("frames", "pairs", "lags", "transients", "overlaps")  # of no plane
 
 # Of a plane, in DN and in DN^2.
@@ -47,7 +47,6 @@ BINS_PER_SIGMA = 32  # of the histogram of residuals, which has 512 bins
 BLOCKS = 8  # along each side of a plane
 POINT_SIGMAS = 8.0  # beyond which a sample is masked: of a million, none is by chance
 PLACES = np.linspace(0.02, 0.98, 25)  # quantiles of the smooth part of a mean image
-SAME_TEMPERATURE = 1.0  # K; what lies closer is the jitter of one set point
 MOST_LINES = 256  # along each side, of which the quantiles are taken
 # Bins of dark rates over their noise; as fine as their laws, out to all that can be.
 RATE_SIDE = np.geomspace(0.25, 1e5, 121)
@@ -59,13 +58,23 @@ class GroupInfo:
     """Frames of one kind, exposure time, temperature and light that repeat each other.
 
     split : "training", "validation", "test", or "" where there are none.
-    exposure_time : s. temperature : degrees Celsius. frames : names."""
+    exposure_time : s. temperature : degrees Celsius. frames : names. warmth : of each,
+    how much faster charge gathers in it than at the temperature of all, () where no
+    frame differs. warmth_error : standard deviation of each."""
 
     kind: Literal["dark", "flat"]
     frames: tuple[str, ...]
     exposure_time: float | None = None
     temperature: float | None = None
     split: str = ""
+    warmth: tuple[float, ...] = ()
+    warmth_error: float = 0.0
+
+    @property
+    def charge_time(self) -> float:
+        """Mean of frames, s at the temperature of all in which as much charge gathers;
+        0 where the exposure time is not known."""
+        return (self.exposure_time or 0.0) * float(np.mean(self.warmth or 1.0))
 
 
 @dataclass(frozen=True)
@@ -285,8 +294,9 @@ class ConstantStatistics:
                 f"{path}: statistics of version {about.get('version')}; must be "
                 f"{VERSION}: measure the frames again"
             )
+        lists = ("frames", "warmth")
         groups = tuple(
-            GroupInfo(**{**one, "frames": tuple(one["frames"])})
+            GroupInfo(**{**one, **{name: tuple(one[name]) for name in lists}})
             for one in about["groups"]
         )
         whole = {name: found.pop(name) for name in WHOLE}
@@ -313,16 +323,6 @@ class ConstantStatistics:
             rates=rates,
             **whole,
         )
-
-
-def set_points(temperatures: Sequence[float | None]) -> list[int]:
-    """Return the number of the set point that each temperature belongs to."""
-    known = sorted({t for t in temperatures if t is not None})
-    number, numbers = 0, {}
-    for before, t in zip([None, *known], known, strict=False):
-        number += before is not None and t - before > SAME_TEMPERATURE
-        numbers[t] = number
-    return [0 if t is None else numbers[t] for t in temperatures]
 
 
 def smooth_images(

@@ -80,7 +80,7 @@ def slope_of(statistics: ConstantStatistics, split: str) -> Slope | None:
     """Return the least-squares slope of a split's darks; None of one exposure time,
     and where no two frames repeat each other."""
     used = np.array([g.kind == "dark" and g.split == split for g in statistics.groups])
-    time = np.array([g.exposure_time or 0.0 for g in statistics.groups])
+    time = np.array([g.charge_time for g in statistics.groups])
     known = used & (statistics.pairs > 0)
     if not known.any() or not np.ptp(time[used]):
         return None

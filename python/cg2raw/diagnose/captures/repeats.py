@@ -14,7 +14,8 @@ from scipy.special import chdtrc, ndtri, stdtrit
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.statistics.codes import ROUNDING
-from cg2raw.statistics.constant import POINT_SIGMAS, ConstantStatistics, set_points
+from cg2raw.statistics.constant import POINT_SIGMAS, ConstantStatistics
+from cg2raw.statistics.temperature import set_points
 
 FALSE_ALARM = 1e-3  # chance that a series without a fault has a remark, of each kind
 FEWEST_FOR_FIRST = 4  # frames whose spread says how far one may be off

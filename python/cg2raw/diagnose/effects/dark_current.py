@@ -9,8 +9,8 @@ from cg2raw.diagnose.effects.base import Effect, Estimates
 from cg2raw.diagnose.effects.families import PEDESTAL, TIME
 from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.effects.sizes import value_of
-from cg2raw.diagnose.frames.frame import DOUBLING
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.temperature import DOUBLING
 
 
 class DarkCurrent(Effect):

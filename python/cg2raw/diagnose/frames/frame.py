@@ -18,13 +18,11 @@ from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.temperature import DOUBLING
 
 # Pixels along the edges of a frame that are left out: what lies beyond an image
 # is not known; beyond a uniform frame it is, but for filters of the file.
 BORDER, UNIFORM_BORDER = 8, 4
-# Degrees that double dark charge: 5 to 7 for silicon near room temperature. Source: R.
-# Widenhorn et al., Proc. SPIE 4669, 2002.
-DOUBLING = 6.0
 ROUNDING = 1 / 12  # variance of whole numbers, DN^2
 MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
 

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Levels of darks whose temperature is not quite the same."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.model.fit import fit
+from cg2raw.statistics.constant import PIXEL, GroupInfo
+from cg2raw.statistics.frame_statistics import frame_statistics
+
+SHAPE, WHITE = (48, 64), 65535
+BLACK, RATE, NOISE, GAIN, DRIFT = 1000.0, 2.0, 3.0, 0.5, 0.1  # DN, DN/s, DN, DN/e-, DN
+TIMES = (0.0, 0.0, 0.0, 10.0, 30.0, 60.0, 150.0, 300.0)  # s
+
+
+def darks(rng, warmth, times=TIMES, frames=1, **said):
+    """Return [(GroupInfo, frames), ...]. warmth : (groups, frames) of charge. frames :
+    of each group but biases, of which there are four. said : of those that gather."""
+    groups = []
+    for number, time in enumerate(times):
+        count = frames if time else 4
+        made = []
+        for n in range(count):
+            charge = RATE * time * (warmth[number, n] if time else 1.0)
+            frame = BLACK + DRIFT * rng.standard_normal()
+            frame = frame + GAIN * rng.poisson(charge / GAIN, SHAPE)
+            frame += NOISE * rng.standard_normal(SHAPE)
+            made.append(np.rint(frame).astype(np.uint16))
+        info = GroupInfo("dark", tuple(map(str, range(count))), time)
+        groups.append((replace(info, **said) if time else info, made))
+    return groups
+
+
+def fitted(groups):
+    readers = [(info, [lambda f=f: f for f in made]) for info, made in groups]
+    return fit(frame_statistics(readers, 1, WHITE))
+
+
+def misses(found):
+    """Return by how many standard errors black level and dark current are off."""
+    truths = {"black_level": BLACK, "dark_current": RATE}
+    each = [(found.of(name), truth) for name, truth in truths.items()]
+    return [(value - truth) / error for (value, error), truth in each]
+
+
+def test_what_a_reading_leaves_open_is_in_the_errors():
+    """Of 10 sets whose frames are 1.4 % apart in charge, by readings that are rounded
+    to 0.41 K: 20 z of 1 have a root mean square below 1.5 in 99 of 100 cases."""
+    z = []
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        warmth = 1 + 0.014 * rng.standard_normal((len(TIMES), 1))
+        z += misses(fitted(darks(rng, warmth, warmth_error=0.014)))
+    assert np.sqrt(np.mean(np.square(z))) < 1.5
+
+
+def test_readings_that_are_known_move_the_charge():
+    """Frames that are warmer gather more, in a group and between groups: that is no
+    drift, and the dark current is that at the temperature of all."""
+    rng = np.random.default_rng(3)
+    warmth = 1.1 + 0.05 * rng.standard_normal((2, 6))
+    bias, (info, frames) = darks(rng, warmth, times=(0.0, 60.0), frames=6)
+    found = fitted([bias, (replace(info, warmth=tuple(warmth[1])), frames)])
+    assert np.abs(misses(found)).max() < 3
+    drift, error = found.of("black_level_drift")
+    assert drift == pytest.approx(DRIFT**2, abs=3 * error)
+    assert error < 1.0
+
+
+def test_noise_of_charge_is_known_as_well_as_the_charge():
+    """The relative variance of a scatter, 2 over its freedom, is more by that."""
+    error, frames, time = 0.1, 3, 300.0
+    groups = darks(np.random.default_rng(5), np.ones((2, 3)), (0.0, time), frames)
+    bias, (info, made) = groups
+    found = fitted(groups)
+    [sure] = found.likelihood.planes
+    unread = fitted([bias, (replace(info, warmth_error=error), made)])
+    [plane] = unread.likelihood.planes
+    shot = found.of("gain")[0] * found.of("dark_current")[0] * time
+    more = 2 / plane.freedom[:, PIXEL] - 2 / sure.freedom[:, PIXEL]
+    expected = (error * shot / plane.scatter[1, PIXEL]) ** 2 / frames
+    assert more == pytest.approx([0, expected], rel=0.02)
