@@ -4,8 +4,10 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from cg2raw.diagnose.captures.reader import in_groups
 from cg2raw.diagnose.darks_and_flats import darks_and_flats
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
@@ -62,6 +64,41 @@ def test_flats_of_one_light_alone():
 
     strengths = {"prnu": 0.01, "lens_shading": 0.3, "shot_noise": 0.2}
     assert set(found(strengths, captures=one_light).names) == set(strengths)
+
+
+SHADED = {"prnu": 0.02, "lens_shading": 0.4}
+
+
+@pytest.mark.parametrize("strengths", [{}, SHADED], ids=len)
+def test_single_frames_are_divided_by_columns(strengths):
+    """One frame of each exposure time and light, a third of its columns to each group,
+    without what a mask leaves out: there frames are white."""
+
+    def single(captures):
+        first = {}
+        for one in captures.captures:
+            if one.kind in ("dark", "flat"):
+                light = tuple(one.scene()) if one.shows.light else ()
+                first.setdefault((one.kind, one.exposure_time, light), one)
+        each = (in_groups(spoiled(one), None) for one in first.values())
+        return replace(captures, captures=[part for parts in each for part in parts])
+
+    def spoiled(capture):
+        def raw():
+            frame = capture.raw().copy()
+            frame[20:30, 40:60] = SENSOR.white_level
+            return frame
+
+        def mask():
+            counts = np.ones(capture.shape, bool)
+            counts[20:30, 40:60] = False
+            return counts
+
+        return replace(capture, raw=raw, mask=mask)
+
+    diagnosed = found(strengths, captures=single)
+    assert set(diagnosed.names) == set(strengths)
+    assert any("divided by columns" in note for note in diagnosed.notes)
 
 
 def test_values_are_in_units_of_the_registry():

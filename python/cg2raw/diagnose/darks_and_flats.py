@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cg2raw.calibration.frames import by_level
 from cg2raw.cfa import repeat_of, sites_of
-from cg2raw.diagnose.captures.capture import Capture, CaptureSet
-from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
+from cg2raw.diagnose.captures.splits import GROUPS, third_of_columns
 from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
@@ -30,7 +30,7 @@ from cg2raw.sensor import Sensor
 from cg2raw.short_messages import plural
 from cg2raw.statistics.constant import Array, ConstantStatistics, GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
-from cg2raw.statistics.kept import Kept
+from cg2raw.statistics.kept import Kept, Reader
 from cg2raw.statistics.temperature import set_points, warmth_of_readings
 
 TRAINING, VALIDATION, TEST = GROUPS
@@ -132,6 +132,12 @@ def darks_and_flats(
                 f"no dark or flat is in the group {split}: not enough to fit, select "
                 "and report on different frames; add frames"
             )
+    if any(c.divided for c in used):
+        notes.append(
+            "Darks and flats are divided by columns: no hot pixel is looked for, nor "
+            "what moves the mean of a flat, and levels and row noise of training and "
+            "validation are those of one frame."
+        )
     whole = statistics_by_split(
         used, sensor, lambda share: say("reading darks and flats", 0.5 * share)
     )
@@ -255,7 +261,8 @@ def statistics_by_split(
     progress: Callable[[float], None] | None = None,
 ) -> ConstantStatistics:
     """Return the statistics of darks and flats, all splits under one mask. Flats of
-    unknown light repeat each other if their levels are alike.
+    unknown light repeat each other if their levels are alike. Where some are divided by
+    pixels, each split has a third of the columns of all.
 
     progress : is called with the share that is done."""
     keys: dict[tuple[object, ...], list[Capture]] = {}
@@ -267,8 +274,21 @@ def statistics_by_split(
             _light_of(capture),
         )
         keys.setdefault(key, []).append(capture)
-    kept = Kept()
-    read = {id(capture): kept.reader(capture.raw) for capture in captures}
+    side, kept = repeat_of(sensor.cfa), Kept()
+    whole = {id(capture): kept.reader(capture.raw) for capture in captures}
+    columns: dict[Group, slice] = {}
+    if any(capture.divided for capture in captures):
+        width = captures[0].shape[1]
+        columns = {group: third_of_columns(width, group, side) for group in GROUPS}
+
+    def reader_of(capture: Capture) -> Reader:
+        if not columns:
+            return whole[id(capture)]
+        return lambda: np.ascontiguousarray(
+            whole[id(capture)]()[:, columns[capture.group]]
+        )
+
+    read = {id(capture): reader_of(capture) for capture in captures}
     factors, error = warmth_of_readings([capture.temperature for capture in captures])
     warmth = {id(capture): by for capture, by in zip(captures, factors, strict=True)}
     groups = []
@@ -289,10 +309,13 @@ def statistics_by_split(
             )
             groups.append((info, [read[id(capture)] for capture in part]))
     masks = [capture.mask() for capture in captures if capture.mask is not None]
-    excluded: NDArray[np.bool_] | None = ~masks[0] if masks else None
+    excluded: NDArray[np.bool_] | None = ~np.any(masks, axis=0) if masks else None
+    if excluded is not None and columns:
+        each = [excluded[:, own] for own in columns.values()]
+        excluded = np.any(each, axis=0)
     return frame_statistics(
         groups,
-        repeat_of(sensor.cfa),
+        side,
         sensor.white_level,
         excluded=excluded,
         progress=progress,
@@ -306,10 +329,13 @@ def levels_of(
     found: Fit,
     named: Collection[str] = (),
 ) -> FlatLevels | None:
-    """Return the levels of flats; None if there are none of known light.
+    """Return the levels of flats; None if there are none of known light, and of parts
+    of frames, which light that falls off reaches by less.
 
     used : the captures that the statistics are of. found : their fit. named : effects
     that move the mean of a flat from its middle."""
+    if any(capture.divided for capture in used):
+        return None
     sensor = captures.sensor
     white = sensor.white_level - float(np.mean(sensor.black_level))
     return flat_levels(

@@ -91,8 +91,12 @@ def _settled(
 
 def check_noise(statistics: ConstantStatistics) -> None:
     """Raise ValueError where frames do not show their noise."""
-    if not (statistics.frames > 1).any():
-        raise ValueError("frames: no two repeat each other, so noise is not known")
+    if not (statistics.frames > 1).any() and len(statistics.groups) < 2:
+        raise ValueError(
+            "frames: no two repeat each other, and all are of one exposure time and "
+            "light: noise is not told from what is fixed; add a repeat, or darks of "
+            "another time"
+        )
     for plane in statistics.planes:
         if plane.freedom[PIXEL] < LEAST_FREEDOM:
             h, w = plane.shape
@@ -237,7 +241,8 @@ def start_of(
             free[at] = False
     free[parameters.of("dark_current")] = has_times
     drifts = parameters.of("black_level_drift")
-    free[drifts] = (darks & first.repeats).any()
+    rest = int(darks.sum()) - likelihood.levels.parameters_of_means
+    free[drifts] = (darks & first.repeats).any() or rest > 0
     sites = slice(parameters.of("black_level"), parameters.sites)
     free[sites] = darks.any()
     at = parameters.of("read_noise")
@@ -257,7 +262,7 @@ def _start_levels(
     parameters, first = likelihood.parameters, likelihood.planes[0]
     if not darks.any():
         return
-    noise = max(float(first.scatter[first.repeats, PIXEL].min()) - ROUNDING, 0.02)
+    noise = max(float(first.scatter[first.measured, PIXEL].min()) - ROUNDING, 0.02)
     places = np.array(
         [
             [r(r.about._replace(noise=noise))[0][0] for r in p.recorders]
@@ -284,6 +289,11 @@ def _start_levels(
         theta[parameters.of("black_level_drift")] = squares / sum(
             len(x) - 1 for x in levels
         )
+    elif len(time) > len(values):
+        away = (places[:, darks].T - design @ values).mean(axis=1) * weights
+        theta[parameters.of("black_level_drift")] = (
+            away @ away / (len(time) - len(values))
+        )
 
 
 def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) -> None:
@@ -295,7 +305,7 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
     if free[read]:
         theta[read] = 1.0
     signal = plane.signal(theta)
-    again = plane.repeats
+    again = plane.measured
     free[gain] = np.ptp(signal[again]) > 0 or not free[read]
     names = [place(c.name) for c in TEMPORAL]
     columns = [n for n in (read, gain, *names) if free[n]]
@@ -303,8 +313,11 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
     slopes[1, :, read], slopes[1, :, gain] = 1.0, signal
     records[6] = 0.0
     _, by = plane.temporal(theta, records, slopes)
-    known = (plane.freedom > 0) & (plane.scatter > 0)
-    weights = np.sqrt(plane.freedom[known]) / plane.scatter[known]
+    freedom = plane.freedom.copy()
+    if not plane.repeats.any():
+        freedom[:, PIXEL] = plane.plane.freedom[PIXEL]
+    known = (freedom > 0) & (plane.scatter > 0)
+    weights = np.sqrt(freedom[known]) / plane.scatter[known]
     design = by[known][:, columns] * weights[:, None]
     scale = np.abs(design).max(axis=0) + 1e-300
     values = np.linalg.lstsq(design / scale, rest[known] * weights, rcond=None)[0]

@@ -46,10 +46,15 @@ class PlaneLikelihood:
         self.is_flat = np.array([g.kind == "flat" for g in statistics.groups])
         self.time = np.array([g.charge_time for g in statistics.groups])
         self.repeats = self.frames > 1
+        # Groups whose noise is measured: without repeats, by what images do not share.
+        self.measured = self.repeats | ~self.repeats.any()
         self.side = side = round(len(statistics.planes) ** 0.5)
         self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
         again = np.maximum(self.frames - 1, 1)[:, None]
         self.scatter = plane.scatter / np.maximum(plane.freedom, 1) / again
+        self.products = plane.products / np.maximum(plane.freedom, 1)[:, None, None]
+        if not self.repeats.any():
+            self.scatter[:] = unshared(self.products[PIXEL])[:, None]
         # A lamp's shape changes slowly: frames next to each other have it in common.
         self.paired = self.is_flat & (statistics.pairs > 0) & (plane.freedom[PIXEL] > 0)
         self.scatter[self.paired, PIXEL] = plane.power[self.paired]
@@ -57,7 +62,6 @@ class PlaneLikelihood:
         self.freedom = freedom_of(plane, statistics, self.scatter, side)
         pairs = statistics.pairs / np.maximum(self.frames - 1, 1)
         self.freedom[self.paired, PIXEL] *= pairs[self.paired]
-        self.products = plane.products / np.maximum(plane.freedom, 1)[:, None, None]
         self.light = self._light(theta)
         vectors = [self.vectors(c) for c in (*TEMPORAL, *FIXED)]
         sizes = [len(v) * np.prod(v, axis=0) * v[-1] ** (2 - len(v)) for v in vectors]
@@ -91,8 +95,8 @@ class PlaneLikelihood:
 
     def _recorders(self, white: int, theta: Array | None) -> list[Recorder]:
         about = self._recorded_offsets() if theta is None else self.offsets(theta)[0]
-        usual = self.scatter[self.repeats, PIXEL].min(initial=np.inf)
-        noise = np.where(self.repeats, self.scatter[:, PIXEL], usual)
+        usual = self.scatter[self.measured, PIXEL].min(initial=np.inf)
+        noise = np.where(self.measured, self.scatter[:, PIXEL], usual)
         found = []
         for g in range(len(self.frames)):
             levels, level = self.plane.levels[g], self.plane.level[g]
@@ -224,10 +228,18 @@ class PlaneLikelihood:
         low = self.correlation[:, PARTS.index("field")]
         good = max(int((~self.plane.masked).sum()), 1)
         found = np.array([pixel * (1 + low), np.maximum(lines, 0)]) / good
-        usual = self.repeats & ~self.is_flat
+        usual = self.measured & ~self.is_flat
         if usual.any():
-            found[:, ~self.repeats] = found[:, usual].mean(axis=1, keepdims=True)
+            found[:, ~self.measured] = found[:, usual].mean(axis=1, keepdims=True)
         return found[0], found[1]
+
+
+def unshared(products: Array) -> Array:
+    """Return (G,) DN^2, what is in each of some images and in no sum of the others.
+
+    products : (G, G) of their pixel parts, mean over freedom."""
+    found: Array = 1 / np.diagonal(np.linalg.pinv(products, hermitian=True))
+    return found
 
 
 def correlation_of(statistics: ConstantStatistics, side: int) -> Array:

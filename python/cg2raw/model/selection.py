@@ -99,7 +99,7 @@ def selection(
             prior = blended.prior(np.flatnonzero(own), profile)
         gains[name] = gain_of(own, training, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
-    if levels:
+    if "black_level_drift" in levels:  # else nothing says how far levels may be off
         gains |= DarkLevels(
             levels, training, validation, profile, shapes.dark_median
         ).gains(least)

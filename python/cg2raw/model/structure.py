@@ -69,10 +69,10 @@ def _in_plane(
 def low_noise(plane: PlaneLikelihood) -> Array:
     """Return (G, 8) variances of a frame's coefficients as measured; of groups without
     repeats, the mean of the darks' that have them, or of all."""
-    usual = plane.repeats & ~plane.is_flat
-    usual = usual if usual.any() else plane.repeats
+    usual = plane.measured & ~plane.is_flat
+    usual = usual if usual.any() else plane.measured
     mean = plane.scatter[usual].mean(axis=0)
-    found: Array = np.where(plane.repeats[:, None], plane.scatter, mean)
+    found: Array = np.where(plane.measured[:, None], plane.scatter, mean)
     return found
 
 

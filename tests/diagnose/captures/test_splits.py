@@ -5,7 +5,12 @@
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.captures.splits import GROUPS, groups_of_sets, third
+from cg2raw.diagnose.captures.splits import (
+    GROUPS,
+    groups_of_sets,
+    third,
+    third_of_columns,
+)
 
 
 def test_a_third_is_a_third_of_every_row_and_column():
@@ -13,6 +18,21 @@ def test_a_third_is_a_third_of_every_row_and_column():
         mask = third((240, 480), group)
         for axis in (0, 1):
             np.testing.assert_allclose(mask.mean(axis=axis), 1 / 3)
+
+
+@pytest.mark.parametrize(("width", "side"), [(201, 1), (200, 2), (200, 6), (18, 6)])
+def test_columns_of_groups_are_as_many_and_each_of_one(width, side):
+    each = [np.arange(width)[third_of_columns(width, g, side)] for g in GROUPS]
+    assert {len(own) for own in each} == {width // (3 * side) * side}
+    assert len(set(np.concatenate(each))) == sum(map(len, each))
+    assert {own[0] % side for own in each} == {0}  # the CFA's repeat stays
+    assert each[0][0] == 0
+    assert width - side < each[1][-1] + 1 <= width
+
+
+def test_columns_of_a_narrow_frame_are_refused():
+    with pytest.raises(ValueError, match="5 px wide.*must be 6 at least"):
+        third_of_columns(5, "fit", 2)
 
 
 @pytest.mark.parametrize(

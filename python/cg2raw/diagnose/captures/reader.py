@@ -340,6 +340,6 @@ def in_groups(capture: Capture, group: Group | None) -> list[Capture]:
             name, shape = f"{capture.name} ({group} patches)", means.mean.shape
             return replace(capture, name=name, group=group, means=means, shape=shape)
         name = f"{capture.name} ({group} pixels)".replace(") (", ", ")
-        return replace(capture, name=name, group=group, mask=mask)
+        return replace(capture, name=name, group=group, mask=mask, divided=True)
 
     return [part(group) for group in GROUPS]

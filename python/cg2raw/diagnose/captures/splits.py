@@ -46,3 +46,20 @@ def third(shape: Sequence[int], group: Group) -> NDArray[np.bool_]:
     cols = np.arange(shape[1])[None, :] // SPLIT_BLOCK
     mask: NDArray[np.bool_] = (rows + cols) % len(GROUPS) == GROUPS.index(group)
     return mask
+
+
+def third_of_columns(width: int, group: Group, side: int = 1) -> slice:
+    """Return the columns of a frame that are one group's, as many in each: those at
+    both ends are to fit and to select, since light falls off alike there.
+
+    side : px of the CFA's repeat. Raises ValueError for a frame without a repeat in
+    each group."""
+    count = width // (len(GROUPS) * side) * side
+    if not count:
+        raise ValueError(
+            f"frames: {width} px wide, too narrow to divide their columns; must be "
+            f"{len(GROUPS) * side} at least, or add frames"
+        )
+    last = (width - count) // side * side
+    starts = {"fit": 0, "select": last, "report": last // (2 * side) * side}
+    return slice(starts[group], starts[group] + count)
