@@ -117,12 +117,12 @@ def steps_along(profile: Array, width: int) -> Array:
 
 
 def noises_of(found: Measurements) -> list[tuple[str, Array, Array]]:
-    """Return (name, variances or gains of blocks, their relative errors), (n, n); none
-    of a read noise that rounding shapes."""
+    """Return (name, variances or gains, their relative errors), (blocks,); none of a
+    read noise that rounding shapes."""
     noises, tails = [], found.tails
     if tails is not None and tails.excess_kurtosis is not None:
-        variance = squared(tails.variance.mean(0))
-        noises.append(("variance of the read noise", variance, squared(tails.error)))
+        variance = tails.variance.mean(0)
+        noises.append(("variance of the read noise", variance, tails.error))
     transfer, read = found.transfer, found.each("read noise")
     used = [p for p in transfer.points if p.is_right] if transfer else []
     if used and read:
@@ -130,20 +130,15 @@ def noises_of(found: Measurements) -> list[tuple[str, Array, Array]]:
         gains = (used[-1].variance - dark) / np.maximum(used[-1].mean, 1e-9)
         known = np.where(used[-1].mean > 0, gains, np.nan)
         relative = np.sqrt((used[-1].error ** 2).mean(0) / len(gains))
-        noises.append(("gain", squared(known.mean(0)), squared(relative)))
+        noises.append(("gain", known.mean(0), relative))
     return noises
-
-
-def squared(blocks: Array) -> Array:
-    """Return (n, n) of (n * n,) blocks."""
-    side = math.isqrt(blocks.size)
-    return np.reshape(blocks, (side, side))
 
 
 def step_of_halves(blocks: Array, errors: Array, axis: int) -> float:
     """Return the step between the halves of a side, relative, without the slope of the
     blocks beside it; 0 if it is within chance, or does not matter."""
-    lines = blocks.mean(1 - axis) / blocks.mean()
+    side = math.isqrt(blocks.size)
+    lines = blocks.reshape(side, side).mean(1 - axis) / blocks.mean()
     middle = len(lines) // 2
     if len(lines) < 4 or len(lines) % 2 or not np.isfinite(lines).all():
         return 0.0

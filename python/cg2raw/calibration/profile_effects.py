@@ -162,11 +162,8 @@ def amplifier_glow(c: Measurements) -> Answer:
 def read_noise_correlation(c: Measurements) -> Answer:
     if (r := c.figure("correlation, next in row")) is None:
         return False
-    return (
-        {"coefficient": r}
-        if r.stands_out and abs(r.value) > CORRELATION_FLOOR
-        else None
-    )
+    is_seen = r.stands_out and abs(r.value) > CORRELATION_FLOOR
+    return {"coefficient": r} if is_seen else None
 
 
 def lens_shading(c: Measurements) -> Answer:

@@ -43,17 +43,6 @@ def clipped_moments(values: Array, least: float = 0.0) -> tuple[float, float, in
     return mean, sigma, count
 
 
-def middle_of(values: Array) -> float:
-    """Return the median of DN, between codes too: that of a grouped sample.
-
-    values : any shape, finite, wider than a step of the codes, or in steps of them."""
-    flat = values.ravel()
-    middle = float(np.median(flat))
-    below = int(np.count_nonzero(flat < middle - 0.5))
-    inside = int(np.count_nonzero(np.abs(flat - middle) <= 0.5))
-    return middle - 0.5 + (flat.size / 2 - below) / max(inside, 1)
-
-
 @dataclass(frozen=True)
 class LinearFit:
     """values : of the design's columns, (k,), and their covariance. rest : what is left

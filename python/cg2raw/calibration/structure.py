@@ -11,10 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.robust import CUT, Array, clipped_moments, linear_fit
+from cg2raw.calibration.robust import CUT, Array, LinearFit, clipped_moments, linear_fit
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, blocks_of, centres
 
@@ -25,6 +24,8 @@ FIRST_COLUMNS = 8  # that count for it however far off they are
 EXTENTS = np.geomspace(0.03, 1.0, 15)  # half diagonals of the frame
 # (row, column) of an amplifier, -1..1 of the frame: corners and middles of edges.
 PLACES = tuple((r, c) for r in (-1.0, 0.0, 1.0) for c in (-1.0, 0.0, 1.0) if r or c)
+ROUNDS = 8
+LARGEST_STEP = 0.3  # of the logarithm of a length in one round
 AT_END = 0.999  # of the longest length that is tried: it may be longer
 CERTAIN = 5.0  # standard errors: of the best of 120 places and extents
 
@@ -50,22 +51,21 @@ def fit_decay(
     straight : (N, k). distance : (N,), and lengths to try in its unit. first : how many
     of y count however far off they are: the decay may be of them alone."""
 
-    def design(length: float) -> Array:
-        return np.column_stack([straight, np.exp(-distance / length)])
+    def fitted(length: float, *more: Array) -> LinearFit:
+        fall = np.exp(-distance / length)
+        return linear_fit(
+            np.column_stack([straight, fall, *(fall * x for x in more)]), y, first
+        )
 
-    def squares(logarithm: float) -> float:
-        return linear_fit(design(math.exp(logarithm)), y).squares
-
-    tried = np.log(lengths)
-    best = int(np.argmin([squares(one) for one in tried]))
-    ends = tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)]
-    length = math.exp(minimize_scalar(squares, bounds=ends, method="bounded").x)
-    both = design(length)
-    *values, height = linear_fit(both, y, first).values
-    by_log = height * both[:, -1] * distance / length
-    found = linear_fit(np.column_stack([both, by_log]), y, first)
+    length = float(min(lengths, key=lambda tried: fitted(tried).squares))
+    for _ in range(ROUNDS):  # of Gauss and Newton, in the logarithm of the length
+        found = fitted(length, distance / length)
+        *values, height, change = found.values
+        step = change / height if height else 0.0
+        length *= math.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
+        length = float(np.clip(length, lengths[0], lengths[-1]))
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
-    errors[-1] *= length
+    errors[-1] *= length / max(abs(height), 1e-300)
     return Decay(
         np.array(values), float(height), length, errors, found.rest, found.variance
     )
