@@ -87,7 +87,7 @@ def test_nothing_hidden_is_no_gap():
 
 def test_the_verdict_does_not_depend_on_threads():
     true = model_of(SENSOR, exposure=[0.03], read_noise=[0.4])
-    captures = set_of(SENSOR, model=true)
+    captures = set_of(SENSOR, model=true, exposure_time=1.0)
     one, three = (summary(run(captures, threads=n)) for n in (1, 3))
     assert one == three
     assert one[0] == "explained"
@@ -165,7 +165,7 @@ def test_x_trans_goes_through_with_nothing_hidden():
     profile = json.loads(base.to_json())
     profile["noise"] = [{"iso": 100, "beta1": [2e-4] * sites, "beta2": [4e-7] * sites}]
     sensor = Sensor.from_json(json.dumps(profile), "xtrans")
-    captures = set_of(sensor)
+    captures = set_of(sensor, shape=(132, 156))
     found = diagnose(captures, details=True, threads=1)
     assert (found.verdict, found.effects) == ("consistent", [])
     unmeasured = CaptureSet(base, captures.captures)

@@ -80,6 +80,8 @@ class DarksAndFlats:
         known = np.isfinite(np.diagonal(self.both.covariance))
         names = self.both.parameters.names
         levels = [name for name in LEVELS if known[names.index(name)]]
+        if "black_level_drift" not in levels:
+            levels = []  # it could be any of the others
         flats = of_levels.names if of_levels is not None else []
         return frozenset([*self.selection.gains, *levels, *flats])
 
@@ -88,14 +90,13 @@ class DarksAndFlats:
         """(H, W) samples that are none of a pattern: hot, or in a line that is."""
         planes = self.statistics.planes
         side = round(len(planes) ** 0.5)
-        shape = [
-            sum(p.masked.shape[axis] for p in planes[:: [side, 1][axis]][:side])
-            for axis in (0, 1)
-        ]
-        found = np.zeros(shape, bool)
+        found = np.zeros(self.used[0].shape, bool)
+        if any(capture.divided for capture in self.used):
+            return found
         for site, plane in enumerate(planes):
             row, column = divmod(site, side)
-            found[row::side, column::side] = plane.masked
+            h, w = plane.masked.shape
+            found[row : side * h : side, column : side * w : side] = plane.masked
         return found
 
     def of_split(self, split: str) -> ConstantStatistics:
@@ -119,13 +120,11 @@ def darks_and_flats(
     if not every:
         raise ValueError("captures: no darks or flats")
     iso = _usual([c.iso for c in every])
-    used = [c for c in every if c.iso == iso]
-    notes = _left_out(len(every) - len(used), "of another ISO")
+    used, notes = _usual_of(every, [c.iso for c in every], "ISO")
+    used, more = _usual_of(used, [c.shape for c in used], "size")
     points = set_points([c.temperature for c in used])
-    main = _usual(points)
-    of_iso = len(used)
-    used = [c for c, point in zip(used, points, strict=True) if point == main]
-    notes += _left_out(of_iso - len(used), "of another temperature")
+    used, most = _usual_of(used, points, "temperature")
+    notes += more + most
     for split in GROUPS:
         if all(c.group != split for c in used):
             raise ValueError(
@@ -225,27 +224,21 @@ def is_constant(capture: Capture) -> bool:
     return capture.kind in ("dark", "flat")
 
 
-def repeats(captures: CaptureSet) -> bool:
-    """Return whether darks or flats repeat each other in both splits that decide."""
-    for split in GROUPS[:2]:
-        own = [c for c in captures.captures if c.group == split and is_constant(c)]
-        own = [c for c in own if c.mask is None and c.scene is not None]
-        alike = [(c.kind, c.exposure_time, c.iso, _light_of(c)) for c in own]
-        if len(set(alike)) == len(alike):
-            return False
-    return True
-
-
-def _left_out(count: int, why: str) -> list[str]:
-    """Return a note on darks and flats that were left out, if any."""
-    if not count:
-        return []
-    return [f"{plural(count, 'frame')} {why} left out of the darks and flats."]
-
-
 def _usual(keys: Sequence[Any]) -> Any:
     """Return the most frequent."""
     return max(dict.fromkeys(keys), key=list(keys).count)
+
+
+def _usual_of(
+    captures: Sequence[Capture], keys: Sequence[Any], what: str
+) -> tuple[list[Capture], list[str]]:
+    """Return the captures of the most frequent key, and a note on others."""
+    main = _usual(keys)
+    used = [c for c, key in zip(captures, keys, strict=True) if key == main]
+    if (count := len(captures) - len(used)) == 0:
+        return used, []
+    frames = plural(count, "frame")
+    return used, [f"{frames} of another {what} left out of the darks and flats."]
 
 
 def _light_of(capture: Capture) -> tuple[float, ...]:
@@ -281,12 +274,14 @@ def statistics_by_split(
         width = captures[0].shape[1]
         columns = {group: third_of_columns(width, group, side) for group in GROUPS}
 
+    height, width = (n // side * side for n in captures[0].shape)
+
     def reader_of(capture: Capture) -> Reader:
-        if not columns:
+        """Of whole repeats of the CFA, so that all planes are of one size."""
+        own = columns[capture.group] if columns else slice(0, width)
+        if own.stop - own.start == capture.shape[1] and height == capture.shape[0]:
             return whole[id(capture)]
-        return lambda: np.ascontiguousarray(
-            whole[id(capture)]()[:, columns[capture.group]]
-        )
+        return lambda: np.ascontiguousarray(whole[id(capture)]()[:height, own])
 
     read = {id(capture): reader_of(capture) for capture in captures}
     factors, error = warmth_of_readings([capture.temperature for capture in captures])
@@ -309,10 +304,11 @@ def statistics_by_split(
             )
             groups.append((info, [read[id(capture)] for capture in part]))
     masks = [capture.mask() for capture in captures if capture.mask is not None]
-    excluded: NDArray[np.bool_] | None = ~np.any(masks, axis=0) if masks else None
-    if excluded is not None and columns:
-        each = [excluded[:, own] for own in columns.values()]
-        excluded = np.any(each, axis=0)
+    excluded: NDArray[np.bool_] | None = None
+    if masks:
+        counted = np.any(masks, axis=0)[:height, :width]
+        parts_of = columns.values() if columns else [slice(0, width)]
+        excluded = np.any([~counted[:, own] for own in parts_of], axis=0)
     return frame_statistics(
         groups,
         side,
@@ -356,13 +352,15 @@ def predicted_of(
     sensor: Sensor,
     white: float,
 ) -> NDArray[np.float64]:
-    """Return (sites, G) DN above black that a profile predicts of flats; nan of darks
-    and of unknown light."""
+    """Return (sites, G) DN above black that a profile predicts of flats; nan of darks,
+    0 where the light is not known."""
     by_name = {capture.name: capture for capture in captures}
     letters = sites_of(sensor.cfa)
     found = np.full((len(letters), len(statistics.groups)), np.nan)
     for g, info in enumerate(statistics.groups):
         capture = by_name[info.frames[0]]
+        if info.kind == "flat" and capture.scene is None:
+            found[:, g] = 0.0
         if info.kind != "flat" or capture.scene is None:
             continue
         rgb = np.asarray(capture.scene(), np.float32).reshape(1, 1, 3)

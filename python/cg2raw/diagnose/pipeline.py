@@ -16,7 +16,6 @@ from cg2raw.diagnose.darks_and_flats import (
     OF_IMAGES,
     darks_and_flats,
     is_constant,
-    repeats,
 )
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates
@@ -79,7 +78,8 @@ def diagnose(
     constant = [c for c in capture_set.captures if is_constant(c)]
     of_images = names & (OF_IMAGES | {"black_level"})
     found, images = None, capture_set
-    if constant and repeats(capture_set):
+    notes: list[str] = []
+    if constant:
         is_all = len(constant) == len(capture_set.captures)
         decided = replace(capture_set, captures=constant)
         try:
@@ -91,11 +91,16 @@ def diagnose(
         except (KeyboardInterrupt, TimeIsUp) as ended:
             interrupted = isinstance(ended, KeyboardInterrupt)
             found = unfinished(capture_set, interrupted=interrupted)
-        if is_all or found.verdict == "incomplete":
+        except ValueError as error:
+            if is_all:
+                raise
+            notes.append(f"Darks and flats decide nothing: {error}.")
+        if found and (is_all or found.verdict == "incomplete"):
             say("done", 1.0)
-            return replace(found, seconds=time.monotonic() - started)
-        images = with_images_alone(capture_set, found, seen.masked)
-        of_images &= OF_IMAGES
+            return _finished(found, names, capture_set, started)
+        if found:
+            images = with_images_alone(capture_set, found, seen.masked, seen.used)
+            of_images -= seen.shown - OF_IMAGES
     workers = Workers(threads, deadline)
     second = _searched(
         images,
@@ -110,7 +115,27 @@ def diagnose(
     )
     say("done", 1.0)
     whole = second if found is None else together(found, second)
-    return replace(whole, seconds=time.monotonic() - started)
+    whole = replace(whole, notes=[*notes, *whole.notes])
+    return _finished(whole, names, capture_set, started)
+
+
+def _finished(
+    found: Diagnosis, names: Collection[str], capture_set: CaptureSet, started: float
+) -> Diagnosis:
+    """Return a diagnosis with its seconds, and with a limit, of None, of each effect
+    that might have been named and that no frame shows."""
+    told = {one.name for one in found.effects}
+    told |= {one.name for one in found.detection_limits}
+    unseen = [
+        DetectionLimit(one.name, one.parameters[0], None, one.units[0])
+        for one in candidates(capture_set.sensor.cfa)
+        if one.name in names and one.name not in told
+    ]
+    if found.verdict == "incomplete":
+        unseen = []
+    limits = [*found.detection_limits, *unseen]
+    seconds = time.monotonic() - started
+    return replace(found, detection_limits=limits, seconds=seconds)
 
 
 def _names(
@@ -142,14 +167,12 @@ def _searched(
     splits = Splits(frames, workers)
     splits.check()
     baseline = baseline_of(capture_set, splits, say, is_noise_known)
-    effects, unseen = nameable(capture_set, splits, names)
+    effects = nameable(capture_set, splits, names)
     search = Search(baseline, effects, alpha, most, _counted(say))
     model = search.run()
     workers.deadline = None  # the report is written in any case
     say("writing down what was found", 0.92)
-    found = assessed(capture_set, baseline, search, model, details)
-    never = [DetectionLimit(e.name, e.parameters[0], None, e.units[0]) for e in unseen]
-    return replace(found, detection_limits=[*found.detection_limits, *never])
+    return assessed(capture_set, baseline, search, model, details)
 
 
 def _counted(say: Progress) -> Callable[[str], None]:

@@ -251,7 +251,7 @@ def start_of(
         theta = np.where(free, theta, profile)
     _start_levels(likelihood, theta, darks)
     for plane in likelihood.planes:
-        _start_noise(plane, theta, free)
+        _start_noise(plane, theta, free, profile)
     _start_patterns(likelihood, theta, free)
     return theta, free
 
@@ -296,7 +296,12 @@ def _start_levels(
         )
 
 
-def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) -> None:
+def _start_noise(
+    plane: PlaneLikelihood,
+    theta: Array,
+    free: NDArray[np.bool_],
+    profile: Array | None,
+) -> None:
     """Least squares of the scatter, each weighted by its own measured size."""
     place = plane.parameters.of
     read, gain = place("read_noise", plane.site), place("gain", plane.site)
@@ -307,6 +312,8 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
     signal = plane.signal(theta)
     again = plane.measured
     free[gain] = np.ptp(signal[again]) > 0 or not free[read]
+    if profile is not None and not free[gain]:
+        theta[gain] = profile[gain]
     names = [place(c.name) for c in TEMPORAL]
     columns = [n for n in (read, gain, *names) if free[n]]
     records, slopes = np.ones((7, len(signal))), np.zeros((7, len(signal), len(theta)))
@@ -314,8 +321,8 @@ def _start_noise(plane: PlaneLikelihood, theta: Array, free: NDArray[np.bool_]) 
     records[6] = 0.0
     _, by = plane.temporal(theta, records, slopes)
     freedom = plane.freedom.copy()
-    if not plane.repeats.any():
-        freedom[:, PIXEL] = plane.plane.freedom[PIXEL]
+    single = plane.measured & ~plane.repeats
+    freedom[single, PIXEL] = plane.plane.freedom[PIXEL]
     known = (freedom > 0) & (plane.scatter > 0)
     weights = np.sqrt(freedom[known]) / plane.scatter[known]
     design = by[known][:, columns] * weights[:, None]

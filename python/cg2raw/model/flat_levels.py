@@ -31,12 +31,14 @@ Change = Callable[["FlatLevels", Array, Array], Array]
 @dataclass(frozen=True)
 class FlatLevels:
     """ratios : (sites * G,) levels of flats over those that are predicted. covariance :
-    of them. predicted : (sites, G), 1 at white. letters : (sites,) of the CFA."""
+    of them. predicted : (sites, G), 1 at white. letters : (sites,) of the CFA.
+    are_colors_free : each colour of each light may be anything."""
 
     ratios: Array
     covariance: Array
     predicted: Array
     letters: Array
+    are_colors_free: bool = False
 
     @property
     def side(self) -> int:
@@ -46,7 +48,9 @@ class FlatLevels:
     def names(self) -> list[str]:
         """What such flats can show."""
         of_sides = {1: ("exposure", "nonlinearity"), 2: tuple(CHANGES)}
-        some = ("exposure", "white_balance", "nonlinearity")
+        some: tuple[str, ...] = ("exposure", "white_balance", "nonlinearity")
+        if self.are_colors_free:  # crosstalk would be an imbalance of greens
+            of_sides, some = {2: ("gr_gb_imbalance",)}, ()
         return [n for n in CHANGES if n in of_sides.get(self.side, some)]
 
     def value(self, names: Sequence[str], values: Array) -> float:
@@ -134,19 +138,24 @@ def flat_levels(
     is_shaded: bool = False,
     is_colored: bool = False,
 ) -> FlatLevels | None:
-    """Return the levels of flats; None if there are none of known light.
+    """Return the levels of flats; None if there are none.
 
-    predicted : (sites, G) DN above black, nan of darks and of unknown light. cfa : the
-    letters of its repeat, row by row. white : DN above black. light : relative, how far
-    each frame's may be off. nuisances : of a capture set. is_shaded, is_colored :
-    whether light falls off towards the corners, of colours differently: then levels are
-    those of the middle of the frame."""
+    predicted : (sites, G) DN above black, nan of darks, 0 of unknown light, of which
+    only what sites of one colour differ by is told. cfa : the letters of its repeat,
+    row by row. white : DN above black. light : relative, how far each frame's may be
+    off. nuisances : of a capture set. is_shaded, is_colored : whether light falls off
+    towards the corners, of colours differently: then levels are those of the middle of
+    the frame."""
     planes = found.likelihood.planes
-    groups = np.flatnonzero((predicted > 0).all(axis=0))
+    groups = np.flatnonzero((predicted >= 0).all(axis=0))
     if not len(groups):
         return None
-    predicted = predicted[:, groups]
     light_of = np.array([plane.light[groups] for plane in planes])
+    letters = np.array(list(cfa) if len(planes) > 1 else ["W"])
+    is_known = np.asarray((predicted[:, groups] > 0).all(axis=0))
+    alike = np.equal.outer(letters, letters)
+    of_color = alike @ light_of / alike.sum(axis=1, keepdims=True)
+    predicted = np.where(is_known, predicted[:, groups], of_color)
     frames = planes[0].frames[groups]
     noise = [plane.level_noise() for plane in planes]
     variance = np.array([pixel[groups] + lines[groups] for pixel, lines in noise])
@@ -162,20 +171,22 @@ def flat_levels(
     prnu = max(float(found.theta[found.parameters.of("prnu")]), 0.0)
     one_site = np.equal.outer(site, site)
     covariance += one_site * prnu / planes[0].plane.masked.size
-    letters = np.array(list(cfa) if count > 1 else ["W"])
+    color = letters[site]
+    one_color = one_light * np.equal.outer(color, color)
+    covariance += FREE * one_color * ~is_known[flat]
     covariance += one_light * light**2 / frames[flat]
     if "exposure" in nuisances:
         covariance += FREE * one_light
     if "white_balance" in nuisances:
-        color = letters[site]
-        covariance += FREE * one_light * np.equal.outer(color, color)
+        covariance += FREE * one_color
     ratios = light_of / predicted
     if is_shaded or is_colored:
         brighter, more = _middles(planes, groups, light_of, is_colored)
         ratios = ratios * (1 + brighter[:, None])
         covariance += more[np.ix_(site, site)]
     ratios = ratios.ravel()
-    return FlatLevels(ratios, covariance, predicted / white, letters)
+    are_free = "white_balance" in nuisances or not is_known.any()
+    return FlatLevels(ratios, covariance, predicted / white, letters, are_free)
 
 
 def _middles(

@@ -47,14 +47,16 @@ class PlaneLikelihood:
         self.time = np.array([g.charge_time for g in statistics.groups])
         self.repeats = self.frames > 1
         # Groups whose noise is measured: without repeats, by what images do not share.
-        self.measured = self.repeats | ~self.repeats.any()
+        alone = ~self.repeats & (self.is_flat | ~self.repeats.any())
+        self.measured = self.repeats | (alone & (alone.sum() > 1))
         self.side = side = round(len(statistics.planes) ** 0.5)
         self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
         again = np.maximum(self.frames - 1, 1)[:, None]
         self.scatter = plane.scatter / np.maximum(plane.freedom, 1) / again
         self.products = plane.products / np.maximum(plane.freedom, 1)[:, None, None]
-        if not self.repeats.any():
-            self.scatter[:] = unshared(self.products[PIXEL])[:, None]
+        single = self.measured & ~self.repeats
+        if single.any():
+            self.scatter[single] = unshared(self.products[PIXEL])[single, None]
         # A lamp's shape changes slowly: frames next to each other have it in common.
         self.paired = self.is_flat & (statistics.pairs > 0) & (plane.freedom[PIXEL] > 0)
         self.scatter[self.paired, PIXEL] = plane.power[self.paired]

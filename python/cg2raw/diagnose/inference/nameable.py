@@ -19,8 +19,8 @@ def nameable(
     capture_set: CaptureSet,
     splits: Splits,
     names: Collection[str],
-) -> tuple[list[Effect], list[Effect]]:
-    """Return (what may be named, what no frames show), of effects of some names."""
+) -> list[Effect]:
+    """Return the effects of some names that frames show."""
     known = [e for e in candidates(capture_set.sensor.cfa) if e.name in names]
     fitted, selected = splits.fit.frames, splits.select.frames
     again = _shows_light_again([*fitted, *selected])
@@ -38,10 +38,7 @@ def nameable(
             for group in groups
         )  # fmt: skip
 
-    return (
-        [effect for effect in known if is_shown(effect)],
-        [effect for effect in known if not is_shown(effect)],
-    )
+    return [effect for effect in known if is_shown(effect)]
 
 
 def _is_even(frame: Frame) -> bool:

@@ -6,6 +6,7 @@
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -18,14 +19,13 @@ from cg2raw.diagnose.darks_and_flats import (
 )
 from cg2raw.diagnose.diagnosis import (
     LARGEST_E,
-    DetectionLimit,
     Diagnosis,
     Estimate,
     Finding,
     Gap,
     ResidualTest,
 )
-from cg2raw.diagnose.effects.catalogue import candidates, effect
+from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.effects.discriminating_captures import sentence
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.verdict.limits import detection_limits
@@ -92,15 +92,23 @@ def diagnosis_of(
         tests_after=tests[1],
         unexplained=left,
         ladder=[],
-        detection_limits=_limits(found, chosen, names),
+        detection_limits=[
+            one
+            for one in detection_limits(
+                found.values, chosen, found.least, captures.sensor.cfa
+            )
+            if one.name in names
+        ],
         next_captures=[],
         notes=_notes(found),
         groups=frames,
         characteristics=characteristics_of(
             [(model, found.profile, False), (held_out[1], found.profile, True)]
         ),
-        profile_json=updated_profile(captures.sensor, findings, told)
-        if is_closed
+        profile_json=updated_profile(
+            captures.sensor, findings if is_closed else [], told, noise_row(found)
+        )
+        if is_closed or not found.has_noise
         else "",
     )
 
@@ -126,20 +134,19 @@ def unfinished(captures: CaptureSet, *, interrupted: bool) -> Diagnosis:
     )
 
 
-def _limits(
-    found: DarksAndFlats, chosen: Sequence[str], names: Collection[str]
-) -> list[DetectionLimit]:
-    """Return the limit of each effect that may be named and is not; None of those that
-    the frames cannot show."""
-    cfa = found.captures.sensor.cfa
-    known = [one for one in found.values if one.effect in names]
-    limits = [*detection_limits(known, chosen, found.least, cfa)]
-    for one in candidates(cfa):
-        if one.name in names and one.name not in found.shown:
-            limits.append(
-                DetectionLimit(one.name, one.parameters[0], None, one.units[0])
-            )
-    return limits
+def noise_row(found: DarksAndFlats) -> dict[str, Any] | None:
+    """Return a row of a noise table as the frames show it; None where the profile has
+    one, or of frames of no known ISO."""
+    iso = found.used[0].iso
+    if found.has_noise or iso is None:
+        return None
+    sensor, at = found.captures.sensor, found.both.parameters.of
+    ranges = sensor.white_level - np.asarray(sensor.black_level, float)
+    sites = np.arange(found.both.parameters.sites)
+    beta1 = found.both.theta[at("gain") + sites] / ranges
+    beta2 = found.both.theta[at("read_noise") + sites] / ranges**2
+    positive = [np.maximum(beta, 1e-12).tolist() for beta in (beta1, beta2)]
+    return {"iso": iso, "beta1": positive[0], "beta2": positive[1]}
 
 
 def _notes(found: DarksAndFlats) -> list[str]:

@@ -26,13 +26,19 @@ OF_SENSOR = frozenset(
 
 
 def updated_profile(
-    sensor: Sensor, findings: Sequence[Finding], captures: Sequence[str]
+    sensor: Sensor,
+    findings: Sequence[Finding],
+    captures: Sequence[str],
+    noise: dict[str, Any] | None = None,
 ) -> str:
     """Return the JSON of a sensor's profile with what was found in it.
 
-    captures : names of the frames that tell the values. Raises ValueError where the
-    values are none of a profile."""
+    captures : names of the frames that tell the values. noise : a row for a profile
+    without any at its ISO. Raises ValueError where the values are none of a profile."""
     profile: dict[str, Any] = json.loads(sensor.to_json())
+    if noise is not None:
+        rows = [*profile.get("noise", []), noise]
+        profile["noise"] = sorted(rows, key=lambda row: row["iso"])
     entries = {entry["name"]: entry for entry in profile.get("effects", [])}
     for finding in findings:
         if not finding.parameters:

@@ -6,6 +6,7 @@
 Darks and flats show noise, patterns and offsets. With these in the profile, images show
 what happens to light."""
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -18,20 +19,24 @@ from cg2raw.sensor import Sensor
 
 
 def with_images_alone(
-    captures: CaptureSet, decided: Diagnosis, masked: NDArray[np.bool_]
+    captures: CaptureSet,
+    decided: Diagnosis,
+    masked: NDArray[np.bool_],
+    used: Collection[Capture],
 ) -> CaptureSet:
     """Return the captures of known light, of a sensor that has what darks and flats
-    decided.
+    decided, and those darks and flats that had no part in it.
 
     masked : (H, W) pixels that darks and flats show to be none of a pattern: hot, or
-    in a line that is."""
+    in a line that is. used : darks and flats that decided."""
     sensor = captures.sensor
     if decided.profile_json:
         sensor = Sensor.from_json(decided.profile_json, f"{sensor.id} as decided")
     lit = [
         _without(capture, masked)
         for capture in captures.captures
-        if capture.shows.light and (capture.shows.image or capture.scene is not None)
+        if capture.scene is not None or capture.shows.image
+        if capture.shows.light or capture not in used
     ]
     return replace(captures, sensor=sensor, captures=lit)
 
