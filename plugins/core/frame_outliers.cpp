@@ -179,7 +179,7 @@ void FrameStatistics::finish_look(const ParallelFor& parallel)
                 return;
             m_marked[at] = 1;
             const std::int16_t own = above >= below ? m_highest[at] : m_lowest[at];
-            if (!m_excluded[at])
+            if (!m_uncounted[at])
                 found[std::size_t(p)].push_back(
                     { std::uint32_t(at), own, above >= below });
             const double rest = (mean * frames - own) / (frames - 1.0);
@@ -306,7 +306,9 @@ void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
     });
     auto& alone = look.transients; // hot pixels are noisy in all frames
     alone.erase(std::remove_if(alone.begin(), alone.end(),
-                               [&](const Transient& one) { return points[one.at]; }),
+                               [&](const Transient& one) {
+                                   return points[one.at] && !m_excluded[one.at];
+                               }),
                 alone.end());
     std::transform(points.begin(), points.end(), m_marked.begin(), m_marked.begin(),
                    std::bit_or<>());

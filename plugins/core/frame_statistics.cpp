@@ -128,6 +128,7 @@ FrameStatistics::FrameStatistics(Size size, int side, int groups, int step)
                                  Polynomials((size.width - c + side - 1) / side) });
     m_marked.resize(std::size_t(size.width) * std::size_t(size.height));
     m_excluded.resize(m_marked.size());
+    m_uncounted.resize(m_marked.size());
     for (GroupSums& group : m_groups)
         group.planes.resize(m_planes.size());
 }
@@ -155,7 +156,7 @@ CodeCounts FrameStatistics::look(int group, const Plane<const std::uint16_t>& fr
         finish_look(parallel);
     m_current = group;
 
-    const CodeCounts counts = code_counts(frame, m_side, m_excluded.data(), parallel);
+    const CodeCounts counts = code_counts(frame, m_side, m_uncounted.data(), parallel);
     const auto side = std::size_t(m_side);
     std::vector<std::int32_t> levels;
     for (std::size_t p = 0; p < counts.size(); ++p) {
@@ -202,10 +203,13 @@ void FrameStatistics::exclude(const Plane<const std::uint8_t>& samples)
         throw Error("mask is " + size_text({ samples.width, samples.height })
                     + " pixels, the frames " + size_text(m_size));
     for (int r = 0; r < m_size.height; ++r)
-        std::transform(samples.row(r), samples.row(r) + m_size.width,
-                       &m_excluded[std::size_t(r) * std::size_t(m_size.width)],
-                       [](std::uint8_t sample) { return std::uint8_t(sample != 0); });
-    m_marked = m_excluded;
+        for (int c = 0; c < m_size.width; ++c)
+            if (samples.row(r)[c]) {
+                const auto at = std::size_t(r) * std::size_t(m_size.width);
+                m_excluded[at + std::size_t(c)] = m_marked[at + std::size_t(c)] = 1;
+            }
+    if (m_groups.empty() || m_groups.front().frames == 0)
+        m_uncounted = m_excluded;
 }
 
 void FrameStatistics::measure(int group, const Plane<const std::uint16_t>& frame,

@@ -233,7 +233,7 @@ void bind_frame_statistics(py::module_& m)
                 self.exclude({ reinterpret_cast<const std::uint8_t*>(plane.data),
                                plane.width, plane.height, plane.pitch });
             },
-            "samples"_a, "(H, W) bool: samples that count in nothing.")
+            "samples"_a, "(H, W) bool: samples that are masked.")
         .def(
             "mask",
             [](FrameStatistics& self, int threads) {

@@ -68,5 +68,12 @@ TRUTHS: Mapping[str, Callable[[Values, Unit], dict[str, float]]] = {
     "dsnu": _spread,
     "black_level_drift": _spread,
     "black_level": _black_level,
+    "pdaf_pixels": lambda v, _: {
+        "gain": -v["loss"],
+        "pitch": v["period"],
+        "row": v["row"],
+        "column": v["column"],
+    },
+    "dust": lambda v, _: {"density": v["per_megapixel"]},
     "read_noise_correlation": lambda v, _: {"coefficient": v["correlation"]},
 }

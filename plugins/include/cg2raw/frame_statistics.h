@@ -76,7 +76,8 @@ public:
     /// codes. Throws Error.
     FrameStatistics(Size size, int side, int groups, int step = 1);
 
-    /// Before the first look: samples that are not 0 count in nothing. Throws Error.
+    /// Samples that are not 0 are masked: before the first look they count in nothing,
+    /// after all of them in the codes alone. Throws Error.
     void exclude(const Plane<const std::uint8_t>& samples);
     /// The first look at a frame. Groups are looked at one after the other. Returns
     /// what codes it has. Throws Error.
@@ -142,7 +143,8 @@ private:
     int m_current = 0; ///< group that is looked at
     std::vector<PlaneParts> m_planes;
     std::vector<PlaneMask> m_masks;
-    std::vector<std::uint8_t> m_excluded, m_marked; ///< of the mosaic
+    /// Of the mosaic: in no code, in no part, and masked.
+    std::vector<std::uint8_t> m_uncounted, m_excluded, m_marked;
     std::vector<std::int16_t> m_highest, m_lowest; ///< of this group, less levels
     std::vector<Look> m_looks;
     std::vector<GroupSums> m_groups;

@@ -153,13 +153,14 @@ def darks_and_flats(
         lags_of(one, found, profile) for one, found in zip(splits, fits, strict=True)
     ]
     first, second = lags
+    of_shapes = shapes(whole, (TRAINING, VALIDATION), (fits[0], fits[1]))
     found = selection(
         fits[0],
         fits[1],
         profile,
         least,
         (first, second) if first is not None and second is not None else None,
-        shapes(whole, (TRAINING, VALIDATION), (fits[0], fits[1])),
+        of_shapes,
     )
     named = found.kept(least)
     levels = [
@@ -179,7 +180,8 @@ def darks_and_flats(
     white = sensor.white_level - float(np.mean(sensor.black_level))
     say("measuring what was found", 0.9)
     together = fit(both, profile)
-    values = tuple(effect_values(both, together, profile, white))
+    kept = [s for s in of_shapes.found.values() if s.name in found.kept(least)]
+    values = tuple(effect_values(both, together, profile, white, kept))
     return DarksAndFlats(
         captures,
         found.kept(least),

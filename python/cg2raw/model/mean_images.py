@@ -102,8 +102,11 @@ class MeanImageLikelihood:
                 products = planes[sites[0]].products[PIXEL]
             else:
                 stacked = np.concatenate([coefficients[s][part] for s in sites])
-                products = stacked @ stacked.T / freedom
+                products = stacked @ stacked.T / freedom * self._left(sites) ** 2
             self.blocks.append(self._block(part, sites, freedom, products))
+
+    def _left(self, sites: Sequence[int]) -> float:
+        return float(np.mean([self.planes[site].plane.left for site in sites]))
 
     def _block(
         self, part: int, sites: Sequence[int], freedom: float, products: Array
@@ -143,6 +146,8 @@ class MeanImageLikelihood:
         """Return (N, N), what one unit of a component adds to the covariance."""
         first = self.planes[0]
         of_part = float(component.multiplicity(*first.plane.shape)[part])
+        if part != PIXEL and not component.parts.all():  # structure has no noise
+            of_part *= self._left(sites)
         shared = component.shared(first.side)[np.ix_(sites, sites)]
         found = [
             [

@@ -2,13 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """Values of named effects, in the units of the registry, with 95 % intervals."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from cg2raw.model.figures import NORMAL, figures_of
 from cg2raw.model.fit import Fit
+from cg2raw.model.shapes.base import Shape
 from cg2raw.statistics.constant import Array, ConstantStatistics
 
 # Effects whose parameter is one of the figures; DN are shares of white.
@@ -37,10 +38,20 @@ class Value(NamedTuple):
 
 
 def effect_values(
-    statistics: ConstantStatistics, found: Fit, profile: Array, white: float
+    statistics: ConstantStatistics,
+    found: Fit,
+    profile: Array,
+    white: float,
+    shapes: Iterable[Shape] = (),
 ) -> Iterator[Value]:
-    """Yield what the frames show, named or not. profile : (n,) parameters of the null.
-    white : DN above black."""
+    """Yield what the frames show, named or not, but for shapes. profile : (n,)
+    parameters of the null. white : DN above black. shapes : that are named."""
+    for shape in shapes:
+        for one in shape.figures:
+            if np.isfinite([one.value, one.low, one.high]).all():
+                scale = white if one.unit.startswith("DN") else 1.0
+                numbers = (one.value, one.low, one.high)
+                yield Value(shape.name, one.name, *(x / scale for x in numbers))
     for figure in figures_of(statistics, found):
         if figure.name in FIGURES:
             scale = 1.0 if figure.unit == "1" else white

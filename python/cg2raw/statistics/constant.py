@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.io.atomic_file import write_atomically
+from cg2raw.statistics.patterns import Lattice, Spots
 
 Array = NDArray[np.float64]
 
@@ -135,6 +136,13 @@ class PlaneStatistics:
         return rows[:, None] | np.asarray(self.masked.all(axis=0))
 
     @property
+    def left(self) -> float:
+        """The share of samples, in no masked line, that are not masked. Mean images are
+        filled in by what the others say: in all parts but pixel, noise grows by its
+        reciprocal, structure is as it was."""
+        return 1 - float(self.masked[~self.in_lines].mean())
+
+    @property
     def along_freedom(self) -> float:
         """Degrees of freedom of along, masked samples taken off."""
         h, w = self.shape
@@ -182,7 +190,7 @@ class ConstantStatistics:
     that is as in the surroundings; a hot pixel's noise is none.
     overlaps : (G, G) how many samples, not masked, are beyond 4 sigma in some pair of
     the one group and in some of the other. rates : of splits whose darks have several
-    exposure times."""
+    exposure times. lattice, spots : whose samples are masked as well; of all flats."""
 
     groups: tuple[GroupInfo, ...]
     planes: tuple[PlaneStatistics, ...]
@@ -193,6 +201,8 @@ class ConstantStatistics:
     transients: NDArray[np.int64]
     overlaps: NDArray[np.int64]
     rates: tuple[DarkRates, ...] = ()
+    lattice: Lattice | None = None
+    spots: Spots | None = None
 
     def shortest_darks(self, split: str | None = None) -> NDArray[np.intp]:
         """Return the numbers of darks that repeat each other, of the shortest exposure
@@ -226,6 +236,8 @@ class ConstantStatistics:
             planes=tuple(planes),
             white=self.white,
             rates=tuple(one for one in self.rates if one.split in splits),
+            lattice=self.lattice,
+            spots=self.spots,
             **whole,
         )
 
@@ -267,9 +279,13 @@ class ConstantStatistics:
             "groups": [asdict(group) for group in self.groups],
         }
         about["rates"] = [[one.split, one.noise, one.charge] for one in self.rates]
-        arrays["about"] = np.array(json.dumps(about))
+        about["lattice"] = asdict(self.lattice) if self.lattice else None
+        about["tried"] = self.spots.tried if self.spots else None
+        if self.spots:
+            arrays["spots"] = self.spots.places
         if self.rates:
             arrays["rates"] = np.array([one.counts for one in self.rates])
+        arrays["about"] = np.array(json.dumps(about))
         for p, plane in enumerate(self.planes):
             for field in fields(plane):
                 value = getattr(plane, field.name)
@@ -301,6 +317,7 @@ class ConstantStatistics:
         )
         whole = {name: found.pop(name) for name in WHOLE}
         counts = found.pop("rates", ())
+        places = found.pop("spots", None)
         rates = tuple(
             DarkRates(split, of_split, noise, charge)
             for (split, noise, charge), of_split in zip(
@@ -321,6 +338,8 @@ class ConstantStatistics:
             planes=parts,
             white=int(about["white"]),
             rates=rates,
+            lattice=Lattice(**about["lattice"]) if about["lattice"] else None,
+            spots=None if places is None else Spots(places, about["tried"]),
             **whole,
         )
 

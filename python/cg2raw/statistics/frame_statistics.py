@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """From frames to ConstantStatistics: each frame is read twice, or once if all fit."""
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -24,6 +25,11 @@ from cg2raw.statistics.constant import (
 )
 from cg2raw.statistics.dark_rates import dark_rates
 from cg2raw.statistics.kept import Kept, Reader
+from cg2raw.statistics.lattice import lattice_of
+from cg2raw.statistics.patterns import Lattice, Spots
+from cg2raw.statistics.spots import spots_of
+
+MOST_CUT = 0.01  # of the samples of a plane, at 0 and at white
 
 
 def statistics_and_means(
@@ -76,6 +82,9 @@ def statistics_and_means(
             counts[-1] = added(counts[-1], found)
         tell((index + 1) / len(readers) / 2)
     assert seen is not None
+    most = max(found.shape[1] for found in counts)
+    codes = np.array([np.pad(c, ((0, 0), (0, most - c.shape[1]))) for c in counts])
+    lattice, spots = _set_apart(groups, seen, codes, white, excluded)
     seen.mask(threads)
     frames = read_ahead(readers, threads)
     done = len(readers)
@@ -87,8 +96,6 @@ def statistics_and_means(
             tell(done / len(readers) / 2)
     planes, lags, transients, overlaps = seen.result(threads)
     number = np.array([len(members) for _, members in groups])
-    most = max(found.shape[1] for found in counts)
-    codes = np.array([np.pad(c, ((0, 0), (0, most - c.shape[1]))) for c in counts])
     statistics = ConstantStatistics(
         groups=tuple(info for info, _ in groups),
         planes=tuple(
@@ -107,6 +114,8 @@ def statistics_and_means(
         white=white,
         transients=transients,
         overlaps=overlaps,
+        lattice=lattice,
+        spots=spots,
     )
     rates = dark_rates(statistics, seen.mean, excluded)
     return replace(statistics, rates=rates), seen.mean
@@ -120,6 +129,42 @@ def frame_statistics(
 ) -> ConstantStatistics:
     """Return the statistics alone; see statistics_and_means."""
     return statistics_and_means(groups, side, white, **more)[0]
+
+
+def _set_apart(
+    groups: Sequence[tuple[GroupInfo, Sequence[Reader]]],
+    seen: _core.FrameStatistics,
+    codes: NDArray[np.uint32],
+    white: int,
+    excluded: NDArray[np.bool_] | None,
+) -> tuple[Lattice | None, Spots | None]:
+    """Find what the flats show to be patterns of light, and have it masked; None where
+    there is none.
+
+    codes : (G, planes, codes) counts. Flats that are cut at 0 or white say nothing."""
+    light: NDArray[np.float32] | None = None
+    side = math.isqrt(codes.shape[1])
+    for g, (info, members) in enumerate(groups):
+        cut = codes[g, :, 0] + codes[g, :, white:].sum(axis=1)
+        if info.kind != "flat" or (cut > MOST_CUT * codes[g].sum(axis=1)).any():
+            continue
+        mean = seen.mean(g) * np.float32(len(members))
+        for row, column in np.ndindex(side, side):
+            plane = mean[row::side, column::side]
+            plane -= plane.mean(dtype=np.float64)
+        light = mean if light is None else light + mean
+    if light is None:
+        return None, None
+    left_out = np.zeros(light.shape, bool) if excluded is None else excluded.copy()
+    lattice = lattice_of(np.where(left_out, np.float32(0), light), side)
+    if lattice is not None and not lattice.is_sure:
+        lattice = None
+    if lattice is not None:
+        left_out |= lattice.samples(light.shape)
+    spots = spots_of(light, side, left_out)
+    left_out |= spots.samples(light.shape)
+    seen.exclude(left_out)
+    return lattice, spots if len(spots.places) else None
 
 
 def share_of(some: NDArray[np.uint32], codes: NDArray[np.uint32]) -> Array:

@@ -9,12 +9,20 @@ from dataclasses import dataclass
 
 from cg2raw.model.fit import Fit
 from cg2raw.model.shapes.base import Shape, Shown
+from cg2raw.model.shapes.dust import dust
 from cg2raw.model.shapes.heavy_tailed_noise import core_of, heavy_tailed_noise
 from cg2raw.model.shapes.hot_pixels import dark_median, hot_pixels
+from cg2raw.model.shapes.pdaf_pixels import pdaf_pixels
 from cg2raw.model.shapes.random_telegraph_noise import random_telegraph_noise
 from cg2raw.statistics.constant import ConstantStatistics
 
-EFFECTS = (hot_pixels, random_telegraph_noise, heavy_tailed_noise)
+EFFECTS = (
+    hot_pixels,
+    random_telegraph_noise,
+    heavy_tailed_noise,
+    dust,
+    pdaf_pixels,
+)
 
 
 @dataclass(frozen=True)

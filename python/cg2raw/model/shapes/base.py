@@ -21,7 +21,8 @@ CUT = 0.01  # of the samples
 @dataclass(frozen=True)
 class Shape:
     """An effect that some pixels have. nats : what it gains on validation frames, with
-    numbers as trained. figures : its numbers, of the training frames."""
+    numbers as trained. figures : its numbers by the registry's names of parameters,
+    where DN are in place of shares of white."""
 
     name: str
     nats: float

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import erf, erfc, erfinv, expit, logit
 
-from cg2raw.model.figures import Figure
+from cg2raw.model.figures import NORMAL, Figure
 from cg2raw.model.recorded import FINE, differences
 from cg2raw.model.shapes.base import Shape, Shown
 from cg2raw.model.shapes.random_telegraph_noise import nats_beside_jumps
@@ -28,6 +28,7 @@ STARTS = ((0.01, 9.0), (0.1, 4.0))  # share and ratio of variances
 UNEVEN = 2.0  # variances of normal noise differ by it from place to place: no tails
 MOST_SHARE, MOST_RATIO = 0.5, 80.0  # as the registry bounds them
 LEAST_SHARE = 1e-12  # of a bin
+STEP = 0.02  # of the numbers, of which the curvature is taken
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,27 @@ class Tails:
             self.counts @ np.log(self.shares(np.exp(scale), share, ratio, lasting))
         )
 
+    def with_errors(self, best: Array) -> tuple[Array, Array]:
+        """Return the likeliest numbers and their standard errors, by the curvature of
+        the likelihood; nan where it has none."""
+        steps = STEP * np.eye(len(best))
+        curvature = np.array(
+            [
+                [
+                    sum(
+                        a * b * self.nats(best + a * one + b * other)
+                        for a in (-1, 1)
+                        for b in (-1, 1)
+                    )
+                    for other in steps
+                ]
+                for one in steps
+            ]
+        ) / (4 * STEP**2)
+        inverse = np.linalg.pinv(-curvature)
+        variance = np.diagonal(inverse)
+        return best, np.sqrt(np.where(variance > 0, variance, np.nan))
+
     def fitted(
         self, start: Array, most: float = MOST_RATIO, lasting: bool = False
     ) -> Array:
@@ -111,16 +133,15 @@ def heavy_tailed_noise(shown: Shown) -> Shape | None:
         for start, lasting in ((np.zeros(1), False), (even, False), (even, True))
     )
     nats = second.nats(trained) - without
-    share, ratio = float(expit(trained[1])), float(np.exp(trained[2]))
     nats = min(nats, nats_beside_jumps(shown))
-    return Shape(
-        NAME,
-        nats,
-        (
-            Figure("noisy draws", "1", share, np.nan, np.nan, np.nan),
-            Figure("their variance ratio", "1", ratio, np.nan, np.nan, np.nan),
-        ),
-    )
+    numbers, errors = first.with_errors(trained)
+    three = numbers - NORMAL * errors, numbers, numbers + NORMAL * errors
+    figures = []
+    for n, name, value_of in ((1, "fraction", expit), (2, "variance_ratio", np.exp)):
+        low, value, high = (float(value_of(x[n])) for x in three)
+        error = (high - low) / 2 / NORMAL
+        figures.append(Figure(name, "1", value, error, low, high))
+    return Shape(NAME, nats, tuple(figures))
 
 
 def core_of(shown: Shown, split: str) -> tuple[float, float] | None:

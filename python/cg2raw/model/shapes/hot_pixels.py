@@ -83,8 +83,8 @@ def _far(shown: Shown) -> list[NDArray[np.bool_]]:
 def _figures(law: DarkLaw, noise: float) -> tuple[Figure, ...]:
     share, rate = law.errors[3], law.errors[4] * noise
     return (
-        _figure("hot pixels", "1", law.fraction, share),
-        _figure("hot pixels, mean rate", "DN/s", law.hot_rate * noise, rate),
+        _figure("fraction", "1", law.fraction, share),
+        _figure("rate", "DN/s", law.hot_rate * noise, rate),
     )
 
 

@@ -48,7 +48,7 @@ def random_telegraph_noise(shown: Shown) -> Shape | None:
     nats = nats_beyond(float(noisy.both.sum()), float(noisy.expected.sum()))
     value, error = _share(noisy, shown.samples)
     ends = max(value - NORMAL * error, 0.0), value + NORMAL * error
-    return Shape(NAME, nats, (Figure("pixels that jump", "1", value, error, *ends),))
+    return Shape(NAME, nats, (Figure("fraction", "1", value, error, *ends),))
 
 
 def count_noisy(shown: Shown) -> Noisy | None:

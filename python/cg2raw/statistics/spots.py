@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Round spots that are darker or brighter than their surroundings, of any size: those
+of a mean flat are dust on the cover glass.
+
+Source: T. Lindeberg, Int. J. Computer Vision 30(2), 1998 (scale selection)."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from cg2raw.statistics.constant import SLOW, Array, polynomials
+from cg2raw.statistics.patterns import Spots, disc
+
+Image = NDArray[np.float32]
+
+CHANCE = 0.1  # of a spot that is set apart where none is; no name follows from it
+MOST_CELLS = 2**16  # that the frame is divided into
+SCALES = 2 ** np.arange(0, 4.1, 0.5)  # cells, sd of Gaussians
+SIZES = SCALES[:-2]  # of spots; the next but one is AROUND as wide
+FARTHEST = 6.0  # times its scale, that a spot may reach
+AROUND = 2  # the sd of what it is compared with, over its own
+ROUND = 8  # degree of polynomials of the place, where spots are not known yet
+LEFT = (
+    0.25  # of a spot, that what is slow must leave if it is fitted to the spot as well
+)
+MOST_FITTED = 2**12  # cells, by which what is smooth is fitted
+CLIP = 8.0  # times the noise of a cell
+ROUNDS = 6  # of finding spots without those found before
+OF_LARGEST = 0.5  # of the largest deviation: less may be a ring around another
+MAD = 1.4826  # standard deviations in a median of absolute deviations
+
+
+class Found(NamedTuple):
+    """A spot. row, column : of its middle, cells. size : the number of its scale.
+    strength : over the noise. rings : (radii,) cells, how far the mean around its
+    middle is above the surroundings, over white noise."""
+
+    row: int
+    column: int
+    size: int
+    strength: float
+    rings: Array
+
+    def radius(self, noise: float = 1.0) -> float:
+        """Return how far it reaches, in cells: to the last ring around its middle that
+        is beyond the noise, times that of white noise, and one more."""
+        far = int(np.ceil(SCALES[self.size]))
+        while far < FARTHEST * SCALES[self.size] and self.rings[far] > noise:
+            far += 1
+        return float(far + 1)
+
+
+def spots_of(light: Image, side: int, left_out: NDArray[np.bool_]) -> Spots:
+    """Return the spots of a mean flat.
+
+    light : (H, W) DN, less the level of each plane of the CFA's repeat. side : samples
+    along the repeat. left_out : (H, W), pixels that do not count."""
+    size = side
+    while light.size / size**2 > MOST_CELLS:
+        size += side
+    values, weights = _cells(light, left_out, size)
+    tried = max(values.size * len(SIZES), 1)
+    if not weights.any():
+        return Spots(np.zeros((0, 3)), tried)
+    least = float(np.sqrt(2 * np.log(tried / CHANCE)))
+    white, all_of_it = np.array([_noise_of(float(one)) for one in SIZES]), weights
+    spots: list[Found] = []
+    for _ in range(ROUNDS):
+        rest = _without_slow(values, weights)
+        more = list(_new_spots(rest, weights, white, least))
+        if not more:
+            break
+        spots += more
+        weights = all_of_it * ~_covered(spots, np.ones_like(white), values.shape)
+    # Where the rest of the frame is no white noise, spots must stand out of what it is.
+    rest = _without_slow(values, weights)
+    noises = np.array(
+        [
+            max(1.0, MAD * float(np.median(np.abs(away[enough]))) / of_white)
+            if enough.any()
+            else np.inf
+            for (away, enough), of_white in zip(
+                _deviations(rest, weights), white, strict=True
+            )
+        ]
+    )
+    # What is slow may bend more than was known with spots left out: it explains those
+    # of which it then leaves little, and no more than chance has.
+    bent = _without_slow(values, all_of_it, SLOW, weights)
+    each = [
+        [_smoothed(image, all_of_it, float(one))[0] for one in SIZES]
+        for image in (rest, bent)
+    ]
+    every = []
+    for one in spots:
+        whole, left = (of[one.size][one.row, one.column] for of in each)
+        most = least * noises[one.size]
+        beyond = abs(left) * 2 * np.sqrt(np.pi) * SIZES[one.size]
+        if one.strength > most and (beyond > most or left / whole > LEFT):
+            every.append(one)
+    found = _places(every, noises)
+    found[:, :2] = found[:, :2] * size + (size - 1) / 2
+    found[:, 2] *= size
+    return Spots(found, tried)
+
+
+def _cells(light: Image, left_out: NDArray[np.bool_], size: int) -> tuple[Array, Array]:
+    """Return the means of cells of size x size pixels, and the share that counts."""
+    h, w = (length // size * size for length in light.shape)
+    used = ~left_out[:h, :w]
+    cells = (h // size, size, w // size, size)
+    counts = used.reshape(cells).sum(axis=(1, 3))
+    sums = np.where(used, light[:h, :w], 0).reshape(cells).sum(axis=(1, 3), dtype=float)
+    return sums / np.maximum(counts, 1), counts / size**2
+
+
+def _smoothed(values: Array, weights: Array, scale: float) -> tuple[Array, Array]:
+    """Return the weighted mean around each cell and the sum of weights."""
+    total = gaussian_filter(weights, scale, mode="constant", truncate=3.0)
+    mean = gaussian_filter(values * weights, scale, mode="constant", truncate=3.0)
+    return mean / np.maximum(total, 1e-9), total
+
+
+def _without_slow(
+    values: Array,
+    weights: Array,
+    degree: int = ROUND,
+    of_noise: Array | None = None,
+) -> Array:
+    """Return what is neither slow nor of whole rows or columns, over the noise of a
+    cell, up to CLIP. weights : of cells by which that is known. of_noise : of those by
+    which the noise is; None for the same."""
+    rest = values - _slow(values, weights, degree)
+    unknown = weights == 0
+    for axis in (0, 1):
+        # Of lines all of which is masked, nothing is taken off.
+        some = np.where(unknown & ~unknown.all(axis=axis, keepdims=True), np.nan, rest)
+        rest = rest - np.nanmedian(some, axis=axis, keepdims=True)
+    plain = (weights if of_noise is None else of_noise) > 0
+    noise = MAD * float(np.median(np.abs(rest[plain]))) or 1.0
+    found: Array = np.clip(rest / noise, -CLIP, CLIP)
+    return found
+
+
+def _slow(values: Array, weights: Array, degree: int) -> Array:
+    """Return the polynomials of the place that fit best."""
+    down, across = (polynomials(length) for length in values.shape)
+    degrees = np.add.outer(np.arange(len(down)), np.arange(len(across)))
+    used = degrees <= degree
+    used[:, 0] = used[0] = True
+    every = max(values.size // MOST_FITTED, 1)
+    at = np.flatnonzero(weights > 0)[::every]
+    y, x = np.divmod(at, values.shape[1])
+    terms = (down[:, None, y] * across[None, :, x])[used]
+    fitted, *_ = np.linalg.lstsq(terms.T, values.flat[at], rcond=None)
+    coefficients = np.zeros(used.shape)
+    coefficients[used] = fitted
+    return down.T @ coefficients @ across
+
+
+def _places(spots: Sequence[Found], noises: Array) -> Array:
+    """Return (N, 3) row, column and radius, in cells. noises : of each size."""
+    each = [(one.row, one.column, one.radius(noises[one.size])) for one in spots]
+    return np.array(each, float).reshape(-1, 3)
+
+
+def _covered(
+    spots: Sequence[Found], noises: Array, shape: tuple[int, int]
+) -> NDArray[np.bool_]:
+    return Spots(_places(spots, noises), 1).samples(shape)
+
+
+def _deviations(
+    rest: Array, weights: Array
+) -> Iterator[tuple[Array, NDArray[np.bool_]]]:
+    """Yield, for each size of spots, how far each place is above its surroundings, and
+    where enough of it is known."""
+    means = [_smoothed(rest, weights, float(scale)) for scale in SCALES]
+    for n in range(len(SIZES)):
+        (inner, known), (outer, _) = means[n], means[n + 2]
+        yield inner - outer, known > 1 / 2
+
+
+def _new_spots(
+    rest: Array, weights: Array, noises: Array, least: float
+) -> Iterator[Found]:
+    """Yield what stands out most at any size, each for itself: none that may be a ring
+    around a stronger one, or what is left between many. noises : of each size."""
+    strength = np.array(
+        [
+            np.where(enough, away / noise, 0.0)
+            for (away, enough), noise in zip(
+                _deviations(rest, weights), noises, strict=True
+            )
+        ]
+    )
+    sign = 1 if strength.max() > -strength.min() else -1
+    rest, strength = sign * rest, sign * strength
+    most = max(OF_LARGEST * float(strength.max()), least)
+    taken = np.zeros(rest.shape, bool)
+    places = np.flatnonzero(strength > most)
+    for place in places[np.argsort(-strength.flat[places], kind="stable")]:
+        n, row, column = (int(at) for at in np.unravel_index(place, strength.shape))
+        if taken[row, column] or weights[row, column] == 0:
+            continue
+        rings = _rings(rest, weights, row, column, FARTHEST * float(SCALES[n]))
+        found = Found(row, column, n, float(strength.flat[place]), rings)
+        around = found.radius() + AROUND * float(SCALES[n])
+        window, away = disc(row, column, around, rest.shape)
+        taken[window] |= away <= around
+        yield found
+
+
+def _noise_of(scale: float) -> float:
+    """Return the sd of the difference of two Gaussian means of white noise."""
+    inner, outer = scale**2, (AROUND * scale) ** 2
+    return float(np.sqrt((1 / inner + 1 / outer - 4 / (inner + outer)) / (4 * np.pi)))
+
+
+def _rings(rest: Array, weights: Array, row: int, column: int, reach: float) -> Array:
+    """Return the sums over rings, a cell wide, around a place, out to @reach and a cell
+    more, over their noise; 0 where nothing is known."""
+    window, away = disc(row, column, reach + 2, rest.shape)
+    ring, used = np.rint(away).astype(int), weights[window] > 0
+    counts = np.bincount(ring[used], minlength=int(reach) + 3)
+    sums = np.bincount(ring[used], rest[window][used], len(counts))
+    found: Array = sums / np.sqrt(np.maximum(counts, 1))
+    return found

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Dust and phase-detection pixels in flats: planted ones, and what looks like them."""
+
+import numpy as np
+import pytest
+
+from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
+from cg2raw.statistics.lattice import lattice_of
+from model.shapes.planted import BLACK, GAIN, SHAPE, darks, shown, statistics_of
+
+LEAST = np.log(33 / 0.01)
+ROWS, COLUMNS = np.indices(SHAPE)
+LEVELS = 300.0, 900.0  # DN of light
+NONE = np.zeros(SHAPE)
+MIDDLES = (20.3, 25.1), (70.8, 30.6), (30.2, 75.9), (76.4, 90.2), (48.7, 108.0)
+
+
+def lattice(pitch=14, row=9, column=4, gain=-0.06):
+    """Return (H, W) 1 + gain in the pixels of a lattice."""
+    inside = (ROWS % pitch == row) & (COLUMNS % pitch == column)
+    return 1 + gain * inside
+
+
+def spots(depth, power=2.0, radius=5.0):
+    """Return (H, W) the light left by spots half of whose loss is at @radius px."""
+    left = np.ones(SHAPE)
+    for row, column in MIDDLES:
+        away = np.hypot(ROWS - row, COLUMNS - column) / radius
+        left *= 1 - depth * 2.0 ** -(away**power)
+    return left
+
+
+def pixels(sigma, seed=8):
+    return 1 + sigma * np.random.default_rng(seed).standard_normal(SHAPE)
+
+
+def frames(transmission, dark=NONE):
+    """Return a maker of darks and flats of a split. transmission, dark : (H, W), what
+    is left of light, and DN that all frames have besides."""
+
+    def make(number, split):
+        rng = np.random.default_rng((number, 7))
+        groups = darks(number, split, NONE)
+        for level in LEVELS:
+            made = []
+            for _ in range(4):
+                light = rng.poisson(level * transmission / GAIN) * GAIN
+                frame = BLACK + light + 3.0 * rng.standard_normal(SHAPE)
+                made.append(np.rint(frame).astype(np.uint16))
+            names = tuple(f"{split} {level} {n}" for n in range(4))
+            groups.append((GroupInfo("flat", names, 0.1, None, split), made))
+        for _, made in groups:
+            made[:] = [np.rint(one + dark).astype(np.uint16) for one in made]
+        return groups
+
+    return make
+
+
+def named(transmission, **more):
+    found = shown(frames(transmission, **more)).found
+    return {name: one for name, one in found.items() if one.nats > LEAST}
+
+
+@pytest.mark.parametrize(
+    ("transmission", "names"),
+    [
+        (np.ones(SHAPE), set()),
+        (pixels(0.02), set()),
+        (lattice(), {"pdaf_pixels"}),
+        (lattice(pitch=9, row=5, gain=0.05) * pixels(0.01), {"pdaf_pixels"}),
+        (spots(0.03), {"dust"}),
+        (spots(0.2) * pixels(0.01), {"dust"}),
+        (spots(0.05) * lattice(), {"dust", "pdaf_pixels"}),
+        (2 - spots(0.05), set()),  # brighter spots
+        (spots(0.08, radius=12.0) / spots(0.08, radius=6.0), set()),  # rings
+        (1 - 0.3 * ((ROWS - 48) ** 2 + (COLUMNS - 60) ** 2) / 5904, set()),
+        (1 + 0.02 * np.sin(COLUMNS / 3.0), set()),  # columns
+    ],
+)
+def test_each_has_its_name(transmission, names):
+    assert named(transmission).keys() == names
+
+
+def test_offsets_in_darks_lack_no_light():
+    """The same pixels are as far off in darks."""
+    assert named(np.ones(SHAPE), dark=20 * (lattice(gain=1.0) - 1)) == {}
+
+
+def test_values_of_a_lattice():
+    """The gain within 3.5 standard errors; the place exactly."""
+    gain, *place = named(lattice() * pixels(0.01))["pdaf_pixels"].figures
+    assert [one.value for one in place] == [14, 9, 4]
+    assert abs(gain.value + 0.06) < 3.5 * gain.standard_error < 0.01
+
+
+@pytest.mark.parametrize("power", [2.0, 6.0])
+def test_values_of_dust(power):
+    """Depth and radius of soft and of sharp spots, within 3.5 standard errors, which
+    are less than a fifth; as many spots as there are."""
+    density, depth, radius = named(spots(0.08, power=power))["dust"].figures
+    assert density.value == pytest.approx(5 / (SHAPE[0] * SHAPE[1] / 1e6))
+    for figure, truth in ((depth, 0.08), (radius, 5.0)):
+        assert abs(figure.value - truth) < 3.5 * figure.standard_error, figure
+        assert figure.standard_error < truth / 5
+
+
+def test_patterns_are_set_apart_from_all_else(tmp_path):
+    """Mean images have the level, the pixels and the rows that they would have without
+    them; and a file has the patterns."""
+    make = frames(lattice(gain=-0.3) * spots(0.2))
+    whole, plain = (
+        statistics_of(one(0, "training")) for one in (make, frames(np.ones(SHAPE)))
+    )
+    for plane, other in zip(whole.planes, plain.planes, strict=True):
+        np.testing.assert_allclose(plane.level, other.level, rtol=1e-3)
+        for part in ("smooth_columns", "field"):
+            variance = whole.variance(-1, part) / plain.variance(-1, part)
+            assert 1 / 4 < variance.mean() < 4, part
+    path = str(tmp_path / "statistics.npz")
+    whole.save(path)
+    again = ConstantStatistics.load(path)
+    assert again.lattice == whole.lattice
+    np.testing.assert_array_equal(again.spots.places, whole.spots.places)
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (5, 7), (7, 64)])
+def test_frames_too_small_for_a_lattice(shape):
+    found = lattice_of(np.ones(shape, np.float32), 2)
+    assert found is None or not found.is_sure
+
+
+def test_one_pixel_is_no_lattice():
+    """However far it is off, its lattice has others that are not."""
+    light = np.random.default_rng(1).standard_normal(SHAPE).astype(np.float32)
+    light[40, 50] = 1e4
+    found = lattice_of(light, 2)
+    assert found is not None and not found.is_sure
