@@ -165,7 +165,7 @@ def test_x_trans_goes_through_with_nothing_hidden():
     profile = json.loads(base.to_json())
     profile["noise"] = [{"iso": 100, "beta1": [2e-4] * sites, "beta2": [4e-7] * sites}]
     sensor = Sensor.from_json(json.dumps(profile), "xtrans")
-    captures = set_of(sensor, shape=(132, 156))
+    captures = set_of(sensor, shape=(192, 216))
     found = diagnose(captures, details=True, threads=1)
     assert (found.verdict, found.effects) == ("consistent", [])
     unmeasured = CaptureSet(base, captures.captures)

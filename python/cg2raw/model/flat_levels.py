@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.fit import Fit
+from cg2raw.model.levels import CUT
 from cg2raw.model.mean_images import low_of, middle_of
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.model.smallest_set import gains_in_smallest_set
@@ -147,7 +148,8 @@ def flat_levels(
     towards the corners, of colours differently: then levels are those of the middle of
     the frame."""
     planes = found.likelihood.planes
-    groups = np.flatnonzero((predicted >= 0).all(axis=0))
+    is_cut = np.any([plane.plane.high > CUT for plane in planes], axis=0)
+    groups = np.flatnonzero((predicted >= 0).all(axis=0) & ~is_cut)
     if not len(groups):
         return None
     light_of = np.array([plane.light[groups] for plane in planes])
