@@ -169,8 +169,8 @@ def bare(sensor):
 
 
 def shot_by_registry(sensor, effects, seed=1, shape=(112, 144)):
-    """Return the standard set of 24 captures, drawn by the registry's own simulation of
-    a sensor with effects, to be diagnosed as frames of the sensor without them.
+    """Return the standard set, each dark and flat twice, drawn by the registry's own
+    simulation of a sensor with effects, to be diagnosed as frames of one without them.
 
     effects : name -> parameters."""
     profile = json.loads(sensor.to_json())
@@ -178,5 +178,5 @@ def shot_by_registry(sensor, effects, seed=1, shape=(112, 144)):
         {"name": name, "parameters": values} for name, values in effects.items()
     ]
     planted = Sensor.from_json(json.dumps(profile), "planted")
-    bare_captures = simulate_captures(sensor, {}, seed=seed, shape=shape)
+    bare_captures = simulate_captures(sensor, {}, seed=seed, shape=shape, twice=True)
     return replace(simulated(bare_captures, planted), sensor=sensor)

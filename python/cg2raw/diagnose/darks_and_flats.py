@@ -22,7 +22,7 @@ from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
 from cg2raw.model.lags import lags_of
-from cg2raw.model.profile_values import profile_values
+from cg2raw.model.profile_values import OF_EFFECTS, profile_values
 from cg2raw.model.selection import Selection, selection
 from cg2raw.model.shapes import shapes
 from cg2raw.model.values import Value, effect_values
@@ -77,13 +77,14 @@ class DarksAndFlats:
         of_levels = levels_of(
             self.captures, self.used, of_splits(self.statistics, GROUPS[:2]), self.both
         )
-        known = np.isfinite(np.diagonal(self.both.covariance))
+        known = np.isfinite(np.diagonal(self.selection.validation.covariance))
         names = self.both.parameters.names
         levels = [name for name in LEVELS if known[names.index(name)]]
         if "black_level_drift" not in levels:
             levels = []  # it could be any of the others
         flats = of_levels.names if of_levels is not None else []
-        return frozenset([*self.selection.gains, *levels, *flats])
+        others = set(self.selection.gains) - set(LEVELS)
+        return frozenset([*others, *levels, *flats])
 
     @property
     def masked(self) -> NDArray[np.bool_]:
@@ -170,7 +171,14 @@ def darks_and_flats(
     gains = dict(found.gains)
     if levels[0] is not None and levels[1] is not None:
         gains |= level_gains(levels[0], levels[1], least)
-    hidden = () if has_noise else NOISE_TABLE
+    stated = untested(sensor)
+    hidden = {*stated, *(() if has_noise else NOISE_TABLE)}
+    asked = set(gains) if names is None else set(gains) & set(names)
+    if untold := sorted(stated & asked):
+        notes.append(
+            f"The profile states {', '.join(untold)}: darks and flats are not asked "
+            "whether it is as strong."
+        )
     gains = {
         name: gain
         for name, gain in gains.items()
@@ -219,6 +227,14 @@ def of_splits(
     return statistics.only(
         [g for g, info in enumerate(statistics.groups) if info.split in splits]
     )
+
+
+def untested(sensor: Sensor) -> set[str]:
+    """Return the effects that a profile states and darks and flats cannot test: it says
+    a law or a shape, and a variance of what is not masked is what they measure."""
+    stated = {entry["name"] for entry in sensor.effects or ()}
+    tested = {*OF_EFFECTS, *NOISE_TABLE, "black_level"}
+    return stated - tested | stated & {"dark_current_nonuniformity"}
 
 
 def is_constant(capture: Capture) -> bool:

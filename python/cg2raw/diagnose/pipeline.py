@@ -79,6 +79,7 @@ def diagnose(
     of_images = names & (OF_IMAGES | {"black_level"})
     found, images = None, capture_set
     notes: list[str] = []
+    shown: frozenset[str] = frozenset()
     if constant:
         is_all = len(constant) == len(capture_set.captures)
         decided = replace(capture_set, captures=constant)
@@ -87,6 +88,7 @@ def diagnose(
                 own = names if is_all else names - OF_IMAGES
                 seen = darks_and_flats(decided, alpha, own, said)
                 free = frozenset() if is_all else OF_IMAGES
+                shown = seen.shown
                 found = diagnosis_of(seen, own, most == 0, free)
         except (KeyboardInterrupt, TimeIsUp) as ended:
             interrupted = isinstance(ended, KeyboardInterrupt)
@@ -97,10 +99,10 @@ def diagnose(
             notes.append(f"Darks and flats decide nothing: {error}.")
         if found and (is_all or found.verdict == "incomplete"):
             say("done", 1.0)
-            return _finished(found, names, capture_set, started)
+            return _finished(found, names - shown, capture_set, started)
         if found:
             images = with_images_alone(capture_set, found, seen.masked, seen.used)
-            of_images -= seen.shown - OF_IMAGES
+            of_images -= shown - OF_IMAGES
     workers = Workers(threads, deadline)
     second = _searched(
         images,
@@ -116,7 +118,7 @@ def diagnose(
     say("done", 1.0)
     whole = second if found is None else together(found, second)
     whole = replace(whole, notes=[*notes, *whole.notes])
-    return _finished(whole, names, capture_set, started)
+    return _finished(whole, names - shown - OF_IMAGES | of_images, capture_set, started)
 
 
 def _finished(

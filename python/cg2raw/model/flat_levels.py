@@ -65,12 +65,22 @@ class FlatLevels:
         values = np.zeros(sum(CHANGES[name][0] for name in names))
         for _ in range(ROUNDS if len(values) else 0):
             now = self.expected(names, values)
-            moved = (values + STEP * one for one in np.eye(len(values)))
-            slopes = np.array([self.expected(names, one) - now for one in moved]) / STEP
-            weighted = np.linalg.solve(self.covariance, slopes.T)
-            inverse = np.linalg.pinv(slopes @ weighted, rcond=ALIKE, hermitian=True)
-            values = values + inverse @ (weighted.T @ (self.ratios - now))
+            slopes, inverse = self._system(names, values)
+            weighted = np.linalg.solve(self.covariance, self.ratios - now)
+            values = values + inverse @ slopes @ weighted
         return values
+
+    def covariance_of(self, names: Sequence[str], values: Array) -> Array:
+        """Return (n, n) the covariance of values that are fitted."""
+        return self._system(names, values)[1]
+
+    def _system(self, names: Sequence[str], values: Array) -> tuple[Array, Array]:
+        """Return (slopes of the ratios, the inverse of Fisher's information)."""
+        now = self.expected(names, values)
+        moved = (values + STEP * one for one in np.eye(len(values)))
+        slopes = np.array([self.expected(names, one) - now for one in moved]) / STEP
+        information = slopes @ np.linalg.solve(self.covariance, slopes.T)
+        return slopes, np.linalg.pinv(information, rcond=ALIKE, hermitian=True)
 
     def expected(self, names: Sequence[str], values: Array) -> Array:
         """Return the ratios with effects of names, in the order of the physics."""
@@ -149,7 +159,8 @@ def flat_levels(
     the frame."""
     planes = found.likelihood.planes
     is_cut = np.any([plane.plane.high > CUT for plane in planes], axis=0)
-    groups = np.flatnonzero((predicted >= 0).all(axis=0) & ~is_cut)
+    is_lit = np.all([plane.light > 0 for plane in planes], axis=0)
+    groups = np.flatnonzero((predicted >= 0).all(axis=0) & is_lit & ~is_cut)
     if not len(groups):
         return None
     light_of = np.array([plane.light[groups] for plane in planes])

@@ -17,7 +17,7 @@ from cg2raw.diagnose.inference.splits import Splits
 from cg2raw.diagnose.likelihood.likelihood import Likelihood, log_density
 from cg2raw.diagnose.likelihood.model import Model
 
-TURNS = 1  # of a fit without one effect, which starts at that with it
+QUICK_TURNS = 1  # of a fit without one effect, which starts at that with it
 NOTHING = 0.01  # nats of a pixel; less does not count as an effect
 
 
@@ -40,10 +40,10 @@ class DropOne:
 
     @cached_property
     def _whole(self) -> Model:
-        return fit(self._start, self._splits.fit, TURNS)
+        return fit(self._start, self._splits.fit, QUICK_TURNS)
 
     def _fitted_without(self, name: str) -> Model:
-        rest = fit(self._start.without(name), self._splits.fit, TURNS)
+        rest = fit(self._start.without(name), self._splits.fit, QUICK_TURNS)
         if effect(name).moves_mean:
             # Noise as wide as what is missing, or a level of each frame, is no answer.
             for term in self._whole.terms:

@@ -25,7 +25,7 @@ LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (2, 2))
 STEEPEST = 30.0  # of an edge, in standard deviations per pixel
 FAR_ABOVE = 8.0  # standard deviations beyond white that are surely at white
 OUTLYING = 3.5  # standard deviations
-COLUMNS, JUMPS = "column_fixed_pattern", "random_telegraph_noise"
+OF_COLUMNS, JUMPS = "column_fixed_pattern", "random_telegraph_noise"
 
 
 @dataclass
@@ -265,7 +265,7 @@ def _patterns(shown: Mapping[str, Array], used: Mask) -> Patterns:
     """Return the sizes of patterns in the pixels that are used."""
     of_pixels, of_columns = np.zeros((2, int(used.sum())))
     for name, size in shown.items():
-        if name == COLUMNS:
+        if name == OF_COLUMNS:
             of_columns = size[used]
         else:
             of_pixels = np.hypot(of_pixels, size[used])

@@ -16,8 +16,8 @@ from cg2raw.sensor import Sensor
 
 
 class DarkCurrentNonuniformity(FixedPattern):
-    """Rates are log-normal: `rate` is the median of what pixels have beyond the dark
-    current, `log_sigma` the standard deviation of its logarithm. Few pixels far above
+    """Rates are log-normal, of the median of dark_current: `rate` is how much of that
+    differs, `log_sigma` the standard deviation of its logarithm. Few pixels far above
     the others are hot_pixels."""
 
     name = "dark_current_nonuniformity"
@@ -39,6 +39,10 @@ class DarkCurrentNonuniformity(FixedPattern):
         square = stated["log_sigma"] ** 2
         charge = stated["rate"] * seconds
         return float(charge**2 * np.exp(square) * np.expm1(square))
+
+    def pattern_mean(self, stated: Mapping[str, float], seconds: float) -> float:
+        beyond_median = np.expm1(stated["log_sigma"] ** 2 / 2)
+        return float(stated["rate"] * seconds * beyond_median)
 
     def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
         rate = of_white(value_of(values, "rate"), sensor)

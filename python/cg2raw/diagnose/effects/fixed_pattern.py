@@ -30,6 +30,10 @@ class FixedPattern(Effect):
         @light (T, h, w) and an exposure time."""
         return 0.0
 
+    def pattern_mean(self, stated: Mapping[str, float], seconds: float) -> float:
+        """Return the mean of what it adds to pixels in an exposure time."""
+        return 0.0
+
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """With what the profile says, if it says anything."""
         stated = listed_parameters(sensor, self.name)

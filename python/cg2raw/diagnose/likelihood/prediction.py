@@ -66,7 +66,10 @@ def predict(model: Model, frame: Frame) -> Prediction:
     mean, variance, exposed = (
         part.astype(float) for part in _by_registry(model, frame, values)
     )
+    charge = pattern_mean(model, frame)
+    mean, exposed = mean + charge, exposed + charge
     gain = photon_gain(model, frame)
+    variance = variance + gain * charge
     photon_variance = gain * np.maximum(exposed, 0)
     if len(sites_of(model.sensor.cfa)) not in (BAYER, MONO):
         read_variance = model.noise_gain("beta2") * frame.beta2
@@ -109,6 +112,15 @@ def pattern_variances(
         if isinstance(effect, FixedPattern):
             found[name] = effect.pattern_variance(stated, light, frame.seconds)
     return found
+
+
+def pattern_mean(model: Model, frame: Frame) -> float:
+    """Return the mean of these patterns."""
+    return sum(
+        effect.pattern_mean(stated, frame.seconds)
+        for name, stated in model.profile_parameters.items()
+        if isinstance(effect := every()[name], FixedPattern)
+    )
 
 
 def mean_of(model: Model, frame: Frame) -> Array:

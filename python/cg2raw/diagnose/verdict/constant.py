@@ -16,6 +16,7 @@ from cg2raw.diagnose.darks_and_flats import (
     TEST,
     DarksAndFlats,
     levels_of,
+    untested,
 )
 from cg2raw.diagnose.diagnosis import (
     LARGEST_E,
@@ -37,6 +38,7 @@ from cg2raw.diagnose.verdict.unexplained import (
     tests_of,
     unnamed_tests,
 )
+from cg2raw.diagnose.verdict.values import limits_of_levels, more_values
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
@@ -72,7 +74,8 @@ def diagnosis_of(
     frames = _by_split(found.statistics)
     test = found.of_split(TEST)
     samples = samples_of(test)
-    fits = [_fit_of(found, [*some, *free]) for some in ([], chosen)]
+    shapes = untested(captures.sensor)
+    fits = [_fit_of(found, [*some, *free, *shapes]) for some in ([], chosen)]
     held_out = [_held_out(one, test) for one in fits]
     model = fits[1]
     gap, freedom = _gap(captures, found, chosen, held_out, samples, bool(free))
@@ -82,7 +85,7 @@ def diagnosis_of(
     left += chi_square_test(gap.chi2_after, freedom)
     findings = _findings(captures, found, chosen, gap, bool(left))
     told = sorted(name for split in GROUPS[:2] for name in frames[split])
-    is_closed = findings and gap.after < gap.before
+    is_closed = findings and gap.after <= gap.before
     return Diagnosis(
         verdict=_verdict(findings, left),
         sensor_id=captures.sensor.id,
@@ -95,7 +98,10 @@ def diagnosis_of(
         detection_limits=[
             one
             for one in detection_limits(
-                found.values, chosen, found.least, captures.sensor.cfa
+                [*found.values, *limits_of_levels(found)],
+                chosen,
+                found.least,
+                captures.sensor.cfa,
             )
             if one.name in names
         ],
@@ -179,7 +185,9 @@ def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
     """Return the fit of what is named; all else is as the profile has it."""
     names = found.both.parameters.names
     beginnings = [name.partition(",")[0] for name in names]
-    chosen = [*chosen, *(other for name in chosen for other in MOVES.get(name, ()))]
+    stated = [entry["name"] for entry in found.captures.sensor.effects or ()]
+    moving = [other for one in (*chosen, *stated) for other in MOVES.get(one, ())]
+    chosen = [*chosen, *moving]
     parameters = [p for name in chosen for p in NAMES.get(name, ())]
     free = np.isin(beginnings, parameters)
     free &= np.isfinite(np.diagonal(found.both.covariance))
@@ -255,7 +263,7 @@ def _findings(
         for p in known["parameters"]
     }
     values: dict[str, dict[str, Estimate]] = {name: {} for name in chosen}
-    for one in found.values:
+    for one in [*found.values, *more_values(found, chosen)]:
         if one.effect in values:
             unit = units.get((one.effect, one.parameter), "1")
             values[one.effect][one.parameter] = Estimate(

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Values of what is named that are no figure of the fit: shapes of the dark frame and
+of the light by calibrate, correlations by lags, changes of light by levels."""
+
+from collections.abc import Collection, Iterator, Mapping
+
+import numpy as np
+
+from cg2raw.calibration import Measured, UniformFrame
+from cg2raw.calibration.calibrate import measure
+from cg2raw.calibration.profile_effects import effects_found
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.darks_and_flats import DarksAndFlats, levels_of, of_splits
+from cg2raw.model.figures import NORMAL
+from cg2raw.model.flat_levels import CHANGES
+from cg2raw.model.lags import lags_of
+from cg2raw.model.values import Value
+
+# Parameters of effects of levels, and the share of a value that each has: of crosstalk
+# both neighbours along a line have half.
+OF_LEVELS: Mapping[str, tuple[tuple[str, int, float], ...]] = {
+    "exposure": (("gain", 0, 1.0),),
+    "white_balance": (("red", 0, 1.0), ("blue", 1, 1.0)),
+    "crosstalk": (
+        *(("left", 0, 0.5), ("right", 0, 0.5)),
+        *(("up", 1, 0.5), ("down", 1, 0.5)),
+    ),
+    "gr_gb_imbalance": (("gr", 0, 1.0), ("gb", 1, 1.0)),
+    "nonlinearity": (("quadratic", 0, 1.0), ("cubic", 1, 1.0)),
+}
+OF_VARIANCES = ("row_noise", "dsnu", "column_fixed_pattern", "prnu")
+OF_LAGS = (
+    ("read_noise_correlation", "coefficient"),
+    ("noise_reduction", "blend"),
+    ("noise_reduction", "diagonal"),
+)
+# By calibrate: shapes, and what their means leave of the dark current.
+OF_SHAPES = frozenset(
+    {"bias_structure", "amplifier_glow", "dark_current_nonuniformity", "lens_shading"}
+)
+WITH_DARK_CURRENT = frozenset({"amplifier_glow", "dark_current_nonuniformity"})
+
+
+def more_values(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
+    """Return the values of effects that are named, by training and validation frames;
+    of one that stands for another, they take the place of the fit's."""
+    return [
+        *_of_variances(found, named),
+        *_of_lags(found, named),
+        *_of_levels(found, named),
+        *_of_shapes(found, named),
+    ]
+
+
+def _of_variances(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
+    """Yield deviations of patterns and lines where the figures withhold them, since
+    most of a dark is at 0: as the fit has them."""
+    told = {one.effect for one in found.values}
+    sensor = found.captures.sensor
+    white = sensor.white_level - float(np.mean(sensor.black_level))
+    for name in OF_VARIANCES:
+        if name not in named or name in told:
+            continue
+        square, error = found.both.of(name)
+        ends = (square, square - NORMAL * error, square + NORMAL * error)
+        scale = 1.0 if name == "prnu" else white
+        value, low, high = (float(np.sqrt(max(x, 0.0))) / scale for x in ends)
+        yield Value(name, "sigma", value, low, high)
+
+
+def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
+    """Yield parameters of what flats show of light, each alone, at 0."""
+    both = of_splits(found.statistics, GROUPS[:2])
+    levels = levels_of(found.captures, found.used, both, found.both)
+    if levels is None:
+        return
+    for name in levels.names:
+        nothing = np.zeros(CHANGES[name][0])
+        error = float(np.sqrt(levels.covariance_of([name], nothing)[0, 0]))
+        half = NORMAL * error * OF_LEVELS[name][0][2]
+        yield Value(name, OF_LEVELS[name][0][0], 0.0, -half, half)
+
+
+def _of_lags(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
+    both = of_splits(found.statistics, GROUPS[:2])
+    lags = lags_of(both, found.both, found.profile)
+    if lags is None or not {name for name, _ in OF_LAGS} & set(named):
+        return
+    pinned = [np.nan if name in named else 0.0 for name, _ in OF_LAGS]
+    values, covariance = lags.fitted(np.array(pinned))
+    for at, (name, parameter) in enumerate(OF_LAGS):
+        if name in named:
+            half = NORMAL * float(np.sqrt(covariance[at, at]))
+            value = float(values[at])
+            yield Value(name, parameter, value, value - half, value + half)
+
+
+def _of_levels(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
+    both = of_splits(found.statistics, GROUPS[:2])
+    levels = levels_of(found.captures, found.used, both, found.both, named)
+    names = [name for name in CHANGES if name in named]
+    if levels is None or not names:
+        return
+    values = levels.fitted(names)
+    errors = np.sqrt(np.diagonal(levels.covariance_of(names, values)))
+    first = 0
+    for name in names:
+        for parameter, at, share in OF_LEVELS[name]:
+            value = share * float(values[first + at])
+            half = share * NORMAL * float(errors[first + at])
+            yield Value(name, parameter, value, value - half, value + half)
+        first += CHANGES[name][0]
+
+
+def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
+    wanted = OF_SHAPES & set(named)
+    if not wanted or any(capture.divided for capture in found.used):
+        return
+    frames = [
+        UniformFrame(
+            capture.name,
+            "flat" if capture.shows.light else "dark",
+            capture.raw,
+            capture.exposure_time,
+            capture.iso,
+            capture.temperature,
+        )
+        for capture in found.used
+        if capture.group in GROUPS[:2]
+    ]
+    try:
+        measured = measure(found.captures.sensor, frames)
+    except ValueError:
+        return  # frames that name a shape and are too few to measure it
+    if wanted & WITH_DARK_CURRENT:
+        wanted |= {"dark_current"} & set(named)
+    answers = effects_found(measured, False)
+    for name in sorted(wanted):
+        for parameter, one in (answers.get(name) or {}).items():
+            given = one if isinstance(one, Measured) else Measured(float(one), 0.0, "")
+            half = NORMAL * given.standard_error
+            yield Value(
+                name, parameter, given.value, given.value - half, given.value + half
+            )
