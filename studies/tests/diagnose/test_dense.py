@@ -95,9 +95,9 @@ def test_what_is_expected_makes_the_doubted_profile_true():
     assert wanted["read_noise"] == {"log_variance": pytest.approx(-np.log(1.3))}
 
 
-def test_factors_leave_shapes_and_never_touch_a_map():
+def test_factors_leave_shapes_and_what_is_only_stated():
     faults = [draw_faults(seed, dense_names(), 5) for seed in range(60)]
-    fixed = {e.name for e in candidates("RGGB") if e.estimator == "fixed pattern"}
+    fixed = {e.name for e in candidates("RGGB") if e.estimator == "stated"}
     assert {f[n] for f in faults for n in fixed & set(f)} == {0.0}
     case = DenseCase("dense-1", 0, 3, {"blur": 2.0})
     true, doubted = (effects_of(case.sensor(f))["blur"] for f in ({}, case.strengths))
