@@ -3,8 +3,6 @@
 """The bench of the diagnosis: how it counts, and a sample of what it shows."""
 
 import json
-import textwrap
-from collections import Counter
 from types import SimpleNamespace
 
 import pytest
@@ -18,7 +16,6 @@ from studies.diagnose.real_frames import VARIABLE
 from studies.diagnose.run import bench
 from studies.diagnose.scores import bounds, half_points, score, table
 from studies.diagnose.suites import SUITES, Case, cases
-from studies.docs_page import marks
 
 
 def verdict_of(names, verdict="explained", before=0.1, after=0.001):
@@ -164,21 +161,6 @@ def test_gates_are_a_row_of_each_suite(tmp_path, monkeypatch, capsys):
     assert (unknown["names"], unknown["missed"], unknown["false"]) == ("0", "0", "4")
     by_scenes = dict(zip(columns, rows["single, by scenes"], strict=True))
     assert by_scenes["right"] == by_scenes["exact"] == "1"  # of color_matrix and blur
-
-
-def test_the_page_has_the_gates_of_the_first_engine(repository):
-    """The command there adds nothing to the file: it has these sets, and no others."""
-    text = (frozen.FOLDER / "first_engine.jsonl").read_text()
-    records = [json.loads(line) for line in text.splitlines()]
-    assert Counter(one["suite"] for one in records) == gates.COUNTS
-    for suite in gates.COUNTS.keys() - set(gates.OF_REAL_FRAMES):
-        sets = frozen.frozen(suite)[: gates.COUNTS[suite]]
-        path = frozen.FOLDER / "first_engine.jsonl"
-        assert len(command.done_before(path, sets, 0.01)) == len(sets)
-    start, end = marks("gates")
-    page = (repository / "docs" / "diagnose.md").read_text()
-    said = page.partition(start)[2].partition(end)[0]
-    assert textwrap.dedent(said).strip() == gates.table(records)
 
 
 def test_limits_reach_the_diagnosis_and_are_counted(monkeypatch):
