@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Print the table of docs/diagnose.md: which captures show which effect.
+"""Print which captures show which effect: a row for each.
 
     ./studies/run capture-kinds [--cases N] [--threads N] [--effects A,B]
 

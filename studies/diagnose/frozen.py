@@ -20,7 +20,7 @@ from studies.diagnose.suites import OF_SCENES, AnyCase, Case, cases
 
 FOLDER = Path(__file__).with_name("frozen")
 SEALS = FOLDER / "seals.json"
-SEED = 31415  # that of the table of docs/diagnose.md
+SEED = 31415
 SIZES = {
     "single": 660,
     "pairs": 100,

@@ -10,7 +10,7 @@ none if they do not make the held-out frames, edge to edge, more likely.
 
 Verdicts, and their exit codes with --exit-code: consistent 0, explained 10, ambiguous
 11, partially_explained 12, unexplained 13, incomplete 14: the time limit or Ctrl-C came
-before all was decided. Ctrl-C ends the search, not the report, which then says so; it
+before all was decided. Ctrl-C ends the work, not the report, which then says so; it
 exits with 130, with --exit-code by the verdict.
 
 examples:
@@ -84,8 +84,8 @@ def add_search(group: argparse._ArgumentGroup) -> None:
         "--max",
         type=count,
         metavar="N",
-        help="most effects to add one by one, beside those "
-        "that repeated darks and flats measure at once (default 6)",
+        help="most effects that are added to explain images, beside those that darks "
+        "and flats decide (default 6)",
     )
     add("--without", metavar="NAMES", help="effects that are not looked for")
     add("--only", metavar="NAMES", help="effects that alone are looked for")
@@ -93,14 +93,14 @@ def add_search(group: argparse._ArgumentGroup) -> None:
         "--pixels",
         type=pixels,
         metavar="N",
-        help="of each frame that are fitted: tiles from its middle to its corners "
+        help="of each image that are fitted: tiles from its middle to its corners "
         "(default 65536, fewer of more than 64 frames)",
     )
     add(
         "--time-limit",
         type=duration,
         metavar="TIME",
-        help="ends the search with what it has found: 90s, 10min, 2h (default 10min)",
+        help="ends the work with what is decided: 90s, 10min, 2h (default 10min)",
     )
     add("--exit-code", action="store_true", help="the verdict as exit code")
 
