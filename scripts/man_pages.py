@@ -25,10 +25,14 @@ def escaped(text: str) -> str:
 
 
 def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
-    """Return {name: parser} of the commands of a parser."""
+    """Return {words: parser} of the commands of a parser, and of theirs."""
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
-            return dict(action.choices)
+            found = dict(action.choices)
+            for name, command in action.choices.items():
+                inner = commands_of(command)
+                found |= {f"{name} {word}": one for word, one in inner.items()}
+            return found
     return {}
 
 
@@ -90,9 +94,25 @@ def options(parser: argparse.ArgumentParser) -> str:
     return text
 
 
+def page_of(name: str) -> str:
+    """Return what the page of a command is called."""
+    return "\\-".join(["cg2raw", *name.split()])
+
+
 def title(name: str) -> str:
     """Return the first lines of a page."""
     return f'{HEAD}.TH {name.upper()} 1 "" "cg2raw {__version__}" "User Commands"\n'
+
+
+def commands_section(
+    commands: dict[str, argparse.ArgumentParser], before: str = ""
+) -> str:
+    """Return the section that lists commands, if there are any."""
+    text = ".SH COMMANDS\n" if commands else ""
+    for name, command in commands.items():
+        first = (command.description or "").partition("\n")[0]
+        text += f".TP\n.BR {page_of(before + name)} (1)\n{escaped(first)}\n"
+    return text
 
 
 def command_page(name: str, parser: argparse.ArgumentParser) -> str:
@@ -100,12 +120,12 @@ def command_page(name: str, parser: argparse.ArgumentParser) -> str:
     whole = parser.description or ""
     first, _, rest = whole.partition("\n")
     rest, _, examples = rest.partition("examples:\n")
-    page = title(f"cg2raw\\-{name}")
-    page += f".SH NAME\ncg2raw\\-{name} \\- {escaped(first.rstrip('.'))}\n"
+    page = title(page_of(name))
+    page += f".SH NAME\n{page_of(name)} \\- {escaped(first.rstrip('.'))}\n"
     page += f".SH SYNOPSIS\n{synopsis(f'cg2raw {name}', parser)}"
     if rest.strip():
         page += ".SH DESCRIPTION\n" + "".join(paragraphs(rest))
-    page += options(parser)
+    page += commands_section(commands_of(parser), f"{name} ") + options(parser)
     if examples:
         page += f".SH EXAMPLES\n.nf\n{escaped(examples.rstrip())}\n.fi\n"
     return page + ".SH SEE ALSO\n.BR cg2raw (1)\n"
@@ -118,11 +138,8 @@ def main_page(
     page = title("cg2raw")
     summary = escaped((parser.description or "").rstrip("."))
     page += f".SH NAME\ncg2raw \\- {summary}\n"
-    page += ".SH SYNOPSIS\n.B cg2raw\nCOMMAND [options] ...\n.SH COMMANDS\n"
-    for name, command in commands.items():
-        first = (command.description or "").partition("\n")[0]
-        page += f".TP\n.BR cg2raw\\-{name} (1)\n{escaped(first)}\n"
-    return page + options(parser)
+    page += ".SH SYNOPSIS\n.B cg2raw\nCOMMAND [options] ...\n"
+    return page + commands_section(commands) + options(parser)
 
 
 def texts(root: Path) -> dict[str, str | None]:
@@ -132,5 +149,7 @@ def texts(root: Path) -> dict[str, str | None]:
     found = (root / FOLDER).glob("*.1")
     made = dict.fromkeys(path.relative_to(root).as_posix() for path in found)
     for name, command in commands.items():
-        made[f"{FOLDER}/cg2raw-{name}.1"] = command_page(name, command)
+        made[f"{FOLDER}/cg2raw-{name.replace(' ', '-')}.1"] = command_page(
+            name, command
+        )
     return made | {f"{FOLDER}/cg2raw.1": main_page(parser, commands)}

@@ -19,7 +19,9 @@ from PIL import Image, ImageChops
 from cg2raw.cli import main as cg2raw
 from studies.places import ROOT
 
-CAPTURES = "--hide lens_shading=0.3,row_noise=0.2 -s canon-5d-mark-iv --seed 1"
+CAPTURES = (
+    "synthesize --effects lens_shading=0.3,row_noise=0.2 -s canon-5d-mark-iv --seed 1"
+)
 COLORS = 256  # of a picture's palette
 WIDTH, HEIGHT = 1000, 1600
 # Parts of the page: what is shown of it, as a CSS selector of what is not.

@@ -50,7 +50,7 @@ def test_commands_refuse_it(former, current, capsys, tmp_path):
     captures = tmp_path / "captures.yaml"
     captures.write_text("sensor: nikon-d40\nframes: []\n")
     words = ["diagnose", str(captures), "-o", str(tmp_path / "r")]
-    assert main([*words, "--without", former]) == 1
+    assert main([*words, "--exclude", former]) == 1
     assert current in capsys.readouterr().err
 
 

@@ -3,6 +3,7 @@
 """cg2raw diagnose: options, a report's folder, exit codes. The engine is a fake."""
 
 import json
+import re
 import sys
 import types
 
@@ -45,7 +46,7 @@ def captures(tmp_path):
 
 def test_a_report_is_written(engine, captures, tmp_path):
     out = tmp_path / "report"
-    done = run("diagnose", captures, "-o", out)
+    done = run("diagnose", "run", captures, "-o", out)
     assert done.code == 0 and done.err == ""
     assert done.out.startswith("verdict   explained: lens_shading\n")
     assert "the lens loses 31 % at the corner" in done.out
@@ -68,24 +69,39 @@ def test_a_report_is_written(engine, captures, tmp_path):
 
 
 def test_options_reach_the_engine(engine, captures, tmp_path):
-    words = ("--alpha", "0.05", "--max", "2", "--without", "row_noise, shot_noise")
-    run("diagnose", captures, "-o", tmp_path / "r", *words)
+    words = (
+        "--alpha",
+        "0.05",
+        "--max-effects",
+        "2",
+        "--exclude",
+        "row_noise, shot_noise",
+    )
+    run("diagnose", "run", captures, "-o", tmp_path / "r", *words)
     options = engine.calls[0][1]
     assert (options["alpha"], options["most"]) == (0.05, 2)
     assert options["without"] == ("row_noise", "shot_noise")
     assert "pixels" not in options  # the engine's own
-    run("diagnose", captures, "-o", tmp_path / "r", "--only", "row_noise,lens_shading")
+    run(
+        "diagnose",
+        "run",
+        captures,
+        "-o",
+        tmp_path / "r",
+        "--include",
+        "row_noise,lens_shading",
+    )
     assert engine.calls[1][1]["only"] == ("row_noise", "lens_shading")
-    words = ("--pixels", "8192", "--time-limit")
+    words = ("--max-pixels", "8192", "--time-limit")
     for text, seconds in (("90", 90), ("90s", 90), ("1.5min", 90), ("2 h", 7200)):
-        run("diagnose", captures, "-o", tmp_path / "r", *words, text)
+        run("diagnose", "run", captures, "-o", tmp_path / "r", *words, text)
         options = engine.calls[-1][1]
         assert (options["pixels"], options["time_limit"]) == (8192, seconds)
 
 
 def test_the_time_limit_is_told(engine, captures, tmp_path):
     engine.result["time_limit_reached"] = True
-    done = run("diagnose", captures, "-o", tmp_path / "r")
+    done = run("diagnose", "run", captures, "-o", tmp_path / "r")
     assert done.code == 0 and "the time limit ended the search" in done.out
     assert json.loads((tmp_path / "r" / "verdict.json").read_text())[
         "time_limit_reached"
@@ -95,7 +111,7 @@ def test_the_time_limit_is_told(engine, captures, tmp_path):
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_the_verdict_is_the_exit_code(engine, captures, tmp_path, verdict):
     engine.result["verdict"] = verdict
-    words = ("diagnose", captures, "-o", tmp_path / "r")
+    words = ("diagnose", "run", captures, "-o", tmp_path / "r")
     assert run(*words, "--exit-code").code == VERDICTS[verdict]
     assert run(*words).code == 0
 
@@ -103,14 +119,14 @@ def test_the_verdict_is_the_exit_code(engine, captures, tmp_path, verdict):
 def test_a_long_rest_is_left_to_the_report(engine, captures, tmp_path):
     tests = [ResidualTest(f"test {n}", 9.0, 1e-9, 0.1, "there") for n in range(9)]
     engine.result.update(verdict="unexplained", unexplained=tests)
-    done = run("diagnose", captures, "-o", tmp_path / "r")
+    done = run("diagnose", "run", captures, "-o", tmp_path / "r")
     assert "left      test 5: there\nleft      ... and 3 more, in the" in done.out
     assert "test 6" not in done.out
 
 
 def test_an_interrupted_search_leaves_a_report(engine, captures, tmp_path):
     engine.result.update(interrupted=True, verdict="incomplete")
-    words = ("diagnose", captures, "-o", tmp_path / "r")
+    words = ("diagnose", "run", captures, "-o", tmp_path / "r")
     assert run(*words, "--exit-code").code == 14
     done = run(*words)
     assert done.code == 130 and "interrupted; the report is partial" in done.err
@@ -119,9 +135,9 @@ def test_an_interrupted_search_leaves_a_report(engine, captures, tmp_path):
 
 def test_a_report_is_replaced_as_a_whole(engine, captures, tmp_path):
     out = tmp_path / "r"
-    run("diagnose", captures, "-o", out)
+    run("diagnose", "run", captures, "-o", out)
     engine.result["profile_json"] = ""
-    assert run("diagnose", captures, "-o", out, "--quiet").out == ""
+    assert run("diagnose", "run", captures, "-o", out, "--quiet").out == ""
     names = {file.name for file in out.iterdir()}
     assert names == {"gap.png", "report.html", "verdict.json"}
     assert not list(tmp_path.glob(".cg2raw*"))
@@ -129,28 +145,28 @@ def test_a_report_is_replaced_as_a_whole(engine, captures, tmp_path):
 
 def test_other_files_are_never_lost(engine, captures, tmp_path):
     out = tmp_path / "r"
-    run("diagnose", captures, "-o", out)
+    run("diagnose", "run", captures, "-o", out)
     (out / "mask.png").write_bytes(b"mine")
     assert "holds mask.png, which is of no report" in fails(
-        "diagnose", captures, "-o", out
+        "diagnose", "run", captures, "-o", out
     )
     assert len(engine.calls) == 1  # told before the work
-    assert "holds captures.yaml" in fails("diagnose", captures, "-o", tmp_path)
-    assert run("diagnose", captures, "-o", out, "--force").code == 0
+    assert "holds captures.yaml" in fails("diagnose", "run", captures, "-o", tmp_path)
+    assert run("diagnose", "run", captures, "-o", out, "--overwrite").code == 0
     assert (out / "mask.png").read_bytes() == b"mine"
     assert (out / "report.html").exists()
 
 
 def test_a_failed_report_leaves_the_old_one(engine, captures, tmp_path, monkeypatch):
     out = tmp_path / "r"
-    run("diagnose", captures, "-o", out)
+    run("diagnose", "run", captures, "-o", out)
     old = (out / "verdict.json").read_bytes()
 
     def write_report(found, folder):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("cg2raw.diagnose.report.write_report", write_report)
-    assert "No space left" in fails("diagnose", captures, "-o", out)
+    assert "No space left" in fails("diagnose", "run", captures, "-o", out)
     assert (out / "verdict.json").read_bytes() == old
 
 
@@ -158,34 +174,40 @@ def test_a_file_that_comes_while_it_works_is_not_lost(
     engine, captures, tmp_path, monkeypatch
 ):
     out = tmp_path / "r"
-    run("diagnose", captures, "-o", out)
+    run("diagnose", "run", captures, "-o", out)
 
     def write_report(found, folder):
         folder.mkdir()
         (out / "late.txt").write_text("mine")
 
     monkeypatch.setattr("cg2raw.diagnose.report.write_report", write_report)
-    assert "late.txt" in fails("diagnose", captures, "-o", out)
+    assert "late.txt" in fails("diagnose", "run", captures, "-o", out)
     assert (out / "late.txt").read_text() == "mine"
 
 
-def test_two_sensors_are_verified(engine, captures, tmp_path):
+def test_profiles_are_compared(engine, captures, tmp_path):
     engine.result["verdict"] = "consistent"
     profile = tmp_path / "profile.json"
     profile.write_text(files.other_sensor(black_level=[66] * 4).to_json())
-    words = ("diagnose", "--verify", captures, "--against", profile)
-    done = run(*words, "--exit-code")
+    words = ("diagnose", "compare", captures, profile, files.SENSOR)
+    done = run(*words)
     assert done.code == 0
-    assert done.out.splitlines()[1].startswith(f"{files.SENSOR} ")
-    assert done.out.splitlines()[2].startswith(f"{profile} ")
-    (first, options), (second, _) = engine.calls
-    assert options["most"] == 0
-    assert first.sensor.black_level[0] == 64 and second.sensor.black_level[0] == 66
+    rows = [line.split()[0] for line in done.out.splitlines()[1:4]]
+    assert rows == [files.SENSOR, str(profile), files.SENSOR]
+    assert [options["most"] for _, options in engine.calls] == [0, 0, 0]
+    assert [c.sensor.black_level[0] for c, _ in engine.calls] == [64, 66, 64]
+    said = json.loads(run(*words, "--json").out)
+    assert [one["sensor"] for one in said["sensors"]] == rows
+    assert said["sensors"][1]["gap"] == 0.41
+    engine.result["interrupted"] = True
+    assert run(*words).code == 130
 
 
-@pytest.mark.parametrize(("nats", "code"), [(3e-4, 0), (5e-4, 13)])
+@pytest.mark.parametrize(
+    ("nats", "verdict"), [(3e-4, "consistent"), (5e-4, "unexplained")]
+)
 def test_a_trace_of_what_was_closed_is_consistent(
-    engine, captures, tmp_path, monkeypatch, nats, code
+    engine, captures, tmp_path, monkeypatch, nats, verdict
 ):
     profile = tmp_path / "profile.json"
     profile.write_text(files.other_sensor(black_level=[66] * 4).to_json())
@@ -197,8 +219,24 @@ def test_a_trace_of_what_was_closed_is_consistent(
     monkeypatch.setattr(
         "cg2raw.diagnose.pipeline.diagnose", lambda *_, **__: results.pop(0)
     )
-    words = ("diagnose", "--verify", captures, "--against", profile, "--exit-code")
-    assert run(*words).code == code
+    done = run("diagnose", "compare", captures, profile, "--json")
+    assert json.loads(done.out)["sensors"][1]["verdict"] == verdict
+
+
+def test_json_is_all_of_stdout_and_verbose_all_of_stderr(engine, captures, tmp_path):
+    out = tmp_path / "r"
+    done = run("diagnose", "run", captures, "-o", out, "--json", "-v")
+    assert done.out == (out / "verdict.json").read_text()
+    stage, why, *_ = done.err.splitlines()
+    assert stage == "screening" and why.startswith("why       lens_shading: ")
+    done = run("diagnose", "run", captures, "-o", out, "--quiet", "-vv")
+    assert done.out == "" and re.match(r" +\d+\.\d s  screening\n", done.err)
+
+
+def test_without_a_command_run_is_meant(engine, captures, tmp_path):
+    assert run("diagnose", captures, "-o", tmp_path / "r").code == 0
+    assert run("diagnose", "--quiet", captures, "-o", tmp_path / "r").out == ""
+    assert "{" not in fails("diagnose", code=2)
 
 
 def test_a_check_says_once_what_holds_for_many_frames(tmp_path):
@@ -208,95 +246,97 @@ def test_a_check_says_once_what_holds_for_many_frames(tmp_path):
         raw = np.rint(rng.normal(3 + away, 4, files.SHAPE)).clip(0)
         np.save(tmp_path / f"{index}.npy", raw.astype(np.uint16))
     lines = [f"{{file: {n}.npy, kind: dark, temperature: -5}}" for n in range(5)]
-    done = run("diagnose", "--check", files.manifest(tmp_path, lines))
+    path = files.manifest(tmp_path, lines)
+    done = run("diagnose", "check", path)
     assert done.code == 1 and "  -5 C  " in done.out
     assert "note      1.npy, 2.npy, 3.npy and 1 more: more than 1% of" in done.out
     assert "wrong     0.npy: the first of 5 repeats is +" in done.out
     assert "nothing is wrong" not in done.out
+    said = json.loads(run("diagnose", "check", path, "--json").out)
+    assert [one["name"] for one in said["frames"]] == [f"{n}.npy" for n in range(5)]
+    assert said["frames"][0]["temperature"] == -5 and len(said["wrong"]) == 1
 
 
 def test_a_check_looks_at_pixels_alone(tmp_path):
     path = files.standard_set(tmp_path)
-    done = run("diagnose", "--check", path)
+    done = run("diagnose", "check", path)
     assert done.code == 0 and done.out.splitlines()[-1] == "nothing is wrong"
     rows = [line.split() for line in done.out.splitlines()[2:11]]
     assert [row[0] for row in rows][::4] == ["dark_0.dng", "flat_1.dng", "shot_2.dng"]
     assert rows[0][1:5] == ["dark", "100", "0.5", "s"] and rows[4][3] == "-"
     line = "{file: shot_0.dng, kind: scene, scene: render_1.npy}"
-    done = run("diagnose", "--check", files.manifest(tmp_path, [line]))
+    done = run("diagnose", "check", files.manifest(tmp_path, [line]))
     assert done.code == 1 and "the scene does not correspond" in done.out
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((), "give a captures.yaml"),
-        (("x.yaml",), "give -o with the folder"),
-        (("x.yaml", "-o", "r"), "x.yaml: No such file"),
-        (("x.yaml", "-o", "no/r"), "-o no/r: there is no folder"),
-        (("x.yaml", "--check", "-o", "r"), "-o: is for a diagnosis or --hide"),
-        (("x.yaml", "--check", "--exit-code"), "--exit-code: is for a diagnosis or"),
-        (("x.yaml", "-o", "r", "--against", "p"), "--against: is for --verify"),
-        (("x.yaml", "--verify"), "--verify: which profile?"),
-        (
-            ("x.yaml", "--hide", "blur=1", "-s", "nikon-d40", "-o", "r"),
-            "reads no captures",
-        ),
-        (("--hide", "blur=1", "-o", "r"), "--hide: in captures of which sensor?"),
-        (("--hide", "blur=1", "-s", "nikon-d40"), "give -o"),
-        (("x.yaml", "-o", "r", "--without", "row_nois"), "did you mean row_noise?"),
-        (("x.yaml", "-o", "r", "--only", "fog"), 'no diagnosis names "fog": they are '),
-        (("x.yaml", "-o", "r", "--only", "prnu", "--without", "prnu"), "give one of"),
+        (("-o", "r"), "x.yaml: No such file"),
+        (("-o", "no/r"), "-o no/r: there is no folder"),
+        (("-o", "r", "--exclude", "row_nois"), "did you mean row_noise?"),
+        (("-o", "r", "--include", "fog"), 'no diagnosis names "fog": they are '),
     ],
 )
-def test_options_that_do_not_go_together(tmp_path, monkeypatch, words, message):
+def test_what_is_not_there_is_one_line(tmp_path, monkeypatch, words, message):
     monkeypatch.chdir(tmp_path)
-    assert message in fails("diagnose", *words)
+    assert message in fails("diagnose", "run", "x.yaml", *words)
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        ("--alpha", "1"),
-        ("--alpha", "0"),
-        ("--max", "0"),
-        ("--check", "--verify"),
-        ("--pixels", "10"),
-        ("--time-limit", "0"),
-        ("--time-limit", "soon"),
+        "run c.yaml",
+        "run -o r",
+        "run c.yaml -o r --alpha 1",
+        "run c.yaml -o r --alpha 0",
+        "run c.yaml -o r --max-effects 0",
+        "run c.yaml -o r --max-pixels 10",
+        "run c.yaml -o r --time-limit 0",
+        "run c.yaml -o r --time-limit soon",
+        "run c.yaml -o r --include prnu --exclude prnu",
+        "check",
+        "check c.yaml -o r",
+        "compare c.yaml",
+        "compare c.yaml p.json --exit-code",
+        "synthesize -s nikon-d40 -o r",
+        "synthesize -s nikon-d40 --effects blur --seed x -o r",
     ],
 )
 def test_usage(words):
-    assert "cg2raw diagnose: error: argument" in fails(
-        "diagnose", "c.yaml", *words, code=2
-    )
+    line = fails("diagnose", *words.split(), code=2)
+    assert line.startswith(("cg2raw diagnose ", "cg2raw: error: unrecognized"))
 
 
-@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
-def test_captures_are_hidden(tmp_path, quiet):
+@pytest.mark.parametrize("option", ["", "--quiet", "--json"])
+def test_captures_are_synthesized(tmp_path, option):
     out = tmp_path / "blind"
-    hide = ("--hide", "blur=1", "-s", "nikon-d40", "-o", out, "--seed", "3")
-    done = run("diagnose", *hide, *quiet)
-    assert (done.code, done.err, bool(done.out)) == (0, "", not quiet)
+    words = ("--effects", "blur=1", "-s", "nikon-d40", "-o", out, "--seed", "3")
+    done = run("diagnose", "synthesize", *words, *filter(None, [option]))
+    assert (done.code, done.err, bool(done.out)) == (0, "", option != "--quiet")
     assert (out / "captures.yaml").exists()
+    if option == "--json":
+        said = json.loads(done.out)
+        assert said["truth_sha256"] in (out / "captures.yaml").read_text()
+        assert (said["folder"], said["frames"]) == (str(out), 24)
 
 
 def test_what_the_generator_refuses_is_one_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = run("diagnose", "--hide", "fog=1", "-s", "nikon-d40", "-o", "r")
-    assert done.code != 0 and "fog" in done.err and "Traceback" not in done.err
+    words = ("synthesize", "--effects", "fog=1", "-s", "nikon-d40", "-o", "r")
+    assert "fog" in fails("diagnose", *words)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_bad_manifest_is_one_line(tmp_path):
     path = tmp_path / "c.yaml"
     path.write_text("sensor: nikon-d40\nframes: [{file: x.dng, kind: dark}]\n")
-    line = fails("diagnose", path, "-o", tmp_path / "r")
-    assert line.startswith(f'cg2raw diagnose: {path}:2: frames[0].file is "x.dng"')
+    line = fails("diagnose", "run", path, "-o", tmp_path / "r")
+    assert line.startswith(f'cg2raw diagnose run: {path}:2: frames[0].file is "x.dng"')
     assert not (tmp_path / "r").exists()
 
 
 def test_a_missing_library_is_named(captures, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "cg2raw.diagnose.pipeline", None)
-    line = fails("diagnose", captures, "-o", tmp_path / "r")
+    line = fails("diagnose", "run", captures, "-o", tmp_path / "r")
     assert "needs cg2raw.diagnose.pipeline: pip install 'cg2raw[diagnose]'" in line

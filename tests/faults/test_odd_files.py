@@ -196,7 +196,7 @@ def test_captures_have_files_alone(tmp_path, kind, field):
     pairs = ", ".join(f"{name}: {value}" for name, value in files.items())
     captures = tmp_path / "captures.yaml"
     captures.write_text(f"sensor: nikon-d40\nframes:\n  - {{kind: scene, {pairs}}}\n")
-    line = fails("diagnose", captures, "--check")
+    line = fails("diagnose", "check", captures)
     assert f'captures.yaml:3: frames[0].{field} is "odd.npy"' in line
     assert "no regular file" in line or "there is no file" in line
 

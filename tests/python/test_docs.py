@@ -23,6 +23,7 @@ import cg2raw.model
 import cg2raw.statistics
 from cg2raw import _core, _public, calibration, dataset, diagnose, synthetic
 from cg2raw.cli import make_parser, subcommands
+from cg2raw.cli._messages import with_command
 from cg2raw.diagnose import diagnosis
 from tiers import slow
 
@@ -298,7 +299,7 @@ def test_every_command_on_a_page_exists(page, capsys):
     """Its options, too; whether it does what the page says is tested elsewhere."""
     for words in commands(page):
         try:
-            make_parser().parse_args(words)
+            make_parser().parse_args(with_command(words))
         except SystemExit as stop:
             assert stop.code in (None, 0), (words, capsys.readouterr().err)
 

@@ -57,7 +57,7 @@ def command(name, source, out):
         "calibrate": (source / "frames.npz", "--frames", source / "frames.csv")
         + ("--sensor", source / "my.json", "--iso", 100)
         + ("-o", out / "camera.json", "--report", out / "report"),
-        "diagnose": (source / "captures/captures.yaml", "--check"),
+        "diagnose": ("check", source / "captures/captures.yaml"),
     }[name]
     return [sys.executable, "-m", "cg2raw", name, *map(str, words)]
 

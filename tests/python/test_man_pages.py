@@ -6,9 +6,19 @@ import subprocess
 
 import pytest
 
-from cg2raw.cli import make_parser, subcommands
+from cg2raw.cli import make_parser
 
-PAGES = ["cg2raw", *(f"cg2raw-{name}" for name in subcommands())]
+
+def pages(parser, name="cg2raw"):
+    """Yield the page of a parser and of each of its commands, with the parser."""
+    yield name, parser
+    for action in parser._actions:
+        if action.dest == "==SUPPRESS==":
+            for word, command in action.choices.items():
+                yield from pages(command, f"{name}-{word}")
+
+
+PAGES = dict(pages(make_parser()))
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -24,10 +34,9 @@ def test_man_prints_it(program, repository, name):
     assert "NAME" in done.stdout and "SYNOPSIS" in done.stdout
 
 
-@pytest.mark.parametrize("name", subcommands())
+@pytest.mark.parametrize("name", PAGES)
 def test_every_option_is_there(repository, name):
-    text = (repository / "docs" / "man" / f"cg2raw-{name}.1").read_text()
-    commands = next(a for a in make_parser()._actions if a.dest == "==SUPPRESS==")
-    for action in commands.choices[name]._actions:
+    text = (repository / "docs" / "man" / f"{name}.1").read_text()
+    for action in PAGES[name]._actions:
         for option in action.option_strings:
             assert option.replace("-", "\\-") in text

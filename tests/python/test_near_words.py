@@ -123,7 +123,8 @@ def command(name, folder, sensor, light):
         "ocio": ("ocio", *pairs, "-o", out),
         "diagnose": ("diagnose", captures, "-o", folder / "report"),
         "calibrate": ("calibrate", dng, "--sensor", sensor),
-        "--hide": ("diagnose", "--hide", "prnu=1", "-s", sensor, "-o", folder / "set"),
+        "synthesize": ("diagnose", "synthesize", "--effects", "prnu=1")
+        + ("-s", sensor, "-o", folder / "set"),
     }[name]
 
 
@@ -134,7 +135,7 @@ def test_a_command_suggests_a_light(tmp_path, name):
 
 
 @pytest.mark.parametrize(
-    "name", ["convert", "dataset", "ocio", "diagnose", "calibrate", "--hide"]
+    "name", ["convert", "dataset", "ocio", "diagnose", "calibrate", "synthesize"]
 )
 def test_a_command_suggests_a_sensor(tmp_path, name):
     line = fails(*command(name, tmp_path, "canon600d", "D65"))

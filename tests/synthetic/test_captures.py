@@ -297,7 +297,7 @@ def test_nuisances_change_the_capture_and_are_declared(sensor):
 
 def test_command_writes_a_set_that_readers_take(tmp_path, capsys):
     folder = tmp_path / "blind"
-    argv = ["-s", "nikon-d40", "--hide", "lens_shading=0.3,random", "--seed", "2"]
+    argv = ["-s", "nikon-d40", "--effects", "lens_shading=0.3,random", "--seed", "2"]
     assert command.main([*argv, "--size", "96x64", "-o", str(folder)]) == 0
     out = capsys.readouterr().out
     truth = (folder / "truth.json").read_bytes()
@@ -315,10 +315,10 @@ def test_command_writes_a_set_that_readers_take(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--hide", "fog"], "hidden effect 'fog' is unknown"),
-        (["--hide", "prnu=much"], "'much' is no number"),
-        (["--hide", "prnu=-1"], "must be above 0"),
-        (["--hide", "prnu,prnu"], "names prnu twice"),
+        (["--effects", "fog"], "hidden effect 'fog' is unknown"),
+        (["--effects", "prnu=much"], "'much' is no number"),
+        (["--effects", "prnu=-1"], "must be above 0"),
+        (["--effects", "prnu,prnu"], "names prnu twice"),
         (["--size", "96"], "must be WxH"),
         (["--size", "95x64"], "must be even"),
         (["--read-noise", "0"], "must be above 0"),

@@ -19,7 +19,7 @@ from types import ModuleType
 
 from cg2raw import __version__
 from cg2raw.cli._completion import SHELLS, PrintCompletion
-from cg2raw.cli._messages import about_output, check_words, with_ranges
+from cg2raw.cli._messages import about_output, check_words, with_command, with_ranges
 from cg2raw.short_messages import Parser
 
 
@@ -84,7 +84,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
         words = sys.argv[1:] if argv is None else argv
-        arguments = make_parser().parse_args(with_ranges(words))
+        arguments = make_parser().parse_args(with_ranges(with_command(words)))
         check_words(words)
         code: int = arguments.run(arguments)
         sys.stdout.flush()

@@ -16,7 +16,7 @@ MISSING = "needs shtab: pip install 'cg2raw[completion]'"
 FILES = ("IN", "OUT", "FILE", "FOLDER", "REPORT", "PATH", "CONFIG", "PROFILE")
 SENSORS = ("sensor", "sensors", "upi_sensors", "word")
 LIGHTS = ("illuminant", "illuminants")
-EFFECTS = ("effect", "without", "only", "hide")
+EFFECTS = ("effect", "exclude", "include", "effects")
 
 
 class PrintCompletion(argparse.Action):
@@ -41,11 +41,12 @@ class PrintCompletion(argparse.Action):
 
 
 def actions_of(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Yield the arguments of a parser's subcommands."""
+    """Yield the arguments of a parser's subcommands, and of theirs."""
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
             for command in action.choices.values():
                 yield from command._actions
+                yield from actions_of(command)
 
 
 def say_what_completes(action: argparse.Action, files: Mapping[str, Any]) -> None:

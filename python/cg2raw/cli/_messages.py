@@ -9,6 +9,17 @@ from collections.abc import Sequence
 from cg2raw.core_arguments import check_utf8
 from cg2raw.short_messages import about
 
+# Of each command that has commands of its own, these, the one that is meant first.
+COMMANDS = {"diagnose": ("run", "check", "compare", "synthesize")}
+
+
+def with_command(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line with the command that diagnose leaves out."""
+    known = COMMANDS.get(words[0]) if len(words) > 1 else None
+    if known is None or words[1] in (*known, "-h", "--help"):
+        return list(words)
+    return [words[0], known[0], *words[1:]]
+
 
 def with_ranges(words: Sequence[str]) -> list[str]:
     """Return the words with --frames and a range below 0, such as -2-1, as one word:

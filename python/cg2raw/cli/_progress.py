@@ -5,6 +5,7 @@
 import contextlib
 import os
 import sys
+import time
 from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import TYPE_CHECKING, TypeVar
 
@@ -41,16 +42,28 @@ def tracked(
 
 
 @contextlib.contextmanager
-def stages(quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
-    """Yield progress(words, share done 0..1) of work in stages: a bar on a terminal."""
-    if quiet or not sys.stderr.isatty():
-        yield lambda words, share: None
-        return
-    from rich.progress import Progress
+def stages(
+    quiet: bool = False, verbose: int = 0
+) -> Iterator[Callable[[str, float], None]]:
+    """Yield progress(words, share done 0..1) of work in stages: on a terminal a bar
+    with the time that is left; if @verbose, each stage as a line on stderr, if it is 2
+    or more with the seconds since the start."""
+    started, last = time.monotonic(), ""
 
-    with Progress(console=console(), transient=True) as bar:
-        task = bar.add_task("", total=1.0)
-        yield lambda words, share: bar.update(task, description=words, completed=share)
+    def line(words: str, share: float) -> None:
+        nonlocal last
+        if words != last:
+            since = f"{time.monotonic() - started:8.1f} s  " if verbose > 1 else ""
+            print(f"{since}{words}", file=sys.stderr)
+        last = words
+
+    if verbose:
+        yield line
+    elif quiet or not sys.stderr.isatty():
+        yield lambda words, share: None
+    else:
+        with bar("", 1.0) as update:
+            yield lambda words, share: update(share, words)
 
 
 @contextlib.contextmanager
@@ -60,16 +73,28 @@ def counted(words: str, unit: str, total: int) -> Iterator[Callable[[int], None]
     if not sys.stderr.isatty():
         yield lambda done: None
         return
+    with bar(words, total, unit) as update:
+        yield update
+
+
+@contextlib.contextmanager
+def bar(words: str, total: float, unit: str = "") -> Iterator[Callable[..., None]]:
+    """Yield update(how much is done, words): a bar, with n/@total @unit if there is
+    one, and the time that is left."""
     from rich import progress
 
+    numbers = (progress.MofNCompleteColumn(), progress.TextColumn(f"{unit},"))
     columns = (
-        progress.TextColumn(words),
+        progress.TextColumn("{task.description}"),
         progress.BarColumn(),
-        progress.MofNCompleteColumn(),
-        progress.TextColumn(f"{unit},"),
+        *(numbers if unit else (progress.TaskProgressColumn(),)),
         progress.TimeRemainingColumn(),
         progress.TextColumn("left"),
     )
-    with progress.Progress(*columns, console=console(), transient=True) as bar:
-        task = bar.add_task("", total=total)
-        yield lambda done: bar.update(task, completed=done)
+    with progress.Progress(*columns, console=console(), transient=True) as shown:
+        task = shown.add_task(words, total=total)
+
+        def update(done: float, words: str | None = None) -> None:
+            shown.update(task, completed=done, description=words)
+
+        yield update

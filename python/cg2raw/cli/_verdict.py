@@ -4,7 +4,8 @@
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 from cg2raw.diagnose.captures.quality import HOLES
 from cg2raw.io.raw_checks import together
@@ -20,6 +21,7 @@ if TYPE_CHECKING:  # only a diagnosis loads its modules
 
 WIDTH = 10  # columns of a line's first word
 MOST_LEFT = 6  # tests that are listed, those that explain most first
+SAID = (("note", "notes"), ("wrong", "wrong"))
 CHECK_HEAD = (
     *("frame", "kind", "ISO", "time", "temperature", "low", "mean", "high", "at 0"),
     *("clipped", "codes", "registration"),
@@ -50,7 +52,7 @@ def verdict_text(
         line(
             "gap",
             f"{gap.before:.4g} -> {gap.after:.4g} nats/pixel, chi-square "
-            f"{gap.chi2_before:.3f} -> {gap.chi2_after:.3f}, on {held_out(gap)}",
+            f"{gap.chi2_before:.3f} -> {gap.chi2_after:.3f}, on {test_frames(gap)}",
         )
     )
     shown, more = found.unexplained[:MOST_LEFT], len(found.unexplained[MOST_LEFT:])
@@ -63,31 +65,84 @@ def verdict_text(
     return "\n".join(lines)
 
 
-def held_out(gap: "Gap") -> str:
+def test_frames(gap: "Gap") -> str:
     """Return how many frames a gap was measured on."""
-    return plural(len(gap.held_out), "held-out frame")
+    return plural(len(gap.held_out), "test frame")
 
 
-def verify_text(
-    names: Sequence[str], diagnoses: Sequence["Diagnosis"], notes: Sequence[str]
+def reasons(found: "Diagnosis") -> list[str]:
+    """Return the lines that say by how much each name was better than the next."""
+    lines = []
+    for effect in found.effects:
+        text = f"{effect.name}: {effect.gain_nats:.1f} nats"
+        for other in effect.alternatives[:1]:
+            text += f"; {other.name} in its place: {other.gain_nats:.1f}"
+        lines.append(line("why", f"{text}. {effect.rule}".rstrip(" .")))
+    return lines
+
+
+def comparison_json(
+    names: Sequence[str], found: Sequence["Diagnosis"], notes: Sequence[str]
+) -> dict[str, Any]:
+    """Return the gaps of sensors on the test frames in JSON's types."""
+    return {
+        "sensors": [
+            {
+                "sensor": name,
+                "gap": one.gap.before,
+                "chi_square": one.gap.chi2_before,
+                "systematic": one.gap.systematic_before,
+                "verdict": one.verdict,
+            }
+            for name, one in zip(names, found, strict=True)
+        ],
+        "gap_unit": "nats/pixel",
+        "test_frames": list(found[0].gap.held_out),
+        "notes": list(notes),
+    }
+
+
+def comparison_text(
+    names: Sequence[str], found: Sequence["Diagnosis"], notes: Sequence[str]
 ) -> str:
-    """Return a table of two sensors' gaps on the held-out frames, nothing fitted."""
+    """Return a table of the gaps of sensors on the test frames, nothing fitted."""
     rows = [("sensor", "gap", "chi-square", "systematic", "verdict")]
-    for name, found in zip(names, diagnoses, strict=True):
-        gap = found.gap
-        systematic = gap.systematic_before
+    for one in comparison_json(names, found, notes)["sensors"]:
+        systematic = one["systematic"]
         rows.append(
             (
-                name,
-                f"{gap.before:.4g}",
-                f"{gap.chi2_before:.3f}",
+                one["sensor"],
+                f"{one['gap']:.4g}",
+                f"{one['chi_square']:.3f}",
                 "-" if systematic is None else f"{systematic:.4g}",
-                found.verdict,
+                one["verdict"],
             )
         )
     unit = "gap in nats/pixel, systematic part in noise variances, on "
-    lines = [*columns(rows), unit + held_out(diagnoses[-1].gap)]
+    lines = [*columns(rows), unit + test_frames(found[-1].gap)]
     return "\n".join([*lines, *(line("note", text) for text in notes)])
+
+
+def integrity_json(
+    sensor: "Sensor", found: "Check", notes: Sequence[str]
+) -> dict[str, Any]:
+    """Return a check in JSON's types."""
+    remarks = {one.name: one.remarks for one in found.integrities}
+    complaints = {one.name: one.complaints for one in found.integrities}
+    return {
+        "sensor": sensor.id,
+        "frames": [
+            {
+                **asdict(one),
+                "iso": capture.iso,
+                "exposure_time": capture.exposure_time,
+                "temperature": capture.temperature,
+            }
+            for capture, one in zip(found.captures, found.integrities, strict=True)
+        ],
+        "notes": [*notes, *together(remarks.items()), *found.remarks],
+        "wrong": [*together(complaints.items()), *found.complaints],
+    }
 
 
 def integrity_text(sensor: "Sensor", found: "Check", notes: Sequence[str]) -> str:
@@ -114,12 +169,8 @@ def integrity_text(sensor: "Sensor", found: "Check", notes: Sequence[str]) -> st
             )
         )
     lines += columns(rows)
-    remarks = {item.name: item.remarks for item in found.integrities}
-    complaints = {item.name: item.complaints for item in found.integrities}
-    lines += [line("note", text) for text in [*notes, *together(remarks.items())]]
-    lines += [line("note", text) for text in found.remarks]
-    lines += [line("wrong", text) for text in together(complaints.items())]
-    lines += [line("wrong", text) for text in found.complaints]
+    said = integrity_json(sensor, found, notes)
+    lines += [line(word, t) for word, key in SAID for t in said[key]]
     if found.is_right:
         lines.append("nothing is wrong")
     return "\n".join(lines)

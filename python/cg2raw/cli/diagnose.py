@@ -2,31 +2,25 @@
 # Copyright Contributors to the cg2raw Project.
 """Find where simulation and measurement disagree, name the effect, add it.
 
-captures.yaml lists RAW frames, what was in front of the lens, and the sensor whose
-profile is tested. A third of the sets is fitted, a third decides, and the numbers that
-are shown are of the last third. REPORT gets report.html with its pictures, verdict.json
-for programs, and profile.json: the sensor with the effects that were found; there is
-none if they do not make the held-out frames, edge to edge, more likely.
-
-Verdicts, and their exit codes with --exit-code: consistent 0, explained 10, ambiguous
-11, partially_explained 12, unexplained 13, incomplete 14: the time limit or Ctrl-C came
-before all was decided. Ctrl-C ends the work, not the report, which then says so; it
-exits with 130, with --exit-code by the verdict.
+Four commands: run finds what a profile lacks, check looks at the captures alone,
+compare judges profiles as they are, and synthesize makes captures to try them on.
+Without one of these words, run is meant: cg2raw diagnose captures.yaml -o report/
 
 examples:
-  cg2raw diagnose captures.yaml -o report/
-  cg2raw diagnose --check captures.yaml
-  cg2raw diagnose --verify captures.yaml --against report/profile.json
-  cg2raw diagnose --hide lens_shading=0.3,row_noise=0.2 -s nikon-d40 -o blind/
+  cg2raw diagnose check captures.yaml
+  cg2raw diagnose run captures.yaml -o report/
+  cg2raw diagnose compare captures.yaml report/profile.json
 """
 
 import argparse
 import dataclasses
 import difflib
+import json
 import re
 import sys
 from typing import TYPE_CHECKING, Any
 
+from cg2raw.cli._numbers import whole
 from cg2raw.system import keep_freed_memory
 
 if TYPE_CHECKING:  # only the work itself loads its modules
@@ -35,62 +29,144 @@ if TYPE_CHECKING:  # only the work itself loads its modules
 
 
 INTERRUPTED = 130
-TIME_LIMIT = 600.0  # s
 LEAST_PIXELS = 1000  # fewer show nothing
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
-# Options that go with some modes alone; "" is the diagnosis itself.
-OPTIONS = {
-    "output": ("", "hide"),
-    "force": ("",),
-    "alpha": ("", "verify"),
-    "max": ("",),
-    "without": ("",),
-    "only": ("",),
-    "pixels": ("", "verify"),
-    "time_limit": ("",),
-    "exit_code": ("", "verify"),
-    "against": ("verify",),
-    "sensor": ("hide",),
-    "seed": ("hide",),
-}
-SPELT = {"output": "-o"}  # where not as the option
+
+RUN = """Find what the profile lacks, and write a report.
+
+captures.yaml lists RAW frames, what was in front of the lens, and the sensor whose
+profile is tested. A third of the sets is fitted, a third decides, and the numbers that
+are shown are of the last third. REPORT gets report.html, verdict.json for programs, and
+profile.json: the sensor with the effects that were found; there is none if they do not
+make the test frames more likely.
+
+Verdicts, and their exit codes with --exit-code: consistent 0, explained 10, ambiguous
+11, partially_explained 12, unexplained 13, incomplete 14: the time limit or Ctrl-C came
+before all was decided. Ctrl-C ends the work, not the report, which then says so; it
+exits with 130, with --exit-code by the verdict.
+
+examples:
+  cg2raw diagnose run captures.yaml -o report/
+  cg2raw diagnose run captures.yaml -o report/ --exclude prnu,dsnu --time-limit 30min
+"""
+CHECK = """Check the integrity of the captures.
+
+Levels, missing codes, clipping, the registration of renders, and what repeats show of
+lamps and cosmic rays. Exit code 1: something is wrong.
+
+examples:
+  cg2raw diagnose check captures.yaml
+  cg2raw diagnose check captures.yaml --json
+"""
+COMPARE = """Compare profiles on the test frames; nothing is fitted.
+
+One row for the sensor of the captures and one for each PROFILE: gap, chi-square,
+systematic error, verdict.
+
+examples:
+  cg2raw diagnose compare captures.yaml report/profile.json
+  cg2raw diagnose compare captures.yaml one.json other.json --json
+"""
+SYNTHESIZE = """Make captures of a camera with injected effects.
+
+24 DNGs with their renders, captures.yaml, and the ground truth in truth.json.
+python -m cg2raw.synthetic --help lists the effects, the unit of each strength, and more
+options.
+
+examples:
+  cg2raw diagnose synthesize -s nikon-d40 --effects lens_shading=0.3,row_noise -o blind/
+  cg2raw diagnose synthesize -s nikon-d40 --effects random --seed 3 -o blind/
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of cg2raw diagnose."""
-    add = parser.add_argument
-    add("captures", nargs="?", metavar="CAPTURES.yaml", help="what was captured")
-    add("-o", "--output", metavar="REPORT", help="folder; replaces a report")
-    add("--force", action="store_true", help="write among other files in REPORT")
-    add("--quiet", action="store_true", help="no verdict, no progress; errors alone")
-    add_search(parser.add_argument_group("search"))
-    group = parser.add_argument_group("instead of a diagnosis")
-    modes = group.add_mutually_exclusive_group()
-    add = modes.add_argument
-    add("--check", action="store_true", help="look at the frames' integrity alone")
-    add("--verify", action="store_true", help="held-out gap before and --against")
-    add("--hide", metavar="EFFECTS", help="make captures with these hidden effects")
-    add = group.add_argument
-    add("--against", metavar="PROFILE", help="the profile that --verify tries")
-    add("-s", "--sensor", metavar="SENSOR", help="of --hide: id or profile")
-    add("--seed", type=int, metavar="N", help="of --hide")
+    """Declare the commands of cg2raw diagnose and their options."""
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for name, text, add, work in (
+        ("run", RUN, add_run, run_diagnosis),
+        ("check", CHECK, add_captures, run_check),
+        ("compare", COMPARE, add_compare, run_compare),
+        ("synthesize", SYNTHESIZE, add_synthesize, run_synthesize),
+    ):
+        command = commands.add_parser(
+            name,
+            help=text.partition("\n")[0].rstrip("."),
+            description=text,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        add(command)
+        command.set_defaults(work=work, name=f"diagnose {name}")
+        option = command.add_argument
+        option("--json", action="store_true", help="the result as JSON on stdout")
+        option("-q", "--quiet", action="store_true", help="errors only")
+        option(
+            "-v",
+            "--verbose",
+            action="count",
+            default=0,
+            help="steps and reasons on stderr; twice: with times",
+        )
 
 
-def add_search(group: argparse._ArgumentGroup) -> None:
-    """Declare the options on what is looked for."""
-    add = group.add_argument
-    add("--alpha", type=share, metavar="P", help="risk of a false name (default 0.01)")
-    add(
-        "--max",
-        type=count,
-        metavar="N",
-        help="most effects that are added to explain images, beside those that darks "
-        "and flats decide (default 6)",
+def add_captures(parser: argparse.ArgumentParser) -> None:
+    """Declare what is read."""
+    parser.add_argument("captures", metavar="CAPTURES.yaml", help="what was captured")
+
+
+def add_compare(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of compare."""
+    add_captures(parser)
+    parser.add_argument(
+        "profiles", nargs="+", metavar="PROFILE", help="sensor id or profile (.json)"
     )
-    add("--without", metavar="NAMES", help="effects that are not looked for")
-    add("--only", metavar="NAMES", help="effects that alone are looked for")
+
+
+def add_synthesize(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of synthesize."""
+    add = parser.add_argument
+    add("-o", "--output", required=True, metavar="FOLDER", help="new or empty")
+    add("-s", "--sensor", required=True, help="sensor id or profile (.json)")
     add(
-        "--pixels",
+        "--effects",
+        required=True,
+        metavar="LIST",
+        help="NAME[=STRENGTH],...; random: any one",
+    )
+    add("--seed", type=whole, default=0, metavar="N", help="default: 0")
+
+
+def add_run(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of run."""
+    add_captures(parser)
+    add = parser.add_argument
+    add(
+        "-o",
+        "--output",
+        required=True,
+        metavar="REPORT",
+        help="folder; replaces a report",
+    )
+    add("--overwrite", action="store_true", help="write among other files in REPORT")
+    add(
+        "--alpha",
+        type=share,
+        default=0.01,
+        metavar="P",
+        help="risk of a false name (default 0.01)",
+    )
+    add(
+        "--max-effects",
+        type=count,
+        default=6,
+        metavar="N",
+        help="added to explain images, beside those that darks and flats decide "
+        "(default 6)",
+    )
+    either = parser.add_mutually_exclusive_group().add_argument
+    either("--exclude", metavar="NAMES", help="effects that are not looked for")
+    either("--include", metavar="NAMES", help="effects that alone are looked for")
+    add(
+        "--max-pixels",
         type=pixels,
         metavar="N",
         help="of each image that are fitted: tiles from its middle to its corners "
@@ -99,6 +175,7 @@ def add_search(group: argparse._ArgumentGroup) -> None:
     add(
         "--time-limit",
         type=duration,
+        default=600.0,
         metavar="TIME",
         help="ends the work with what is decided: 90s, 10min, 2h (default 10min)",
     )
@@ -142,81 +219,70 @@ def duration(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Do what was asked; return the exit code."""
-    mode = next((name for name in RUNS if name and getattr(arguments, name)), "")
-    check_options(arguments, mode)
     keep_freed_memory()
     try:
-        return RUNS[mode](arguments)
+        code: int = arguments.work(arguments)
+        return code
     except ModuleNotFoundError as missing:
         raise ValueError(
             f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
         ) from None
     except MemoryError:
         raise ValueError(
-            f"{arguments.captures}: not enough memory; take fewer frames, or a crop"
+            f"{getattr(arguments, 'captures', arguments.name)}: not enough memory; "
+            "take fewer frames, or a crop"
         ) from None
-
-
-def check_options(arguments: argparse.Namespace, mode: str) -> None:
-    """Raise ValueError for options that do not go together."""
-    for name, modes in OPTIONS.items():
-        if getattr(arguments, name) not in (None, False) and mode not in modes:
-            goes = " or ".join(f"--{m}" if m else "a diagnosis" for m in modes)
-            option = SPELT.get(name, f"--{name.replace('_', '-')}")
-            raise ValueError(f"{option}: is for {goes}")
-    if mode in ("", "check", "verify") and arguments.captures is None:
-        raise ValueError(
-            "give a captures.yaml; cg2raw diagnose --hide lens_shading=0.3 "
-            "-s nikon-d40 -o blind/ makes one to try"
-        )
-    if mode == "hide" and arguments.captures is not None:
-        raise ValueError(f"{arguments.captures}: --hide reads no captures")
-    if mode in ("", "hide") and arguments.output is None:
-        raise ValueError("give -o with the folder that is to be written")
-    if mode == "hide" and arguments.sensor is None:
-        raise ValueError("--hide: in captures of which sensor? Add -s")
-    if mode == "verify" and arguments.against is None:
-        raise ValueError("--verify: which profile? Add --against report/profile.json")
-    if arguments.without and arguments.only:
-        raise ValueError("--without and --only: give one of them")
 
 
 def run_diagnosis(arguments: argparse.Namespace) -> int:
     """Diagnose and write the report; return the exit code."""
+    from cg2raw.cli._verdict import reasons, verdict_text
     from cg2raw.diagnose.captures.reader import read_captures
     from cg2raw.diagnose.report.folder import check_folder, write_report_folder
+    from cg2raw.diagnose.report.verdict_json import verdict_json
 
-    choice = {name: names_of(arguments, name) for name in ("without", "only")}
-    check_folder(arguments.output, arguments.force)
+    choice = {
+        "without": names_of("--exclude", arguments.exclude),
+        "only": names_of("--include", arguments.include),
+    }
+    if arguments.max_pixels:
+        choice["pixels"] = arguments.max_pixels
+    check_folder(arguments.output, arguments.overwrite)
     captures = read_captures(arguments.captures)
-    limit = arguments.time_limit or TIME_LIMIT
-    most = arguments.max or 6
-    found = diagnosed(arguments, captures, most=most, time_limit=limit, **choice)
-    names = write_report_folder(found, arguments.output, arguments.force)
-    if not arguments.quiet:
-        from cg2raw.cli._verdict import verdict_text
-
+    found = diagnosed(
+        arguments,
+        captures,
+        alpha=arguments.alpha,
+        most=arguments.max_effects,
+        time_limit=arguments.time_limit,
+        **choice,
+    )
+    names = write_report_folder(found, arguments.output, arguments.overwrite)
+    if arguments.verbose:
+        print("\n".join(reasons(found)), file=sys.stderr)
+    if arguments.json:
+        print(verdict_json(found, names), end="")
+    elif not arguments.quiet:
         print(verdict_text(found, captures.notes, arguments.output, names))
     return exit_code(arguments, found)
 
 
-def names_of(arguments: argparse.Namespace, option: str) -> tuple[str, ...]:
-    """Return the effects that --without or --only lists. Raises ValueError."""
+def names_of(option: str, text: str | None) -> Any:
+    """Return the effects that an option lists, (n,) str. Raises ValueError."""
     from cg2raw import _core
     from cg2raw.diagnose.effects import catalogue
 
     known = catalogue.names()
-    words = (getattr(arguments, option) or "").split(",")
-    names = tuple(word.strip() for word in words if word.strip())
+    names = tuple(word.strip() for word in (text or "").split(",") if word.strip())
     for name in names:
         if (new := _core.current_effect_name(name)) != name:
-            raise ValueError(f'--{option}: "{name}" is called "{new}" now')
+            raise ValueError(f'{option}: "{name}" is called "{new}" now')
         if name not in known:
             close = difflib.get_close_matches(name, known, 1)
             hint = (
                 f"did you mean {close[0]}?" if close else f"they are {', '.join(known)}"
             )
-            raise ValueError(f'--{option}: no diagnosis names "{name}": {hint}')
+            raise ValueError(f'{option}: no diagnosis names "{name}": {hint}')
     return names
 
 
@@ -227,12 +293,8 @@ def diagnosed(
     from cg2raw.cli._progress import stages
     from cg2raw.diagnose.pipeline import diagnose
 
-    if arguments.pixels:
-        options["pixels"] = arguments.pixels
-    with stages(arguments.quiet) as progress:
-        return diagnose(
-            captures, alpha=arguments.alpha or 0.01, progress=progress, **options
-        )
+    with stages(arguments.quiet, arguments.verbose) as progress:
+        return diagnose(captures, progress=progress, **options)
 
 
 def exit_code(arguments: argparse.Namespace, found: "Diagnosis") -> int:
@@ -241,7 +303,7 @@ def exit_code(arguments: argparse.Namespace, found: "Diagnosis") -> int:
 
     if found.interrupted:
         print(
-            "cg2raw diagnose: interrupted; the report is partial, and says so",
+            f"cg2raw {arguments.name}: interrupted; the report is partial, and says so",
             file=sys.stderr,
         )
         if not arguments.exit_code:
@@ -252,43 +314,47 @@ def exit_code(arguments: argparse.Namespace, found: "Diagnosis") -> int:
 def run_check(arguments: argparse.Namespace) -> int:
     """Print what the frames' pixels say; return 1 if something is wrong."""
     from cg2raw.cli._progress import stages
-    from cg2raw.cli._verdict import integrity_text
+    from cg2raw.cli._verdict import integrity_json, integrity_text
     from cg2raw.diagnose.captures.check import check
     from cg2raw.diagnose.captures.reader import read_frames
 
     manifest, sensor, frames, notes = read_frames(arguments.captures)
-    with stages(arguments.quiet) as progress:
+    with stages(arguments.quiet, arguments.verbose) as progress:
         found = check(
             frames,
             sensor,
             manifest.nuisances,
             lambda share: progress("reading", share),
         )
-    if not arguments.quiet:
+    if arguments.json:
+        print(json.dumps(integrity_json(sensor, found, notes), indent=2))
+    elif not arguments.quiet:
         print(integrity_text(sensor, found, notes))
     return 0 if found.is_right else 1
 
 
-def run_verify(arguments: argparse.Namespace) -> int:
-    """Print the held-out gap of the manifest's sensor and of another; return the code.
+def run_compare(arguments: argparse.Namespace) -> int:
+    """Print the gaps of the sensor of the captures and of profiles; return the code.
 
-    Nothing is fitted: both are judged as they are."""
-    from cg2raw.cli._verdict import verify_text
+    Nothing is fitted: all are judged as they are."""
+    from cg2raw.cli._verdict import comparison_json, comparison_text
     from cg2raw.diagnose.captures.reader import read_captures
-    from cg2raw.diagnose.diagnosis import VERDICTS
     from cg2raw.sensor import Sensor
 
-    before = read_captures(arguments.captures)
-    after = read_captures(arguments.captures, Sensor(arguments.against))
-    first = diagnosed(arguments, before, most=0)
-    second = first if first.interrupted else diagnosed(arguments, after, most=0)
-    second = with_closed_share(first, second)
-    if not arguments.quiet and not second.interrupted:
-        names = (before.sensor.id, arguments.against)
-        print(verify_text(names, (first, second), after.notes))
-    if second.interrupted:
-        return INTERRUPTED
-    return VERDICTS[second.verdict] if arguments.exit_code else 0
+    sensors = [None, *map(Sensor, arguments.profiles)]
+    sets = [read_captures(arguments.captures, sensor) for sensor in sensors]
+    found: list[Diagnosis] = []
+    for captures in sets:
+        found.append(diagnosed(arguments, captures, most=0))
+        if found[-1].interrupted:
+            raise KeyboardInterrupt
+    found[1:] = [with_closed_share(found[0], one) for one in found[1:]]
+    names = [sets[0].sensor.id, *arguments.profiles]
+    if arguments.json:
+        print(json.dumps(comparison_json(names, found, sets[0].notes), indent=2))
+    elif not arguments.quiet:
+        print(comparison_text(names, found, sets[0].notes))
+    return 0
 
 
 def with_closed_share(first: "Diagnosis", second: "Diagnosis") -> "Diagnosis":
@@ -312,14 +378,23 @@ def with_closed_share(first: "Diagnosis", second: "Diagnosis") -> "Diagnosis":
     return dataclasses.replace(second, unexplained=left, verdict=verdict)
 
 
-def run_hide(arguments: argparse.Namespace) -> int:
-    """Make captures with hidden effects; return the exit code."""
-    from cg2raw.synthetic.captures import main
+def run_synthesize(arguments: argparse.Namespace) -> int:
+    """Make captures with injected effects; return 0."""
+    from cg2raw.short_messages import plural
+    from cg2raw.synthetic.captures import notes_of, parsed, written
 
-    words = ["--hide", arguments.hide, "-s", arguments.sensor, "-o", arguments.output]
-    if arguments.seed is not None:
-        words += ["--seed", str(arguments.seed)]
-    return main(words + ["--quiet"] * arguments.quiet)
-
-
-RUNS = {"": run_diagnosis, "check": run_check, "verify": run_verify, "hide": run_hide}
+    words = ["-s", arguments.sensor, "-o", arguments.output]
+    words += ["--effects", arguments.effects, "--seed", str(arguments.seed)]
+    folder = written(parsed(words))
+    result = {
+        "folder": arguments.output,
+        "frames": len(folder.shots),
+        "truth_sha256": folder.seal,
+        "notes": notes_of(folder),
+    }
+    if arguments.json:
+        print(json.dumps(result, indent=2))
+    elif not arguments.quiet:
+        print(*result["notes"], sep="\n", end="\n" * bool(result["notes"]))
+        print(f"{arguments.output}: {plural(len(folder.shots), 'frame')}")
+    return 0

@@ -31,6 +31,7 @@ from cg2raw.diagnose.verdict.together import together, with_images_alone
 from cg2raw.interrupts import raised
 
 Progress = Callable[[str, float], None]
+OF_DARKS = 0.3  # of the progress of darks, flats and images
 
 
 def diagnose(
@@ -73,15 +74,18 @@ def diagnose(
     def said(text: str, share: float) -> None:
         if deadline is not None and time.monotonic() > deadline:
             raise TimeIsUp
-        say(text, share)
+        say(text, share if is_all else OF_DARKS * share)
+
+    def said_of_images(text: str, share: float) -> None:
+        say(text, OF_DARKS + (1 - OF_DARKS) * share if constant else share)
 
     constant = [c for c in capture_set.captures if is_constant(c)]
+    is_all = len(constant) == len(capture_set.captures)
     of_images = names & (OF_IMAGES | {"black_level"})
     found, images = None, capture_set
     notes: list[str] = []
     shown: frozenset[str] = frozenset()
     if constant:
-        is_all = len(constant) == len(capture_set.captures)
         decided = replace(capture_set, captures=constant)
         try:
             with raised():
@@ -109,7 +113,7 @@ def diagnose(
         of_images,
         alpha,
         most,
-        say,
+        said_of_images,
         workers,
         pixels,
         details,

@@ -4,7 +4,7 @@
 """Capture sets with hidden effects, to try the diagnosis on.
 
     python -m cg2raw.synthetic -s nikon-d40 \\
-        --hide lens_shading=0.3,row_noise=0.2 --seed 1 -o blind/
+        --effects lens_shading=0.3,row_noise=0.2 --seed 1 -o blind/
 """
 
 import argparse
@@ -186,11 +186,11 @@ def strengths_of(text: str, seed: int) -> dict[str, float | None]:
             left = [one for one in KINDS if one not in strengths]
             name = str(stream(seed, f"random/{len(strengths)}").choice(left))
         if name in strengths:
-            raise ValueError(f"--hide names {name} twice")
+            raise ValueError(f"--effects names {name} twice")
         try:
             strengths[name] = float(value) if given else None
         except ValueError:
-            raise ValueError(f"--hide {word}: {value!r} is no number") from None
+            raise ValueError(f"--effects {word}: {value!r} is no number") from None
     return strengths
 
 
@@ -203,7 +203,8 @@ def _effects_page() -> str:
     return "\n".join(lines[:-1])
 
 
-def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+def parsed(argv: Sequence[str] | None) -> argparse.Namespace:
+    """Return the options of a command line; exit with 2 if it is wrong."""
     parser = Parser(
         prog="python -m cg2raw.synthetic",
         description=__doc__.splitlines()[0],
@@ -213,7 +214,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     add = parser.add_argument
     add("-s", "--sensor", required=True, help="id or profile of the doubted model")
     add("-o", "--output", required=True, metavar="FOLDER")
-    add("--hide", default="", metavar="NAME[=STRENGTH],...", help="or random")
+    add("--effects", default="", metavar="NAME[=STRENGTH],...", help="or random")
     add("--seed", type=int, default=0)
     add("--size", default=f"{SHAPE[1]}x{SHAPE[0]}", metavar="WxH", help="%(default)s")
     add("--illuminant", default=ILLUMINANT, metavar="WORD", help="%(default)s")
@@ -253,7 +254,7 @@ def _folder(given: argparse.Namespace) -> disk.Folder:
         raise ValueError(f"--seed {given.seed} must be 0 or more")
     sensor, name = _sensor(given)
     iso = noise_iso(sensor, given.iso)
-    strengths = strengths_of(given.hide, given.seed)
+    strengths = strengths_of(given.effects, given.seed)
     hidden = draw_hidden(
         sensor, strengths, seed=given.seed, illuminant=given.illuminant, iso=iso
     )
@@ -267,20 +268,33 @@ def _folder(given: argparse.Namespace) -> disk.Folder:
     return disk.Folder(source, plan(given.seed), known, name, given.illuminant, iso)
 
 
+def written(given: argparse.Namespace) -> disk.Folder:
+    """Write the capture set that options ask for; return it. Raises ValueError,
+    OSError."""
+    folder = _folder(given)
+    disk.write_captures(given.output, folder)
+    return folder
+
+
+def notes_of(folder: disk.Folder) -> list[str]:
+    """Return sentences on what a capture set assumes."""
+    assumed = dict(folder.sensor.sources).get("noise", "")
+    if not assumed.startswith(ASSUMED):
+        return []
+    return [f"{folder.sensor.id}: noise {assumed}, in {disk.SENSOR}"]
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Write a capture set; 1 with a message for what cannot be."""
-    given = _arguments(argv)
+    given = parsed(argv)
     try:
-        folder = _folder(given)
-        disk.write_captures(given.output, folder)
+        folder = written(given)
     except (ValueError, OSError) as error:
         print(f"cg2raw: {error}", file=sys.stderr)
         return 1
-    if given.quiet:
-        return 0
-    assumed = dict(folder.sensor.sources).get("noise", "")
-    if assumed.startswith(ASSUMED):
-        print(f"{folder.sensor.id}: noise {assumed}, in {disk.SENSOR}")
-    print(f"{given.output}: {plural(len(folder.shots), 'frame')}")
-    print(f"{disk.TRUTH} sha256 {folder.seal}")
+    if not given.quiet:
+        for note in notes_of(folder):
+            print(note)
+        print(f"{given.output}: {plural(len(folder.shots), 'frame')}")
+        print(f"{disk.TRUTH} sha256 {folder.seal}")
     return 0
