@@ -69,3 +69,28 @@ def test_an_exposure_that_may_be_anything_is_not_named():
     one_light = np.equal.outer(*2 * (np.tile([0, 1], 4),))
     free = [replace(x, covariance=x.covariance + 1e4 * one_light) for x in two]
     assert not level_gains(*free, LEAST)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_dim_flats_do_not_tell_more_of_bright_ones_than_they_know(seed):
+    """A cubic that is fitted to 0.05 to 0.2 of white is nowhere at 0.8: the values that
+    are as likely name what bends, and no exposure for it."""
+    rng, dim = np.random.default_rng(seed), FIRST / 4
+    first, second = (flats(x, x - 0.002 * x**2, rng) for x in (dim, SECOND))
+    found = level_gains(first, second, LEAST)
+    assert [one for one, gain in found.items() if gain > LEAST] == ["nonlinearity"]
+
+
+def test_values_that_are_drawn():
+    """The likelihood of ratios about drawn values is that of both variances."""
+    rng = np.random.default_rng(9)
+    two, given = flats(SECOND, 1.01 * SECOND, rng), np.array([0.009])
+    known = np.array([[4e-6]])
+    covariance = two.covariance + known  # an exposure moves all ratios by as much
+    rest = two.ratios - 1.009
+    wanted = [
+        -(rest @ np.linalg.solve(one, rest) + np.linalg.slogdet(one)[1]) / 2
+        for one in (two.covariance, covariance)
+    ]
+    drawn = two.value(["exposure"], given, known) - two.value(["exposure"], given)
+    assert drawn == pytest.approx(wanted[1] - wanted[0], rel=1e-4)

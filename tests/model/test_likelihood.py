@@ -9,6 +9,7 @@ from cg2raw.model.components import FIXED
 from cg2raw.model.figures import figures_of
 from cg2raw.model.fit import fit, start_of
 from cg2raw.model.likelihood import Likelihood
+from cg2raw.model.planes import less_of
 from cg2raw.statistics.constant import GroupInfo
 from model.planted import planted
 from oracles.plain_statistics import plain_statistics
@@ -146,6 +147,17 @@ def test_correlated_noise_is_no_row_noise(side):
     for name in ("row_noise", "row_fixed_pattern"):
         value, error = found.of(name)
         assert abs(value) < 3 * error, (name, value, error)
+
+
+@pytest.mark.parametrize(("count", "power"), [(3, 4.0), (8, 0.5), (8, 30.0), (32, 5.0)])
+def test_freedom_of_what_few_numbers_move(count, power):
+    """Coefficients of noise 1 and of a wave by two numbers, whose power each has on
+    average: the freedom of a sum of squares is the square of the trace of their
+    covariance over the trace of its square (F. Satterthwaite, Biometrics 2, 1946)."""
+    two = np.linalg.qr(np.random.default_rng(count).standard_normal((count, 2)))[0]
+    covariance = np.eye(count) + power * count / 2 * two @ two.T
+    freedom = np.trace(covariance) ** 2 / np.trace(covariance @ covariance)
+    assert count * less_of(1 + power, 1.0, count / 2) == pytest.approx(freedom)
 
 
 @pytest.mark.parametrize(

@@ -16,13 +16,16 @@ from cg2raw.model.smallest_set import gains_in_smallest_set
 from cg2raw.statistics.constant import PARTS, Array
 
 LEVELS = ("black_level", "dark_current", "black_level_drift")
+LENGTHS = 200  # of a decay that are tried: 2 % apart
+LONGEST = 1 / 3  # of the frame: a decay that ends in it, to a twentieth
 LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
 
 
 class DarkLevels:
     """places : (n,) which parameters are of each of LEVELS. profile : (n,) the null.
     median : by how much that of dark current is above its mean, and the standard error,
-    DN/s: a profile has the median, the likelihood the mean."""
+    DN/s: a profile has the median, the likelihood the mean. is_structured : whether the
+    bias has a structure, whose first lines raise the mean."""
 
     def __init__(
         self,
@@ -31,7 +34,10 @@ class DarkLevels:
         validation: Fit,
         profile: Array,
         median: tuple[float, float] = (0.0, 0.0),
+        *,
+        is_structured: bool = False,
     ) -> None:
+        self.is_structured = is_structured
         self.places, self.profile, self.median = places, profile.copy(), median
         self.profile[training.parameters.of("dark_current")] -= median[0]
         self.training, self.validation = training, validation
@@ -111,19 +117,51 @@ class DarkLevels:
         means = self.profile[places]
         if name == "dark_current":
             covariance += self.median[1] ** 2
-        else:
-            edges = edges_of(self.training)
-            means, covariance = means + edges, covariance + edges**2
+        elif self.is_structured:
+            mean, error = first_lines(self.training)
+            # Or the profile's level is that of all lines together.
+            means, covariance = means + mean, covariance + error**2 + mean**2
         return Prior(places, means, covariance)
 
 
-def edges_of(fit: Fit) -> float:
-    """Return by how much first and last lines of darks raise their mean, DN: by how
-    much it is above the median of their lines, to which a ramp adds nothing."""
+def first_lines(fit: Fit) -> tuple[float, float]:
+    """Return by how much lines that settle from the first one on raise the mean of the
+    shortest darks, and the standard error, DN: rows, and columns."""
+    planes = fit.likelihood.planes
+    side, dark = planes[0].side, ~planes[0].is_flat
+    shortest = dark & (planes[0].time == planes[0].time[dark].min())
+    weights = planes[0].frames * shortest / (planes[0].frames @ shortest)
     found = []
-    for plane in fit.likelihood.planes:
-        for profiles in (plane.plane.rows, plane.plane.columns):
-            weights = plane.frames * ~plane.is_flat
-            mean = weights @ profiles / max(weights.sum(), 1)
-            found.append(-float(np.median(mean)))
-    return 2 * float(np.mean(found))  # of rows and of columns together
+    for axis in (0, 1):
+        lines = np.zeros(side * planes[0].plane.shape[axis])
+        for site, plane in enumerate(planes):
+            profiles = (plane.plane.rows, plane.plane.columns)[axis]
+            lines[divmod(site, side)[axis] :: side] += weights @ profiles / side
+        found.append(mean_of_decay(lines))
+    means, errors = zip(*found, strict=True)
+    return sum(means), float(np.hypot(*errors))
+
+
+def mean_of_decay(lines: Array) -> tuple[float, float]:
+    """Return the mean of the decay in lines, (N,) DN, and its standard error: least
+    squares of a straight ramp, which adds nothing, and an exponential from the first
+    line on, averaged by likelihood over its length, up to that of the frame."""
+    count = len(lines)
+    along = np.arange(count)
+    means, variances, squares = [], [], []
+    for length in np.geomspace(1.0, count * LONGEST, LENGTHS):
+        fall = np.exp(-along / length)
+        design = np.column_stack([fall, np.ones(count), along])
+        inverse = np.linalg.inv(design.T @ design)
+        height = float(inverse[0] @ design.T @ lines)
+        rest = lines - design @ (inverse @ design.T @ lines)
+        squares.append(float(rest @ rest))
+        means.append(height * fall.mean())
+        variances.append(inverse[0, 0] * fall.mean() ** 2)
+    freedom = count - 4
+    weights = (min(squares) / np.array(squares)) ** (freedom / 2)
+    weights /= weights.sum()
+    mean = float(weights @ means)
+    of_each = np.array(variances) * np.array(squares) / freedom
+    variance = weights @ (of_each + np.square(means)) - mean**2
+    return mean, float(np.sqrt(variance))

@@ -54,10 +54,24 @@ class FlatLevels:
             of_sides, some = {2: ("gr_gb_imbalance",)}, ()
         return [n for n in CHANGES if n in of_sides.get(self.side, some)]
 
-    def value(self, names: Sequence[str], values: Array) -> float:
-        """Return the log-likelihood, nats, but for a constant."""
+    def value(
+        self, names: Sequence[str], values: Array, known: Array | None = None
+    ) -> float:
+        """Return the log-likelihood, nats, but for a constant.
+
+        known : (n, n) covariance of the values where they are not given but drawn
+        about them, as other frames have told them: that of all such values together
+        is likely, and flats of other light are not told more than they can be."""
         rest = self.ratios - self.expected(names, values)
-        return -float(rest @ np.linalg.solve(self.covariance, rest)) / 2
+        covariance, more = self.covariance, 0.0
+        if known is not None:
+            slopes, _ = self._system(names, values)
+            covariance = covariance + slopes.T @ known @ slopes
+            before, after = (
+                np.linalg.slogdet(one)[1] for one in (self.covariance, covariance)
+            )
+            more = float(after - before)
+        return -(float(rest @ np.linalg.solve(covariance, rest)) + more) / 2
 
     def fitted(self, names: Sequence[str]) -> Array:
         """Return the likeliest values of the parameters of names, one after the other;
@@ -70,6 +84,11 @@ class FlatLevels:
             values = values + inverse @ slopes @ weighted
         return values
 
+    def known(self, names: Sequence[str]) -> tuple[Array, Array]:
+        """Return what is fitted, and its covariance."""
+        values = self.fitted(names)
+        return values, self.covariance_of(names, values)
+
     def covariance_of(self, names: Sequence[str], values: Array) -> Array:
         """Return (n, n) the covariance of values that are fitted."""
         return self._system(names, values)[1]
@@ -79,6 +98,7 @@ class FlatLevels:
         now = self.expected(names, values)
         moved = (values + STEP * one for one in np.eye(len(values)))
         slopes = np.array([self.expected(names, one) - now for one in moved]) / STEP
+        slopes = slopes.reshape(len(values), len(now))
         information = slopes @ np.linalg.solve(self.covariance, slopes.T)
         return slopes, np.linalg.pinv(information, rcond=ALIKE, hermitian=True)
 
@@ -235,7 +255,7 @@ def level_gains(
     return gains_in_smallest_set(
         {name: CHANGES[name][0] for name in validation.names},
         least,
-        train=training.fitted,
-        value=validation.value,
+        train=training.known,
+        value=lambda names, trained: validation.value(names, *trained),
         refitted=lambda names: validation.value(names, validation.fitted(names)),
     )

@@ -29,7 +29,7 @@ from cg2raw.model.components import (
 )
 from cg2raw.model.correlation import neighbours
 from cg2raw.model.evaluation import Evaluation, Parameters
-from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.model.planes import PlaneLikelihood, less_of, waves
 from cg2raw.statistics.constant import (
     FIELD,
     PARTS,
@@ -98,12 +98,24 @@ class MeanImageLikelihood:
             freedom = float(np.mean([planes[s].plane.freedom[part] for s in sites]))
             if freedom <= 0:
                 continue
+            freedom_left = freedom * self._unlike(part)
             if part == PIXEL:
                 products = planes[sites[0]].products[PIXEL]
             else:
                 stacked = np.concatenate([coefficients[s][part] for s in sites])
                 products = stacked @ stacked.T / freedom * self._left(sites) ** 2
-            self.blocks.append(self._block(part, sites, freedom, products))
+            self.blocks.append(self._block(part, sites, freedom_left, products))
+
+    def _unlike(self, part: int) -> float:
+        """Return by how much the freedom of a part is less for waves down the rows."""
+        first, flats = self.planes[0], self.planes[0].is_flat & self.planes[0].repeats
+        if not flats.any():
+            return 1.0
+        size, pixel = (
+            float(np.mean([plane.scatter[flats, of].mean() for plane in self.planes]))
+            for of in (part, PIXEL)
+        )
+        return less_of(size, pixel, waves(first.plane, part, True))
 
     def _left(self, sites: Sequence[int]) -> float:
         return float(np.mean([self.planes[site].plane.left for site in sites]))

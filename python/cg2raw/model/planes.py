@@ -28,6 +28,7 @@ from cg2raw.statistics.constant import (
 )
 
 FAST_LINES = (PARTS.index("fast_rows"), PARTS.index("fast_columns"))
+LOW_ROWS = (PARTS.index("smooth_rows"), PARTS.index("slow_rows"))
 
 
 class PlaneLikelihood:
@@ -272,16 +273,26 @@ def freedom_of(
     of_lags = 2 * (statistics.lags[:, places] ** 2).sum(axis=1)
     found[:, PIXEL] /= np.maximum(1 + tails + of_lags, 0.2)
     for part in range(PIXEL):
+        planes = side if part in FAST_LINES else side**2
         for g in np.flatnonzero(again):
-            found[g, part] *= shared(scatter[g, part], scatter[g, PIXEL], part, side)
+            alike = planes * waves(plane, part, statistics.groups[g].kind == "flat")
+            found[g, part] *= less_of(scatter[g, part], scatter[g, PIXEL], alike)
     return found
 
 
-def shared(size: float, pixel: float, part: int, side: int) -> float:
-    """Return by how much the freedom of a part is less for planes that share it: what
-    they share is that above the pixels' variance. Lines run through as many planes as
-    the repeat has sites along them; what is smooth is in all."""
-    planes = side if part in FAST_LINES else side**2
-    if planes == 1 or size <= pixel:
+def waves(plane: PlaneStatistics, part: int, is_flat: bool) -> float:
+    """Return how many coefficients of a part there are for each number of what moves
+    them: those of rows that a wave of light runs down are by its amplitude and phase.
+    """
+    if not is_flat or part not in LOW_ROWS:
         return 1.0
-    return 1 / (1 + (planes - 1) * (1 - pixel / size) ** 2)
+    return max(float(plane.freedom[part]) / 2, 1.0)
+
+
+def less_of(size: float, pixel: float, alike: float) -> float:
+    """Return by how much the freedom of a part is less where so many coefficients are
+    alike: by what is above the pixels' variance. Lines run through as many planes as
+    the repeat has sites along them; what is smooth is in all."""
+    if size <= pixel:
+        return 1.0
+    return 1 / (1 + (alike - 1) * (1 - pixel / size) ** 2)

@@ -101,7 +101,12 @@ def selection(
     levels = {name: places[name] for name in LEVELS if name in places}
     if "black_level_drift" in levels:  # else nothing says how far levels may be off
         gains |= DarkLevels(
-            levels, training, validation, profile, shapes.dark_median
+            levels,
+            training,
+            validation,
+            profile,
+            shapes.dark_median,
+            is_structured=gains.get("bias_structure", 0.0) > least,
         ).gains(least)
     gains |= {name: shape.nats for name, shape in shapes.found.items()}
     if gains.get(JUMPS, 0.0) > least and "read_noise" in gains:
