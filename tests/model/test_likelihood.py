@@ -9,7 +9,7 @@ from cg2raw.model.components import FIXED
 from cg2raw.model.figures import figures_of
 from cg2raw.model.fit import fit, start_of
 from cg2raw.model.likelihood import Likelihood
-from cg2raw.model.planes import less_of
+from cg2raw.model.planes import less_of, unshared
 from cg2raw.statistics.constant import GroupInfo
 from model.planted import planted
 from oracles.plain_statistics import plain_statistics
@@ -147,6 +147,16 @@ def test_correlated_noise_is_no_row_noise(side):
     for name in ("row_noise", "row_fixed_pattern"):
         value, error = found.of(name)
         assert abs(value) < 3 * error, (name, value, error)
+
+
+def test_what_images_do_not_share():
+    """Three images: what a regression of each on the others leaves of its variance."""
+    products = np.array([[4.0, 2.0, 1.0], [2.0, 9.0, 0.5], [1.0, 0.5, 2.0]])
+    for n, found in enumerate(unshared(products)):
+        others = [k for k in range(3) if k != n]
+        among, with_it = products[np.ix_(others, others)], products[others, n]
+        left = products[n, n] - with_it @ np.linalg.solve(among, with_it)
+        assert found == pytest.approx(left)
 
 
 @pytest.mark.parametrize(("count", "power"), [(3, 4.0), (8, 0.5), (8, 30.0), (32, 5.0)])

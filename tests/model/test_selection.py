@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cg2raw import Sensor
+from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import fit
 from cg2raw.model.profile_values import profile_values
@@ -109,6 +110,33 @@ def glowing(frame, rng, gain):
     return frame + np.rint(rng.poisson(40 * gain * down[:, None] * across) / gain)
 
 
+def profile(parameters):
+    """Return a black level of 600 DN and a noise of 2 DN, of four planes."""
+    found = np.zeros(len(parameters))
+    sites = np.arange(4)
+    found[parameters.of("black_level") + sites] = 600
+    found[parameters.of("read_noise") + sites] = 4
+    return found
+
+
+@pytest.mark.parametrize(("frames", "names"), [(1, []), (2, ["black_level"])])
+def test_levels_are_named_by_frames_that_tell_their_drift(frames, names):
+    """Darks of two times, 3 DN above the profile's black level: of one frame each, a
+    drift of 3 DN is as likely."""
+    rng, fits = np.random.default_rng(12), []
+    for _ in range(2):
+        drawn = 603 + 2 * rng.standard_normal((2, frames, 112, 144))
+        codes = np.rint(drawn).astype(np.uint16)
+        groups = [
+            (GroupInfo("dark", tuple("ab")[:frames], time), list(some))
+            for time, some in zip((0.0, 5.0), codes, strict=True)
+        ]
+        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    found = selection(*fits, profile(fits[0].parameters), LEAST)
+    assert found.kept(LEAST) == names
+    assert (set(found.gains) & set(LEVELS) != set()) == bool(names)
+
+
 def test_first_columns_are_neither_level_nor_drift():
     """A pedestal that settles by 1 DN over 30 columns, with noise of 2 DN, is lower in
     the mean by 0.2 DN, 5 of its errors."""
@@ -123,11 +151,7 @@ def test_first_columns_are_neither_level_nor_drift():
             for time, frames in zip((0.0, 5.0), codes, strict=True)
         ]
         fits.append(fit(plain_statistics(groups, 2, 4095)))
-    truth = np.zeros(len(fits[0].parameters))
-    at = fits[0].parameters.of
-    truth[at("black_level") : at("black_level") + 4] = 600
-    truth[at("read_noise") : at("read_noise") + 4] = 4
-    found = selection(*fits, truth, LEAST).kept(LEAST)
+    found = selection(*fits, profile(fits[0].parameters), LEAST).kept(LEAST)
     assert found == ["bias_structure"]
 
 
