@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cg2raw.model.flat_levels import FlatLevels, level_gains
+from cg2raw.model.fit import fit
+from cg2raw.model.flat_levels import WAVES, FlatLevels, flat_levels, level_gains
+from model.planted import planted
 
 ERROR, LEAST = 1e-4, 8.0
 # R, G, G, B of two lights, 1 at white.
@@ -94,3 +96,20 @@ def test_values_that_are_drawn():
     ]
     drawn = two.value(["exposure"], given, known) - two.value(["exposure"], given)
     assert drawn == pytest.approx(wanted[1] - wanted[0], rel=1e-4)
+
+
+def test_waves_down_the_rows_move_the_mean():
+    """By as much as another of their coefficients, in all sites of one light alike."""
+    found = fit(planted(3, side=2, shape=(64, 80)).statistics)
+    predicted = np.where(found.likelihood.planes[0].is_flat, 1.0, np.nan)
+    covariances = []
+    for variance in (0.0, 0.02):
+        theta = found.theta.copy()
+        theta[[found.parameters.of(name) for name in WAVES]] = 0.0, variance
+        levels = flat_levels(
+            replace(found, theta=theta), np.tile(predicted, (4, 1)), "RGGB", white=1.0
+        )
+        covariances.append(levels.covariance)
+    one_light = np.equal.outer(*2 * (np.tile([0, 1], 4),))
+    wanted = 0.02 / (32 * 40) / 6 * one_light  # samples of a plane, frames
+    assert covariances[1] - covariances[0] == pytest.approx(wanted)

@@ -14,6 +14,9 @@ from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import fit
 from cg2raw.model.profile_values import profile_values
 from cg2raw.model.selection import NAMES, selection
+from cg2raw.model.shapes import Shapes
+from cg2raw.model.shapes.base import Shape
+from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.statistics.constant import GroupInfo
 from model.planted import planted
 from oracles.plain_statistics import plain_statistics
@@ -73,6 +76,56 @@ def test_what_the_profile_lacks_is_named(fits, name):
     lacks[own] = truth[own] - 40 if name == "black_level" else truth[own] * factor
     found = selection(first, second, lacks, LEAST).kept(LEAST)
     assert set(found) == STRUCTURES | {name}
+
+
+@pytest.mark.parametrize("fits", [2], indirect=True)
+@pytest.mark.parametrize(("spots", "names"), [(0.0, {"prnu"}), (1.0, set())])
+def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, spots, names):
+    """A profile whose pixels have half of their variance, of frames whose spots have as
+    much as all others."""
+    first, second, truth = fits
+    at = first.parameters.of("prnu")
+    lacks = truth.copy()
+    lacks[at] *= 0.5
+    shapes = Shapes({}, spots=spots * truth[at])
+    found = selection(first, second, lacks, LEAST, shapes=shapes).kept(LEAST)
+    assert set(found) == STRUCTURES | names
+
+
+@pytest.mark.parametrize("fits", [2], indirect=True)
+@pytest.mark.parametrize(
+    ("of_profile", "is_named"), [(0.8, False), (0.65, True), (1.2, True)]
+)
+def test_noise_of_a_profile_beside_tails(fits, of_profile, is_named):
+    """Most draws have seven tenths of all: a profile may have either, or between."""
+    first, second, truth = fits
+    own = np.isin(first.parameters.names, NAMES["read_noise"])
+    lacks = np.where(own, truth * of_profile, truth)
+    most = 0.7 * float(truth[own].mean()), 1e-3 * float(truth[own].mean())
+    shapes = Shapes({TAILS: Shape(TAILS, 99.0, ())}, most=(most, most))
+    found = selection(first, second, lacks, LEAST, shapes=shapes).kept(LEAST)
+    assert ("read_noise" in found) == is_named
+
+
+@pytest.mark.parametrize(("dsnu", "names"), [(1.0, []), (0.0, ["dsnu"])])
+def test_offsets_of_pixels_with_dark_current(dsnu, names):
+    """1 DN of offset and 0.1 DN/s that are the same pattern: no profile says so, and
+    one that has both is right."""
+    rng, fits = np.random.default_rng(13), []
+    pattern = rng.standard_normal((112, 144))
+    for _ in range(2):
+        groups = []
+        for time in (0.0, 10.0):
+            drawn = 600 + (1 + 0.1 * time) * pattern
+            drawn = drawn + 2 * rng.standard_normal((3, 112, 144))
+            codes = list(np.rint(drawn).astype(np.uint16))
+            groups.append((GroupInfo("dark", tuple("abc"), time), codes))
+        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    parameters = fits[0].parameters
+    null = profile(parameters)
+    null[parameters.of("dsnu")] = dsnu
+    null[parameters.of("dark_current_nonuniformity")] = 0.01
+    assert selection(*fits, null, LEAST).kept(LEAST) == names
 
 
 def test_lines_of_light_are_no_effect_and_are_said():

@@ -4,8 +4,7 @@
 """Effects of the registry that a calibration calls for, in units of the signal.
 
 A signal is 1 at white, above black. An effect is called for if it stands out from its
-standard error and from its estimator's floor; where it was looked for and does not, the
-profile is not to have it.
+standard error; where it was looked for and does not, the profile is not to have it.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,7 +13,7 @@ from typing import Literal
 from scipy.special import gammaincinv
 
 from cg2raw.calibration.fitting import measured
-from cg2raw.calibration.measured import FLOOR, Measured
+from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
 
 Found = Mapping[str, float | Measured]
@@ -50,40 +49,30 @@ def tails(found: Measurements) -> list[str]:
 Answer = Found | None | Literal[False]  # False: the frames cannot show it
 
 
-def deviation(c: Measurements, name: str, floor: float, scale: float = 1.0) -> Answer:
-    """Return a standard deviation of the fit as an effect's sigma, in units of @scale.
-
-    floor : variance that it must exceed: FLOOR of that of noise in what it is of."""
+def deviation(c: Measurements, name: str, scale: float = 1.0) -> Answer:
+    """Return a deviation of the fit as an effect's sigma, in units of @scale."""
     found = c.figure(name)
     if found is None:
         return False
-    if not found.variance_stands_out or found.value**2 <= FLOOR * floor:
+    if not found.variance_stands_out:
         return None
     return {"sigma": found.scaled(1 / scale, "1")}
 
 
-def read_variance(c: Measurements) -> float:
-    """Return the temporal variance of a pixel of a dark, DN^2; 0 if it is not known."""
-    noise = c.figure("temporal dark noise")
-    return noise.value**2 if noise is not None else 0.0
-
-
 def row_noise(c: Measurements) -> Answer:
-    return deviation(c, "row noise", read_variance(c) / c.shape[1], c.range)
+    return deviation(c, "row noise", c.range)
 
 
 def column_fixed_pattern(c: Measurements) -> Answer:
-    frames = max(sum(c.repeats), 1) * c.shape[0]
-    return deviation(c, "fixed column pattern", read_variance(c) / frames, c.range)
+    return deviation(c, "fixed column pattern", c.range)
 
 
 def dsnu(c: Measurements) -> Answer:
-    frames = max(sum(c.repeats), 1)
-    return deviation(c, "DSNU", read_variance(c) / frames, c.range)
+    return deviation(c, "DSNU", c.range)
 
 
 def prnu(c: Measurements) -> Answer:
-    return deviation(c, "PRNU", c.light.noise if c.light else 0.0)
+    return deviation(c, "PRNU")
 
 
 def black_level_drift(c: Measurements) -> Answer:

@@ -25,7 +25,7 @@ class DarkLevels:
     """places : (n,) which parameters are of each of LEVELS. profile : (n,) the null.
     median : by how much that of dark current is above its mean, and the standard error,
     DN/s: a profile has the median, the likelihood the mean. is_structured : whether the
-    bias has a structure, whose first lines raise the mean."""
+    bias has a structure, whose first columns raise the mean."""
 
     def __init__(
         self,
@@ -118,28 +118,22 @@ class DarkLevels:
         if name == "dark_current":
             covariance += self.median[1] ** 2
         elif self.is_structured:
-            mean, error = first_lines(self.training)
-            # Or the profile's level is that of all lines together.
-            means, covariance = means + mean, covariance + error**2 + mean**2
+            mean, error = first_columns(self.training)
+            means, covariance = means + mean, covariance + error**2
         return Prior(places, means, covariance)
 
 
-def first_lines(fit: Fit) -> tuple[float, float]:
-    """Return by how much lines that settle from the first one on raise the mean of the
-    shortest darks, and the standard error, DN: rows, and columns."""
+def first_columns(fit: Fit) -> tuple[float, float]:
+    """Return by how much columns that settle from the first one on raise the mean of
+    the shortest darks, and the standard error, DN."""
     planes = fit.likelihood.planes
     side, dark = planes[0].side, ~planes[0].is_flat
     shortest = dark & (planes[0].time == planes[0].time[dark].min())
     weights = planes[0].frames * shortest / (planes[0].frames @ shortest)
-    found = []
-    for axis in (0, 1):
-        lines = np.zeros(side * planes[0].plane.shape[axis])
-        for site, plane in enumerate(planes):
-            profiles = (plane.plane.rows, plane.plane.columns)[axis]
-            lines[divmod(site, side)[axis] :: side] += weights @ profiles / side
-        found.append(mean_of_decay(lines))
-    means, errors = zip(*found, strict=True)
-    return sum(means), float(np.hypot(*errors))
+    lines = np.zeros(side * planes[0].plane.shape[1])
+    for site, plane in enumerate(planes):
+        lines[site % side :: side] += weights @ plane.plane.columns / side
+    return mean_of_decay(lines)
 
 
 def mean_of_decay(lines: Array) -> tuple[float, float]:

@@ -26,6 +26,9 @@ STEP = 1e-6  # of a slope by differences
 ROUNDS = 6  # of Gauss-Newton; two are usual
 ALIKE = 1e-9  # of the largest singular value: directions that others make up for
 
+# Of light that moves from frame to frame, what is slow down the rows.
+WAVES = ("lamp, smooth_rows", "mains_flicker, slow_rows")
+
 Change = Callable[["FlatLevels", Array, Array], Array]
 
 
@@ -208,6 +211,10 @@ def flat_levels(
     one_color = one_light * np.equal.outer(color, color)
     covariance += FREE * one_color * ~is_known[flat]
     covariance += one_light * light**2 / frames[flat]
+    # A wave down the rows has a mean, as large as its other coefficients are.
+    waves = [found.theta[found.parameters.of(name)] for name in WAVES]
+    wave = float(np.maximum(waves, 0.0).sum()) / planes[0].plane.masked.size
+    covariance += one_light * wave / frames[flat]
     if "exposure" in nuisances:
         covariance += FREE * one_light
     if "white_balance" in nuisances:

@@ -17,6 +17,7 @@ from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.fit import Fit, Prior, refitted
 from cg2raw.model.lags import Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
+from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.shapes.random_telegraph_noise import NAME as JUMPS
 from cg2raw.statistics.constant import Array
 
@@ -39,6 +40,8 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "color_shading": ("color_shading",),
     "mains_flicker": ("mains_flicker",),
 }
+# A covariance, which no profile states: without the one of its effects it is none.
+BOTH = "dsnu and dark current"
 # Components that no effect has: where structure is that nothing explains.
 UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of light")
 
@@ -91,12 +94,18 @@ def selection(
         for name, parameters in NAMES.items()
     }
     places = {name: own for name, own in places.items() if own.any()}
+    for name in ("dsnu", "dark_current_nonuniformity"):
+        if profile[training.parameters.of(name)] > 0 and name in places:
+            places[name] = places[name] & (np.array(names) != BOTH)
     for name, own in places.items():
         if name in LEVELS:
             continue
         prior = None
         if blended is not None and name in ("read_noise", "shot_noise"):
             prior = blended.prior(np.flatnonzero(own), profile)
+        if name == "prnu" and shapes.spots > 0:
+            at_prnu = np.flatnonzero(own)
+            prior = Prior(at_prnu, profile[at_prnu], np.array([[shapes.spots**2]]))
         gains[name] = gain_of(own, training, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
     if "black_level_drift" in levels:  # else nothing says how far levels may be off
@@ -109,9 +118,17 @@ def selection(
             is_structured=gains.get("bias_structure", 0.0) > least,
         ).gains(least)
     gains |= {name: shape.nats for name, shape in shapes.found.items()}
-    if gains.get(JUMPS, 0.0) > least and "read_noise" in gains:
+    if "read_noise" in gains:
         variance = float(profile[places["read_noise"]].mean())
-        gains["read_noise"] = shapes.read_noise(variance) or gains["read_noise"]
+        if gains.get(JUMPS, 0.0) > least:
+            of_core = shapes.read_noise(variance, shapes.cores)
+            gains["read_noise"] = of_core or gains["read_noise"]
+        if gains.get(TAILS, 0.0) > least and shapes.most[1] is not None:
+            # A profile's noise is that of most draws, or of more, up to all.
+            total = float(validation.theta[places["read_noise"]].mean())
+            of_most = shapes.read_noise(variance, shapes.most)
+            nothing = 0.0 if shapes.most[1][0] < variance < total else np.inf
+            gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])
     unnamed = {}
     for name in UNNAMED:
         own = np.isin(names, name) & known

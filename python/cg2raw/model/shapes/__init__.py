@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 from cg2raw.model.fit import Fit
 from cg2raw.model.shapes.base import Shape, Shown
-from cg2raw.model.shapes.dust import dust
-from cg2raw.model.shapes.heavy_tailed_noise import core_of, heavy_tailed_noise
+from cg2raw.model.shapes.dust import dust, power_of_spots
+from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
+from cg2raw.model.shapes.heavy_tailed_noise import core_of, heavy_tailed_noise, most_of
 from cg2raw.model.shapes.hot_pixels import dark_median, hot_pixels
 from cg2raw.model.shapes.pdaf_pixels import pdaf_pixels
 from cg2raw.model.shapes.random_telegraph_noise import random_telegraph_noise
@@ -30,16 +31,24 @@ class Shapes:
     """found : by name. dark_median : by how much the dark current of most pixels is
     above the mean of those that are not masked, and its standard error, DN/s; of
     training frames. cores : the variance of most draws in the shortest darks and its
-    standard error, DN^2, of training and validation; None where it is not known."""
+    standard error, DN^2, of training and validation; None where it is not known. most :
+    likewise, by the law of tails; only beside their evidence.
+    spots : by how much the variance of the pixels' sensitivity would be more with those
+    in spots, which a profile's may have; of training frames."""
 
     found: Mapping[str, Shape]
     dark_median: tuple[float, float] = (0.0, 0.0)
     cores: tuple[tuple[float, float] | None, ...] = (None, None)
+    most: tuple[tuple[float, float] | None, ...] = (None, None)
+    spots: float = 0.0
 
-    def read_noise(self, profile: float) -> float | None:
-        """Return the nats of read noise beside pixels that jump: of most draws, as
-        trained over a profile's, DN^2. None where it is not known."""
-        trained, measured = self.cores
+    def read_noise(
+        self, profile: float, among: tuple[tuple[float, float] | None, ...]
+    ) -> float | None:
+        """Return the nats of read noise beside pixels that jump or tails: of most
+        draws, as trained over a profile's, DN^2. among : of cores or most. None where
+        it is not known."""
+        trained, measured = among
         if trained is None or measured is None:
             return None
         value, error = measured
@@ -58,4 +67,10 @@ def shapes(
     found = (effect(shown) for effect in EFFECTS)
     by_name = {shape.name: shape for shape in found if shape is not None}
     median = dark_median(shown, splits[0]) or (0.0, 0.0)
-    return Shapes(by_name, median, tuple(core_of(shown, split) for split in splits))
+    cores = tuple(core_of(shown, split) for split in splits)
+    tails = by_name.get(TAILS)
+    most = tuple(
+        most_of(shown, split) if tails is not None and tails.nats > 0 else None
+        for split in splits
+    )
+    return Shapes(by_name, median, cores, most, power_of_spots(shown, splits[0]))

@@ -67,6 +67,19 @@ def dust(shown: Shown) -> Shape | None:
     return Shape(NAME, nats, _figures(fitted, shape))
 
 
+def power_of_spots(shown: Shown, split: str) -> float:
+    """Return what the pixels in spots add to the mean square of the sensitivity, beyond
+    what all differ by; 0 without spots."""
+    spots, shape = shown.statistics.spots, frame_shape(shown)
+    if spots is None:
+        return 0.0
+    excess = excess_of(shown, (split,), spots.samples(shape))
+    if excess is None:
+        return 0.0
+    squares = float((excess.values**2 - 1 / excess.weights).sum())
+    return max(squares, 0.0) / (shape[0] * shape[1])
+
+
 def _loss(numbers: Array, rows: Array, columns: Array) -> Array:
     row, column, depth, radius, power = numbers
     away = np.hypot(rows - row, columns - column) / radius

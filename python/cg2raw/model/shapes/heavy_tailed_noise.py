@@ -79,9 +79,8 @@ class Tails:
             self.counts @ np.log(self.shares(np.exp(scale), share, ratio, lasting))
         )
 
-    def with_errors(self, best: Array) -> tuple[Array, Array]:
-        """Return the likeliest numbers and their standard errors, by the curvature of
-        the likelihood; nan where it has none."""
+    def covariance(self, best: Array) -> Array:
+        """Return that of the likeliest numbers, by the curvature of the likelihood."""
         steps = STEP * np.eye(len(best))
         curvature = np.array(
             [
@@ -96,9 +95,19 @@ class Tails:
                 for one in steps
             ]
         ) / (4 * STEP**2)
-        inverse = np.linalg.pinv(-curvature)
-        variance = np.diagonal(inverse)
-        return best, np.sqrt(np.where(variance > 0, variance, np.nan))
+        return np.asarray(np.linalg.pinv(-curvature), np.float64)
+
+    def of_most(self, best: Array) -> tuple[float, float]:
+        """Return the variance of most draws and its standard error, DN^2."""
+        slopes = np.array(
+            [
+                (log_of_most(best + step) - log_of_most(best - step)) / (2 * STEP)
+                for step in STEP * np.eye(len(best))
+            ]
+        )
+        square = max(float(slopes @ self.covariance(best) @ slopes), 0.0)
+        value = float(np.exp(log_of_most(best))) * (self.power - ROUNDING)
+        return value, square**0.5 * value
 
     def fitted(
         self, start: Array, most: float = MOST_RATIO, lasting: bool = False
@@ -116,6 +125,12 @@ class Tails:
         return best
 
 
+def log_of_most(numbers: Array) -> float:
+    """Return the logarithm of the variance of most draws, over that of all."""
+    scale, share, ratio = numbers[0], expit(numbers[1]), np.exp(numbers[2])
+    return float(scale - np.log1p(share * (ratio - 1)))
+
+
 def heavy_tailed_noise(shown: Shown) -> Shape | None:
     """Return the evidence of tails, or of noisy samples beyond those that telegraph
     noise has, whichever is less; None without pairs of darks, where codes are few and
@@ -125,8 +140,7 @@ def heavy_tailed_noise(shown: Shown) -> Shape | None:
         return None
     if min(first.power, second.power) < LEAST_POWER:
         return None
-    ends = [first.fitted(np.array([0.0, logit(s), np.log(r)])) for s, r in STARTS]
-    trained = max(ends, key=first.nats)
+    trained = fitted_tails(first)
     even = np.array([0.0, logit(0.1), np.log(UNEVEN) / 2])
     without = max(
         second.nats(second.fitted(start, UNEVEN, lasting), lasting)
@@ -134,7 +148,8 @@ def heavy_tailed_noise(shown: Shown) -> Shape | None:
     )
     nats = second.nats(trained) - without
     nats = min(nats, nats_beside_jumps(shown))
-    numbers, errors = first.with_errors(trained)
+    numbers, variances = trained, np.diagonal(first.covariance(trained))
+    errors = np.sqrt(np.where(variances > 0, variances, np.nan))
     three = numbers - NORMAL * errors, numbers, numbers + NORMAL * errors
     figures = []
     for n, name, value_of in ((1, "fraction", expit), (2, "variance_ratio", np.exp)):
@@ -142,6 +157,30 @@ def heavy_tailed_noise(shown: Shown) -> Shape | None:
         error = (high - low) / 2 / NORMAL
         figures.append(Figure(name, "1", value, error, low, high))
     return Shape(NAME, nats, tuple(figures))
+
+
+def fitted_tails(found: Tails) -> Array:
+    """Return the likeliest numbers of residuals."""
+    ends = [found.fitted(np.array([0.0, logit(s), np.log(r)])) for s, r in STARTS]
+    return max(ends, key=found.nats)
+
+
+def most_of(shown: Shown, split: str) -> tuple[float, float] | None:
+    """Return the variance of most draws, of which a few are wider by the law of tails,
+    and its standard error, DN^2; None where codes are few."""
+    found = tails_of(shown, split)
+    if found is None or found.is_coarse:
+        return None
+    value, error = found.of_most(fitted_tails(found))
+    return value * lost_of(shown), error * lost_of(shown)
+
+
+def lost_of(shown: Shown) -> float:
+    """Return by how much noise is more than residuals, which have lost what their lines
+    have."""
+    planes = shown.statistics.planes
+    samples = sum(float((~p.masked).sum()) for p in planes)
+    return samples / sum(float(p.freedom[PIXEL]) for p in planes)
 
 
 def core_of(shown: Shown, split: str) -> tuple[float, float] | None:
@@ -157,11 +196,7 @@ def core_of(shown: Shown, split: str) -> tuple[float, float] | None:
     sigma = CORE / np.sqrt(2) / float(erfinv(share))
     density = np.exp(-((CORE / sigma) ** 2) / 2) / np.sqrt(2 * np.pi)
     error = sigma**3 / (CORE * density) * np.sqrt(share * (1 - share) / left)
-    planes = shown.statistics.planes  # residuals have lost what their lines have
-    lost = sum((~p.masked).sum() for p in planes) / sum(
-        p.freedom[PIXEL] for p in planes
-    )
-    power = found.power * float(lost)
+    power = found.power * lost_of(shown)
     return sigma**2 * power - ROUNDING, float(error) * power
 
 
