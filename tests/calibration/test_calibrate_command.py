@@ -74,9 +74,17 @@ def test_numbers_for_programs_and_a_page(files, tmp_path):
     assert by_name["gain"]["value"]["value"] == pytest.approx(GAIN, rel=0.05)
     assert by_name["saturation"]["value"] is None
     page = (tmp_path / "page" / "calibration.html").read_text()
-    for words in ("Photon transfer", "Dark current", "Bias profiles", "PRNU", "e-/DN"):
+    for words in (
+        "Photon transfer",
+        "Signal to noise",
+        "Dark current",
+        "Bias profiles",
+    ):
         assert words in page
-    assert page.count("<img ") == 8 and "<script" not in page
+    # Curves: five, of which the bias has two; maps: bias, dark current, PRNU, shading.
+    assert page.count("<svg ") == 6 and page.count("<img ") == 4
+    assert "#5a9216" in page and ">Gb<" in page  # sites have their colours and names
+    assert "<script" not in page and len(page) < 500_000
 
 
 def test_dngs_say_their_own_exposure_and_iso(tmp_path):

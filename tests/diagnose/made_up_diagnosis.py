@@ -8,18 +8,17 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import (
     Alternative,
-    Characteristics,
+    Chart,
     Curve,
     DetectionLimit,
     Diagnosis,
     Estimate,
     Finding,
-    FixedPattern,
     Gap,
     Picture,
     ResidualTest,
     Rung,
-    Trend,
+    Series,
 )
 
 R2, R4 = -0.34, 0.05
@@ -109,37 +108,23 @@ def curves():
     ]  # fmt: skip
 
 
-def trend(x, truth, lacking, seed):
-    """Return points of a truth that the model before lacks some of, x against y."""
-    rng = np.random.default_rng(seed)
-    x = np.asarray(x, float)
-    measured = truth(x) * (1 + 0.01 * rng.standard_normal(x.size))
-    held_out = np.arange(x.size) % 3 == 0
-    return Trend(x, measured, truth(x) - lacking(x), truth(x), held_out)
-
-
-def fixed_pattern(kind, height=24, width=36):
-    """Return a mean of frames with a ramp that the model before lacks."""
-    rng = np.random.default_rng(len(kind) + ord(kind[0]))
-    after = 0.3 * rng.standard_normal((height, width))
-    before = after + np.linspace(0, 3, width)
-    whole = (10 * height, 10 * width)
-    rows, columns = (0.1 * rng.standard_normal(n) for n in whole)
-    ramp = np.linspace(0, 3, whole[1])
-    return FixedPattern(
-        kind, 3, before, after, rows + 1.5, rows, columns + ramp, columns
+def charts():
+    """Return what darks and flats show of row noise, of two sites, and of all."""
+    x = np.array([0.0, 1.0, 10.0, 30.0])
+    noise = np.array([0.41, 0.43, 0.40, 0.42])
+    one = Series("", x, noise, np.full(4, 0.1), np.full(4, 0.412))
+    red, green = (
+        Series(name, x + 1, n * x, np.zeros(4), 1.01 * n * x)
+        for n, name in enumerate(("R", "Gb"), 1)
     )
-
-
-def characteristics():
-    """Return what darks and flats show of a camera of 0.48 DN per electron."""
-    return Characteristics(
-        trend(np.geomspace(2, 3000, 12), lambda x: 9 + 0.48 * x, lambda x: 0.1 * x, 1),
-        trend([0, 0, 1, 10, 30, 30], lambda t: 2 + 0.4 * t, lambda t: 0.4 * t, 2),
-        [fixed_pattern("dark"), fixed_pattern("flat")],
-        2.083,
-        ["No flats near white: the full well is not shown."],
-    )
+    drift = Series("", x, x - 10, np.full(4, 0.1), np.full(4, 12.0))
+    lines = ("exposure time, s", "rms, DN")
+    return [
+        Chart("row_noise", "Noise of rows", *lines, [one]),
+        Chart("", "Level of flats", "signal, DN", "deviation, %", [red, green]),
+        Chart("", "Levels of darks", "dark, in order", "DN", [drift], "bands"),
+        Chart("", "Correlation", "", "r", [one], "bars", ["right", "down", "a", "b"]),
+    ]
 
 
 def residual_tests(scale):
@@ -182,8 +167,7 @@ def findings():
         18342.1, 1e300,
         [Alternative("veiling_glare", 212.0), Alternative("nonlinearity", 96.4)],
         [], "falls off with radius, all channels, in proportion to signal",
-        "The lens loses 29 % at the corner; adding it brings held-out chi-square from "
-        "3.21 to 1.04.",
+        "Lens shading: the lens loses 29 % at the corner.",
         loss_nats=17211.4,
     )  # fmt: skip
     rows = Finding(
@@ -192,8 +176,7 @@ def findings():
         31.7, 5.8e13,
         [Alternative("read_noise", 28.9, "Ten further darks: rows repeat in none.")],
         ["read_noise"], "whole rows, new in each frame",
-        "Rows jump together by 0.41 DN from frame to frame; adding it brings held-out "
-        "chi-square from 1.04 to 1.00.",
+        "Row noise: standard deviation 0.41 DN.",
         rule="It gains most on the held-out frames.",
         loss_nats=30.9,
     )  # fmt: skip
@@ -249,11 +232,13 @@ def made_up_diagnosis(**changes):
                    "report": ["scene_0.dng", "flat_1.dng", "scene_2.dng"]},
         "pictures": pictures(),
         "curves": curves(),
-        "characteristics": characteristics(),
+        "charts": charts(),
         "histogram_before": histogram(1.8),
         "histogram_after": histogram(1.0),
         "profile_json": json.dumps({"id": "nikon-d40", "effects": ["lens_shading"]},
                                    indent=2),
+        "white_dn": 16000.0,
+        "electrons_per_dn": 2.083,
         "seconds": 12.34,
     }  # fmt: skip
     return Diagnosis(**{**fields, **changes})

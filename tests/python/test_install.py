@@ -80,7 +80,7 @@ def test_the_wheel_holds_package_stubs_profiles_and_config(wheel, repository):
         assert f"cg2raw/{name}" in names
     assert "cg2raw_ocio/chain.py" in names
     assert any(name.endswith("data/share/man/man1/cg2raw.1") for name in names)
-    assert "cg2raw/diagnose/report/templates/report.html.jinja" in names
+    assert "cg2raw/io/templates/report.html.jinja" in names
     assert not [name for name in names if name.startswith(("tests", "include", "lib"))]
 
 

@@ -54,12 +54,17 @@ class Sites:
 
 
 def sites_of(sensor: Sensor) -> Sites:
-    """Return the sites of a sensor, named by their colours where it has any."""
-    letters = "" if is_mono(sensor.cfa) else sensor.cfa
+    """Return the sites of a sensor, named by their colours where it has any; of a Bayer
+    CFA, Gr is the green beside red."""
+    letters = "" if is_mono(sensor.cfa) else sensor.cfa.upper()
     names = []
     for index, letter in enumerate(letters, 1):
         number = letters[:index].count(letter) if letters.count(letter) > 1 else ""
         names.append(f"{letter}{number}")
+    if len(names) == 4:
+        red_row = names[:2] if "R" in names[:2] else names[2:]
+        greens = {name: "Gr" if name in red_row else "Gb" for name in ("G1", "G2")}
+        names = [greens.get(name, name) for name in names]
     return Sites(max(len(names), 1), tuple(names) or ("",))
 
 

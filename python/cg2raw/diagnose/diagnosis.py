@@ -155,58 +155,35 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Trend:
-    """What frames measure against a quantity, and what both models say; each (n,).
+class Series:
+    """What is measured at x, and what both models say; each (n,). name : of a site of
+    the CFA, "" of all together."""
 
-    held_out : whether a point is of report frames."""
-
+    name: str
     x: NDArray[np.float64]
     measured: NDArray[np.float64]
     before: NDArray[np.float64]
     after: NDArray[np.float64]
-    held_out: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class FixedPattern:
-    """Mean of what report frames of a kind are above both simulations, DN; noise of
-    single frames averages out.
+class Chart:
+    """What test frames show of one effect: measured, and predicted without it (before)
+    and with it (after), all else as it was found.
 
-    frames : how many. before, after : (h, w) of cells.
-    rows_before, rows_after : (H,) means over columns. columns_before, columns_after :
-    (W,) means over rows. NaN where no pixel counts."""
+    effect : its name; "" of all that was found against the profile. title : what is
+    drawn. x_label, y_label : quantity and unit. form : "lines" over x, "bars" of names,
+    or "bands" that hold 95 %, of which before and after are half the width.
+    scale : of x and y."""
 
-    kind: str
-    frames: int
-    before: NDArray[np.float64]
-    after: NDArray[np.float64]
-    rows_before: NDArray[np.float64]
-    rows_after: NDArray[np.float64]
-    columns_before: NDArray[np.float64]
-    columns_after: NDArray[np.float64]
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(H, W) px."""
-        return len(self.rows_before), len(self.columns_before)
-
-
-@dataclass(frozen=True)
-class Characteristics:
-    """What darks, flats and repeats measure of a sensor, as EMVA 1288 draws it.
-
-    transfer : variance of a pixel from frame to frame, DN^2, against its level above
-        black, DN; of pairs of repeats among the report frames.
-    dark_levels : median of darks above black, DN, against exposure time, s.
-    patterns : of darks and of flats.
-    electrons_per_dn : by the gain of the profile that was found; None if not known.
-    missing : sentences on what these frames do not show."""
-
-    transfer: Trend | None
-    dark_levels: Trend | None
-    patterns: Sequence[FixedPattern]
-    electrons_per_dn: float | None
-    missing: Sequence[str]
+    effect: str
+    title: str
+    x_label: str
+    y_label: str
+    series: Sequence[Series]
+    form: str = "lines"
+    names: Sequence[str] = ()
+    scale: str = "linear linear"
 
 
 @dataclass(frozen=True)
@@ -237,10 +214,12 @@ class Diagnosis:
     groups: Mapping[str, Sequence[str]]  # fit, select, report -> names of frames
     pictures: list[Picture] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
-    characteristics: Characteristics | None = None
+    charts: list[Chart] = field(default_factory=list)  # of darks and flats
     histogram_before: Histogram | None = None
     histogram_after: Histogram | None = None
     profile_json: str = ""  # the sensor with the effects added
+    white_dn: float | None = None  # above black
+    electrons_per_dn: float | None = None  # by the profile with what was found
     interrupted: bool = False
     time_limit_reached: bool = False  # by the search, which then ended with what it had
     seconds: float = 0.0

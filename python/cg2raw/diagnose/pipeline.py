@@ -29,6 +29,7 @@ from cg2raw.diagnose.likelihood.workers import TimeIsUp, Workers
 from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
 from cg2raw.diagnose.verdict.together import together, with_images_alone
 from cg2raw.interrupts import raised
+from cg2raw.sensor import Sensor
 
 Progress = Callable[[str, float], None]
 OF_DARKS = 0.3  # of the progress of darks, flats and images
@@ -57,7 +58,7 @@ def diagnose(
     threads : number of frames worked on at a time; the result does not depend on it.
     pixels : of every frame that are worked on; tiles of a larger one are chosen. None
         for 65536, or fewer of more than 64 frames.
-    details : False for neither pictures nor curves.
+    details : False for neither pictures, curves nor charts.
     time_limit : seconds from the start, after which nothing more is looked for; the
         report then says so. None for as long as it takes.
 
@@ -93,7 +94,7 @@ def diagnose(
                 seen = darks_and_flats(decided, alpha, own, said)
                 free = frozenset() if is_all else OF_IMAGES
                 shown = seen.shown
-                found = diagnosis_of(seen, own, most == 0, free)
+                found = diagnosis_of(seen, own, most == 0, free, details)
         except (KeyboardInterrupt, TimeIsUp) as ended:
             interrupted = isinstance(ended, KeyboardInterrupt)
             found = unfinished(capture_set, interrupted=interrupted)
@@ -139,9 +140,20 @@ def _finished(
     ]
     if found.verdict == "incomplete":
         unseen = []
-    limits = [*found.detection_limits, *unseen]
-    seconds = time.monotonic() - started
-    return replace(found, detection_limits=limits, seconds=seconds)
+    sensor = capture_set.sensor
+    if found.profile_json:
+        sensor = Sensor.from_json(found.profile_json, f"{sensor.id} as found")
+    white = sensor.white_level - float(np.mean(sensor.black_level))
+    isos = {one.iso for one in capture_set.captures}
+    rows = [row for row in sensor.noise or () if {row["iso"]} == isos]
+    shot = float(np.mean(rows[0]["beta1"])) * white if rows else 0.0
+    return replace(
+        found,
+        detection_limits=[*found.detection_limits, *unseen],
+        white_dn=white,
+        electrons_per_dn=1 / shot if shot > 0 else None,
+        seconds=time.monotonic() - started,
+    )
 
 
 def _names(

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The report's pictures: one exposure for a frame, residual maps to scale."""
+"""Pictures of test frames: as bright as can be, residuals by their sign and size."""
 
 import io
 
@@ -8,88 +8,61 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from cg2raw.diagnose.diagnosis import Picture
-from cg2raw.diagnose.report import frame_images as frames
+from cg2raw.diagnose.report import frame_images
+from cg2raw.diagnose.report.frame_images import cells_of, frame, frames, srgb
 from diagnose.made_up_diagnosis import picture
 
 
 def pixels(image):
-    """Return an image's (h, w, 3) codes."""
-    return np.asarray(Image.open(io.BytesIO(image.png)).convert("RGB")).astype(int)
+    return np.asarray(Image.open(io.BytesIO(image.png)).convert("RGB"), float)
 
 
-def flat(level, size=(8, 8)):
-    """Return a uniform signal."""
-    return np.full((*size, 3), level, np.float32)
+@pytest.fixture(scope="module")
+def made():
+    return picture("shot.dng", "scene", 40, 60, 3)
 
 
-def plain_picture(measured, before, after, z=None, neutral=(1.0, 1.0, 1.0)):
-    """Return a Picture; its residuals are @z, or zero."""
-    z = np.zeros(measured.shape[:2], np.float32) if z is None else z
-    return Picture("a.dng", "scene", measured, before, after, z, z, neutral)
+@pytest.mark.parametrize(
+    ("linear", "code"), [(0, 0), (0.0031308, 10), (0.2140, 127), (1, 255), (2, 255)]
+)
+def test_display_is_srgb(linear, code):
+    # IEC 61966-2-1; one code of rounding.
+    assert abs(int(srgb(np.array([linear]))[0]) - code) <= 1
 
 
-def test_the_three_pictures_have_one_exposure():
-    shown = frames.frame(plain_picture(flat(0.45), flat(0.225), flat(0.45)), 1, 1)
-    codes = [pixels(image)[0, 0].tolist() for image in shown.images]
-    # 0.9 and 0.45 of the display, as IEC 61966-2-1 encodes them.
-    assert codes == [[243] * 3, [179] * 3, [243] * 3]
-    assert shown.gain == pytest.approx(2)
+def test_a_frame_is_measured_before_and_after(made):
+    caption, images = frame(made, 1)
+    assert caption.startswith("shot.dng, scene: measured (times ")
+    assert [(i.width, i.height) for i in images] == 3 * [(60, 40)]
+    assert "before" in images[1].alt and "after" in images[2].alt
 
 
-def test_a_neutral_is_shown_grey():
-    tinted = flat(1.0) * np.float32([0.3, 0.6, 0.4])
-    shown = frames.frame(
-        plain_picture(tinted, tinted, tinted, neutral=(0.5, 1, 2 / 3)), 1, 1
-    )
-    assert np.ptp(pixels(shown.images[0])) <= 1
-
-
-@pytest.mark.parametrize("neutral", [None, (0.0, 1.0, 1.0), (np.nan, 1, 1)])
-def test_a_dark_is_shown_dark(neutral):
-    dark = flat(1e-4)
-    shown = frames.frame(plain_picture(dark, dark, dark, neutral=neutral), 1, 1)
-    assert shown.gain == frames.LARGEST_GAIN and pixels(shown.images[0]).max() < 30
-
-
-def test_residuals_are_red_above_white_at_zero_blue_below_grey_if_masked():
-    z = np.array([[0, 4, -4, 9, -9, np.nan, 2, -2]], np.float32)
-    index, palette = frames.map_colors(z)
-    colors = np.array(list(palette)).reshape(-1, 3)[index[0]]
-    zero, high, low, beyond, below, masked, some_high, some_low = colors.tolist()
-    assert min(zero) > 240 and masked == list(frames.MASKED)
-    assert high == beyond and low == below
-    assert high[0] > 2 * high[2] and low[2] > 2 * low[0]
-    assert some_high[0] > some_high[2] and some_low[2] > some_low[0]
+def test_red_is_brighter_than_predicted_and_grey_is_not_known(made):
+    z = np.zeros((40, 60), np.float32)
+    z[:10], z[10:20], z[20:30] = 4, -4, np.nan
+    changed = type(made)(**{**vars(made), "z_before": z})
+    shown = pixels(frame(changed, 1)[1][1])
+    high, low, unknown, nothing = (shown[row, 0] for row in (5, 15, 25, 35))
+    assert high[0] > 1.5 * high[2] and low[2] > 1.5 * low[0]
+    assert (unknown == 128).all() and nothing.min() > 240
 
 
 @pytest.mark.parametrize("side", [1, 2, 3, 4])
 def test_a_reduced_map_of_noise_still_has_unit_deviation(side):
     z = np.random.default_rng(1).standard_normal((240, 251))
     z[:50, :60] = np.nan
-    reduced = frames.reduced_sum(z, side)
-    count = np.isfinite(reduced).sum()
-    assert reduced.shape == (-(-240 // side), -(-251 // side))
+    reduced = cells_of(z, side, side)
+    assert reduced.shape == (240 // side, 251 // side)
     # The deviation of n normal draws is known to 1 / sqrt(2 n); five of these.
-    assert np.nanstd(reduced) == pytest.approx(1, abs=5 / np.sqrt(2 * count))
+    whole = reduced[60 // side + 1 :]
+    assert whole.std() == pytest.approx(1, abs=5 / np.sqrt(2 * whole.size))
     assert np.isnan(reduced[0, 0])
 
 
-def test_a_reduced_picture_keeps_its_means():
-    signal = np.random.default_rng(2).uniform(0, 1, (12, 18, 3))
-    reduced = frames.reduced_mean(signal, 3)
-    assert reduced.shape == (4, 6, 3)
-    assert reduced.mean(axis=(0, 1)) == pytest.approx(signal.mean(axis=(0, 1)))
-
-
 def test_many_frames_are_reduced_until_they_fit(monkeypatch):
-    monkeypatch.setattr(frames, "BUDGET", 30_000)
-    made = frames.frames([picture("a.dng", "scene", 90, 120, n) for n in range(3)])
-    images = [image for f in made for image in (*f.images, *f.maps)]
+    monkeypatch.setattr(frame_images, "BUDGET", 30_000)
+    made = frames([picture("a.dng", "scene", 90, 120, n) for n in range(3)])
+    images = [image for _, some in made for image in some]
     assert sum(len(image.png) for image in images) <= 30_000
     assert {image.width for image in images} <= {60, 40, 30}
-    assert [image.name for image in made[1].images][0] == "frame_02_measured.png"
-
-
-def test_no_pictures_no_frames():
-    assert frames.frames([]) == []
+    assert frames([]) == []

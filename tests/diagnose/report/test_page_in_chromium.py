@@ -31,11 +31,24 @@ document.getElementById("page").onload = (event) => {{
   const style = (each) => event.target.contentWindow.getComputedStyle(each);
   const wide = [...inner.querySelectorAll("body *")].filter(
     (each) => each.getBoundingClientRect().right > root.clientWidth + 0.5
-      && style(each.closest("thead") || each).position !== "absolute");
+      && !each.closest(".wide"));
   document.getElementById("seen").textContent = JSON.stringify({{
     images: images.length,
     broken: images.filter((i) => !i.complete || !i.naturalWidth).map((i) => i.alt),
     hidden: images.filter((i) => i.clientWidth < 80).map((i) => i.alt),
+    charts: inner.querySelectorAll("svg").length,
+    collisions: [...inner.querySelectorAll("svg")].flatMap((chart) => {{
+      const boxes = [...chart.querySelectorAll("text")].map(
+        (each) => [each.textContent, each.getBoundingClientRect()]);
+      const [left, right] = [chart.getBoundingClientRect().left - 1,
+                             chart.getBoundingClientRect().right + 1];
+      return boxes.flatMap(([words, a], n) => [
+        ...boxes.slice(n + 1).filter(([_, b]) => a.width && b.width
+          && a.left < b.right && b.left < a.right
+          && a.top + 2 < b.bottom && b.top + 2 < a.bottom)
+          .map(([other]) => `${{words}} on ${{other}}`),
+        ...(a.left < left || a.right > right ? [`${{words}} outside`] : [])]);
+    }}),
     width: root.clientWidth,
     scroll: root.scrollWidth,
     wide: wide.map((each) => each.outerHTML.slice(0, 80)),
@@ -45,6 +58,8 @@ document.getElementById("page").onload = (event) => {{
 </script>"""
 BROKEN = """<!DOCTYPE html><body><div style="width:2000px">wide</div>
 <p style="font-size:5px">small</p><img alt="broken" src="data:image/png;base64,AAAA">
+<svg viewBox="0 0 100 50" width="100"><text x="9" y="20">one</text>
+<text x="12" y="20">two</text><text x="90" y="45">far</text></svg>
 <script>undefined_function();</script>"""
 
 
@@ -93,8 +108,9 @@ def look(chromium, page, width, folder, opened=True):
 def test_the_report_is_drawn_and_fits(chromium, report, width, opened, tmp_path):
     seen, errors = look(chromium, report, width, tmp_path, opened)
     assert errors == []
-    assert seen["images"] == 1 + 2 + 2 + 4 * (5 + 1)
-    assert seen["broken"] == [] and seen["hidden"] == []
+    assert seen["images"] == 4 * 3 and seen["charts"] >= 6
+    assert seen["broken"] == [] and (seen["hidden"] == [] or not opened)
+    assert seen["collisions"] == []
     assert seen["scroll"] <= seen["width"] <= width and seen["wide"] == []
     assert seen["least_type"] >= LEAST_TYPE
 
@@ -105,4 +121,5 @@ def test_a_broken_page_is_noticed(chromium, tmp_path):
     seen, errors = look(chromium, page, 400, tmp_path)
     assert len(errors) == 1 and "undefined_function" in errors[0]
     assert seen["broken"] == ["broken"] and seen["hidden"] == ["broken"]
+    assert "one on two" in seen["collisions"] and "far outside" in seen["collisions"]
     assert seen["scroll"] >= 2000 and seen["wide"] and seen["least_type"] == 5

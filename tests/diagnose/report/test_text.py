@@ -4,19 +4,15 @@
 
 import math
 import unicodedata
+from dataclasses import replace
 
 import pytest
 
-from cg2raw.diagnose.diagnosis import Estimate, Gap
+from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.report import text as words
+from diagnose.made_up_diagnosis import made_up_diagnosis
 
 NAN = float("nan")
-EFFECTS = """
-    exposure white_balance color_matrix blur lateral_chromatic_aberration veiling_glare
-    lens_shading color_shading crosstalk gr_gb_imbalance nonlinearity full_well
-    prnu dsnu column_fixed_pattern hot_pixels black_level dark_current shot_noise
-    read_noise row_noise noise_reduction heavy_tailed_noise poisson_shot_noise
-""".split()
 
 
 def ascii_words(text):
@@ -38,15 +34,6 @@ def ascii_words(text):
 )  # fmt: skip
 def test_numbers(value, shown):
     assert ascii_words(words.number(value)) == shown
-
-
-@pytest.mark.parametrize(
-    ("count", "shown"),
-    [(0, "0 darks"), (1, "1 dark"), (2, "2 darks"), (1234567, "1 234 567 darks"),
-     (NAN, "unknown darks")],
-)  # fmt: skip
-def test_counts_are_whole_numbers(count, shown):
-    assert ascii_words(words.counted(count, "dark")) == shown
 
 
 @pytest.mark.parametrize(
@@ -75,33 +62,30 @@ def test_a_parameter_has_the_digits_of_its_interval(value, ci95, shown):
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "shown"),
-    [(0.41, 0.00031, "99.92 %"), (1.0, 1e-9, "99.99 %"), (0.3, 0.0, "100 %"),
-     (0.3, -0.001, "100 %"), (0.2, 0.3, "-50.00 %"), (0.0, 0.0, "unknown"),
-     (NAN, 0.0, "unknown"), (0.4, NAN, "unknown")],
-)  # fmt: skip
-def test_the_closed_share_is_never_rounded_up(before, after, shown):
-    gap = Gap(before, after, 1, 1, None, None, [])
-    assert ascii_words(words.percent(words.closed(gap))) == shown
-
-
-@pytest.mark.parametrize(
-    ("e_value", "shown", "strength", "odds"),
+    ("verdict", "count", "shown"),
     [
-        (1e300, "at least 10300", "Decisive", "1 in 10300 "),
-        (5.8e13, "5.8x1013", "Decisive", "1 in 1013 "),
-        (150.0, "150", "Decisive", "1 in 150 "),
-        (40.0, "40", "Very strong", "1 in 40 "),
-        (12.0, "12", "Strong", "1 in 12 "),
-        (5.0, "5.0", "Substantial", "1 in 5.0 "),
-        (1.5, "1.5", "Barely worth mentioning", "1 in 1.5 "),
-        (0.2, "0.20", "No evidence", "against"),
-        (NAN, "unknown", "The strength", "not known"),
+        ("explained", 1, "Lens shading is missing from the profile"),
+        ("explained", 2, "Two effects are missing from the profile"),
+        ("ambiguous", 2, "Two effects are missing from the profile"),
+        ("explained", 12, "12 effects are missing from the profile"),
+        ("consistent", 0, "Nothing in these frames contradicts the profile"),
     ],
 )
-def test_an_e_value_in_words(e_value, shown, strength, odds):
-    number, sentence = map(ascii_words, words.evidence(e_value))
-    assert number == shown and sentence.startswith(strength) and odds in sentence
+def test_the_headline_counts(verdict, count, shown):
+    found = made_up_diagnosis(verdict=verdict)
+    effects = (6 * found.effects)[:count]
+    assert words.headline(replace(found, effects=effects)) == shown
+
+
+def test_what_the_profile_has_already_is_not_missing():
+    found = made_up_diagnosis()
+    wrong = replace(found.ladder[1], action="contradicted")
+    found = replace(found, ladder=[found.ladder[0], wrong])
+    assert words.headline(found) == (
+        "One effect is missing from the profile and one is not as strong as it says"
+    )
+    alone = replace(found, effects=found.effects[1:])
+    assert words.headline(alone) == "Row noise is not as strong as the profile says"
 
 
 def test_long_runs_are_told_in_minutes():

@@ -169,11 +169,30 @@ def test_a_split_without_frames_is_one_clear_error():
         diagnose(replace(captures, captures=some))
 
 
-def test_curves_are_of_both_halves(explained):
-    curves = explained.characteristics
-    assert set(curves.transfer.held_out) == {True, False}
-    errors = curves.transfer.after / curves.transfer.measured - 1
-    assert np.abs(errors).max() < 0.1
-    assert curves.electrons_per_dn == pytest.approx(
-        1 / (SENSOR.noise[0]["beta1"][0] * WHITE), rel=0.1
-    )
+def test_charts_show_each_effect_with_and_without_it(explained):
+    charts = {chart.effect: chart for chart in explained.charts}
+    assert {one.name for one in explained.effects} & charts.keys()
+    for name, chart in charts.items():
+        for one in chart.series:
+            each = (one.measured, one.before, one.after)
+            assert all(part.shape == one.x.shape for part in each), name
+    (transfer,) = charts[""].series
+    # Variances of a few thousand pixels are known to a few percent.
+    assert transfer.measured == pytest.approx(transfer.after, rel=0.1)
+    assert (np.diff(transfer.x) > 0).all()
+
+
+@pytest.mark.parametrize(("name", "size"), [("prnu", 0.01), ("row_noise", None)])
+def test_a_chart_has_what_was_planted(explained, name, size):
+    (chart,) = (chart for chart in explained.charts if chart.effect == name)
+    (one,) = chart.series
+    # Of two frames of 72 columns: a row's mean is known to a tenth.
+    assert one.measured == pytest.approx(one.after, rel=0.2)
+    assert (one.before < 0.5 * one.measured).all()
+    if size:  # in proportion to light
+        assert one.measured / one.x == pytest.approx(size, rel=0.1)
+    assert explained.white_dn == WHITE
+
+
+def test_without_details_nothing_is_drawn():
+    assert diagnose(captures_of(prnu=0.01), details=False).charts == []

@@ -13,7 +13,6 @@ from cg2raw.diagnose.diagnosis import (
     LARGEST_E,
     Alternative,
     Finding,
-    Gap,
     Rung,
 )
 from cg2raw.diagnose.effects.base import EstimatesByEffect
@@ -28,7 +27,6 @@ def findings_of(
     model: Model,
     steps: Sequence[Step],
     values: EstimatesByEffect,
-    gap: Gap,
     provisional: bool,
 ) -> list[Finding]:
     """Return the terms of a model that are findings, as they were accepted.
@@ -48,7 +46,7 @@ def findings_of(
                 alternatives=others,
                 ambiguous_with=list(step.ambiguous),
                 where=effect(name).where,
-                sentence=sentence(name, values[name], gap, model.sensor),
+                sentence=sentence(name, values[name], model.sensor),
                 provisional=provisional,
                 rule=step.rule,
             )

@@ -114,7 +114,7 @@ def assessed(
         *left_over(after, gap.before - gap.after),
         *chi_square_test(held.look.after.chi2, held.look.after.independent),
     ]
-    every = findings_of(held.model, search.steps, held.values, gap, bool(left))
+    every = findings_of(held.model, search.steps, held.values, bool(left))
     findings, shapes = without_shapes(every, held.model, search)
     notes = _notes(capture_set, baseline.model, _traces(after, left))
     found = Diagnosis(

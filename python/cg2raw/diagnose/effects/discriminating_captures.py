@@ -5,7 +5,6 @@
 
 from collections.abc import Sequence
 
-from cg2raw.diagnose.diagnosis import Gap
 from cg2raw.diagnose.effects.base import Estimates
 from cg2raw.diagnose.effects.catalogue import effect, every, heading, title
 from cg2raw.sensor import Sensor
@@ -62,13 +61,9 @@ def discriminating_captures(first: str, second: str) -> str:
     return REPEATS if any("noise" in each for each in signatures) else GENERAL
 
 
-def sentence(name: str, values: Estimates, gap: Gap, sensor: Sensor) -> str:
-    """Return one sentence of what was found, and what adding it does."""
-    found = effect(name)
-    return (
-        f"{heading(name)}: {found.size_on(values, sensor)}; with all that was found, "
-        f"held-out chi-square goes from {gap.chi2_before:.4g} to {gap.chi2_after:.4g}."
-    )
+def sentence(name: str, values: Estimates, sensor: Sensor) -> str:
+    """Return one sentence of what was found."""
+    return f"{heading(name)}: {effect(name).size_on(values, sensor)}."
 
 
 def deciding_captures(name: str, others: Sequence[str]) -> list[str]:

@@ -19,17 +19,14 @@ def percent(x: float) -> str:
 
 
 def of_white(share: float, sensor: Sensor | None) -> str:
-    """Return a share of white in words: of a sensor first in DN, and in electrons if
-    its profile has the noise of one ISO."""
-    text = f"{share:.4g} of white"
+    """Return a share of white in words: of a sensor in DN, and in electrons if its
+    profile has the noise of one ISO."""
     if sensor is None:
-        return text
+        return f"{share:.3g} of white"
     span = sensor.white_level - float(np.mean(sensor.black_level))
-    units = [f"{share * span:.4g} DN"]
-    if len(sensor.noise) == 1:
-        electron = float(np.mean(sensor.noise[0]["beta1"]))
-        units += [f"{share / electron:.4g} e-"] if electron > 0 else []
-    return f"{', '.join(units)} ({text})"
+    words = f"{share * span:.3g} DN"
+    electron = float(np.mean(sensor.noise[0]["beta1"])) if len(sensor.noise) == 1 else 0
+    return f"{words} ({share / electron:.3g} e-)" if electron > 0 else words
 
 
 def total(values: Estimates, *names: str) -> float:

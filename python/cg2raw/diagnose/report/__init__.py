@@ -3,12 +3,12 @@
 
 """report.html of a diagnosis: one file with its pictures, without network or scripts.
 
-page        the file: sections put into the template
-sections    what the template shows, row by row
-words       numbers and sentences
-frames      measured, simulated and residual pictures
-plots       drawings
-figures     all pictures of a report, with words for those who cannot see them
+page            what it says, section by section
+charts          SVG of measured, before and after
+values          parameters in units that are measured
+text            numbers and sentences
+frame_images    measured and residual pictures
+folder          all files of a report
 """
 
 from cg2raw.diagnose.report.page import write_report

@@ -6,9 +6,8 @@
 import math
 from typing import TypeGuard
 
-from cg2raw.diagnose.diagnosis import LARGEST_E, Diagnosis, Estimate, Gap
-from cg2raw.diagnose.effects.catalogue import title
-from cg2raw.short_messages import plural
+from cg2raw.diagnose.diagnosis import Diagnosis, Estimate
+from cg2raw.diagnose.effects.catalogue import heading, title
 
 NOT_KNOWN = "unknown"
 MINUS = "\N{MINUS SIGN}"
@@ -19,15 +18,6 @@ SUPERSCRIPT = str.maketrans(
     "\N{SUPERSCRIPT ZERO}\N{SUPERSCRIPT ONE}\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}"
     "\N{SUPERSCRIPT FOUR}\N{SUPERSCRIPT FIVE}\N{SUPERSCRIPT SIX}\N{SUPERSCRIPT SEVEN}"
     "\N{SUPERSCRIPT EIGHT}\N{SUPERSCRIPT NINE}\N{SUPERSCRIPT MINUS}",
-)
-# Words for an e-value: its decades as Jeffreys divides those of Bayes factors.
-# Source: Jeffreys, Theory of Probability, 3rd edition 1961, appendix B.
-STRENGTHS = (
-    (100.0, "decisive"),
-    (10**1.5, "very strong"),
-    (10.0, "strong"),
-    (10**0.5, "substantial"),
-    (1.0, "barely worth mentioning"),
 )
 
 
@@ -48,13 +38,6 @@ def number(value: float | None, digits: int = 3) -> str:
     if not -4 <= exponent < 6:
         return f"{mantissa}{TIMES}{power_of_ten(exponent)}".replace("-", MINUS)
     return decimal(float(scientific), max(0, digits - 1 - exponent))
-
-
-def counted(count: int, noun: str) -> str:
-    """Return how many there are of a thing, in whole numbers: "2 held-out darks"."""
-    if not is_known(count):
-        return f"{NOT_KNOWN} {noun}s"
-    return plural(int(count), noun).replace(str(count), decimal(count, 0), 1)
 
 
 def nats(value: float | None) -> str:
@@ -103,16 +86,6 @@ def interval(bounds: tuple[float, float] | None, digits: int = 3) -> str:
     return f"{number(bounds[0], digits)} to {number(bounds[1], digits)}"
 
 
-def unit(name: str) -> str:
-    """Return a unit as it follows a number: the unit 1 is silent."""
-    return "" if name in ("1", "") else name
-
-
-def plain(name: str) -> str:
-    """Return an effect's or test's name as words."""
-    return title(name)
-
-
 def listed(names: list[str], last: str = "and") -> str:
     """Return "a, b and c"."""
     if len(names) < 2:
@@ -120,116 +93,93 @@ def listed(names: list[str], last: str = "and") -> str:
     return f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
-def be(names: list[str]) -> str:
-    return "is" if len(names) < 2 else "are"
+NUMERALS = (
+    "no",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+)
 
 
-def closed(gap: Gap) -> float | None:
-    """Return the closed share of the gap, 0..1 of it, or None where there was none."""
-    if not (is_known(gap.before) and is_known(gap.after)) or gap.before <= 0:
-        return None
-    return 1 - max(0.0, gap.after) / gap.before
-
-
-def percent(share: float | None) -> str:
-    """Return a share in percent, rounded down: what is nearly all is never "100 %"."""
-    if share is None or not math.isfinite(share):
-        return NOT_KNOWN
-    if share >= 1:
-        return "100 %"
-    return f"{math.floor(share * 1e4) / 100:.2f} %".replace("-", MINUS)
-
-
-def rough_percent(share: float | None) -> str:
-    """Return a share in percent with two significant digits."""
-    return f"{number(100 * share, 2)} %" if is_known(share) else NOT_KNOWN
-
-
-def evidence(e_value: float) -> tuple[str, str]:
-    """Return an e-value, and what it says in words."""
-    if not is_known(e_value):
-        return NOT_KNOWN, "The strength of the evidence is not known."
-    is_largest = e_value >= LARGEST_E
-    shown = f"at least {power_of_ten(300)}" if is_largest else number(e_value, 2)
-    strength = next((word for least, word in STRENGTHS if e_value >= least), "none")
-    if strength == "none":
-        return shown, "No evidence: the frames speak against this effect."
-    odds = f"1 in {power_of_ten(math.floor(math.log10(e_value)))}"
-    odds = f"1 in {number(e_value, 2)}" if e_value < 1e4 else odds
-    return shown, (
-        f"{strength.capitalize()}: without this effect, evidence as strong would come "
-        f"by chance in at most {odds} capture sets."
-    )
-
-
-def verdict_sentence(diagnosis: Diagnosis) -> str:
-    """Return the verdict in one plain sentence."""
-    sensor = diagnosis.sensor_id
-    what = what_was_found(diagnosis)
+def headline(diagnosis: Diagnosis) -> str:
+    """Return the verdict in one short sentence."""
+    wrong = corrected(diagnosis)
+    count, more = len(diagnosis.effects) - len(wrong), len(wrong)
     match diagnosis.verdict:
         case "consistent":
-            text = f"nothing in these frames contradicts the profile {sensor}"
-        case "explained":
-            text = what
-        case "partially_explained":
-            text = f"{what}, but something that no known effect explains is left, so "
-            text += "the names are provisional"
-        case "ambiguous":
-            text = ambiguity(diagnosis, sensor)
+            return "Nothing in these frames contradicts the profile"
         case "unexplained":
-            text = f"the frames disagree with the profile {sensor} in a way that no "
-            text += f"known effect explains{unexplained(diagnosis)}"
+            return "The frames differ from the profile, and no known effect explains it"
         case "incomplete":
-            text = f"the search for what is missing from the profile {sensor} ended "
-            text += "before it had decided: "
-            text += what if diagnosis.effects else "it has named nothing so far"
-        case other:
-            text = f"the verdict is: {other}"
-    return text[:1].upper() + text[1:] + "."
+            return "The search ended before it had decided"
+    if count + more == 1:
+        name = heading(diagnosis.effects[0].name)
+        missing = "is not as strong as the profile says" if more else "is missing"
+        return f"{name} {missing}" + " from the profile" * (not more)
+    parts = []
+    if count or not more:
+        verb = "is" if count == 1 else "are"
+        noun = "effect" if count == 1 else "effects"
+        parts.append(f"{counted_words(count)} {noun} {verb} missing from the profile")
+    if more:
+        verb = "is" if more == 1 else "are"
+        noun = "" if parts else (" effect" if more == 1 else " effects")
+        tail = "it says" if parts else "the profile says"
+        parts.append(f"{counted_words(more)}{noun} {verb} not as strong as {tail}")
+    words = " and ".join(parts)
+    return words[:1].upper() + words[1:]
 
 
-def what_was_found(diagnosis: Diagnosis) -> str:
-    """Return what is missing from the profile, and of what it says something wrong."""
-    corrected = {r.name for r in diagnosis.ladder if r.action == "contradicted"}
-    names = [effect.name for effect in diagnosis.effects]
-    lacks = [plain(name) for name in names if name not in corrected]
-    wrong = [plain(name) for name in names if name in corrected]
-    profile, parts = f"the profile {diagnosis.sensor_id}", []
-    if lacks or not wrong:
-        text = f"{listed(lacks) or 'nothing'} {be(lacks)} missing from {profile}"
-        share, them = closed(diagnosis.gap), "it" if len(lacks) < 2 else "them"
-        if share is not None:
-            text += f"; adding {them} closes {percent(share)} of the gap"
-        parts, profile = [text], "it"
-    if wrong:
-        parts.append(f"{listed(wrong)} {be(wrong)} not as strong as {profile} says")
-    return "; ".join(parts)
+def counted_words(count: int) -> str:
+    """Return a number of things in words, up to nine."""
+    return NUMERALS[count] if count < len(NUMERALS) else str(count)
 
 
-def ambiguity(diagnosis: Diagnosis, sensor: str) -> str:
-    """Return which names these frames cannot tell apart."""
+def corrected(diagnosis: Diagnosis) -> list[str]:
+    """Return the effects that the profile has, and that are stronger or weaker."""
+    names = {rung.name for rung in diagnosis.ladder if rung.action == "contradicted"}
+    return [one.name for one in diagnosis.effects if one.name in names]
+
+
+def summary(diagnosis: Diagnosis) -> str:
+    """Return the names, and what is left, in two sentences at most."""
     doubts = [
-        listed([plain(n) for n in (effect.name, *effect.ambiguous_with)], "or")
-        for effect in diagnosis.effects
-        if effect.ambiguous_with
+        listed([title(n) for n in (one.name, *one.ambiguous_with)], "or")
+        for one in diagnosis.effects
+        if one.ambiguous_with
     ]
-    if not doubts:
-        return f"the frames do not decide what is missing from the profile {sensor}"
-    return (
-        f"{listed(doubts)} is missing from the profile {sensor}: these frames cannot "
-        "tell which"
-    )
+    names = listed([title(one.name) for one in diagnosis.effects])
+    first = f"{names[:1].upper()}{names[1:]}. " if len(diagnosis.effects) > 1 else ""
+    match diagnosis.verdict:
+        case "ambiguous" if doubts:
+            return f"{first}These frames cannot tell {'; nor '.join(doubts)}."
+        case "explained" | "consistent" | "ambiguous":
+            with_them = {0: "The", 1: "With it, the"}.get(
+                len(diagnosis.effects), "With them, the"
+            )
+            rest = "residuals of the test frames cannot be told from noise."
+            return f"{first}{with_them} {rest}"
+        case "incomplete":
+            return f"{first}More may be missing." if first else "More may be missing."
+    return f"{first}{left(diagnosis)}"
 
 
-def unexplained(diagnosis: Diagnosis) -> str:
-    """Return the largest unexplained residual as the end of a sentence."""
+def left(diagnosis: Diagnosis) -> str:
+    """Return the largest residual that no effect explains."""
     if not diagnosis.unexplained:
-        return ""
+        return "Something is left."
     largest = max(
         diagnosis.unexplained,
         key=lambda test: test.nats_per_pixel if is_known(test.nats_per_pixel) else 0,
     )
-    return f"; it shows most in: {plain(largest.name)}"
+    names = ", and the names are provisional" if diagnosis.effects else ""
+    return f"Most of what is left is in: {title(largest.name)}{names}."
 
 
 def duration(seconds: float) -> str:

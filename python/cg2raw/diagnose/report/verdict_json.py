@@ -20,7 +20,7 @@ from cg2raw.io.json_text import formatted
 
 FIRST = ("verdict", "effects", "gap", "unexplained", "seconds")
 DRAWN = (
-    *("pictures", "curves", "characteristics"),
+    *("pictures", "curves", "charts"),
     *("histogram_before", "histogram_after", "profile_json"),
 )
 GAP_UNIT = "nats/pixel"

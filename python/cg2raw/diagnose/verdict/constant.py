@@ -29,9 +29,9 @@ from cg2raw.diagnose.diagnosis import (
 from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.effects.discriminating_captures import sentence
 from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.verdict.charts import charts_of
 from cg2raw.diagnose.verdict.limits import detection_limits
 from cg2raw.diagnose.verdict.profile import updated_profile
-from cg2raw.diagnose.verdict.sensor_curves import characteristics_of
 from cg2raw.diagnose.verdict.unexplained import (
     chi_square_test,
     left_over,
@@ -64,11 +64,13 @@ def diagnosis_of(
     names: Collection[str],
     is_judged: bool = False,
     free: Collection[str] = (),
+    details: bool = True,
 ) -> Diagnosis:
     """Return what darks and flats say as a diagnosis.
 
     names : which may be named. is_judged : the profile is judged as it is, and nothing
-    is named. free : effects that others decide, which are fitted all the same."""
+    is named. free : effects that others decide, which are fitted all the same.
+    details : with charts."""
     captures = found.captures
     chosen = [] if is_judged else list(found.names)
     frames = _by_split(found.statistics)
@@ -83,7 +85,7 @@ def diagnosis_of(
     unnamed = [*unnamed_tests(found.selection.unnamed, samples)]
     left = left_over([*tests[1], *unnamed], gap.before - gap.after)
     left += chi_square_test(gap.chi2_after, freedom)
-    findings = _findings(captures, found, chosen, gap, bool(left))
+    findings = _findings(captures, found, chosen, bool(left))
     told = sorted(name for split in GROUPS[:2] for name in frames[split])
     is_closed = findings and gap.after <= gap.before
     return Diagnosis(
@@ -108,9 +110,7 @@ def diagnosis_of(
         next_captures=[],
         notes=_notes(found),
         groups=frames,
-        characteristics=characteristics_of(
-            [(model, found.profile, False), (held_out[1], found.profile, True)]
-        ),
+        charts=list(charts_of(found, model, held_out[1], findings)) if details else [],
         profile_json=updated_profile(
             captures.sensor, findings if is_closed else [], told, noise_row(found)
         )
@@ -254,7 +254,6 @@ def _findings(
     captures: CaptureSet,
     found: DarksAndFlats,
     chosen: Sequence[str],
-    gap: Gap,
     is_provisional: bool,
 ) -> list[Finding]:
     units = {
@@ -282,7 +281,7 @@ def _findings(
                 alternatives=[],
                 ambiguous_with=[],
                 where=effect(name).where,
-                sentence=sentence(name, values[name], gap, captures.sensor)
+                sentence=sentence(name, values[name], captures.sensor)
                 if values[name]
                 else "",
                 provisional=is_provisional,

@@ -71,7 +71,7 @@ def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
             split: list(dict.fromkeys([*names, *second.groups[split]]))
             for split, names in first.groups.items()
         },
-        characteristics=first.characteristics,
+        charts=first.charts,
         profile_json=second.profile_json or first.profile_json,
     )
 

@@ -107,7 +107,7 @@ def _test(one: Misfit, group: GroupInfo, share: float, samples: int) -> Residual
 
 def described(group: GroupInfo) -> str:
     """Return what frames of a group are: "darks of 60 s"."""
-    time = f" of {group.exposure_time:g} s" if group.exposure_time is not None else ""
+    time = f" of {group.exposure_time:.4g} s" if group.exposure_time is not None else ""
     return f"{group.kind}s{time}"
 
 
