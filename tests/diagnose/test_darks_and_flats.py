@@ -36,6 +36,12 @@ def test_names_are_those_that_are_hidden(strengths):
     assert set(found(strengths).names) == set(strengths)
 
 
+def test_two_amplifiers_have_no_name_and_are_said():
+    """Halves that differ by half a read noise."""
+    made = found({"second_amplifier": 0.5})
+    assert (list(made.names), made.unexplained) == ([], ["halves"])
+
+
 def test_flats_of_unknown_light_tell_no_exposure():
     def unknown(captures):
         flats = [

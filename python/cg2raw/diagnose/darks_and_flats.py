@@ -21,6 +21,7 @@ from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
+from cg2raw.model.halves import Halves, halves_of, without_halves
 from cg2raw.model.lags import lags_of
 from cg2raw.model.profile_values import OF_EFFECTS, profile_values
 from cg2raw.model.selection import Selection, selection
@@ -141,6 +142,11 @@ def darks_and_flats(
     whole = statistics_by_split(
         used, sensor, lambda share: say("reading darks and flats", 0.5 * share)
     )
+    halves = Halves()
+    for axis in (0, 1):
+        one = halves_of(whole, (TRAINING, VALIDATION), axis)
+        if one.nats > math.log(NAMES / alpha):
+            halves, whole = one, without_halves(whole, axis)
     splits = [of_splits(whole, (split,)) for split in (TRAINING, VALIDATION)]
     both = of_splits(whole, (TRAINING, VALIDATION))
     profile, has_noise = _null(sensor, iso, both)
@@ -162,10 +168,11 @@ def darks_and_flats(
         least,
         (first, second) if first is not None and second is not None else None,
         of_shapes,
+        halves,
     )
     named = found.kept(least)
     levels = [
-        levels_of(captures, used, statistics, one, named)
+        levels_of(captures, used, statistics, one, named, halves.response)
         for statistics, one in zip(splits, fits, strict=True)
     ]
     gains = dict(found.gains)
@@ -342,12 +349,14 @@ def levels_of(
     statistics: ConstantStatistics,
     found: Fit,
     named: Collection[str] = (),
+    apart: float = 0.0,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none of known light, and of parts
     of frames, which light that falls off reaches by less.
 
     used : the captures that the statistics are of. found : their fit. named : effects
-    that move the mean of a flat from its middle."""
+    that move the mean of a flat from its middle. apart : relative, how far halves'
+    responses are."""
     if any(capture.divided for capture in used):
         return None
     sensor = captures.sensor
@@ -361,6 +370,7 @@ def levels_of(
         nuisances=captures.nuisances,
         is_shaded="lens_shading" in named,
         is_colored="color_shading" in named,
+        apart=apart,
     )
 
 

@@ -24,8 +24,9 @@ LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
 class DarkLevels:
     """places : (n,) which parameters are of each of LEVELS. profile : (n,) the null.
     median : by how much that of dark current is above its mean, and the standard error,
-    DN/s: a profile has the median, the likelihood the mean. is_structured : whether the
-    bias has a structure, whose first columns raise the mean."""
+    DN/s: a profile has the median, the likelihood the mean. apart : how far the black
+    levels of two amplifiers are, DN: a profile's may be that of either. is_structured :
+    whether the bias has a structure, whose first columns raise the mean."""
 
     def __init__(
         self,
@@ -35,9 +36,10 @@ class DarkLevels:
         profile: Array,
         median: tuple[float, float] = (0.0, 0.0),
         *,
+        apart: float = 0.0,
         is_structured: bool = False,
     ) -> None:
-        self.is_structured = is_structured
+        self.apart, self.is_structured = apart, is_structured
         self.places, self.profile, self.median = places, profile.copy(), median
         self.profile[training.parameters.of("dark_current")] -= median[0]
         self.training, self.validation = training, validation
@@ -117,9 +119,11 @@ class DarkLevels:
         means = self.profile[places]
         if name == "dark_current":
             covariance += self.median[1] ** 2
-        elif self.is_structured:
-            mean, error = first_columns(self.training)
-            means, covariance = means + mean, covariance + error**2
+        else:
+            covariance += (self.apart / 2) ** 2
+            if self.is_structured:
+                mean, error = first_columns(self.training)
+                means, covariance = means + mean, covariance + error**2
         return Prior(places, means, covariance)
 
 

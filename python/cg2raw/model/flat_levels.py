@@ -171,6 +171,7 @@ def flat_levels(
     nuisances: frozenset[str] = frozenset(),
     is_shaded: bool = False,
     is_colored: bool = False,
+    apart: float = 0.0,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
 
@@ -179,7 +180,8 @@ def flat_levels(
     row by row. white : DN above black. light : relative, how far each frame's may be
     off. nuisances : of a capture set. is_shaded, is_colored : whether light falls off
     towards the corners, of colours differently: then levels are those of the middle of
-    the frame."""
+    the frame. apart : relative, how far two amplifiers' responses are: a profile's may
+    be that of either."""
     planes = found.likelihood.planes
     is_cut = np.any([plane.plane.high > CUT for plane in planes], axis=0)
     is_lit = np.all([plane.light > 0 for plane in planes], axis=0)
@@ -215,6 +217,7 @@ def flat_levels(
     waves = [found.theta[found.parameters.of(name)] for name in WAVES]
     wave = float(np.maximum(waves, 0.0).sum()) / planes[0].plane.masked.size
     covariance += one_light * wave / frames[flat]
+    covariance += (apart / 2) ** 2
     if "exposure" in nuisances:
         covariance += FREE * one_light
     if "white_balance" in nuisances:

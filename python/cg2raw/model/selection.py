@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.fit import Fit, Prior, refitted
+from cg2raw.model.halves import NAME as HALVES
+from cg2raw.model.halves import Halves
 from cg2raw.model.lags import Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
@@ -73,12 +75,14 @@ def selection(
     least: float,
     lags: tuple[Lags, Lags] | None = None,
     shapes: Shapes | None = None,
+    halves: Halves | None = None,
 ) -> Selection:
     """Return what each name gains.
 
     profile : (n,) parameters of the null. least : nats that a name needs. lags : of
-    both, of repeats. shapes : of the same frames; None where they are not known."""
-    shapes = shapes or Shapes({})
+    both, of repeats. shapes : of the same frames; None where they are not known.
+    halves : how they differ, which is taken off."""
+    shapes, halves = shapes or Shapes({}), halves or Halves()
     names = training.parameters.names
     gains: dict[str, float] = {}
     blended = None
@@ -115,6 +119,7 @@ def selection(
             validation,
             profile,
             shapes.dark_median,
+            apart=halves.offset,
             is_structured=gains.get("bias_structure", 0.0) > least,
         ).gains(least)
     gains |= {name: shape.nats for name, shape in shapes.found.items()}
@@ -129,7 +134,7 @@ def selection(
             of_most = shapes.read_noise(variance, shapes.most)
             nothing = 0.0 if shapes.most[1][0] < variance < total else np.inf
             gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])
-    unnamed = {}
+    unnamed = {HALVES: halves.nats} if halves.nats else {}
     for name in UNNAMED:
         own = np.isin(names, name) & known
         if own.any():
