@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What settles along lines, and what that adds to the mean."""
+"""What settles along lines and adds to the mean, and medians of an unknown law."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from cg2raw.model.dark_levels import mean_of_decay
+from cg2raw.model.dark_levels import mean_of_decay, unknown_median
 
 
 @pytest.mark.parametrize(
@@ -24,3 +26,16 @@ def test_a_decay_beside_a_ramp(height, length, ramp):
         z.append((mean - decay.mean()) / error)
         assert error < 0.15
     assert np.sqrt(np.mean(np.square(z))) < 1.7
+
+
+@pytest.mark.parametrize(("median", "log_sigma"), [(0.3, 0.4), (1.0, 1.0), (0.2, 0.0)])
+def test_a_median_is_between_the_mean_and_that_of_a_law_from_zero(median, log_sigma):
+    mean = median * np.exp(log_sigma**2 / 2)
+    variance = mean**2 * np.expm1(log_sigma**2)
+    parameters = SimpleNamespace(
+        of=("dark_current", "dark_current_nonuniformity").index
+    )
+    found = SimpleNamespace(theta=np.array([mean, variance]), parameters=parameters)
+    value, error = unknown_median(found)
+    assert value - error == pytest.approx(median - mean, abs=1e-12)
+    assert value + error == pytest.approx(0, abs=1e-12)

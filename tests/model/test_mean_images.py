@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from cg2raw.model.mean_images import coefficients_of, moved_by
+from cg2raw.model.mean_images import coefficients_of, low_of, moved_by
 from cg2raw.statistics.constant import PARTS, GroupInfo, polynomials
 from cg2raw.statistics.frame_statistics import frame_statistics
 
@@ -39,3 +39,9 @@ def test_planes_of_a_smooth_frame_are_alike():
         for part in low:
             assert other[part] == pytest.approx(first[part], abs=2.0)
     assert np.abs(first[low[1]]).max() > 2e4  # of which 2 is little
+    levels = [
+        plane.level[0] + low_of(plane, divmod(site, 2), 2)[0, 0, 0] / np.sqrt(48 * 64)
+        for site, plane in enumerate(found.planes)
+    ]
+    assert np.ptp(levels) < 0.05  # of means that are 14 DN apart
+    assert np.ptp([plane.level[0] for plane in found.planes]) > 10

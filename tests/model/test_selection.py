@@ -190,6 +190,23 @@ def test_levels_are_named_by_frames_that_tell_their_drift(frames, names):
     assert (set(found.gains) & set(LEVELS) != set()) == bool(names)
 
 
+def test_levels_that_agree_are_no_drift():
+    """Three darks each of two times, 0.15 DN below the black level and 0.3 DN above what
+    a profile says by the charge of 3 s: a drift of as much would move frames of one
+    time, too."""
+    rng, fits = np.random.default_rng(14), []
+    for _ in range(2):
+        groups = []
+        for time, level in ((0.0, 599.85), (3.0, 600.15)):
+            drawn = level + 2 * rng.standard_normal((3, 112, 144))
+            codes = list(np.rint(drawn).astype(np.uint16))
+            groups.append((GroupInfo("dark", tuple("abc"), time), codes))
+        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    found = selection(*fits, profile(fits[0].parameters), LEAST)
+    assert set(found.kept(LEAST)) == {"black_level", "dark_current"}
+    assert set(found.unsure) == {"black_level", "dark_current"}
+
+
 def test_first_columns_are_neither_level_nor_drift():
     """A pedestal that settles by 1 DN over 30 columns, with noise of 2 DN, is lower in
     the mean by 0.2 DN, 5 of its errors."""

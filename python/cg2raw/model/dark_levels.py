@@ -40,6 +40,8 @@ class DarkLevels:
         is_structured: bool = False,
     ) -> None:
         self.apart, self.is_structured = apart, is_structured
+        if median == (0.0, 0.0):
+            median = unknown_median(training)
         self.places, self.profile, self.median = places, profile.copy(), median
         self.profile[training.parameters.of("dark_current")] -= median[0]
         self.training, self.validation = training, validation
@@ -50,25 +52,41 @@ class DarkLevels:
 
         least : nats that a name needs."""
         return gains_in_smallest_set(
-            {name: int(own.sum()) for name, own in self.places.items()},
+            {name: int(name == "black_level_drift") for name in self.places},
             least,
-            train=lambda names: self._fitted(self.training, names, ()).theta,
-            value=lambda names, theta: (
-                self._fitted(self.validation, (), names, theta).value
-            ),
-            refitted=lambda names: self._fitted(self.validation, names, ()).value,
+            train=lambda names: self._fitted(self.training, names)[0],
+            value=self._value,
+            refitted=lambda names: self._fitted(self.validation, names)[0].value,
         )
 
+    @property
+    def unsure(self) -> dict[str, float]:
+        """Return how far other effects may move a level, DN or DN/s, by name."""
+        return {
+            name: float(np.sqrt(np.diagonal(prior.covariance).mean()))
+            for name, prior in self.priors.items()
+            if prior is not None
+        }
+
+    def _value(self, names: Sequence[str], trained: Fit) -> float:
+        """Return the log-likelihood of validation frames: of levels about those that
+        others have told, as well as they are known, and of their drift."""
+        found, prior = self._fitted(self.validation, names, trained)
+        if prior is None:
+            return found.value
+        at = np.ix_(prior.places, prior.places)
+        after, before = (
+            np.linalg.slogdet(one)[1]
+            for one in (found.covariance[at], prior.covariance)
+        )
+        return found.value + float(after - before) / 2
+
     def _fitted(
-        self,
-        fit: Fit,
-        fitted: Sequence[str],
-        pinned: Sequence[str],
-        theta: Array | None = None,
-    ) -> Fit:
-        """Return the fit of the levels. fitted : names whose parameters are. pinned :
-        those whose are as in @theta; all others' are as the profile has them, and its
-        patterns let them be."""
+        self, fit: Fit, names: Sequence[str], trained: Fit | None = None
+    ) -> tuple[Fit, Prior | None]:
+        """Return the fit of the levels, and what it knows besides. names : whose
+        parameters are fitted, or are as others have @trained them; all others' are as
+        the profile has them, and its patterns let them be."""
         start, free = fit.theta.copy(), np.zeros(len(self.profile), bool)
         likelihood = fit.likelihood.without_means()
         if fit.likelihood.is_coarse:  # then a level and noise depend on each other
@@ -76,22 +94,28 @@ class DarkLevels:
             free = np.isfinite(np.diagonal(fit.covariance))
             for own in self.places.values():
                 free &= ~own
-            if "black_level" not in (*fitted, *pinned):
+            if "black_level" not in names:
                 at, sites = fit.parameters.of("read_noise"), fit.parameters.sites
                 start[at : at + sites] = self.profile[at : at + sites]
-        priors = []
+        priors, told = [], np.zeros_like(free)
         for name, own in self.places.items():
-            if name in fitted:
+            if name in names and trained is None:
                 free |= own
-            elif name in pinned and theta is not None:
-                start[own] = theta[own]
+            elif name in names and trained is not None:
+                start[own] = trained.theta[own]
+                told |= own & (name != "black_level_drift")
             else:
                 start[own] = self.profile[own]
                 if (prior := self.priors[name]) is not None:
                     priors.append(prior)
                     free[prior.places] = True
+        if trained is not None and told.any():
+            places = np.flatnonzero(told)
+            known = trained.covariance[np.ix_(places, places)]
+            priors.append(Prior(places, trained.theta[places], known))
+            free |= told
         prior = Prior.of_all(priors) if priors else None
-        return refitted(likelihood, start, free, prior)
+        return refitted(likelihood, start, free, prior), prior
 
     def _prior(self, name: str) -> Prior | None:
         """Return where patterns whose mean is not 0 move a level from a profile's."""
@@ -125,6 +149,20 @@ class DarkLevels:
                 mean, error = first_columns(self.training)
                 means, covariance = means + mean, covariance + error**2
         return Prior(places, means, covariance)
+
+
+def unknown_median(fit: Fit) -> tuple[float, float]:
+    """Return by how much the median of the pixels' dark current is above the mean, and
+    the standard error, DN/s, where their law is not known: between none and what a
+    log-normal law from 0 on has, of their mean and variance."""
+    mean, variance = (
+        max(float(fit.theta[fit.parameters.of(name)]), 0.0)
+        for name in ("dark_current", "dark_current_nonuniformity")
+    )
+    if mean == 0:
+        return 0.0, 0.0
+    half = mean * (1 - 1 / np.sqrt(1 + variance / mean**2)) / 2
+    return -float(half), float(half)
 
 
 def first_columns(fit: Fit) -> tuple[float, float]:

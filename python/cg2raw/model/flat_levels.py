@@ -239,19 +239,22 @@ def _middles(
     is_colored: bool,
 ) -> tuple[Array, Array]:
     """Return (sites,) how much brighter the middle is than the mean, relative, and the
-    covariance of that."""
+    covariance of that. Where light slopes, sites differ by their places."""
     side, count = planes[0].side, len(planes)
-    values, variances = np.zeros(light.shape), np.zeros(light.shape)
+    values, variances, moved = (np.zeros(light.shape) for _ in range(3))
     for site, plane in enumerate(planes):
         low = low_of(plane.plane, divmod(site, side), side)
         above, samples = middle_of(plane.plane, low)
         values[site] = above[groups] / light[site]
+        level = low[groups, 0, 0] / np.sqrt(plane.plane.masked.size)
+        moved[site] = level / light[site]
         noise = low_noise(plane)[groups, PIXEL] / plane.frames[groups] / samples
         variances[site] = noise / light[site] ** 2
     axis = 1 if is_colored else None
     total = (1 / variances).sum(axis=axis)
     mean = np.broadcast_to((values / variances).sum(axis=axis) / total, count)
     alike = np.eye(count) if is_colored else np.ones((count, count))
+    mean = mean + np.average(moved, axis=1, weights=1 / variances[0])
     return mean, alike * np.broadcast_to(1 / total, count)
 
 
@@ -263,7 +266,7 @@ def level_gains(
 
     least : nats that a name needs."""
     return gains_in_smallest_set(
-        {name: CHANGES[name][0] for name in validation.names},
+        dict.fromkeys(validation.names, 0),
         least,
         train=training.known,
         value=lambda names, trained: validation.value(names, *trained),

@@ -233,8 +233,8 @@ class MeanImageLikelihood:
 
 def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:
     """Return (G, degrees down, degrees across), the coefficients of polynomials of mean
-    images, but for the level; none of both, rows and columns, is above FIELD. Their
-    places are those of the middle of the CFA's repeat.
+    images; none of both, rows and columns, is above FIELD. Their places are those of
+    the middle of the CFA's repeat: the first is what that adds to the level.
 
     site : row and column of the plane's samples in it. side : px."""
     h, w = plane.shape
@@ -248,9 +248,7 @@ def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:
         moved_by(length, (of - (side - 1) / 2) / side)
         for length, of in zip((h, w), site, strict=True)
     ]
-    found = np.einsum("jk,gkl,ml->gjm", moved[0], found, moved[1])
-    found[:, 0, 0] = 0.0
-    return found
+    return np.asarray(np.einsum("jk,gkl,ml->gjm", moved[0], found, moved[1]))
 
 
 def coefficients_of(

@@ -51,12 +51,14 @@ UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of lig
 @dataclass(frozen=True)
 class Selection:
     """gains : nats of each name that the frames can show, on validation frames.
-    unnamed : likewise of UNNAMED."""
+    unnamed : likewise of UNNAMED. unsure : how far other effects may move levels of
+    darks, DN or DN/s, by name."""
 
     gains: Mapping[str, float]
     training: Fit
     validation: Fit
     unnamed: Mapping[str, float] = field(default_factory=dict)
+    unsure: Mapping[str, float] = field(default_factory=dict)
 
     def kept(self, least: float) -> list[str]:
         """Return the names that gain more than @least nats, best first."""
@@ -112,8 +114,9 @@ def selection(
             prior = Prior(at_prnu, profile[at_prnu], np.array([[shapes.spots**2]]))
         gains[name] = gain_of(own, training, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
+    unsure: Mapping[str, float] = {}
     if "black_level_drift" in levels:  # else nothing says how far levels may be off
-        gains |= DarkLevels(
+        of_darks = DarkLevels(
             levels,
             training,
             validation,
@@ -121,7 +124,9 @@ def selection(
             shapes.dark_median,
             apart=halves.offset,
             is_structured=gains.get("bias_structure", 0.0) > least,
-        ).gains(least)
+        )
+        gains |= of_darks.gains(least)
+        unsure = of_darks.unsure
     gains |= {name: shape.nats for name, shape in shapes.found.items()}
     if "read_noise" in gains:
         variance = float(profile[places["read_noise"]].mean())
@@ -139,7 +144,7 @@ def selection(
         own = np.isin(names, name) & known
         if own.any():
             unnamed[name] = gain_of(own, training, validation, profile)
-    return Selection(gains, training, validation, unnamed)
+    return Selection(gains, training, validation, unnamed, unsure)
 
 
 def gain_of(

@@ -20,11 +20,11 @@ def gains_in_smallest_set(
 ) -> dict[str, float]:
     """Return the nats of each name of the set that is worth most on validation frames:
     its log-likelihood, as trained, less @least for each name, and less 1 for each
-    parameter (H. Akaike, IEEE Trans. Automatic Control 19(6), 1974), so that of sets
-    that are alike the simpler is taken. They are over those of the same set without the
-    name, fitted anew.
+    parameter that is as it was trained, however well that is known (H. Akaike, IEEE
+    Trans. Automatic Control 19(6), 1974). They are over those of the same set without
+    the name, fitted anew.
 
-    every : names and how many parameters each has.
+    every : names and how many such parameters each has.
     train : fits names to training frames. value : log-likelihood of validation frames.
     refitted : the same, of names that are fitted to them."""
     values: dict[tuple[str, ...], float] = {}

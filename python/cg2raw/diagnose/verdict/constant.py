@@ -38,7 +38,7 @@ from cg2raw.diagnose.verdict.unexplained import (
     tests_of,
     unnamed_tests,
 )
-from cg2raw.diagnose.verdict.values import limits_of_levels, more_values
+from cg2raw.diagnose.verdict.values import more_values
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
@@ -98,14 +98,7 @@ def diagnosis_of(
         unexplained=left,
         ladder=[],
         detection_limits=[
-            one
-            for one in detection_limits(
-                [*found.values, *limits_of_levels(found)],
-                chosen,
-                found.least,
-                captures.sensor.cfa,
-            )
-            if one.name in names
+            one for one in detection_limits(found, chosen) if one.name in names
         ],
         next_captures=[],
         notes=_notes(found),

@@ -3,35 +3,49 @@
 
 """Detection limits: how strong an effect would have had to be to be named."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from cg2raw.diagnose.darks_and_flats import VALIDATION, DarksAndFlats
 from cg2raw.diagnose.diagnosis import DetectionLimit
 from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.verdict.values import limits_of_levels
 from cg2raw.model.figures import NORMAL
-from cg2raw.model.values import Value
+from cg2raw.model.values import Value, effect_values
 
 
 def detection_limits(
-    values: Sequence[Value], named: Collection[str], least: float, cfa: str
+    found: DarksAndFlats, named: Collection[str]
 ) -> Iterator[DetectionLimit]:
-    """Yield the limit of each parameter whose effect is not named.
+    """Yield the limit of each parameter that the frames show and whose effect is not
+    named.
 
-    values : of all effects that the frames show. least : nats that a name needs. Of a
-    parameter alone, known by a standard error, a strength s gains (s / error)^2 / 2
-    on average, and half a nat by chance."""
-    root = np.sqrt(2 * (least + 0.5))
-    for one in values:
+    Of a parameter alone, known by a standard error to the frames that decide, a
+    strength s gains (s / error)^2 / 2 on average, and half a nat by chance."""
+    sensor, selected = found.captures.sensor, found.selection
+    white = sensor.white_level - float(np.mean(sensor.black_level))
+    own = found.of_split(VALIDATION)
+    values = effect_values(own, selected.validation, found.profile, white)
+    root = np.sqrt(2 * (found.least + 0.5))
+    for one in (*values, *limits_of_levels(found)):
         if one.effect in named:
             continue
-        if one.parameter == "sigma":  # a variance is what the frames show
-            error = (one.high**2 - max(one.low, 0.0) ** 2) / 2 / NORMAL
-            strength = np.sqrt(root * error)
-        else:
-            strength = root * (one.high - one.low) / 2 / NORMAL
+        unsure = selected.unsure.get(one.effect, 0.0) / white
         units = {
-            p["name"]: p["unit"] for p in registered(cfa)[one.effect]["parameters"]
+            p["name"]: p["unit"]
+            for p in registered(sensor.cfa)[one.effect]["parameters"]
         }
+        strength = root * np.hypot(_error_of(one), unsure)
+        if one.parameter == "sigma":
+            strength = np.sqrt(strength)
         unit = units.get(one.parameter, "1")
         yield DetectionLimit(one.effect, one.parameter, float(strength), unit)
+
+
+def _error_of(one: Value) -> float:
+    """Return the standard error of a value; of a deviation that of its variance, which
+    is what frames show."""
+    if one.parameter == "sigma":
+        return (one.high**2 - max(one.low, 0.0) ** 2) / 2 / NORMAL
+    return (one.high - one.low) / 2 / NORMAL

@@ -12,7 +12,12 @@ from cg2raw.calibration import Measured, UniformFrame
 from cg2raw.calibration.calibrate import measure
 from cg2raw.calibration.profile_effects import effects_found
 from cg2raw.diagnose.captures.splits import GROUPS
-from cg2raw.diagnose.darks_and_flats import DarksAndFlats, levels_of, of_splits
+from cg2raw.diagnose.darks_and_flats import (
+    VALIDATION,
+    DarksAndFlats,
+    levels_of,
+    of_splits,
+)
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.lags import lags_of
@@ -71,9 +76,9 @@ def _of_variances(found: DarksAndFlats, named: Collection[str]) -> Iterator[Valu
 
 
 def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
-    """Yield parameters of what flats show of light, each alone, at 0."""
-    both = of_splits(found.statistics, GROUPS[:2])
-    levels = levels_of(found.captures, found.used, both, found.both)
+    """Yield parameters of what flats that decide show of light, each alone, at 0."""
+    own = found.of_split(VALIDATION)
+    levels = levels_of(found.captures, found.used, own, found.selection.validation)
     if levels is None:
         return
     for name in levels.names:
