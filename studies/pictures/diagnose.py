@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Make the pictures of docs/diagnose.md: parts of the report of its example.
+"""Make the picture of docs/diagnose.md: the top of the report of its example.
 
     ./studies/run diagnose-pictures [FOLDER]
 
@@ -23,15 +23,8 @@ CAPTURES = (
     "synthesize --effects lens_shading=0.3,row_noise=0.2 -s canon-5d-mark-iv --seed 1"
 )
 COLORS = 256  # of a picture's palette
-WIDTH, HEIGHT = 1000, 1600
-# Parts of the page: what is shown of it, as a CSS selector of what is not.
-VERDICT = "nav, footer, main > :not(#gap)"
-SHOWN_FRAMES = (3, 5)  # a flat and a scene
-FRAMES = (
-    "header, footer, main > :not(#frames), #frames > :not(article), #frames article"
-    + "".join(f":not(:nth-of-type({number}))" for number in SHOWN_FRAMES)
-)
-FALL_OFF = "curve_01.png"
+WIDTH, HEIGHT = 1240, 1600
+HIDDEN = "footer, details, .boxes"  # a CSS selector of what is not shown
 
 
 def report(folder):
@@ -73,15 +66,12 @@ def save(image, path):
 
 
 def main():
-    """Write the pictures."""
+    """Write the picture."""
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images"
     target.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        made = report(folder)
-        page = made / "report.html"
-        save(picture_of(page, VERDICT), target / "diagnose_verdict.png")
-        save(picture_of(page, FRAMES), target / "diagnose_frames.png")
-        save(Image.open(made / FALL_OFF), target / "diagnose_fall_off.png")
+        page = report(folder) / "report.html"
+        save(picture_of(page, HIDDEN), target / "diagnose_verdict.png")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from cg2raw.diagnose.diagnosis import VERDICTS
 from cg2raw.synthetic.strengths import KINDS
 from python.commands import run
 
-COMMANDS = ("hide", "diagnosis", "verify")
+COMMANDS = ("synthesize", "run", "compare")
 
 
 def text_of(repository):
@@ -43,8 +43,8 @@ def example(repository, tmp_path_factory):
 def test_the_commands_run(example):
     _, done = example
     assert all(each.code == 0 for each in done.values()), done
-    assert "explained: row_noise, lens_shading" in done["diagnosis"].out
-    before, after = re.findall(r"^(?:canon|report).*", done["verify"].out, re.M)
+    assert "explained: row_noise, lens_shading" in done["run"].out
+    before, after = re.findall(r"^(?:canon|report).*", done["compare"].out, re.M)
     assert before.endswith("unexplained") and after.endswith("consistent")
 
 
@@ -115,6 +115,6 @@ def test_the_tables_are_whole(repository):
 
 def test_pictures_are_small(repository):
     named = re.findall(r"\]\((images/\w+\.png)\)", text_of(repository))
-    assert len(named) == 3
+    assert len(named) == 1
     for name in named:
         assert 5_000 < (repository / "docs" / name).stat().st_size < 200_000, name

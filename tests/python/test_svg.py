@@ -90,4 +90,4 @@ def test_what_is_no_number_is_not_drawn():
 def test_words_cannot_become_markup():
     one = np.ones(2)
     drawn = lines("<b>", [Mark("<i>", one, one, "solid")], ("<u>", "<p>"))
-    assert not re.search("<[biup]>", drawn) and drawn.count("&lt;") == 4
+    assert not re.search("<[biup]>", drawn) and drawn.count("&lt;") == 5

@@ -123,7 +123,7 @@ def lines(
 ) -> str:
     """Return the SVG of marks over x; "" if there is nothing to draw.
 
-    title : for those who cannot see it. labels : of x and y. scale : "log" or "linear"
+    title : what is drawn, in words. labels : of x and y. scale : "log" or "linear"
     of x and of y."""
     drawn = [mark.points for mark in marks if len(mark.points)]
     if not drawn:
@@ -291,8 +291,10 @@ def text(x: float, y: float, words: str, anchor: str, color: str = "") -> str:
 
 
 def svg(title: str, parts: Sequence[str], height: float) -> str:
-    """Return the picture, with its title for those who cannot see it."""
+    """Return the picture, with its title below and for those who cannot see it."""
+    words = escape(title)
     return (
-        f'<svg viewBox="0 0 {WIDTH} {height:.0f}" role="img">'
-        f"<title>{escape(title)}</title>{''.join(parts)}</svg>"
+        f'<figure><svg viewBox="0 0 {WIDTH} {height:.0f}" role="img">'
+        f"<title>{words}</title>{''.join(parts)}</svg>"
+        f'<figcaption aria-hidden="true">{words}</figcaption></figure>'
     )

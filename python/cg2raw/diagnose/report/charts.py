@@ -9,6 +9,7 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Chart, Curve, Diagnosis, Finding, Histogram
 from cg2raw.diagnose.effects.catalogue import title as words_of
+from cg2raw.diagnose.report.values import scale_of
 from cg2raw.io.svg import AFTER, BEFORE, INK, SHAPES, SITES, Mark, bars, lines
 
 WITHOUT, WITH = "without it", "with it"
@@ -21,13 +22,13 @@ def charts_of(finding: Finding, diagnosis: Diagnosis) -> list[str]:
     own = [svg_of(one) for one in diagnosis.charts if one.effect == finding.name]
     own += [curve(one) for one in diagnosis.curves if one.effect == finding.name]
     own = [one for one in own if one]
-    return own[:1] or [one for one in [intervals(finding)] if one]
+    return own[:1] or [one for one in [intervals(finding, diagnosis)] if one]
 
 
 def svg_of(chart: Chart) -> str:
     """Return a chart of darks and flats."""
     names = (WITHOUT, WITH) if chart.effect else (OF_PROFILE, FOUND)
-    title = f"{chart.title}: measured, {names[0]} and {names[1]}"
+    title = chart.title
     if chart.form == "bars":
         (one,) = chart.series
         marks = [
@@ -68,27 +69,29 @@ def curve(found: Curve) -> str:
     return lines(found.title, kept, (found.x_label, found.y_label), scale)
 
 
-def intervals(finding: Finding) -> str:
-    """Return the values of an effect with their intervals: 0 is none of it."""
-    known = {
-        name: one
-        for name, one in finding.parameters.items()
-        if one.unit == "1" and np.isfinite([one.value, *one.ci95]).all()
-    }
+def intervals(finding: Finding, diagnosis: Diagnosis) -> str:
+    """Return the values of an effect that have one unit, with their intervals: 0 is
+    none of it."""
+    known, units = {}, []
+    for name, one in finding.parameters.items():
+        scale, unit = scale_of(finding.name, name, one.unit, diagnosis)
+        if np.isfinite([scale, one.value, *one.ci95]).all():
+            units.append(unit)
+            if unit == units[0]:
+                known[name] = scale * np.array([one.value, *one.ci95])
     if not known:
         return ""
     names = list(known)[:MOST_VALUES]
-    values = [known[name] for name in names]
     x = np.arange(float(len(names)))
-    ends = [np.array([one.ci95[end] for one in values]) for end in (0, 1)]
+    values, *ends = np.array([known[name] for name in names]).T
     marks = [
-        Mark("value", x, np.array([one.value for one in values]), "solid", AFTER),
+        Mark("value", x, values, "solid", AFTER),
         Mark("95 %", x, ends[0], "dots"),
         Mark("", x, ends[1], "dots"),
     ]
     words = [name.replace("_", " ") for name in names]
     title = f"Values of {words_of(finding.name)} with 95 % intervals; 0 is none"
-    return bars(title, words, marks, "value; 0 is none")
+    return bars(title, words, marks, f"{units[0] or 'value'}; 0 is none")
 
 
 def histograms(before: Histogram | None, after: Histogram | None) -> str:

@@ -125,7 +125,10 @@ def _parts(name: str, found: DarksAndFlats, test: Fit) -> Chart | None:
     of_patterns = {one.name for one in FIXED}
     fixed = np.isin(test.parameters.names, list(of_patterns))
     beginnings = {one.partition(",")[0] for one in of_patterns}
-    what = "pattern" if set(NAMES[name]) & beginnings else "noise"
+    is_fixed = bool(set(NAMES[name]) & beginnings)
+    # Without repeats, noise is in mean frames alone.
+    is_alone = all(after["noise", part].freedom.sum() <= 0 for part in PARTS)
+    what = "pattern" if is_fixed or is_alone else "noise"
     floor = parts_of(test, np.where(fixed, 0.0, test.theta))
     flat = test.likelihood.planes[0].is_flat
     change = {key: _change(before[key], after[key]) for key in after if key[0] == what}
@@ -134,7 +137,7 @@ def _parts(name: str, found: DarksAndFlats, test: Fit) -> Chart | None:
         key=lambda one: float(change[one[0]][flat == one[1]].sum()),
     )
     each = [after[key].measured, before[key].expected, after[key].expected]
-    if key[0] == "pattern":
+    if is_fixed:
         each = [one - floor[key].expected for one in each]
     rms = [np.sqrt(np.maximum(one, 0.0)) for one in each]
     # What it hardly changes, and is far above the rest, would set the scale.
@@ -149,7 +152,7 @@ def _parts(name: str, found: DarksAndFlats, test: Fit) -> Chart | None:
     kind, place = "flats" if is_flat else "darks", PLACES[key[1]]
     words = {
         "noise": f"Noise of {place} from frame to frame, {kind}",
-        "pattern": f"Pattern of {place} in mean {kind}, without noise",
+        "pattern": f"{place} of mean {kind}" + ", without noise" * is_fixed,
     }[key[0]]
     return _over_groups(name, words, test, used, [one[used] for one in rms], "rms, DN")
 
