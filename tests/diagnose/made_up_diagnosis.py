@@ -22,6 +22,7 @@ from cg2raw.diagnose.diagnosis import (
 )
 
 R2, R4 = -0.34, 0.05
+WHITE = 16000.0  # DN above black
 NEUTRAL = (0.52, 1.0, 0.68)
 NOISE = 0.012  # at full signal; of a cell's mean
 SHARE = 0.3  # of the error in noise that a map shows, so that it does not saturate
@@ -172,7 +173,7 @@ def findings():
     )  # fmt: skip
     rows = Finding(
         "row_noise",
-        {"sigma": Estimate(0.412, "DN", (0.381, 0.447))},
+        {"sigma": Estimate(0.412 / WHITE, "1", (0.381 / WHITE, 0.447 / WHITE))},
         31.7, 5.8e13,
         [Alternative("read_noise", 28.9, "Ten further darks: rows repeat in none.")],
         ["read_noise"], "whole rows, new in each frame",
@@ -237,7 +238,7 @@ def made_up_diagnosis(**changes):
         "histogram_after": histogram(1.0),
         "profile_json": json.dumps({"id": "nikon-d40", "effects": ["lens_shading"]},
                                    indent=2),
-        "white_dn": 16000.0,
+        "white_dn": WHITE,
         "electrons_per_dn": 2.083,
         "seconds": 12.34,
     }  # fmt: skip

@@ -99,7 +99,11 @@ def steps(low: float, high: float) -> list[float]:
 
 def tick_words(ticks: Sequence[float]) -> list[str]:
     """Return ticks in words, each with as many digits as tell them apart."""
-    return [f"{round(x, 12):.6g}".replace("-", "\N{MINUS SIGN}") for x in ticks]
+    for digits in range(6, 16):
+        words = [f"{x + 0.0:.{digits}g}" for x in ticks]
+        if len(set(words)) == len(words):
+            break
+    return [one.replace("-", "\N{MINUS SIGN}") for one in words]
 
 
 def axis(values: Array, start: float, end: float, is_log: bool, room: float) -> Axis:

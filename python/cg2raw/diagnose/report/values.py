@@ -25,7 +25,15 @@ OF_WHITE: Mapping[str, tuple[str, ...]] = {
     "hot_pixels": ("rate",),
     "random_telegraph_noise": ("amplitude",),
 }
-PLAIN = ("row", "column", "extent", "log_sigma", "ring", "tilt", "r2", "r4", "r6")
+PLAIN = (
+    "row",
+    "column",
+    "extent",
+    "log_sigma",
+    "ring",
+    "tilt",
+    *(f"r{n}" for n in range(2, 7)),
+)
 LOGARITHMS = ("log_variance", "log_gain")  # of a factor of the profile's variance
 IN_WORDS = {
     "log_variance": "variance",

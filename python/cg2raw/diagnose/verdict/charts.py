@@ -61,7 +61,7 @@ def charts_of(
     makers = {
         "black_level": lambda n: _levels(n, found, test),
         "dark_current": lambda n: _levels(n, found, test),
-        "black_level_drift": lambda n: _drift(n, found, (model, test)),
+        "black_level_drift": lambda n: _drift(chosen[n], found, (model, test)),
         "hot_pixels": lambda n: _rates(n, found, model),
         "heavy_tailed_noise": lambda n: _tails(n, found, chosen[n]),
         "lens_shading": lambda n: _rings(n, test, chosen[n]),
@@ -152,7 +152,7 @@ def _parts(name: str, found: DarksAndFlats, test: Fit) -> Chart | None:
     kind, place = "flats" if is_flat else "darks", PLACES[key[1]]
     words = {
         "noise": f"Noise of {place} from frame to frame, {kind}",
-        "pattern": f"{place} of mean {kind}" + ", without noise" * is_fixed,
+        "pattern": f"Mean {kind}: {place}" + ", without noise" * is_fixed,
     }[key[0]]
     return _over_groups(name, words, test, used, [one[used] for one in rms], "rms, DN")
 
@@ -208,13 +208,14 @@ def _levels(name: str, found: DarksAndFlats, test: Fit) -> Chart | None:
     )
 
 
-def _drift(name: str, found: DarksAndFlats, fits: Sequence[Fit]) -> Chart | None:
+def _drift(finding: Finding, found: DarksAndFlats, fits: Sequence[Fit]) -> Chart | None:
     """Return the levels of the shortest darks, frame by frame, and 95 % bands."""
     order = {one.name: n for n, one in enumerate(found.captures.captures)}
-    rows = []
+    sensor, rows = found.captures.sensor, []
+    white = sensor.white_level - float(np.mean(sensor.black_level))
+    variance = (finding.parameters["sigma"].value * white) ** 2
     for fit in fits:
         statistics, planes = fit.likelihood.means.statistics, fit.likelihood.planes
-        variance = fit.theta[fit.parameters.of(name)]
         noise = fit.likelihood.levels.noise()[0]
         for g in statistics.shortest_darks():
             levels = np.mean([one.plane.levels[g] for one in planes], axis=0)
@@ -229,7 +230,7 @@ def _drift(name: str, found: DarksAndFlats, fits: Sequence[Fit]) -> Chart | None
     _, *each = np.array(sorted(rows)).T
     series = Series("", np.arange(1.0, len(rows) + 1), *each)
     words = "Level of each of the shortest darks, less the mean of its repeats"
-    return Chart(name, words, "dark, in order", "DN", (series,), "bands")
+    return Chart(finding.name, words, "dark, in order", "DN", (series,), "bands")
 
 
 def _rates(name: str, found: DarksAndFlats, model: Fit) -> Chart | None:
@@ -406,5 +407,5 @@ def _transfer(found: DarksAndFlats, test: Fit) -> Iterator[Chart]:
         each = (after.measured, before.expected, after.expected)
         series = Series("", signal[used], *(one[used] for one in each))
         words = "Photon transfer"
-        labels = ("signal, DN", "variance, DN^2")
+        labels = ("signal, DN", "variance, DN\N{SUPERSCRIPT TWO}")
         yield Chart("", words, *labels, (series,), scale="log log")
