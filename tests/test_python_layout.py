@@ -59,10 +59,9 @@ DIAGNOSE = (
     "cg2raw.diagnose.darks_and_flats",
     "cg2raw.diagnose.frames",
     "cg2raw.diagnose.effects",
+    "cg2raw.diagnose.workers",
+    "cg2raw.diagnose.scenes",
     "cg2raw.diagnose.verdict",
-    "cg2raw.diagnose.likelihood",
-    "cg2raw.diagnose.inference",
-    "cg2raw.diagnose.assessment",
     "cg2raw.diagnose.report",
     "cg2raw.diagnose.pipeline",
 )

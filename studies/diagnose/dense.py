@@ -43,6 +43,15 @@ def dense_names() -> list[str]:
     return [effect.name for effect in candidates(CFA)]
 
 
+# Effects of noise of which a profile may say too much or too little.
+OF_NOISE = frozenset(
+    {
+        *("heavy_tailed_noise", "noise_reduction", "read_noise_correlation"),
+        *("row_noise", "black_level_drift"),
+    }
+)
+
+
 def draw_faults(seed: int, names: Sequence[str], count: int) -> dict[str, float | None]:
     """Return what the doubted profile has of the effects in which it is wrong, as
     factors of the truth; 0 where it lacks one."""
@@ -57,8 +66,7 @@ def _factors(effect: Effect) -> tuple[float, ...]:
     it, and only its absence is a fault. Photons are counted or they are not."""
     if effect.scales:
         return NOISE_FACTORS
-    whole = effect.estimator == "stated" or effect.name == "poisson_shot_noise"
-    return (0.0,) if whole else FACTORS
+    return FACTORS if effect.of_mean or effect.name in OF_NOISE else (0.0,)
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,11 @@ from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.reader import divided, read_frames, stratum
 from cg2raw.diagnose.effects.catalogue import candidates
-from cg2raw.diagnose.inference.nameable import DISTINCT
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.synthetic_camera import stream
 from studies.diagnose.planted import PLANTS, levels_of, planted
 
+DISTINCT = 1.2  # ratio of the levels of two flats that show a curve
 MANIFEST = "captures.yaml"  # of a folder
 PLANTED, CALIBRATED = 6, 4  # frames that repeat each other; 6 are two a split
 NEEDED = "its darks and flats by --captures captures.yaml, or a folder with one"

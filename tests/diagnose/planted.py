@@ -14,11 +14,10 @@ from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.frame import frame_of, source_of
 from cg2raw.diagnose.frames.tiling import tiling
-from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.likelihood.likelihood import Likelihood
-from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import predict
-from cg2raw.diagnose.likelihood.workers import Workers
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.noise_level import noise_models
+from cg2raw.diagnose.scenes.predict import predict
+from cg2raw.diagnose.workers import Workers
 from cg2raw.synthetic.captures import simulate_captures
 from cg2raw.synthetic.sensors import ISO, with_noise
 from diagnose.closed_loop import simulated
@@ -28,11 +27,6 @@ FULL_WELL, READ_NOISE = 5000.0, 3.0  # electrons
 READ = READ_NOISE / FULL_WELL  # read noise in signal
 ONE = Workers(1)
 BY_NAME = {effect.name: effect for effect in candidates("RGGB")}
-
-
-def on(frames):
-    """Return the likelihood of frames, on one thread."""
-    return Likelihood(frames, ONE)
 
 
 def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, **fields):

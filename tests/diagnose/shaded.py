@@ -3,6 +3,7 @@
 """Frames with a shading and row noise, and the model that knows the shading."""
 
 from cg2raw.diagnose.inference.fitting import fit
+
 from diagnose.planted import (
     READ,
     capture_of,

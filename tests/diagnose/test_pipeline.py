@@ -12,16 +12,12 @@ from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.diagnosis import Diagnosis
-from cg2raw.diagnose.inference import baseline
-from cg2raw.diagnose.inference.model_selection import Search
-from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.model import Model
 from cg2raw.diagnose.pipeline import diagnose
+from cg2raw.diagnose.scenes.decide import Scenes
+from cg2raw.diagnose.scenes.model import Model
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import ISO, with_noise
 from diagnose.planted import (
-    BY_NAME,
-    ONE,
     capture_of,
     drawn,
     frames_of,
@@ -120,42 +116,25 @@ def test_noise_that_is_cut_at_zero_hides_no_effect(name, strength, value):
     assert found.gap.chi2_after == pytest.approx(1, abs=0.015)
 
 
-def test_an_interrupted_search_still_reports(monkeypatch):
-    captures = set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05], read_noise=[0.5]))
-    added = []
-    add = Search._add
+@pytest.mark.parametrize("passes", [0, 1])
+def test_an_interrupt_still_reports(monkeypatch, passes):
+    captures = set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05]))
+    done = []
+    once = Scenes._pass
 
-    def interrupted(self, model):
-        if added:
+    def interrupted(self):
+        if len(done) == passes:
             raise KeyboardInterrupt
-        added.append(1)
-        return add(self, model)
+        done.append(1)
+        return once(self)
 
-    monkeypatch.setattr(Search, "_add", interrupted)
+    monkeypatch.setattr(Scenes, "_pass", interrupted)
     found = run(captures)
     assert isinstance(found, Diagnosis) and found.interrupted
-    assert len(found.effects) == 1
-    assert Sensor.from_json(found.profile_json, "found").id == SENSOR.id
-
-
-def test_an_interrupt_at_once_reports_the_gap(monkeypatch):
-    def interrupted(self, model):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Search, "_add", interrupted)
-    found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
-    assert found.interrupted and found.effects == []
     assert found.verdict == "incomplete"
-
-
-def test_an_interrupt_before_the_search_reports_the_gap(monkeypatch):
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(baseline, "_fitted", interrupted)
-    found = run(set_of(SENSOR, model=model_of(SENSOR, exposure=[0.05])))
-    assert found.interrupted and found.effects == []
-    assert found.gap.chi2_before == found.gap.chi2_after > 1.05
+    assert len(found.effects) == passes
+    if not passes:
+        assert found.gap.chi2_before == found.gap.chi2_after > 1.05
 
 
 def test_x_trans_goes_through_with_nothing_hidden():
@@ -271,19 +250,6 @@ def test_groups_that_are_empty_say_so():
         run(CaptureSet(SENSOR, captures))
     with pytest.raises(ValueError, match="alpha 0 must lie between 0 and 1"):
         run(CaptureSet(SENSOR, captures), alpha=0)
-
-
-def test_a_dropped_effect_says_what_it_was_worth(monkeypatch):
-    """The ladder gives what dropping cost, not the difference to itself."""
-    captures = set_of(SENSOR, model=model_of(SENSOR, exposure=[0.03]))
-    frames = frames_of(SENSOR, captures.captures)
-    prepared = baseline.Baseline(Model(SENSOR), Splits(frames, ONE))
-    search = Search(prepared, list(BY_NAME.values()), 0.01, 6)
-    model = model_of(SENSOR, exposure=[0.03], gr_gb_imbalance=[1e-5, 0.0])
-    left = search._pruned(model, "exposure")
-    assert left.names == ["exposure"]
-    assert search.steps[0].name == "gr_gb_imbalance"
-    assert search.steps[0].gain != 0
 
 
 def test_a_profile_is_judged_as_it_is_where_nothing_may_be_added():

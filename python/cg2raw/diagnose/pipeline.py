@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""diagnose(): captures, frames, effects, likelihood, inference, assessment."""
+"""diagnose(): darks and flats, then scenes and charts, then what both say."""
 
-import itertools
 import time
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
 import numpy as np
 
-from cg2raw.diagnose.assessment.verdict import assessed
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.darks_and_flats import (
     OF_IMAGES,
@@ -20,14 +18,12 @@ from cg2raw.diagnose.darks_and_flats import (
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.reader import read_frames
-from cg2raw.diagnose.inference.baseline import baseline_of
-from cg2raw.diagnose.inference.model_selection import Search
-from cg2raw.diagnose.inference.nameable import nameable
-from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.inference.splits import Splits
-from cg2raw.diagnose.likelihood.workers import TimeIsUp, Workers
+from cg2raw.diagnose.scenes.decide import decide
+from cg2raw.diagnose.scenes.noise_level import noise_models
 from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
+from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.verdict.together import together, with_images_alone
+from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
 from cg2raw.sensor import Sensor
 
@@ -51,8 +47,8 @@ def diagnose(
     """Find what a sensor's model lacks to explain its captures.
 
     alpha : chance of a false first name, 0 < alpha < 1.
-    most : effects that are added one by one at most, beside those that repeated darks
-        and flats measure at once; 0 for none at all.
+    most : effects that images name at most, beside those of darks and flats; 0 for none
+        at all.
     without, only : names to leave out of, or to restrict the effects to.
     progress : called with what is being done and the share that is done.
     threads : number of frames worked on at a time; the result does not depend on it.
@@ -62,9 +58,8 @@ def diagnose(
     time_limit : seconds from the start, after which nothing more is looked for; the
         report then says so. None for as long as it takes.
 
-    Ctrl-C ends alignment and search, not the report. Raises ValueError for captures
-    that cannot be diagnosed. Source: split likelihood-ratio test, see
-    `inference.model_selection`."""
+    Ctrl-C ends what is decided, not the report. Raises ValueError for captures that
+    cannot be diagnosed. Source: split likelihood-ratio test, see `scenes.selection`."""
     if not 0 < alpha < 1:
         raise ValueError(f"alpha {alpha} must lie between 0 and 1")
     started = time.monotonic()
@@ -109,7 +104,7 @@ def diagnose(
             images = with_images_alone(capture_set, found, seen.masked, seen.used)
             of_images -= shown - OF_IMAGES
     workers = Workers(threads, deadline)
-    second = _searched(
+    second = _of_images(
         images,
         of_images,
         alpha,
@@ -167,7 +162,7 @@ def _names(
     return frozenset(names - capture_set.nuisances)
 
 
-def _searched(
+def _of_images(
     capture_set: CaptureSet,
     names: Collection[str],
     alpha: float,
@@ -178,22 +173,20 @@ def _searched(
     details: bool,
     is_noise_known: bool,
 ) -> Diagnosis:
-    """Return what a search finds in scenes and charts, and in what does not repeat.
+    """Return what scenes, charts and flats of known light show.
 
     names : which may be named. is_noise_known : by darks and flats."""
     frames = read_frames(capture_set, noise_models(capture_set), pixels, say)
-    splits = Splits(frames, workers)
-    splits.check()
-    baseline = baseline_of(capture_set, splits, say, is_noise_known)
-    effects = nameable(capture_set, splits, names)
-    search = Search(baseline, effects, alpha, most, _counted(say))
-    model = search.run()
-    workers.deadline = None  # the report is written in any case
+    measured = all(f.noise.measured for f in frames if f.samples is None)
+    found = decide(
+        capture_set,
+        frames,
+        names,
+        alpha=alpha,
+        most=most,
+        fits_noise=not (is_noise_known and measured),
+        workers=workers,
+        say=say,
+    )
     say("writing down what was found", 0.92)
-    return assessed(capture_set, baseline, search, model, details)
-
-
-def _counted(say: Progress) -> Callable[[str], None]:
-    """Return what reports steps of a search, of which nobody knows the number."""
-    steps = itertools.count(1)
-    return lambda text: say(text, 0.3 + 0.6 * (1 - np.exp(-next(steps) / 120)))
+    return diagnosis_of_images(found, details)

@@ -11,21 +11,18 @@ import pytest
 from cg2raw import _core
 from cg2raw.diagnose import diagnose, effects
 from cg2raw.diagnose.effects import catalogue
-from cg2raw.diagnose.likelihood.model import Model
+from cg2raw.diagnose.scenes.model import Model
 from diagnose.test_pipeline import SENSOR, set_of
 
 NAME = "gr_gb_imbalance"
 FILE = """
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.families import GAIN, LIGHT
 
 
 class Greens(Effect):
     name = "gr_gb_imbalance"
     title = "greens that differ"
     where = "every other row of green"
-    families = frozenset({GAIN})
-    needs = LIGHT
 
 
 EFFECT = Greens()

@@ -4,65 +4,18 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.effects.base import registered
 from cg2raw.diagnose.effects.catalogue import every
-from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import predict
-from diagnose.planted import capture_of, frames_of, sensor_of, shot_by_registry
+from diagnose.planted import sensor_of, shot_by_registry
 from tiers import slow
 
 SENSOR = sensor_of()
 NAME = "read_noise_correlation"
 EFFECT = every()[NAME]
-
-
-def whitened(frame, coefficient):
-    """Return residuals of noise that correlates so, before and after whitening."""
-    p = predict(Model(SENSOR), frame)
-    rng = np.random.default_rng(4)
-    noise = rng.standard_normal(p.mean.shape)
-    for col in range(1, noise.shape[2]):
-        noise[..., col] *= np.sqrt(1 - coefficient**2)
-        noise[..., col] += coefficient * noise[..., col - 1]
-    read = np.sqrt(frame.beta2 / p.variance)
-    z = read * noise + np.sqrt(1 - read**2) * rng.standard_normal(p.mean.shape)
-    values = np.array([coefficient])
-    inner = np.s_[:, 8:-8, 8:-8]  # frames leave out less along their edges
-    white = EFFECT.whiten(z, p, values, frame, frame.beta2)[0]
-    return z[inner], white[inner]
-
-
-def of_neighbours(z, lag):
-    return float(np.mean(z[..., lag:] * z[..., :-lag]))
-
-
-@pytest.mark.parametrize(("kind", "left"), [("dark", 0.0), ("flat", 0.25)])
-@pytest.mark.parametrize("coefficient", [-0.4, -0.07, 0.3])
-def test_it_whitens_what_correlates(kind, left, coefficient):
-    """To three standard errors of a mean of 52,000 products; where half of the noise is
-    shot noise, but for a quarter of the coefficient's square."""
-    (frame,) = frames_of(SENSOR, [capture_of(kind, shape=(200, 300), level=0.002)])
-    z, white = whitened(frame, coefficient)
-    error = 3 / np.sqrt(z.size)
-    assert abs(of_neighbours(z, 1)) > 2 * error
-    assert white.var() == pytest.approx(1.0, abs=5 * error)
-    for lag in (1, 2, 3):
-        assert abs(of_neighbours(white, lag)) < error + left * coefficient**2
-
-
-def test_pixels_that_do_not_count_tell_nothing():
-    (frame,) = frames_of(SENSOR, [capture_of("dark", shape=(64, 96))])
-    p = predict(Model(SENSOR), frame)
-    z = np.random.default_rng(5).standard_normal(p.mean.shape)
-    white, cost = EFFECT.whiten(z, p, np.array([0.3]), frame, frame.beta2)
-    outside = ~frame.keep
-    assert outside.any() and (white[outside] == z[outside]).all()
-    assert not np.any(cost[outside])
 
 
 @pytest.mark.parametrize(("coefficient", "seed"), [(-0.07, 1), slow(0.25, 2)])

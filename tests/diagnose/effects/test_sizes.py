@@ -11,7 +11,7 @@ from cg2raw import Sensor
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.effects.lens_shading import CORNERS, corner_losses
-from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.scenes.predict import predict
 from diagnose.planted import FULL_WELL, capture_of, frames_of, model_of, sensor_of
 
 # Of a lens that is not round.

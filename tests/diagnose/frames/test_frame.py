@@ -24,9 +24,9 @@ from cg2raw.diagnose.frames.tiling import (
     tiling,
     whole_tilings,
 )
-from cg2raw.diagnose.inference.noise_level import noise_models
-from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.noise_level import noise_models
+from cg2raw.diagnose.scenes.predict import predict
 from diagnose.planted import (
     SHAPE,
     capture_of,

@@ -6,19 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import log_ndtr
 
-from cg2raw.diagnose.assessment.gap import Sums
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.chart_table import places_of
 from cg2raw.diagnose.captures.patch_means import COLOR_OF_SITE, PatchMeans
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.patch_frame import on_sites, patch_frame_of
-from cg2raw.diagnose.likelihood.likelihood import log_density
-from cg2raw.diagnose.likelihood.model import Model
-from cg2raw.diagnose.likelihood.nuisance import Nuisance
-from cg2raw.diagnose.likelihood.prediction import predict
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.point import Excess, offsets_of, point_of
+from cg2raw.diagnose.scenes.predict import predict
+from cg2raw.diagnose.scenes.view import views_of
 from diagnose.planted import capture_of, sensor_of
 
 SENSOR = sensor_of()
@@ -75,27 +73,6 @@ def test_rows_add_what_a_square_of_them_shares():
     np.testing.assert_allclose(rows.variance - plain.variance, added)
 
 
-def test_the_density_is_a_normal_one():
-    frame = frame_of(means_of(500))
-    density, z, p = log_density(Model(SENSOR), frame)
-    np.testing.assert_allclose(z, (frame.signal - p.mean) / np.sqrt(p.variance))
-    expected = -0.5 * z**2 - 0.5 * np.log(2 * np.pi * p.variance * RANGE**2)
-    np.testing.assert_allclose(density, expected)
-
-
-@pytest.mark.parametrize("side", [-1, 1])
-def test_a_censored_mean_counts_by_the_chance_of_its_side(side):
-    bare = predict(Model(SENSOR), frame_of(means_of(500)))
-    ends = bare.mean + 0.7 * np.sqrt(bare.variance)
-    dn = SENSOR.black_level[0] + RANGE * ends.reshape(3, 4)[:, places_of(SENSOR.cfa)]
-    frame = frame_of(means_of(dn, side=side))
-    density, _, p = log_density(Model(SENSOR), frame)
-    chance = log_ndtr(-side * (ends - p.mean) / np.sqrt(p.variance))
-    np.testing.assert_allclose(chance, log_ndtr(-side * 0.7))
-    np.testing.assert_allclose(density, chance, rtol=1e-6)
-    assert frame.keep.all() and not frame.is_cut
-
-
 def test_what_is_missing_does_not_count():
     mean = np.full((3, 4), 500.0)
     mean[1, 2] = np.nan
@@ -125,19 +102,13 @@ def test_tables_of_a_chart_together_know_its_colours_no_better_than_one():
     chosen = CaptureSet(SENSOR, captures)
     frames = [patch_frame_of(chosen, capture, NOISE) for capture in captures]
     assert [frame.repeats for frame in frames] == [3, 3, 3, 1]
-    nuisance = Nuisance(0.0, 0.0, 0.0, 0.01, frozenset())
-    light = frames[3].squared_slope_and_light[1]
     for frame, repeats in ((frames[0], 3), (frames[3], 1)):
-        p = predict(Model(SENSOR, nuisance=nuisance), frame)
-        np.testing.assert_allclose(p.light_variance, 1e-4 * repeats * light)
-        sums = Sums()
-        sums.add(Model(SENSOR, nuisance=nuisance), frame)
-        # Chi-square is that of one table, however many there are.
-        own = p.variance - p.light_variance * (1 - 1 / repeats)
-        away = (frame.signal - p.mean) ** 2 / own
-        assert sums.chi2 == pytest.approx(np.minimum(away, 2500).mean())
-        noise = 1 - p.light_variance / p.variance
-        assert sums.independent == pytest.approx(noise.sum())
+        [view] = views_of([frame])
+        point = point_of(view, frame, Model(SENSOR), Excess(patches=0.01))
+        [offset] = offsets_of(point)
+        assert offset.sigma == pytest.approx(0.01 * np.sqrt(repeats))
+        # Both greens of a patch have the same error.
+        assert len(np.unique(offset.labels)) == 9
 
 
 @pytest.mark.parametrize("name", ["blur", "crosstalk", "lens_shading", "veiling_glare"])

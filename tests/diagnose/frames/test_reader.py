@@ -9,7 +9,7 @@ import pytest
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.reader import PIXELS, PIXELS_OF_ALL, read_frames
-from cg2raw.diagnose.inference.noise_level import noise_models
+from cg2raw.diagnose.scenes.noise_level import noise_models
 from diagnose.frames.test_patch_frame import means_of
 from diagnose.planted import captures_of, sensor_of
 

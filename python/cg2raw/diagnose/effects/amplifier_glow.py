@@ -4,7 +4,6 @@
 """Amplifier glow: light of the read-out amplifier, at an edge or in a corner."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import PEDESTAL, TIME
 from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.sensor import Sensor
 
@@ -15,10 +14,8 @@ class AmplifierGlow(Effect):
     name = "amplifier_glow"
     title = "amplifier glow"
     where = "fades from an edge or a corner, with exposure time, in darks too"
-    estimator = "stated"
-    families = frozenset({PEDESTAL})
+    of_mean = False
     signature = frozenset({"offset"})
-    needs = TIME
     told_apart = {
         "bias_structure": "Darks of two exposure times: what an amplifier's light "
         "leaves grows with time, a bias structure does not.",

@@ -4,17 +4,12 @@
 """Effect: what the inference needs to know, beside the physics in the registry.
 
 The registry (cg2raw.effects()) says what an effect does to a signal. A file of this
-folder says the rest, and only where the default does not do. Three estimators:
-
-"smooth"     its parameters move mean and variance, and are fitted by Fisher scoring
-"transform"  it turns its structured noise into white noise, and is fitted by search
-"stated"     darks and flats decide it; images take it as the profile states it
+folder says the rest, and only where the default does not do.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -28,12 +23,9 @@ from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
 
-Estimator = Literal["smooth", "transform", "stated"]
 Values = NDArray[np.float64]
 Estimates = Mapping[str, Estimate]  # of an effect's parameters
 EstimatesByEffect = Mapping[str, Estimates]
-Whitened = tuple[Array, Array | float]
-Whitener = Callable[[Array], Whitened]
 Gain = Callable[[float], float]  # nats that a strength is expected to gain
 Predicted = Sequence[tuple[Frame, Prediction]]
 Labels = Callable[[Frame, Prediction], NDArray[np.int64]]  # of the pixels of a frame
@@ -45,7 +37,7 @@ NORMAL_95 = 1.96  # standard deviations to either side of a mean that hold 95 %
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that is searched: its bounds; 0 is none of the effect."""
+    """A number that is fitted: its bounds; 0 is none of the effect."""
 
     name: str
     low: float
@@ -53,43 +45,19 @@ class Parameter:
     unit: str = "1"
 
 
-class WhiteningStage(IntEnum):
-    """The order in which a model's effects whiten residuals: back through a camera.
-
-    What all pixels of a frame share comes after what those of a row do: what is left
-    of it by then is still one direction, which `likelihood.whitening` follows."""
-
-    CLIPPING = 1
-    FILTER = 2
-    AMPLIFIER = 3
-    ROWS = 4
-    FRAME = 5
-    NUISANCE = 6
-    PHOTONS = 7
-    READOUT = 8
-
-
 class Effect:
     """An effect that may be named; subclasses state what differs.
 
     name : of the registry. title : in plain words. where : what residuals look like.
-    search : parameters that are searched; none for the registry's own.
+    of_mean : its parameters move the mean of images, which are fitted by derivatives;
+        else darks and flats decide it, and images take it as the profile states it.
+    search : parameters that are fitted, if they are not the registry's own.
     bounds : narrower than the registry's, by the beginning of a parameter's name.
     step, steps_of : of numerical derivatives, and of those of some parameters.
-    starts : of a search of values. first_step, first_scale : its first steps, as a
-        share of each value, and the least of them.
-    switches : parameters that are 0 without the effect; all of them if empty.
-    ends : parameters whose bounds are ends of what there is, not of what is looked for.
-    shape_of : parameters that say nothing where another one, of which they are the
-        shape, is 0.
-    families : effects that share one look alike.
+    affine : means are, in its parameters.
+    shapes : parameters that say nothing where all others are 0.
     signature : what it changes, for the captures that discriminate it from others (see
         discriminating_captures); told_apart : the same for one other effect.
-    absorbs : takes up any misfit of the mean, and so comes after effects of the mean.
-    moves_mean : it explains a misfit of the mean.
-    is_field : a smooth field of light, which is fitted all over frames in the end.
-    needs : what some frames must have to show it: "light", a "level" of it that is
-        known, several "levels", "repeats" of pixels or levels, an "image", a "time".
     from_means : tables of patch means show it: neither pixels nor places are needed,
         nor does it look like errors of the chart's own colours, the same in all frames.
     taken_up_by : effects that take up what this one's model does not describe, and the
@@ -100,24 +68,15 @@ class Effect:
     name: ClassVar[str] = ""
     title: ClassVar[str] = ""
     where: ClassVar[str] = ""
-    estimator: ClassVar[Estimator] = "smooth"
+    of_mean: ClassVar[bool] = True
     search: ClassVar[tuple[Parameter, ...]] = ()
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {}
     step: ClassVar[float] = 1e-3
     steps_of: ClassVar[Mapping[str, float]] = {}
-    starts: ClassVar[tuple[tuple[float, ...], ...]] = ()
-    first_scale: ClassVar[float] = 0.02
-    first_step: ClassVar[float | tuple[float, ...]] = 0.4
-    switches: ClassVar[tuple[str, ...]] = ()
-    ends: ClassVar[frozenset[str]] = frozenset()
-    shape_of: ClassVar[Mapping[str, str]] = {}
-    families: ClassVar[frozenset[str]] = frozenset()
+    affine: ClassVar[bool] = True
+    shapes: ClassVar[frozenset[str]] = frozenset()
     signature: ClassVar[frozenset[str]] = frozenset()
     told_apart: ClassVar[Mapping[str, str]] = {}
-    absorbs: ClassVar[bool] = False
-    moves_mean: ClassVar[bool] = True
-    is_field: ClassVar[bool] = False
-    needs: ClassVar[frozenset[str]] = frozenset()
     from_means: ClassVar[bool] = False
     taken_up_by: ClassVar[Mapping[str, float]] = {}
     bayer_only: ClassVar[bool] = False
@@ -129,85 +88,20 @@ class Effect:
 
     # Of the noise model: its values are the log of a factor of these betas.
     scales: ClassVar[Literal["", "beta1", "beta2"]] = ""
-    # The offset of a frame is shared by the pixels of a row, or by all.
-    shares_offset: ClassVar[Literal["", "row", "frame"]] = ""
-    whitens_variance: ClassVar[bool] = False  # that is no prediction's
-
-    @cached_property
-    def acts_on_light(self) -> bool:
-        """Whether it acts before there is charge, so that darks show nothing of it."""
-        return registered(self.cfa)[self.name]["stage"] in ("color", "optics", "pixel")
+    whitens_variance: ClassVar[bool] = False  # of what pixels share
 
     @property
     def predicted(self) -> bool:
         """Whether the registry moves a prediction by its values, on top of those that
         the profile has."""
-        return self.estimator == "smooth" and not self.scales
-
-    @property
-    def scored(self) -> bool:
-        """Whether its values are fitted by Fisher scoring."""
-        return self.estimator == "smooth" or self.predicted
-
-    # How it whitens residuals.
-
-    whitening: ClassVar[WhiteningStage | None] = None
-    # Its whitening is linear and Gaussian, and so whitens derivatives too.
-    linear: ClassVar[bool] = False
-
-    def whiten(
-        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
-    ) -> Whitened:
-        """Return (residuals (T, h, w) of which its structure is taken out, log of the
-        determinant per pixel), so that the density of a frame stays a density.
-
-        read : variance of the read noise."""
-        return z, 0.0
-
-    def whitener(
-        self, p: Prediction, values: Values, frame: Frame, read: Array
-    ) -> Whitener:
-        """Return what `whiten` does to residuals, where these come many times."""
-        return partial(self.whiten, p=p, values=values, frame=frame, read=read)
-
-    def blended(self, image: Array, values: Values) -> Array:
-        """Return what it makes of an image (T, h, w), if it blends neighbours."""
-        return image
+        return self.of_mean and not self.scales
 
     def variance_left(self, values: Values) -> float:
-        """Return what that leaves of the variance of white noise."""
+        """Return what it leaves of the variance of white noise, if it blends pixels."""
         return 1.0
 
-    def tails(self, values: Values) -> tuple[float, float] | None:
-        """Return (share, variance ratio) of noise that it makes wider than the rest."""
-        return None
-
-    # How it is found.
-
-    starts_from_data: ClassVar[bool] = False  # its likelihood has no slope at its null
-
-    def first_values(self, predicted: Predicted) -> Values | None:
-        """Return where a fit starts; None if the frames show nothing of it."""
-        return None
-
-    def unit_scale(self, frames: Sequence[Frame]) -> float:
-        """Return what turns a value of the search into the registry's unit."""
-        return 1.0
-
-    def in_proportion(self, parameter: str, frame: Frame) -> tuple[str, Array] | None:
-        """Return (another parameter, ratio (T, h, w) of what one changes to what that
-        changes) where it is known."""
-        return None
-
-    # How strong it would have to be to be found.
-
-    def expected_gain(
-        self, selected: Predicted, fitted: Predicted, information: float
-    ) -> Gain | None:
-        """Return what a strength gains on the select frames; None where Fisher's
-        information says it, or nobody can know.
-
-        information : of its first value, by how mean and variance move."""
+    def expected_gain(self, selected: Predicted) -> Gain | None:
+        """Return what a strength gains on frames; None where derivatives say it."""
         return None
 
     # How it comes into a profile.
@@ -278,6 +172,17 @@ class Effect:
     def used(self) -> list[str]:
         """Parameters that the effect does not do without."""
         return [n for n in self.parameters if self.detailed or n not in self.detail]
+
+    @cached_property
+    def is_used(self) -> NDArray[np.bool_]:
+        """Which parameters these are."""
+        return np.isin(self.parameters, self.used)
+
+    def with_used(self, values: Values) -> Values:
+        """Return all parameters, of which those used have values."""
+        every = self.null
+        every[self.is_used] = values
+        return every
 
     @property
     def _known(self) -> Sequence[Mapping[str, Any]]:

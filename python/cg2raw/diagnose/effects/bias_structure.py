@@ -4,7 +4,6 @@
 """Bias structure: a black level that is not the same all over the frame."""
 
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.families import PEDESTAL
 
 
 class BiasStructure(Effect):
@@ -14,8 +13,7 @@ class BiasStructure(Effect):
     name = "bias_structure"
     title = "bias structure"
     where = "a ramp over the frame, or its first columns, whatever the light"
-    estimator = "stated"
-    families = frozenset({PEDESTAL})
+    of_mean = False
     signature = frozenset({"offset"})
     told_apart = {
         "amplifier_glow": "Darks of two exposure times: what an amplifier's light "

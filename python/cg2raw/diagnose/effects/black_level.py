@@ -7,7 +7,6 @@ import numpy as np
 
 from cg2raw.cfa import is_mono
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import PEDESTAL
 from cg2raw.sensor import Sensor
 
 
@@ -16,7 +15,6 @@ class BlackLevel(Effect):
     title = "black level"
     where = "an offset per CFA site, whatever the light"
     step = 1e-4
-    families = frozenset({PEDESTAL})
     signature = frozenset({"offset"})
     from_means = True
     bayer_only = True

@@ -7,7 +7,6 @@ import numpy as np
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import Effect, Estimates, MeasuredRatio, Values
-from cg2raw.diagnose.effects.families import IMAGE, SPREAD
 from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
 from cg2raw.diagnose.effects.sizes import percent, value_of
 
@@ -20,9 +19,8 @@ class Blur(Effect):
     where = "along edges, flats are clean"
     step = 5e-3
     bounds = {"ring": (-0.6, 0.6), "red_scale": (-0.6, 0.6), "blue_scale": (-0.6, 0.6)}
-    families = frozenset({SPREAD})
+    shapes = frozenset({"red_scale", "blue_scale"})
     signature = frozenset({"softener"})
-    needs = IMAGE
     # Far wings of a point spread function, and what is left along edges.
     taken_up_by = {
         "veiling_glare": 0.015,

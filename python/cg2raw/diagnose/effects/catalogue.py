@@ -76,11 +76,6 @@ def _exists(effect: Effect, cfa: str) -> bool:
     return len(sites_of(cfa)) == 4 or not effect.bayer_only
 
 
-def confusable(a: Effect, b: Effect) -> bool:
-    """Return whether one effect may pass for the other."""
-    return bool(a.families & b.families)
-
-
 def title(name: str) -> str:
     """Return an effect's display name; of any other name, its words."""
     known = every().get(name)

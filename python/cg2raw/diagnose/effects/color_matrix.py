@@ -4,7 +4,6 @@
 """Colour matrix: channels mix in another way than the profile says."""
 
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.families import GAIN, IMAGE
 
 
 class ColorMatrix(Effect):
@@ -13,9 +12,7 @@ class ColorMatrix(Effect):
     name = "color_matrix"
     title = "colour matrix"
     where = "grows with chroma, none on greys"
-    families = frozenset({GAIN})
     signature = frozenset({"mixer"})
-    needs = IMAGE
 
 
 EFFECT = ColorMatrix()

@@ -4,17 +4,13 @@
 """Colour shading: vignetting of red and blue that differs from that of green."""
 
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.families import GAIN, LIGHT
 
 
 class ColorShading(Effect):
     name = "color_shading"
     title = "colour shading"
     where = "with radius, red and blue unlike green"
-    is_field = True
     step = 2e-3
-    families = frozenset({GAIN})
-    needs = LIGHT
     told_apart = {
         "lens_shading": "Flats: shading that differs between red, green and blue is "
         "colour shading.",

@@ -4,7 +4,6 @@
 """Crosstalk: a pixel's light is counted by its neighbours."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import LIGHT, SPREAD
 from cg2raw.diagnose.effects.sizes import percent
 
 
@@ -12,9 +11,7 @@ class Crosstalk(Effect):
     name = "crosstalk"
     title = "crosstalk between pixels"
     where = "between neighbours of the mosaic, at edges and in coloured flats"
-    families = frozenset({SPREAD})
     signature = frozenset({"mixer", "softener"})
-    needs = LIGHT
 
     def size(self, values: Estimates) -> str:
         lost = percent(sum(e.value for e in values.values()))

@@ -6,7 +6,6 @@
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import PEDESTAL, TIME
 from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.effects.sizes import value_of
 from cg2raw.sensor import Sensor
@@ -17,10 +16,8 @@ class DarkCurrent(Effect):
     name = "dark_current"
     title = "dark current"
     where = "grows with exposure time, in darks too"
-    estimator = "stated"
-    families = frozenset({PEDESTAL})
+    of_mean = False
     signature = frozenset({"offset"})
-    needs = TIME
 
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """With the profile's, if it states any: by how much the sensor is warmer."""

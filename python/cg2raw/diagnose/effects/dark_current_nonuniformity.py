@@ -8,7 +8,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Estimates
-from cg2raw.diagnose.effects.families import PEDESTAL, TEMPORAL, TIME
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.tiling import Array
@@ -23,8 +22,6 @@ class DarkCurrentNonuniformity(FixedPattern):
     name = "dark_current_nonuniformity"
     title = "dark-current non-uniformity"
     where = "the same pixels in all frames, with exposure time"
-    families = frozenset({TEMPORAL, PEDESTAL})
-    needs = TIME
     told_apart = {
         "dsnu": "Darks of two exposure times: DSNU is the same in both, what charge "
         "leaves grows with time.",

@@ -4,7 +4,6 @@
 """Dust: soft dark spots at places of the sensor."""
 
 from cg2raw.diagnose.effects.base import Estimates
-from cg2raw.diagnose.effects.families import GAIN, LIGHT, TEMPORAL
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.sensor import Sensor
@@ -14,8 +13,6 @@ class Dust(FixedPattern):
     name = "dust"
     title = "dust"
     where = "soft dark spots, the same in all frames, in proportion to light"
-    families = frozenset({GAIN, TEMPORAL})
-    needs = LIGHT
     told_apart = {
         "lens_shading": "Flats at another aperture: shadows of dust get smaller and "
         "darker and stay where they are, vignetting is that of the whole frame.",

@@ -4,7 +4,6 @@
 """Exposure: one gain for all light."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import GAIN, LEVEL
 from cg2raw.diagnose.effects.sizes import percent, value_of
 
 KNOWN_LIGHT = "A flat under a known light: exposure moves all colours alike."
@@ -17,9 +16,7 @@ class Exposure(Effect):
     name = "exposure"
     title = "exposure"
     where = "in proportion to signal, all channels alike"
-    families = frozenset({GAIN})
     signature = frozenset({"gain"})
-    needs = LEVEL
     from_means = True
     told_apart = {
         "white_balance": KNOWN_LIGHT,

@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.effects.base import Effect, Estimates, Estimator
-from cg2raw.diagnose.effects.families import TEMPORAL
+from cg2raw.diagnose.effects.base import Effect, Estimates
 from cg2raw.diagnose.effects.registry import listed_parameters, registered
 from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.tiling import Array
@@ -19,8 +18,7 @@ from cg2raw.sensor import Sensor
 class FixedPattern(Effect):
     """The same in all frames, and of each sensor its own: a profile states its law."""
 
-    estimator: ClassVar[Estimator] = "stated"
-    families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
+    of_mean = False
     signature: ClassVar[frozenset[str]] = frozenset({"map"})
 
     def pattern_variance(

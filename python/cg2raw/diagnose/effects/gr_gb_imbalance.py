@@ -4,15 +4,12 @@
 """Gr/Gb imbalance: the two greens of a Bayer CFA differ."""
 
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.families import GAIN, LIGHT
 
 
 class GrGbImbalance(Effect):
     name = "gr_gb_imbalance"
     title = "Gr/Gb imbalance"
     where = "greens of red rows against greens of blue rows"
-    families = frozenset({GAIN})
-    needs = LIGHT
     from_means = True
     bayer_only = True
     told_apart = {

@@ -4,7 +4,6 @@
 """Hot pixels: few pixels leak charge."""
 
 from cg2raw.diagnose.effects.base import Estimates
-from cg2raw.diagnose.effects.families import PEDESTAL, TEMPORAL, TIME
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.sizes import of_white, percent, value_of
 from cg2raw.sensor import Sensor
@@ -17,8 +16,6 @@ class HotPixels(FixedPattern):
     name = "hot_pixels"
     title = "hot pixels"
     where = "few pixels far above the others, with exposure time"
-    families = frozenset({TEMPORAL, PEDESTAL})
-    needs = TIME
     told_apart = {
         "heavy_tailed_noise": "Several darks: hot pixels are the same ones in each and "
         "grow with exposure time; the tails of read noise fall on other pixels each "

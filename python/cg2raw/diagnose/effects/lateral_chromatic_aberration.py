@@ -4,7 +4,6 @@
 """Lateral chromatic aberration: red and blue are displaced against green."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import IMAGE, SPREAD
 from cg2raw.diagnose.effects.sizes import total
 
 
@@ -13,8 +12,7 @@ class LateralChromaticAberration(Effect):
     title = "lateral chromatic aberration"
     where = "along edges, red and blue shifted radially"
     step = 0.02
-    families = frozenset({SPREAD})
-    needs = IMAGE
+    affine = False
     # How an image is displaced between pixels.
     taken_up_by = {"blur": 0.01}
     told_apart = {

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import Effect, Estimates, MeasuredRatio, Values
-from cg2raw.diagnose.effects.families import GAIN, LIGHT
 from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
 from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
@@ -44,29 +43,14 @@ class LensShading(Effect):
     name = "lens_shading"
     title = "lens shading"
     where = "falls off with radius, all channels, in proportion to signal"
-    is_field = True
     step = 2e-3
-    families = frozenset({GAIN})
     signature = frozenset({"gain"})
-    needs = LIGHT
     # Vignetting that is no polynomial.
     taken_up_by = {"exposure": 1e-4}
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",
     }
-
-    def in_proportion(self, parameter: str, frame: Frame) -> tuple[str, Array] | None:
-        """As the terms of the polynomial; where blur or glare spread light,
-        nearly so."""
-        if frame.samples is not None:
-            return None
-        if parameter in TURNING:
-            return "r2", _turning(parameter, *frame.tiles.field(), over=2)
-        if parameter in STEEPER:
-            other, power = STEEPER[parameter]
-            return other, np.hypot(*frame.tiles.field()) ** power
-        return None
 
     def size(self, values: Estimates) -> str:
         return corner_words(corner_losses(values, SHAPE))

@@ -3,34 +3,28 @@
 
 """Mains flicker: bands of light down the rows, of another phase in every frame."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import Estimates, Values, WhiteningStage
-from cg2raw.diagnose.effects.families import LIGHT, TEMPORAL
+from cg2raw.diagnose.effects.base import Effect, Estimates
 from cg2raw.diagnose.effects.registry import listed_values
-from cg2raw.diagnose.effects.shared_fields import SharedFields
 from cg2raw.diagnose.effects.sizes import percent, value_of
-from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
 
 
-class MainsFlicker(SharedFields):
+class MainsFlicker(Effect):
     """Its phase is no parameter: it is even over a turn, which a Gaussian wave of the
     same variance is nearly, and that is integrated out."""
 
     name = "mains_flicker"
     title = "mains flicker"
     where = "bands down the rows, in proportion to light, anew in every frame"
-    estimator = "stated"
-    families = frozenset({TEMPORAL})
+    of_mean = False
+    whitens_variance = True
     signature = frozenset({"noise"})
-    moves_mean = False
-    needs = LIGHT
-    whitening = WhiteningStage.NUISANCE
     told_apart = {
         "row_noise": "Darks beside flats: flicker is in proportion to light and has a "
         "period, row noise is in darks as well and differs from each row to the next.",
@@ -38,11 +32,11 @@ class MainsFlicker(SharedFields):
         "flicker moves from frame to frame.",
     }
 
-    def light(self, values: Values, frame: Frame) -> list[Array]:
+    def waves(self, values: Sequence[float], rows: Array) -> list[Array]:
+        """Return waves of light at image rows, relative to it, of independent normal
+        numbers of variance 1."""
         amplitude, period = values
-        if amplitude <= 0 or not frame.capture.shows.light:
-            return []
-        turns = 2 * np.pi * frame.tiles.rows_and_columns()[0] / period
+        turns = 2 * np.pi * rows / period
         return [amplitude / np.sqrt(2) * wave(turns) for wave in (np.cos, np.sin)]
 
     def profile_values(

@@ -8,18 +8,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect, Estimates, Values
-from cg2raw.diagnose.effects.families import TEMPORAL
 
 
 class NoiseGain(Effect):
     """Its value is the log of a factor of one of the betas of the noise model."""
 
     step: ClassVar[float] = 0.01
-    starts: ClassVar[tuple[tuple[float, ...], ...]] = ((-0.3,), (-0.1,), (0.1,), (0.3,))
-    families: ClassVar[frozenset[str]] = frozenset({TEMPORAL})
     signature: ClassVar[frozenset[str]] = frozenset({"noise"})
-    absorbs: ClassVar[bool] = True
-    moves_mean: ClassVar[bool] = False
     in_photon_transfer: ClassVar[bool] = True
 
     def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from cg2raw.diagnose.diagnosis import Curve
 from cg2raw.diagnose.effects.base import Effect, Estimates, MeasuredRatio, Values
-from cg2raw.diagnose.effects.families import GAIN, LEVELS, RESPONSE
 from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_interval
 from cg2raw.diagnose.effects.sizes import percent, total
 from cg2raw.diagnose.frames.frame import Frame
@@ -22,9 +21,7 @@ class Nonlinearity(Effect):
     title = "nonlinear response"
     where = "depends on the level alone"
     step = 2e-3
-    families = frozenset({GAIN, RESPONSE})
     signature = frozenset({"gain"})
-    needs = LEVELS
 
     def size(self, values: Estimates) -> str:
         loss = total(values, "quadratic", "cubic")

@@ -4,18 +4,15 @@
 """PDAF pixels: a regular grid of pixels has another sensitivity."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import GAIN, LIGHT, TEMPORAL
 from cg2raw.diagnose.effects.sizes import percent, value_of
 
 
 class PdafPixels(Effect):
-    estimator = "stated"
+    of_mean = False
     name = "pdaf_pixels"
     title = "phase-detection pixels"
     where = "pixels of a regular grid, in proportion to light"
-    families = frozenset({GAIN, TEMPORAL})
     signature = frozenset({"gain", "map"})
-    needs = LIGHT
     told_apart = {
         "prnu": "Flats: phase-detection pixels stand on a regular grid and all lack "
         "the same share, PRNU has no order.",

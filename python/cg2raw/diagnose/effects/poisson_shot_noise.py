@@ -17,12 +17,8 @@ from cg2raw.diagnose.effects.base import (
     Parameter,
     Predicted,
     Values,
-    Whitened,
-    WhiteningStage,
 )
-from cg2raw.diagnose.effects.families import LIGHT
 from cg2raw.diagnose.effects.registry import draw_noise_by
-from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
@@ -34,21 +30,16 @@ class PoissonShotNoise(Effect):
     name = "poisson_shot_noise"
     title = "Poisson shot noise"
     where = "lopsided noise at low levels"
-    estimator = "transform"
+    of_mean = False
     search = (Parameter("fraction", 0, 1.5),)
     step = 0.01
-    starts = ((0.5,), (1.0,))
     signature = frozenset({"noise"})
-    moves_mean = False
-    needs = LIGHT
-    whitening = WhiteningStage.PHOTONS
 
-    def whiten(
-        self, z: Array, p: Prediction, values: Values, frame: Frame, read: Array
-    ) -> Whitened:
-        """Poisson's third and fourth cumulants, by the Cornish-Fisher series."""
+    def whitened(self, z: Array, p: Prediction) -> tuple[Array, Array]:
+        """Return (residuals (T, h, w) that are standard normal by Poisson's third and
+        fourth cumulants, log of their slope), by the Cornish-Fisher series."""
         photons = np.maximum(p.exposed, 1e-12)
-        third = values[0] * p.photon_variance**2 / photons
+        third = p.photon_variance**2 / photons
         fourth = third * p.photon_variance / photons
         skew = np.minimum(third / p.variance**1.5, 0.35)
         excess = np.minimum(fourth / p.variance**2, 0.12)
@@ -62,9 +53,7 @@ class PoissonShotNoise(Effect):
         cost = np.where(near, np.log(np.maximum(slope, 0.05)), 0.0)
         return np.where(near, white, z), cost
 
-    def expected_gain(
-        self, selected: Predicted, fitted: Predicted, information: float
-    ) -> Gain:
+    def expected_gain(self, selected: Predicted) -> Gain:
         """Skewness and kurtosis of a normal distribution cost these shares of a nat."""
         skew, excess = 0.0, 0.0
         for frame, p in selected:

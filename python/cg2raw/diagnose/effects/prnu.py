@@ -8,7 +8,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from cg2raw.diagnose.effects.base import Estimates
-from cg2raw.diagnose.effects.families import LIGHT_AGAIN
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
 from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.tiling import Array
@@ -19,7 +18,6 @@ class Prnu(FixedPattern):
     name = "prnu"
     title = "PRNU"
     where = "the same pixels in all frames, in proportion to signal"
-    needs = LIGHT_AGAIN  # else either passes for the other
 
     def pattern_variance(
         self, stated: Mapping[str, float], light: Array, seconds: float

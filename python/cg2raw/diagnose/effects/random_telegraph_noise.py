@@ -17,7 +17,6 @@ class RandomTelegraphNoise(FixedPattern):
     title = "random telegraph noise"
     where = "few pixels, the same ones in all frames, jump from frame to frame"
     signature = frozenset({"noise", "map"})
-    moves_mean = False
     told_apart = {
         "heavy_tailed_noise": "Five or more repeated darks: telegraph noise is in the "
         "same pixels each time, the tails of read noise fall on others.",

@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cg2raw.diagnose.effects.base import WhiteningStage
 from cg2raw.diagnose.effects.shared_offset import SharedOffset
-from cg2raw.diagnose.frames.tiling import Array, Tiling
 from cg2raw.sensor import Sensor
 
 
@@ -18,22 +16,11 @@ class RowNoise(SharedOffset):
     name = "row_noise"
     title = "row noise"
     where = "rows differ, anew in every frame"
-    starts = ((0.03,), (0.1,), (0.3,), (0.8,))
     in_photon_transfer = True
-    shares_offset = "row"
-    whitening = WhiteningStage.ROWS
     told_apart = {
         "column_fixed_pattern": "Several darks: row noise is new in each, a column "
         "fixed pattern repeats, read noise has no direction.",
     }
-
-    def summed(self, tiles: Tiling, image: Array) -> Array:
-        return tiles.over_rows(image)
-
-    def once(self, tiles: Tiling) -> Array:
-        """Tiles beside each other share their rows."""
-        pixels = np.ones((len(tiles.origins), *tiles.size))
-        return tiles.size[1] / tiles.over_rows(pixels)
 
     def variance_in_table(self, sensor: Sensor, row: Mapping[str, Any]) -> float:
         return _sigma_in_table(sensor, row) ** 2

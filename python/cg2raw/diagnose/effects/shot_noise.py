@@ -4,7 +4,6 @@
 """Shot noise: its variance per signal."""
 
 from cg2raw.diagnose.effects.base import Parameter
-from cg2raw.diagnose.effects.families import LIGHT_AGAIN
 from cg2raw.diagnose.effects.noise_gain import NoiseGain
 
 
@@ -14,7 +13,6 @@ class ShotNoise(NoiseGain):
     where = "variance in proportion to signal"
     search = (Parameter("log_gain", -1.5, 1.5),)
     scales = "beta1"
-    needs = LIGHT_AGAIN  # else either passes for the other
     told_apart = {
         "prnu": "Several flats of one level: PRNU repeats in every frame and its "
         "variance grows with the square of the signal, that of shot noise with the "

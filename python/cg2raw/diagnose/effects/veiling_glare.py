@@ -4,7 +4,6 @@
 """Veiling glare: light scattered over the frame."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import IMAGE, PEDESTAL, SPREAD
 from cg2raw.diagnose.effects.sizes import percent, total
 
 
@@ -13,9 +12,7 @@ class VeilingGlare(Effect):
     title = "veiling glare"
     where = "dark regions lifted, with the mean of the scene"
     step = 2e-3
-    families = frozenset({SPREAD, PEDESTAL})
     signature = frozenset({"offset"})
-    needs = IMAGE
     told_apart = {
         "black_level": "A dark, and flats at two levels: a gain grows with the signal, "
         "an offset does not.",

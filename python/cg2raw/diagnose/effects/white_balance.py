@@ -4,7 +4,6 @@
 """White balance: gains of red and blue."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.families import GAIN, LIGHT
 from cg2raw.diagnose.effects.sizes import value_of
 
 
@@ -12,9 +11,7 @@ class WhiteBalance(Effect):
     name = "white_balance"
     title = "white balance"
     where = "in proportion to signal, in red and blue, greys too"
-    families = frozenset({GAIN})
     signature = frozenset({"mixer"})
-    needs = LIGHT
     told_apart = {
         "gr_gb_imbalance": "A flat under a known light: exposure moves all colours "
         "alike.",

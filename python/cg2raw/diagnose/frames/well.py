@@ -4,7 +4,7 @@
 """Well: what a full one cuts of charge: a normal charge is cut at a level."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -22,15 +22,11 @@ ROOT_2_PI = np.sqrt(2 * np.pi)
 
 @dataclass(frozen=True)
 class Well:
-    """A level, and what fills up to it: charge and its variance, (T, h, w).
-
-    light : what of this charge pixels show that is of light which whitening has, and a
-        predicted mean lacks."""
+    """A level, and what fills up to it: charge and its variance, (T, h, w)."""
 
     level: float
     charge: Array
     variance: Array
-    light: Array | float = 0.0
 
     @classmethod
     def of(
@@ -40,28 +36,11 @@ class Well:
         below_white = values.get("full_well", [0.0])[0]
         return cls(1 - below_white, charge, variance) if below_white else None
 
-    def with_more(self, charge: Array, variance: Array | float = 0.0) -> "Well":
-        more = np.maximum(self.variance + variance, 0)
-        return replace(self, charge=self.charge + charge, variance=more)
-
     def is_near(self, variance: Array) -> Mask:
         """Return where charge of a variance (T, h, w) is near the level or above."""
         deviation = np.sqrt(np.maximum(variance, LEAST_VARIANCE))
         near: Mask = (self.level - self.charge) / deviation < NEAR_WELL
         return near
-
-    @property
-    def any_near(self) -> bool:
-        """Whether any charge is lost at all."""
-        return bool(self._near.any())
-
-    @cached_property
-    def below(self) -> Array:
-        """The chance that charge stays below the level."""
-        chance = np.ones(self.charge.shape)
-        near = self._near
-        chance[near] = ndtr(-self._above(near)[0])
-        return chance
 
     @property
     def cut(self) -> Array:

@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-# Copyright Contributors to the cg2raw Project.
-
-"""Inference: the likelihood chooses, fits and bounds a model."""

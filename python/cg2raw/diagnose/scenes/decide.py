@@ -1,0 +1,497 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""What scenes, charts and flats of known light show of a camera.
+
+Each pass linearises the chain where the last one ended, sums every view into normal
+equations, and chooses among all effects anew.
+"""
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.diagnosis import ResidualTest
+from cg2raw.diagnose.effects.base import Effect, Predicted
+from cg2raw.diagnose.effects.catalogue import candidates, effect
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space, summed
+from cg2raw.diagnose.scenes.model import Model, Term
+from cg2raw.diagnose.scenes.noise import excess_of, noise_factors, with_noise
+from cg2raw.diagnose.scenes.nuisances import Nuisance, known_effects, nuisances_of
+from cg2raw.diagnose.scenes.point import Excess, Point, normal_of, point_of
+from cg2raw.diagnose.scenes.predict import predict
+from cg2raw.diagnose.scenes.registration import Placement, first_guess
+from cg2raw.diagnose.scenes.residuals import Residuals
+from cg2raw.diagnose.scenes.selection import Chosen, Selection
+from cg2raw.diagnose.scenes.shapes import full_well, photons
+from cg2raw.diagnose.scenes.view import View, views_of
+from cg2raw.diagnose.workers import TimeIsUp, Workers
+from cg2raw.interrupts import raised
+
+WELL, PHOTONS, BLUR = "full_well", "poisson_shot_noise", "blur"
+FIT, SELECT, REPORT = "fit", "select", "report"
+PASSES = 5
+SETTLED = 0.1  # standard errors that a pass still moves values
+SETTLED_POSE, SETTLED_GAIN = 0.01, 2e-3  # px; relative
+SETTLED_NOISE, SETTLED_WELL = 0.02, 1e-3  # of a variance; of white
+ALIGNMENTS = 12  # steps of Gauss and Newton
+UNCLIPPED = 0.95  # of white
+# Relative error of a prediction, step by step, while a render is moved to its place:
+# beside it, edges differ by more than noise.
+DOUBTS = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
+LEAST_ALIKE = 0.5  # correlation of a capture and its render
+HIGHEST_COMPARED, FEWEST_COMPARED = 0.9, 500  # of white; samples, for that
+Say = Callable[[str, float], None]
+Sums = dict[str, tuple[Normal, list[Nuisance]]]  # by split and set
+
+
+@dataclass
+class Scenes:
+    """What is known of images, more with every pass.
+
+    names : effects that may be named. most : how many at most. alpha : chance of a
+    false first name. fits_noise : no darks and flats tell it.
+
+    effects : those with derivatives. known : standard errors of those that darks and
+    flats decided, which images correct. theta : (P,) their values beyond the profile's.
+    model : the profile, effects at their values, and calibrated noise. nats : of
+    effects without derivatives, on validation frames; shapes : (value, standard error)
+    of each. ended : what came in between, Ctrl-C or the time limit."""
+
+    capture_set: CaptureSet
+    views: Sequence[View]
+    names: frozenset[str]
+    alpha: float
+    most: int
+    fits_noise: bool
+    workers: Workers
+    effects: list[Effect] = field(init=False)
+    known: dict[str, Array] = field(init=False)
+    model: Model = field(init=False)
+    theta: Array = field(init=False)
+    excess: Excess = field(default_factory=Excess)
+    placements: dict[str, Placement] = field(default_factory=dict)
+    chosen: Chosen = field(default_factory=lambda: Chosen([], {}, {}))
+    grams: Mapping[str, Gram] = field(default_factory=dict)
+    nats: dict[str, float] = field(default_factory=dict)
+    shapes: dict[str, tuple[float, float]] = field(default_factory=dict)
+    ended: type[BaseException] | None = None
+
+    def __post_init__(self) -> None:
+        self.effects = [
+            one
+            for one in candidates(self.capture_set.sensor.cfa)
+            if one.name in self.names and one.predicted and one.name != WELL
+        ]
+        errors = known_effects(self.capture_set.sensor)
+        self.known = {
+            one.name: error
+            for one, error in errors.items()
+            if one.name not in self.names
+        }
+        self.effects += [one for one in errors if one.name in self.known]
+        self.model = Model(self.capture_set.sensor)
+        for one in candidates(self.capture_set.sensor.cfa) if self.fits_noise else []:
+            if one.scales:
+                self.model = self.model.with_term(Term(one, one.null, calibration=True))
+        self.theta = np.zeros(self.space.size)
+
+    @property
+    def space(self) -> Space:
+        return Space.of({one.name: len(one.used) for one in self.effects})
+
+    @property
+    def least(self) -> float:
+        """Nats that a name needs on validation frames."""
+        return math.log(max(len(self.names), 1) / self.alpha)
+
+    @property
+    def candidates(self) -> list[str]:
+        return [one.name for one in self.effects if one.name not in self.known]
+
+    @property
+    def fitted(self) -> set[str]:
+        """Names of the effects whose values are fitted."""
+        return {*self.chosen.names, *self.known}
+
+    def with_known(self, gram: Gram) -> Gram:
+        """Return a Gram with what is known of parameters."""
+        for name, errors in self.known.items():
+            gram = gram.with_prior(self.space.index([name]), errors)
+        return gram
+
+    # Points and sums.
+
+    def frame(self, view: View) -> Frame:
+        placement = self.placements.get(view.frame.capture.set)
+        return view.frame if placement is None else placement.placed(view.frame)
+
+    def point(self, view: View, model: Model | None = None) -> Point:
+        return point_of(view, self.frame(view), model or self.model, self.excess)
+
+    def points_of(self, group: str, model: Model | None = None) -> list[Point]:
+        views = [view for view in self.views if view.group == group]
+        return self.workers.map(lambda view: self.point(view, model), views)
+
+    def nuisances(self, point: Point) -> list[Nuisance]:
+        blurred = point.model.term(BLUR) is not None
+        frame, n = point.frame, point.view.n
+        return list(nuisances_of(self.capture_set, frame, n, blurred))
+
+    def left(self, point: Point) -> Array:
+        """Return residuals (T, h, w) without what nuisances take."""
+        left = Residuals().taken(point, self.nuisances(point))
+        return np.asarray(left / np.where(point.root > 0, point.root, 1.0))
+
+    def sums(self) -> Sums:
+        """Return the normal equations of each set, in which views' own nuisances are
+        integrated out."""
+        sets: Sums = {}
+        counted, space = self._counted(), self.space
+
+        def work(view: View) -> tuple[Normal, list[Nuisance]]:
+            point = self.point(view)
+            if view.group == REPORT:
+                point.tables = 1  # that decide nothing together
+            nuisances = self.nuisances(point)
+            normal = normal_of(point, self.effects, space, counted, nuisances)
+            # Their images are large, and what they are called is enough.
+            bare = [replace(one, change=np.zeros(0)) for one in nuisances]
+            return _without(normal, bare, True), bare
+
+        for view, (normal, nuisances) in zip(
+            self.views, self.workers.map(work, self.views), strict=True
+        ):
+            key = f"{view.group}/{view.frame.capture.set}"
+            known = sets.get(key)
+            sets[key] = (normal if known is None else normal + known[0]), nuisances
+        return sets
+
+    def _grams(self, sets: Sums) -> dict[str, Gram]:
+        size = self.space.size
+        empty = Gram(0, 0.0, np.zeros(size), np.zeros((size, size)))
+        found: dict[str, list[Gram]] = {one: [empty] for one in (FIT, SELECT, REPORT)}
+        for key, (normal, nuisances) in sets.items():
+            rest = _without(normal, nuisances, False)
+            found[key.partition("/")[0]].append(rest.gram(size))
+        return {name: summed(every) for name, every in found.items()}
+
+    def _counted(self) -> Array:
+        """Return theta without parameters that are the shape of others: nothing is left
+        of them where those are 0, so they count from where they are."""
+        theta = self.theta.copy()
+        for one in self.effects:
+            first = self.space.slices[one.name].start
+            for k, name in enumerate(one.used):
+                if name in one.shapes:
+                    theta[first + k] = 0.0
+        return theta
+
+    # Steps.
+
+    def run(self, say: Say) -> None:
+        """Decide. Ctrl-C and the time limit end it with what was found."""
+        try:
+            with raised():
+                self._decide(say)
+        except (KeyboardInterrupt, TimeIsUp) as ended:
+            self.ended = type(ended)
+        self.workers.deadline = None  # the report is written in any case
+        if self.ended is not None or not self.grams:
+            self.grams = self._grams(self.sums())
+
+    def _decide(self, say: Say) -> None:
+        if self.capture_set.nuisances & {"registration", "exposure", "white_balance"}:
+            say("aligning renders with captures", 0.28)
+            self._align()
+        self._check_correspondence()
+        self._fill_well()
+        if self.fits_noise or any(view.is_table for view in self.views):
+            self._fit_noise()
+        for turn in range(PASSES):
+            say("summing scenes and choosing effects", 0.3 + 0.5 * turn / PASSES)
+            if not self._pass():
+                break
+        say("judging shapes", 0.8)
+        self._refine()
+        self._count_photons()
+
+    def _pass(self) -> bool:
+        """Choose anew; return whether anything moved far."""
+        sets = self.sums()
+        self.grams = self._grams(sets)
+        select = Selection(
+            self.space,
+            self.with_known(self.grams[FIT]),
+            self.grams[SELECT],
+            self.least,
+            self.alpha,
+            self.known,
+        )
+        self.chosen = select.run(self.candidates, self.most)
+        moved = self._move(sets)
+        moved |= self._fill_well()
+        doubted = self.capture_set.nuisances & {"registration", "radiance"}
+        if self.fits_noise or doubted or any(view.is_table for view in self.views):
+            moved |= self._fit_noise()
+        return moved
+
+    def _move(self, sets: Sums) -> bool:
+        """Move to the values of the chosen effects; return whether that was far."""
+        both = self.with_known(self.grams[FIT] + self.grams[SELECT])
+        index = self.space.index(self.fitted)
+        theta = both.fit(index)
+        shape = self.theta - self._counted()
+        theta[index] += shape[index]
+        terms = [one for one in self.model.terms if one.name not in self.space.slices]
+        for one in self.effects:
+            if one.name in self.fitted:
+                part = self.space.slices[one.name]
+                values = one.clipped(one.with_used(theta[part]))
+                theta[part] = values[one.is_used]
+                terms.append(Term(one, values))
+        old, self.theta = self.theta, theta
+        self.model = replace(self.model, terms=tuple(terms))
+        errors = np.zeros_like(theta)
+        errors[index] = np.sqrt(np.maximum(np.diagonal(both.covariance(index)), 0))
+        change = np.abs(theta - old)
+        moved = bool((change > SETTLED * np.maximum(errors, 1e-12)).any())
+        counted = self._counted()
+        for key, (normal, nuisances) in sets.items():
+            name = key.partition("/")[2]
+            if name in self.placements:
+                step, brighter = self._place(name, normal, nuisances, counted)
+                moved |= step > SETTLED_POSE or brighter > SETTLED_GAIN
+        return moved
+
+    def _place(
+        self, name: str, normal: Normal, nuisances: Sequence[Nuisance], theta: Array
+    ) -> tuple[float, float]:
+        """Place the render of a set by its normal equations; return how far it was."""
+        shared = [k for k, one in enumerate(nuisances) if not one.own]
+        at = np.array(shared, np.intp) + len(theta)
+        deviations = np.array([nuisances[k].deviation for k in shared])
+        found = normal.found(at, deviations, theta)
+        named = dict(zip([nuisances[k].name for k in shared], found, strict=True))
+        self.placements[name], *far = self.placements[name].moved(named)
+        return far[0], far[1]
+
+    def _align(self) -> None:
+        """Find where renders lie and how bright they are, by nuisances alone."""
+        free = self.capture_set.nuisances
+        members: dict[str, list[View]] = {}
+        for view in self.views:
+            if view.frame.level_free or view.frame.samples is not None:
+                continue
+            if view.frame.capture.shows.render or free & {"exposure", "white_balance"}:
+                members.setdefault(view.frame.capture.set, []).append(view)
+        for name, views in members.items():
+            self.placements[name] = Placement.none()
+            first = views[0]
+            if first.frame.capture.shows.render and "registration" in free:
+                mean = predict(self.model, first.frame).mean
+                usable = first.keep & (mean < UNCLIPPED)
+                guess = first_guess(first.signal, mean, usable)
+                self.placements[name].affine[:, 0] = guess
+            for turn in range(ALIGNMENTS):
+                doubt = DOUBTS[min(turn, len(DOUBTS) - 1)]
+                normal, nuisances = self._doubted(views, doubt)
+                step, brighter = self._place(name, normal, nuisances, np.zeros(0))
+                still = step < SETTLED_POSE and brighter < SETTLED_GAIN
+                if turn >= len(DOUBTS) - 1 and still:
+                    break
+
+    def _doubted(
+        self, views: Sequence[View], doubt: float
+    ) -> tuple[Normal, list[Nuisance]]:
+        """Return the normal equations of a set for its nuisances alone, of a prediction
+        that is wrong by a share of the light."""
+
+        def work(view: View) -> tuple[Normal, list[Nuisance]]:
+            point = self.point(view)
+            doubted = np.sqrt(1 + (doubt * point.mean * point.root) ** 2)
+            point.root = point.root / doubted
+            nuisances = [one for one in self.nuisances(point) if not one.own]
+            return normal_of(point, [], Space.of({}), np.zeros(0), nuisances), nuisances
+
+        found = self.workers.map(work, views)
+        total = found[0][0]
+        for normal, _ in found[1:]:
+            total = total + normal
+        return total, found[0][1]
+
+    def _check_correspondence(self) -> None:
+        """Refuse renders of something else than was captured. Raises ValueError."""
+        for view in self.views:
+            if not view.frame.capture.shows.render:
+                continue
+            p = predict(self.model, self.frame(view))
+            used = view.keep & (p.mean < HIGHEST_COMPARED)
+            if used.sum() < FEWEST_COMPARED or p.mean[used].std() < np.sqrt(
+                p.variance[used].mean()
+            ):
+                continue  # too little light or contrast to tell
+            alike = float(np.corrcoef(p.mean[used], view.signal[used])[0, 1])
+            if not alike > LEAST_ALIKE:
+                raise ValueError(
+                    f"{view.frame.capture.name}: the scene does not correspond to the "
+                    f"capture: they correlate by {alike:.2f}, and {LEAST_ALIKE} is the "
+                    "least: is it the render of this frame, of the same view and crop, "
+                    "and are both the same way up?"
+                )
+
+    def _fill_well(self) -> bool:
+        """Fit the full well; return whether it was found, or lost, or moved."""
+        stated = self.model.profile_parameters.get(WELL, {}).get("below_white", 0.0)
+        if WELL not in self.names or stated:
+            return False
+        term, bare = self.model.term(WELL), self.model.without(WELL)
+        level, error, gain = full_well(
+            self.points_of(FIT, bare), self.points_of(SELECT, bare)
+        )
+        self.model = bare
+        self.nats.pop(WELL, None)
+        self.shapes.pop(WELL, None)
+        if gain < self.least:
+            return term is not None
+        self.nats[WELL], self.shapes[WELL] = gain, (1 - level, error)
+        self.model = bare.with_term(Term(effect(WELL), np.array([1 - level])))
+        return term is None or abs(term.values[0] - 1 + level) > SETTLED_WELL
+
+    def _fit_noise(self) -> bool:
+        """Fit the size of the noise, and what captures have beyond it; return whether
+        that changed."""
+        points = self.points_of(FIT)
+        left = self.workers.map(self.left, points)
+        pixels = [k for k, p in enumerate(points) if p.frame.samples is None]
+        changed = False
+        if self.fits_noise and pixels:
+            factors = noise_factors(
+                [points[k] for k in pixels], [left[k] for k in pixels]
+            )
+            self.model = with_noise(self.model, factors)
+            changed = bool(np.abs(np.log(factors)).max() > SETTLED_NOISE)
+        if self.capture_set.nuisances & {"registration", "radiance"}:
+            images = [k for k in pixels if points[k].frame.capture.shows.image]
+            shift, texture = excess_of(
+                [points[k] for k in images], [left[k] for k in images]
+            )
+            self.excess = replace(self.excess, shift=shift, texture=texture)
+        # How wrong a chart's colours are is one number, and a split has few patches.
+        self.excess = replace(self.excess, patches=0.0)
+        tables = [self.point(view) for view in self.views if view.is_table]
+        if tables:
+            patches = excess_of(tables, self.workers.map(self.left, tables))[1]
+            self.excess = replace(self.excess, patches=patches)
+        return changed
+
+    def _refine(self) -> None:
+        """Add the detail of the shape of chosen effects that have one, if validation
+        frames gain as much as by a name."""
+        effects, theta, model = self.effects, self.theta, self.model
+        grams, chosen = self.grams, self.chosen
+        detailed = [
+            one.in_detail if one.name in chosen.names and one.in_detail else one
+            for one in effects
+        ]
+        if detailed == effects:
+            return
+        self.effects = detailed
+        every = np.zeros(self.space.size)
+        plain: list[int] = []
+        old = Space.of({one.name: len(one.used) for one in effects})
+        for before in effects:
+            at = self.space.slices[before.name].start + np.arange(len(before.used))
+            every[at] = theta[old.slices[before.name]]
+            plain += at.tolist() if before.name in self.fitted else []
+        self.theta = every
+        sets = self.sums()
+        self.grams = self._grams(sets)
+        train, validation = self.with_known(self.grams[FIT]), self.grams[SELECT]
+        whole = self.space.index(self.fitted)
+        gained = validation.gain(train.fit(whole)) - validation.gain(
+            train.fit(np.array(plain, np.intp))
+        )
+        if gained < self.least:
+            self.effects, self.theta, self.model = effects, theta, model
+            self.grams = grams
+            return
+        self._move(sets)
+
+    def _count_photons(self) -> None:
+        """Judge whether light is counted by Poisson's law."""
+        drawn = self.capture_set.sensor.noise_effects
+        if PHOTONS not in self.names or PHOTONS in drawn:
+            return
+        # Nothing is fitted: training frames judge it as well.
+        points = [*self.points_of(FIT), *self.points_of(SELECT)]
+        points = [point for point in points if point.frame.samples is None]
+        gain = photons(points, self.workers.map(self.left, points))
+        if gain >= self.least:
+            self.nats[PHOTONS], self.shapes[PHOTONS] = gain, (1.0, 0.0)
+
+    # What test frames say.
+
+    @cached_property
+    def test_points(self) -> tuple[list[Point], list[Point]]:
+        """Those of the profile, and of all that was found."""
+        kept = [term for term in self.model.terms if term.calibration]
+        before = replace(self.model, terms=tuple(kept))
+        return self.points_of(REPORT, before), self.points_of(REPORT)
+
+    @cached_property
+    def residual_tests(self) -> tuple[list[ResidualTest], list[ResidualTest]]:
+        """The same."""
+        found = []
+        for points in self.test_points:
+            asked = Residuals()
+            for point in points:
+                asked.add(point, self.nuisances(point))
+            found.append(asked.tests())
+        return found[0], found[1]
+
+    @property
+    def selected(self) -> Predicted:
+        """Frames that select effects, with what is predicted of them."""
+        return [(p.frame, p.prediction) for p in self.points_of(SELECT)]
+
+
+def _without(normal: Normal, nuisances: Sequence[Nuisance], own: bool) -> Normal:
+    """Return normal equations without the views' own nuisances, or those of sets."""
+    which = [k for k, one in enumerate(nuisances) if one.own == own]
+    if not which:
+        return normal
+    first = len(normal.products) - 1 - len(nuisances)
+    deviations = np.array([nuisances[k].deviation for k in which])
+    return normal.without(np.array(which) + first, deviations)
+
+
+def decide(
+    capture_set: CaptureSet,
+    frames: Sequence[Frame],
+    names: Collection[str],
+    *,
+    alpha: float,
+    most: int,
+    fits_noise: bool,
+    workers: Workers,
+    say: Say,
+) -> Scenes:
+    """Return what images show. Raises ValueError for images that decide nothing."""
+    views = views_of(frames)
+    for group in (FIT, SELECT, REPORT):
+        if not any(view.group == group for view in views):
+            raise ValueError(
+                f"no frame is in the group {group}: not enough to fit, select and "
+                "report on different frames; add frames"
+            )
+    found = Scenes(
+        capture_set, views, frozenset(names), alpha, most, fits_noise, workers
+    )
+    found.run(say)
+    return found

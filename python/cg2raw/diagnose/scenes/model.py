@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Model: a sensor and effects on top of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from cg2raw.diagnose.effects.base import Effect, Values
+from cg2raw.diagnose.effects.registry import stated_by
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.sensor import Sensor
+
+SENSORS_KNOWN = 8  # whose parameters are at hand
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect of a model and its values.
+
+    calibration : it is fitted with all others, and is no finding: nobody had said what
+        its value should be."""
+
+    effect: Effect
+    values: Values
+    calibration: bool = False
+
+    @property
+    def name(self) -> str:
+        return self.effect.name
+
+
+@dataclass(frozen=True)
+class Model:
+    """Effects on top of the baseline sensor."""
+
+    sensor: Sensor
+    terms: tuple[Term, ...] = ()
+
+    @property
+    def names(self) -> list[str]:
+        return [term.name for term in self.terms]
+
+    @property
+    def found_names(self) -> list[str]:
+        """Names of the terms that are findings."""
+        return [term.name for term in self.terms if not term.calibration]
+
+    def term(self, name: str) -> Term | None:
+        return next((term for term in self.terms if term.name == name), None)
+
+    def with_term(self, term: Term) -> "Model":
+        """Return the model with a term added, or in the place of its namesake."""
+        if self.term(term.name) is None:
+            return replace(self, terms=(*self.terms, term))
+        terms = tuple(term if t.name == term.name else t for t in self.terms)
+        return replace(self, terms=terms)
+
+    def with_effect(self, effect: Effect, values: Values | None = None) -> "Model":
+        """Return the model with an effect at its null, or at given values."""
+        start = effect.null if values is None else np.asarray(values, float)
+        return self.with_term(Term(effect, start))
+
+    def with_values(self, name: str, values: Values) -> "Model":
+        term = self.term(name)
+        assert term is not None
+        return self.with_term(replace(term, values=values))
+
+    def without(self, name: str) -> "Model":
+        return replace(self, terms=tuple(t for t in self.terms if t.name != name))
+
+    def noise_gain(self, betas: str) -> float:
+        """Return what multiplies betas of the noise model."""
+        logs = [float(t.values[0]) for t in self.terms if t.effect.scales == betas]
+        return float(np.exp(sum(logs)))
+
+    def values_of(self, effect: Effect, frame: Frame) -> Values | None:
+        """Return the values by which an effect whitens a frame: a term's, or what the
+        profile has; None if neither. What moves a prediction comes on top of what the
+        profile has."""
+        term = self.term(effect.name)
+        if not effect.predicted:
+            drawn = frame.noise.drawn.get(effect.name)
+            given = None if drawn is None else np.array(drawn)
+            return given if term is None else term.values
+        given = self._listed_values(effect)
+        if term is None:
+            return given
+        added = term.values if given is None else effect.added(given, term.values)
+        return effect.within_registry_bounds(added)
+
+    def within_bounds(self, name: str) -> "Model":
+        """Return the model with values of an effect that, together with the profile's,
+        are such as the registry simulates: beyond these nothing changes."""
+        term = self.term(name)
+        assert term is not None
+        given = self._listed_values(term.effect)
+        if given is None or not term.effect.predicted:
+            return self
+        added = term.effect.added(given, term.values)
+        beyond = term.effect.within_registry_bounds(added) - added
+        return self.with_values(name, term.values + beyond)
+
+    def _listed_values(self, effect: Effect) -> Values | None:
+        """Return the values of an effect in the profile; None if it has none."""
+        listed = self.profile_parameters.get(effect.name)
+        return None if listed is None else np.array(list(listed.values()), float)
+
+    @property
+    def profile_parameters(self) -> Mapping[str, Mapping[str, float]]:
+        """Parameters of the effects that the sensor's profile has, in the order of the
+        registry."""
+        return _parameters_of(self.sensor)
+
+
+@lru_cache(maxsize=SENSORS_KNOWN)
+def _parameters_of(sensor: Sensor) -> Mapping[str, Mapping[str, float]]:
+    return {
+        entry["name"]: stated_by(entry, sensor.cfa) for entry in sensor.effects or ()
+    }

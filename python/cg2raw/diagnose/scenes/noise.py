@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Noise of scenes: its size where no darks and flats tell it, and what captures have
+beyond it. Both calibrate, and are no finding."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import nnls
+
+from cg2raw.diagnose.scenes.gram import Array
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.point import Point
+from cg2raw.diagnose.scenes.predict import photon_gain
+
+ROUNDS = 6
+FARTHEST = 16.0  # variances; squares beyond are those of defects
+LEAST_FACTOR = 1e-3
+MEDIAN_SQUARE = 0.455  # of a standard normal number
+MOST_SHIFT, MOST_TEXTURE = 0.5, 0.1  # px; relative
+
+
+def noise_factors(points: Sequence[Point], residuals: Sequence[Array]) -> Array:
+    """Return what multiplies the variance of light and that of the read-out, (2,).
+
+    residuals : (T, h, w) of the mean images; of a view whose frames repeat, what these
+    differ by is used instead."""
+    photon, read, square, freedom = [], [], [], []
+    for point, residual in zip(points, residuals, strict=True):
+        frame, view = point.frame, point.view
+        used = point.root > 0
+        light = photon_gain(point.model, frame) * np.maximum(point.base, 0)
+        photon.append(np.broadcast_to(light, used.shape)[used])
+        rest = point.model.noise_gain("beta2") * frame.beta2
+        read.append(np.broadcast_to(rest, used.shape)[used])
+        own = view.within
+        square.append((residual**2 if own is None else own)[used])
+        freedom.append(np.full(used.sum(), max(view.n - 1, 1)))
+    parts = np.array([np.concatenate(photon), np.concatenate(read)])
+    squares, weights = np.concatenate(square), np.concatenate(freedom)
+    factors = np.ones(2)
+    for _ in range(ROUNDS):
+        expected = factors @ parts
+        near = squares < FARTHEST * expected
+        weight = near * np.sqrt(weights) / expected
+        # Where light is bright, nothing tells the read noise: then it is the profile's.
+        design = np.vstack([(parts * weight).T, np.sqrt(2) * np.eye(2)])
+        target = np.concatenate([squares * weight, np.full(2, np.sqrt(2))])
+        factors = nnls(design, target)[0]
+        factors = np.maximum(factors, LEAST_FACTOR)
+    return factors
+
+
+def excess_of(
+    points: Sequence[Point], residuals: Sequence[Array]
+) -> tuple[float, float]:
+    """Return the deviation that mean images have beyond their noise: of a shift, px,
+    and of light, relative."""
+    slopes, lights, squares, variances = [], [], [], []
+    for point, residual in zip(points, residuals, strict=True):
+        used = point.root > 0
+        slope, _ = point.frame.squared_slope_and_light
+        slopes.append(slope[used])
+        light = np.maximum(point.base, 0) ** 2
+        lights.append(light[used])
+        squares.append((residual**2)[used])
+        variances.append(point.noise_variance[used])
+    if not squares:
+        return 0.0, 0.0
+    parts = np.array([np.concatenate(slopes), np.concatenate(lights)])
+    square, noise = np.concatenate(squares), np.concatenate(variances)
+    # From the median of what is in proportion to light, which few defects move.
+    lit = parts[1] > 0
+    more = np.maximum(square - noise, 0)[lit] / parts[1][lit]
+    start = float(np.median(more)) / MEDIAN_SQUARE if lit.any() else 0.0
+    found = np.array([0.0, min(start, MOST_TEXTURE**2)])
+    for _ in range(ROUNDS):
+        expected = noise + found @ parts
+        near = square < FARTHEST * expected
+        weight = near / expected
+        found = nnls((parts * weight).T, (square - noise) * weight)[0]
+        found = np.minimum(found, (MOST_SHIFT**2, MOST_TEXTURE**2))
+    shift, texture = np.sqrt(found)
+    return float(shift), float(texture)
+
+
+def with_noise(model: Model, factors: Array) -> Model:
+    """Return a model whose noise is so many times as large."""
+    for name, factor in zip(("beta1", "beta2"), factors, strict=True):
+        for term in model.terms:
+            if term.calibration and term.effect.scales == name:
+                model = model.with_values(term.name, term.values + np.log(factor))
+    return model

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Nuisances: what is wrong with a capture and not with the camera, as columns.
+
+Each is a change of the light that enters the lens, known to be 0 up to a deviation:
+where the render lies, how sharp and how bright it is, of which colour, and its smooth
+error. None of it is written to a profile.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.legendre import legval
+from scipy.ndimage import correlate1d
+from scipy.signal import fftconvolve
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.effects import mains_flicker
+from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.catalogue import every
+from cg2raw.diagnose.effects.registry import listed_values
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.model.figures import NORMAL
+from cg2raw.sensor import Sensor
+
+FREE = 1.0  # relative deviation of light that nobody measured
+POSE_DEVIATION = 1.0  # px, beside the place that correlation found
+# Of a render's sharpness, by the Laplacian and its square: an edge that is sampled
+# coarsely cannot be moved by part of a pixel exactly.
+SHARPNESS = (0.004, 0.002)
+# Share of light that a round aperture spreads beyond the reach of blur, as 1 / r^3: of
+# one that passes 2 cycles a pixel. Source: M. Born, E. Wolf, Principles of Optics,
+# section 8.5.2.
+WINGS, FIRST_OF_WINGS, LAST_OF_WINGS = 0.01, 10.0, 24.0  # -, px, px
+DEGREES = 6  # of the polynomials of a smooth error of light
+LEAST_DOUBT = {"light": 0.005, "radiance": 0.01}  # relative, if none is declared
+SLOPE = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60  # derivative, to the sixth order
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One column. own : each view has its own; else all of a set have it together.
+
+    change : (T, 3, H, W) of the camera RGB of blocks."""
+
+    name: str
+    deviation: float
+    own: bool
+    change: Array
+
+
+def nuisances_of(
+    capture_set: CaptureSet,
+    frame: Frame,
+    n: int,
+    is_blurred: bool = False,
+) -> Iterator[Nuisance]:
+    """Yield the nuisances of a view of n frames, as its render lies.
+
+    is_blurred : by the lens of the model, whose far wings no effect has."""
+    free, shows = capture_set.nuisances, frame.capture.shows
+    if not shows.light:
+        return
+    least = {**LEAST_DOUBT, **capture_set.uncertainty}
+    camera = frame.camera.astype(np.float64)
+    flicker = listed_values(capture_set.sensor, mains_flicker.EFFECT.name)
+    is_table = frame.samples is not None
+    if flicker is not None:
+        rows = places(frame)[0] * np.hypot(*frame.tiles.shape) / 2
+        for k, wave in enumerate(mains_flicker.EFFECT.waves(flicker, rows)):
+            change = camera * wave[:, None]
+            yield Nuisance(f"flicker {k}", 1 / np.sqrt(n), True, change)
+    if frame.level_free and is_table:
+        yield Nuisance("level", FREE, True, camera)
+    elif frame.level_free or "white_balance" in free:
+        for channel, name in enumerate(("red", "green", "blue")):
+            change = np.zeros_like(camera)
+            change[:, channel] = camera[:, channel]
+            yield Nuisance(name, FREE, frame.level_free, change)
+    elif "exposure" in free:
+        yield Nuisance("exposure", FREE, False, camera)
+    if "light" in free:
+        yield Nuisance("light", least["light"] / np.sqrt(n), True, camera)
+    if is_table:
+        return
+    if shows.image and "radiance" in free:
+        y, x = (to_edge(one) for one in places(frame))
+        for a, b in fields():
+            change = camera * (legendre(a, y) * legendre(b, x))[:, None]
+            yield Nuisance(f"field {a} {b}", least["radiance"] / (a + b), False, change)
+    if shows.render and is_blurred:
+        yield Nuisance("wings of blur", WINGS, False, wings(camera))
+    if shows.render and "registration" in free:
+        v, u = places(frame)
+        for name, axis in (("row", 2), ("column", 3)):
+            slope = correlate1d(camera, SLOPE, axis=axis, mode="nearest")
+            for place, by in (("", 1.0), (" v", v[:, None]), (" u", u[:, None])):
+                yield Nuisance(name + place, POSE_DEVIATION, False, slope * by)
+        once = laplacian(camera)
+        for name, change, deviation in zip(
+            ("sharpness", "fine sharpness"),
+            (once, laplacian(once)),
+            SHARPNESS,
+            strict=True,
+        ):
+            yield Nuisance(name, deviation, False, change)
+
+
+def known_effects(sensor: Sensor) -> dict[Effect, Array]:
+    """Return the standard errors (k,) of the values that darks and flats gave to
+    effects of the mean, by their 95 % intervals: images may correct them by as much."""
+    found = {}
+    for entry in json.loads(sensor.to_json()).get("effects", []):
+        one = every()[entry["name"]].of_cfa(sensor.cfa)
+        ends = entry.get("ci95", {})
+        if one.predicted and set(one.parameters) <= set(ends):
+            low, high = np.array([ends[name] for name in one.parameters]).T
+            if (high > low).all():
+                found[one] = (high - low) / 2 / NORMAL
+    return found
+
+
+def fields() -> list[tuple[int, int]]:
+    """Return degrees down and across of a smooth error of light."""
+    every = range(DEGREES + 1)
+    return [(a, b) for a in every for b in every if 0 < a + b <= DEGREES]
+
+
+def legendre(degree: int, x: Array) -> Array:
+    return np.asarray(legval(x, [0.0] * degree + [1.0]))
+
+
+def places(frame: Frame) -> tuple[Array, Array]:
+    """Return (v, u) of the pixels of blocks with their margins, (T, H, W) or less, in
+    half diagonals from the centre."""
+    half = np.hypot(*frame.tiles.shape) / 2
+    height, width = frame.camera.shape[2:]
+    first = frame.tiles.blocks.astype(float)
+    rows = first[:, :1, None] + np.arange(height)[None, :, None] + 0.5
+    columns = first[:, 1:, None] + np.arange(width)[None, None, :] + 0.5
+    rows, columns = (
+        (p - n / 2) / half
+        for p, n in zip((rows, columns), frame.tiles.shape, strict=True)
+    )
+    return rows, columns
+
+
+def to_edge(place: Array) -> Array:
+    """Return places as -1 to 1 from edge to edge of a square frame; the polynomials of
+    a longer one end within it."""
+    return np.asarray(np.clip(place * np.sqrt(2), -1.5, 1.5))
+
+
+def laplacian(camera: Array) -> Array:
+    kernel = np.array([1.0, -2.0, 1.0])
+    return np.asarray(
+        correlate1d(camera, kernel, axis=2, mode="nearest")
+        + correlate1d(camera, kernel, axis=3, mode="nearest")
+    )
+
+
+def wings(camera: Array) -> Array:
+    """Return what far wings add to each pixel and take from it."""
+    reach = int(LAST_OF_WINGS)
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    r = np.hypot(x, y)
+    kernel = np.where(
+        (r >= FIRST_OF_WINGS) & (r <= reach), 1 / np.maximum(r, 1) ** 3, 0
+    )
+    kernel /= kernel.sum()
+    around = [(0, 0), (0, 0), (reach, reach), (reach, reach)]
+    wide = np.pad(camera, around, mode="symmetric")
+    spread = fftconvolve(wide, kernel[None, None], mode="valid", axes=(2, 3))
+    return np.asarray(spread - camera)
+
+
+def pose_of(found: Mapping[str, float]) -> Array:
+    """Return the step (2, 3) of rows and columns: constant, by v, by u."""
+    return np.array(
+        [
+            [found.get(axis + by, 0.0) for by in ("", " v", " u")]
+            for axis in ("row", "column")
+        ]
+    )

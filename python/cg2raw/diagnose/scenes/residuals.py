@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""What is left of test scenes: questions to residuals whose answers are known by
+chance, (chi-square, freedom) each."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from cg2raw.diagnose.diagnosis import ResidualTest
+from cg2raw.diagnose.scenes.gram import Array, Normal
+from cg2raw.diagnose.scenes.nuisances import (
+    Nuisance,
+    laplacian,
+    legendre,
+    places,
+    to_edge,
+)
+from cg2raw.diagnose.scenes.point import (
+    Point,
+    by_light,
+    offsets_of,
+    products_of,
+    without_offsets,
+)
+from cg2raw.diagnose.scenes.predict import variance_left
+
+FINEST = 10  # degree of the fields that are looked for
+RINGS_ASKED, LEVELS = 8, 8
+BLOCK = 16  # px
+FEWEST = 50  # samples of a sum that counts as normal
+LAGS = ((0, 1), (1, 0), (1, 1), (1, -1), (0, 2), (2, 0))
+EIGEN = 1e-9  # of the largest: directions that nuisances leave
+WHERE: Mapping[str, str] = {
+    "sites": "the residual differs between the sites of the CFA",
+    "fields": "the residual differs between places of the frame",
+    "radius": "the residual changes from the centre to the corners, by colour",
+    "level": "the residual depends on the level of the signal",
+    "edges": "the residual lies along edges",
+    "rows": "the residual differs from row to row",
+    "columns": "the residual differs from column to column",
+    "blocks": "the residual differs between blocks of the frame",
+    "neighbours": "neighbouring pixels have residuals in common",
+    "variance by level": "the size of the residuals depends on the level of the signal",
+    "variance by radius": "the size of the residuals changes towards the corners",
+    "repeats": "frames that repeat each other differ by another amount than predicted",
+}
+
+
+class Residuals:
+    """Sums over the test scenes that are added."""
+
+    def __init__(self) -> None:
+        self._linear: dict[str, tuple[Any, Any]] = {}
+        self._sums: dict[str, list[tuple[float, float]]] = {}
+        self.samples = 0
+
+    def taken(self, point: Point, nuisances: Sequence[Nuisance]) -> Array:
+        """Return residuals (T, h, w) of a view without what nuisances take, in standard
+        deviations."""
+        return self._add(point, nuisances, ())
+
+    def add(self, point: Point, nuisances: Sequence[Nuisance]) -> None:
+        """Count a view."""
+        left = self._add(point, nuisances, list(_columns(point)))
+        used = point.root > 0
+        self.samples += int(used.sum())
+        for name, sums in _sums(point, left, used):
+            self._sums.setdefault(name, []).append(sums)
+
+    def _add(
+        self,
+        point: Point,
+        nuisances: Sequence[Nuisance],
+        questions: Sequence[tuple[str, list[Array]]],
+    ) -> Array:
+        root, used = point.root, point.root > 0
+        z = point.z[used]
+        changes = [by_light(point, one.change) for one in nuisances]
+        every = [*changes, *(column for _, columns in questions for column in columns)]
+        rows = [(column * root)[used] for column in every]
+        normal = Normal(len(z), products_of(np.array([*rows, z]), point))
+        at = np.arange(len(nuisances))
+        deviations = np.array([one.deviation for one in nuisances])
+        numbers = normal.found(at, deviations, np.zeros(0))
+        left = normal.without(at, deviations).products
+        first = len(nuisances)
+        for name, columns in questions:
+            part = slice(first, first := first + len(columns))
+            before = self._linear.get(name, (0.0, 0.0))
+            self._linear[name] = (
+                before[0] + left[part, -1],
+                before[1] + left[part, part],
+            )
+        for number, row in zip(numbers, rows, strict=False):
+            z = z - number * row
+        residuals = np.zeros_like(root)
+        residuals[used] = without_offsets(z, point)
+        return residuals
+
+    def tests(self) -> list[ResidualTest]:
+        """Return all tests, those that explain most nats first."""
+        found: list[tuple[str, float, float]] = []
+        for name, (score, told) in self._linear.items():
+            values, vectors = np.linalg.eigh(told)
+            shown = values > EIGEN * max(values[-1], 1e-300)
+            along = vectors[:, shown].T @ score
+            found.append(
+                (name, float((along**2 / values[shown]).sum()), int(shown.sum()))
+            )
+        for name, sums in self._sums.items():
+            squares, freedom = np.sum(sums, axis=0)
+            found.append((name, float(squares), float(freedom)))
+        tests = [self._test(*one) for one in found if one[2] > 0]
+        return sorted(tests, key=lambda test: -test.nats_per_pixel)
+
+    def _test(self, name: str, squares: float, freedom: float) -> ResidualTest:
+        nats = 0.5 * (squares - freedom) / max(self.samples, 1)
+        where = WHERE[name]
+        p_value = float(chi2.sf(squares, freedom))
+        return ResidualTest(name, squares / freedom - 1, p_value, nats, where)
+
+
+def _columns(point: Point) -> Iterator[tuple[str, list[Array]]]:
+    """Yield (question, columns (T, h, w) that no effect has)."""
+    frame = point.frame
+    light = np.maximum(point.base, 0)
+    shape = light.shape
+    v, u = (np.broadcast_to(one, shape) for one in frame.tiles.field()[::-1])
+    sites = [np.broadcast_to(frame.site == k, shape) for k in np.unique(frame.site)]
+    yield "sites", [light * one for one in sites] + [one * 1.0 for one in sites]
+    if frame.samples is not None:
+        return
+    y, x = to_edge(v), to_edge(u)
+    down = [legendre(k, y) for k in range(FINEST + 1)]
+    across = [legendre(k, x) for k in range(FINEST + 1)]
+    degrees = [
+        (a, b)
+        for a in range(FINEST + 1)
+        for b in range(FINEST + 1)
+        if 0 < a + b <= FINEST
+    ]
+    yield "fields", [light * down[a] * across[b] for a, b in degrees]
+    colors = [np.broadcast_to(frame.color == k, shape) for k in np.unique(frame.color)]
+    rings = _hats(np.hypot(u, v), RINGS_ASKED)
+    yield "radius", [light * ring * one for ring in rings for one in colors]
+    top = max(float(light[point.root > 0].max(initial=0.0)), 1e-12)
+    yield "level", [light * hat for hat in _hats(light / top, LEVELS)]
+    if frame.capture.shows.image:
+        yield "edges", _edges(point)
+
+
+def _edges(point: Point) -> list[Array]:
+    """Return columns of a render that is displaced, bent or blurred."""
+    frame = point.frame
+    camera = frame.camera.astype(float)
+    v, u = places(frame)
+    v, u = v[:, None], u[:, None]
+    down, across = (np.gradient(camera, axis=axis) for axis in (2, 3))
+    square = v**2 + u**2
+    changes = [down, across, laplacian(camera), (down * v + across * u) * square]
+    changes += [slope * by for slope in (down, across) for by in (v * v, u * v, u * u)]
+    return [by_light(point, change) for change in changes]
+
+
+def _hats(x: Array, count: int) -> list[Array]:
+    """Return functions that add up to 1, each of one part of 0 to 1."""
+    knots = np.linspace(0, 1, count)
+    return [np.maximum(1 - np.abs(x - k) * (count - 1), 0) for k in knots]
+
+
+def _sums(
+    point: Point, z: Array, used: Array
+) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Yield (question, (chi-square, freedom)) of residuals in standard deviations."""
+    frame, light = point.frame, np.maximum(point.base, 0)
+    if frame.samples is not None:
+        return  # tables share the errors of their chart
+    top = max(float(light[used].max(initial=0.0)), 1e-12)
+    labels = np.minimum((light / top * LEVELS).astype(int), LEVELS - 1)
+    left = variance_left(point.model)
+    single = z / np.sqrt(left)  # of pixels by themselves
+    yield "variance by level", _variances(single, used, labels, LEVELS)
+    if point.view.within is not None:
+        yield "repeats", _repeats(point, used)
+    v, u = frame.tiles.field()[::-1]
+    ring = np.minimum((np.hypot(u, v) * RINGS_ASKED).astype(int), RINGS_ASKED - 1)
+    yield "variance by radius", _variances(single, used, ring, RINGS_ASKED)
+    known = {offset.name for offset in offsets_of(point)}
+    if "rows" not in known:
+        yield "rows", _normal(z.sum(2), used.sum(2))
+    if "columns" not in known:
+        yield "columns", _normal(z.sum(1), used.sum(1))
+    height, width = (n // BLOCK * BLOCK for n in z.shape[1:])
+    inner = [one[:, :height, :width] for one in (z, used)]
+    shape = (len(z), height // BLOCK, BLOCK, width // BLOCK, BLOCK)
+    yield "blocks", _normal(*(one.reshape(shape).sum((2, 4)) for one in inner))
+    if left < 1:
+        return  # neighbours are known to have noise in common
+    products, counts = [], []
+    for row, col in LAGS:
+        product = _lagged(z, row, col)
+        count = _lagged(used.astype(float), row, col)
+        for site in np.unique(frame.site):
+            here = _cut(frame.site, row, col) == site
+            products.append((product * here).sum())
+            counts.append((count * here).sum())
+    yield "neighbours", _normal(np.array(products), np.array(counts))
+
+
+def _normal(sums: Array, variances: Array) -> tuple[float, float]:
+    enough = variances > FEWEST if variances.max(initial=0) > FEWEST else variances > 0
+    return float((sums[enough] ** 2 / variances[enough]).sum()), float(enough.sum())
+
+
+def _variances(z: Array, used: Array, labels: Array, count: int) -> tuple[float, float]:
+    """By the squares of normal residuals, of which each has the variance 2."""
+    labels = np.broadcast_to(labels, z.shape)[used]
+    n = np.bincount(labels, minlength=count)
+    sums = np.bincount(labels, z[used] ** 2 - 1, count)
+    return _normal(sums / np.sqrt(2), n)
+
+
+def _repeats(point: Point, used: Array) -> tuple[float, float]:
+    within, n = point.view.within, point.view.n
+    assert within is not None
+    expected = point.frame_variance * variance_left(point.model)
+    ratio = (within / expected)[used]
+    sums = (n - 1) * (ratio - 1).sum() / np.sqrt(2 * (n - 1))
+    return _normal(np.array([sums]), np.array([float(used.sum())]))
+
+
+def _lagged(image: Array, row: int, col: int) -> Array:
+    """Return products (T, h, w) of pixels with those so far away."""
+    _, height, width = image.shape
+    first = image[:, row:, max(col, 0) : width + min(col, 0)]
+    second = image[:, : height - row, max(-col, 0) : width - max(col, 0)]
+    return np.asarray(first * second)
+
+
+def _cut(image: Array, row: int, col: int) -> Array:
+    return np.asarray(image[row:, max(col, 0) : image.shape[1] + min(col, 0)])

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Selection: which effects scenes show, from two small matrices.
+
+All effects are fitted on training scenes, and the cheapest is dropped while validation
+scenes lose less than a name must be worth; then exchanges. A gain on frames that did
+not fit it is the log of an e-value: L. Wasserman et al., PNAS 117(29), 2020.
+"""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+
+from cg2raw.diagnose.scenes.gram import Array, Gram, Space
+
+Names = frozenset[str]
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """names : best first. nats : what validation scenes lose without each. alike : sets
+    of other effects that would do as well, by name; one class."""
+
+    names: Sequence[str]
+    nats: Mapping[str, float]
+    alike: Mapping[str, Sequence[tuple[str, ...]]]
+
+
+class Selection:
+    """Chooses among the effects of a space.
+
+    train : with what is known of parameters. least : nats that a name needs. alpha :
+    chance of a false first name. known : effects that are fitted beside all others."""
+
+    def __init__(
+        self,
+        space: Space,
+        train: Gram,
+        validation: Gram,
+        least: float,
+        alpha: float,
+        known: Collection[str] = (),
+    ) -> None:
+        self._space, self._train, self._validation = space, train, validation
+        self._known = frozenset(known)
+        self.least = least
+        self._exchange = math.log(1 / alpha)
+        self._score = cache(self._of)
+
+    def _of(self, names: Names) -> float:
+        fitted = self._train.fit(self._space.index(names | self._known))
+        return self._validation.gain(fitted)
+
+    def run(self, candidates: Collection[str], most: int) -> Chosen:
+        """Return the effects chosen of some candidates, at most so many."""
+        score, every = self._score, frozenset(candidates)
+        starts = [self._pruned(every), self._grown(every)]
+        found = [self._exchanged(one, every) for one in starts]
+        names = max(found, key=self._worth)
+        while len(names) > most:
+            names = max((names - {a} for a in sorted(names)), key=score)
+        nats = {a: score(names) - score(names - {a}) for a in sorted(names)}
+        first = sorted(nats, key=lambda a: -nats[a])
+        return Chosen(first, nats, self._alike(names, every))
+
+    def _worth(self, names: Names) -> float:
+        return self._score(names) - self.least * len(names)
+
+    def _grown(self, every: Names) -> Names:
+        """Add what is worth most while that is more than a name must be, and drop what
+        others explain since: a few names may stand for what one explains."""
+        names: Names = frozenset()
+        for _ in every:
+            best = max((names | {a} for a in sorted(every)), key=self._worth)
+            if self._worth(best) <= self._worth(names):
+                break
+            names = self._pruned(best)
+        return names
+
+    def _exchanged(self, names: Names, every: Names) -> Names:
+        """Exchange names, or take in others, while that pays."""
+        score = self._score
+        for _ in every:
+            out = every - names
+            moves = {names | {b}: self.least for b in sorted(out)}
+            for a in sorted(names):
+                moves |= {names - {a} | {b}: self._exchange for b in sorted(out)}
+            best = max(moves, key=lambda one: score(one) - moves[one], default=names)
+            if best == names or score(best) - moves[best] < score(names):
+                break
+            names = self._pruned(best)
+        return names
+
+    def _pruned(self, names: Names) -> Names:
+        """Drop the cheapest while it is worth less than a name must be."""
+        while names:
+            rest = max((names - {a} for a in sorted(names)), key=self._score)
+            if self._score(names) - self._score(rest) >= self.least:
+                break
+            names = rest
+        return names
+
+    def _alike(self, names: Names, every: Names) -> dict[str, list[tuple[str, ...]]]:
+        """Return, per name, the effects or pairs of them that do as well on all
+        scenes."""
+        both = self._train + self._validation
+
+        def score(some: Names) -> float:
+            return both.gain(both.fit(self._space.index(some | self._known)))
+
+        free = sorted(every - names)
+        found: dict[str, list[tuple[str, ...]]] = {}
+        for a in sorted(names):
+            rest, least = names - {a}, score(names) - self._exchange
+            same = [
+                some
+                for k in (1, 2)
+                for some in combinations(free, k)
+                if score(rest | {*some}) > least
+            ]
+            found[a] = [s for s in same if not any(set(t) < set(s) for t in same)]
+        return found
+
+
+def limits(
+    space: Space,
+    gram: Gram,
+    names: Sequence[str],
+    candidates: Sequence[str],
+    least: float,
+) -> dict[str, Array | None]:
+    """Return the smallest strength that scenes would have shown of each parameter of
+    the effects that are not named, (k,); None of one that no scene shows.
+
+    Expected gain of a strength is information / 2 times its square, and the parameters
+    that are fitted cost half a nat each."""
+    found: dict[str, Array | None] = {}
+    chosen = space.index(names)
+    for name in candidates:
+        own = space.index([name])
+        information = np.diagonal(gram.given(own, chosen))
+        scale = np.diagonal(gram.information)[own]
+        if not (information > 1e-9 * np.maximum(scale, 1e-300)).any():
+            found[name] = None
+            continue
+        needed = 2 * (least + 0.5 * len(own))
+        with np.errstate(divide="ignore"):
+            found[name] = np.sqrt(needed / np.maximum(information, 0))
+    return found

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Effects of light that no derivative shows: the full well, and photons that are
+counted. Each is judged by the density of single samples, on frames that did not fit it.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.special import log_ndtr, ndtr
+
+from cg2raw.diagnose.effects.poisson_shot_noise import EFFECT
+from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
+from cg2raw.diagnose.scenes.gram import Array
+from cg2raw.diagnose.scenes.point import Point
+
+BRIGHT_ENOUGH = 0.25  # of white, from which on wells are looked for
+FAR_BELOW = 4.0  # standard deviations, of samples that a well cuts
+LEAST_PILE = 4  # samples of training frames that say where it is
+PILES = 40  # piles that are compared before the best is made finer
+LEAST_LOG = -20.0  # of a sample: one that is broken decides nothing
+TAIL = 4.0  # standard deviations; farther samples say nothing of photons' law
+
+
+def full_well(
+    train: Sequence[Point], validation: Sequence[Point]
+) -> tuple[float, float, float]:
+    """Return (level of the full well, 1 at white; its standard error; nats that
+    validation frames gain by it); (1, 0, 0) where no sample says so.
+
+    train, validation : of a model without one."""
+    parts = [_bright(points) for points in (train, validation)]
+    y, x, photon, _, _ = parts[0]
+    short = y[(x - y > FAR_BELOW * np.sqrt(photon)) & (y > BRIGHT_ENOUGH)]
+    if short.size < LEAST_PILE:
+        return 1.0, 0.0, 0.0
+
+    def cost(level: float) -> float:
+        return -_gain(parts[0], level)
+
+    piles = np.unique(np.quantile(short, np.linspace(0, 1, PILES)))
+    best = min(piles, key=cost)
+    width = float(np.sqrt(np.median(parts[0][3])))
+    found = minimize_scalar(
+        cost, bounds=(best - 3 * width, best + 3 * width), method="bounded"
+    )
+    level = float(found.x if found.fun < cost(best) else best)
+    if level >= 1:
+        return 1.0, 0.0, 0.0
+    step = width / 10
+    bend = cost(level + step) + cost(level - step) - 2 * cost(level)
+    error = step / math.sqrt(bend) if bend > 0 else width
+    return level, error, _gain(parts[1], level)
+
+
+def _bright(points: Sequence[Point]) -> tuple[Array, ...]:
+    """Return (signals, expected light, variance by photons, by the read-out, whether at
+    white) of samples that are expected bright, (n,) each."""
+    parts: list[list[Array]] = [[] for _ in range(5)]
+    for point in points:
+        p = point.prediction
+        offset = p.mean - p.exposed
+        for frame in point.view.frames:
+            used = frame.keep & ~frame.at_zero & (p.exposed > BRIGHT_ENOUGH)
+            rest = np.maximum(p.variance - p.photon_variance, LEAST_VARIANCE)
+            each = (
+                frame.signal - offset,
+                p.exposed,
+                p.photon_variance,
+                rest,
+                frame.at_white,
+            )
+            for part, one in zip(parts, each, strict=True):
+                part.append(np.broadcast_to(one, used.shape)[used])
+    return tuple(np.concatenate([np.zeros(0), *part]) for part in parts)
+
+
+def _gain(samples: tuple[Array, ...], level: float) -> float:
+    """Return nats that samples gain by a full well at a level."""
+    y, x, s2, rest, at_white = samples
+    both = s2 + rest
+    plain = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
+    split = np.sqrt(s2 * rest / both)
+    is_open = plain + log_ndtr((level - (x * rest + y * s2) / both) / split)
+    chance = log_ndtr((x - level) / np.sqrt(s2))
+    shut = chance - 0.5 * (y - level) ** 2 / rest - 0.5 * np.log(rest)
+    cut = np.logaddexp(is_open, shut)
+    white = at_white > 0
+    plain[white] = log_ndtr((x - 1) / np.sqrt(both))[white]
+    cut[white] = np.log(
+        ndtr((level - 1) / np.sqrt(rest))[white] * np.exp(chance[white]) + 1e-300
+    )
+    scale = -0.5 * np.log(both)  # density at its top, of what is not cut
+    least = np.where(white, LEAST_LOG, scale + LEAST_LOG)
+    return float((np.maximum(cut, least) - np.maximum(plain, least)).sum())
+
+
+def photons(points: Sequence[Point], left: Sequence[Array]) -> float:
+    """Return nats that frames gain if their light is counted, by Poisson's law.
+
+    left : (T, h, w), residuals of mean images without what nuisances take."""
+    gained = 0.0
+    for point, mean in zip(points, left, strict=True):
+        p, used = point.prediction, point.root > 0
+        spread = np.sqrt(p.variance)
+        for frame in point.view.frames:
+            z = (frame.signal - point.view.signal + mean) / spread
+            near = used & (np.abs(z) < TAIL)
+            white, slope = EFFECT.whitened(z, p)
+            nats = 0.5 * (z**2 - white**2) + slope
+            gained += float(nats[near].sum())
+    return gained

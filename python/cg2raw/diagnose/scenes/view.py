@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""View: the frames that repeat each other, as one mean image."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.frames.tiling import Array, Mask
+
+
+@dataclass(frozen=True)
+class View:
+    """frame : the first of those that repeat each other. frames : all of them.
+
+    signal : (T, h, w), their mean. within : (T, h, w), the variance of a sample from
+    frame to frame, by n - 1; None of a single frame."""
+
+    frame: Frame
+    frames: Sequence[Frame]
+    signal: Array
+    within: Array | None
+
+    @property
+    def n(self) -> int:
+        return len(self.frames)
+
+    @property
+    def is_table(self) -> bool:
+        """Whether it is a table of patch means, without pixels."""
+        return self.frame.samples is not None
+
+    @property
+    def group(self) -> str:
+        return self.frame.capture.group
+
+    @property
+    def keep(self) -> Mask:
+        """Samples that count and reach no end of the converter in any frame."""
+        kept = [frame.keep & ~frame.censored for frame in self.frames]
+        return np.asarray(np.logical_and.reduce(kept))
+
+
+def views_of(frames: Sequence[Frame]) -> list[View]:
+    """Return the views of frames, in their order."""
+    alike: dict[object, list[Frame]] = {}
+    for number, frame in enumerate(frames):
+        capture = frame.capture
+        place = (capture.set, capture.group, capture.kind, capture.iso, frame.seconds)
+        alone = number if frame.samples is not None or frame.level_free else None
+        alike.setdefault((place, frame.keep.tobytes(), alone), []).append(frame)
+    return [_view(members) for members in alike.values()]
+
+
+def _view(frames: Sequence[Frame]) -> View:
+    mean = np.mean([frame.signal for frame in frames], axis=0)
+    if len(frames) < 2:
+        return View(frames[0], frames, mean, None)
+    squares = sum(_beside(mean, frame) ** 2 for frame in frames)
+    return View(frames[0], frames, mean, np.asarray(squares) / (len(frames) - 1))
+
+
+def _beside(mean: Array, frame: Frame) -> Array:
+    """Return what a frame has beyond the mean, but for light that is brighter in all of
+    it."""
+    away = np.where(frame.keep, frame.signal - mean, 0.0)
+    lit = np.where(frame.keep, mean, 0.0)
+    square = float((lit**2).sum())
+    return away - lit * (float((away * lit).sum()) / square if square else 0.0)

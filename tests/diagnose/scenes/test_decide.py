@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Planted values of every effect of light are recovered, and only their names."""
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.scenes.decide import decide
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.verdict.images import diagnosis_of_images
+from cg2raw.diagnose.workers import Workers
+from diagnose.effects.test_laws import PLANTED
+from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, sensor_of
+
+SENSOR = sensor_of()
+GROUPS = ("fit", "select", "report")
+NAMES = [one for one in PLANTED if one not in ("shot_noise", "read_noise")]
+SMOOTH = [one for one in NAMES if one != "full_well"]  # see test_shapes
+
+
+def images(model, seed=7, nuisances=frozenset(), **more):
+    """Return (capture set, frames) of two flats and two scenes a group."""
+    captures = []
+    for k, group in enumerate(GROUPS):
+        for n, kind in enumerate(("flat", "flat", "scene", "scene")):
+            captures.append(
+                capture_of(
+                    kind, 4 * k + n, level=0.3 + 0.5 * n, group=group,
+                    name=f"{group}{n}", **more,
+                )
+            )  # fmt: skip
+    frames = drawn(frames_of(SENSOR, captures), model, seed)
+    return CaptureSet(SENSOR, captures, nuisances), frames
+
+
+def found(model, names=NAMES, fits_noise=False, **more):
+    capture_set, frames = images(model, **more)
+    return decide(
+        capture_set,
+        frames,
+        names,
+        alpha=0.01,
+        most=6,
+        fits_noise=fits_noise,
+        workers=Workers(1),
+        say=lambda *_: None,
+    )
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_a_planted_value_is_recovered(name):
+    effect, values = BY_NAME[name], np.array(PLANTED[name], float)
+    scenes = found(Model(SENSOR).with_effect(effect, values))
+    diagnosis = diagnosis_of_images(scenes, False)
+    assert [one.name for one in diagnosis.effects] == [name]
+    assert diagnosis.verdict == "explained"
+    assert diagnosis.gap.chi2_after == pytest.approx(1, abs=0.03)
+    assert diagnosis.gap.before > diagnosis.gap.after
+    planted = dict(zip(effect.parameters, values, strict=True))
+    for parameter, one in diagnosis.effects[0].parameters.items():
+        half = (one.ci95[1] - one.ci95[0]) / 2
+        # Four standard errors, of sixty parameters.
+        assert abs(one.value - planted[parameter]) < 2.1 * half + 1e-9, parameter
+
+
+def test_nothing_planted_is_nothing_named():
+    diagnosis = diagnosis_of_images(found(Model(SENSOR)), True)
+    assert (diagnosis.verdict, diagnosis.effects) == ("consistent", [])
+    assert {one.name for one in diagnosis.detection_limits} >= {"blur", "exposure"}
+    assert len(diagnosis.pictures) == 4
+
+
+def test_noise_that_nobody_knows_is_fitted():
+    noisy = Model(SENSOR).with_effect(BY_NAME["read_noise"], np.array([0.8]))
+    noisy = noisy.with_effect(BY_NAME["shot_noise"], np.array([0.4]))
+    scenes = found(noisy, fits_noise=True)
+    assert scenes.chosen.names == []
+    assert np.log(scenes.model.noise_gain("beta1")) == pytest.approx(0.4, abs=0.03)
+    # Of 1 % of the variance: darks would tell it.
+    assert abs(np.log(scenes.model.noise_gain("beta2"))) < 1.5
+    assert scenes.grams["report"].squares / scenes.grams["report"].n == pytest.approx(
+        1, abs=0.03
+    )
+
+
+def test_threads_change_nothing():
+    model = Model(SENSOR).with_effect(BY_NAME["blur"], np.array(PLANTED["blur"]))
+    capture_set, frames = images(model)
+    thetas = [
+        decide(
+            capture_set, frames, NAMES, alpha=0.01, most=6, fits_noise=False,
+            workers=Workers(threads), say=lambda *_: None,
+        ).theta.tolist()
+        for threads in (1, 3)
+    ]  # fmt: skip
+    assert thetas[0] == thetas[1]
+
+
+def test_a_render_of_something_else_is_refused():
+    capture_set, frames = images(Model(SENSOR))
+    turned = [
+        frame
+        if frame.capture.kind == "flat"
+        else type(frame)(**{**vars(frame), "signal": frame.signal[:, ::-1, ::-1]})
+        for frame in frames
+    ]
+    with pytest.raises(ValueError, match="does not correspond to the capture"):
+        decide(
+            capture_set, turned, NAMES, alpha=0.01, most=6, fits_noise=False,
+            workers=Workers(1), say=lambda *_: None,
+        )  # fmt: skip

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Noise that is estimated where a profile has none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.noise_level import noise_models
+from diagnose.planted import bare, capture_of, drawn, frames_of, sensor_of
+
+SHAPE = (128, 160)
+KINDS = ("dark", "dark", "dark", "dark", "dark", "dark", "flat", "flat", "scene")
+
+
+def captures_with_pixels(sensor, kinds, seed=1):
+    """Return captures whose raw is drawn from the sensor's own noise."""
+    captures = [
+        capture_of(kind, n, shape=SHAPE, level=0.15 + 0.07 * n)
+        for n, kind in enumerate(kinds)
+    ]
+    result = []
+    for capture, frame in zip(captures, frames_of(sensor, captures), strict=True):
+        (shown,) = drawn([frame], Model(sensor), seed + len(result))
+        black = np.mean(sensor.black_level)
+        dn = np.clip(np.round(shown.signal[0] * frame.range + black), 0, None)
+        raw = np.minimum(dn, sensor.white_level).astype(np.uint16)
+        result.append(replace(capture, raw=lambda raw=raw: raw))
+    return result
+
+
+@pytest.mark.parametrize("read_noise", [1.0, 3.0, 8.0])
+@pytest.mark.parametrize("black", [256.0, 64.0])
+def test_betas_are_within_a_tenth(read_noise, black):
+    sensor = sensor_of(5000.0, read_noise, black_level=[black] * 4)
+    captures = captures_with_pixels(sensor, KINDS)
+    (model,) = noise_models(CaptureSet(bare(sensor), captures)).values()
+    assert not model.measured
+    assert model.beta1[0] == pytest.approx(1 / 5000, rel=0.1)
+    assert model.beta2[0] == pytest.approx((read_noise / 5000) ** 2, rel=0.1)
+
+
+def test_noise_of_less_than_a_dn():
+    """10 bits: the read noise is 0.6 DN; its steps are no part of it."""
+    levels = {"bits": 10, "black_level": [64.0] * 4, "white_level": 1023}
+    sensor = sensor_of(4000.0, 2.5, **levels)
+    captures = captures_with_pixels(sensor, KINDS)
+    (model,) = noise_models(CaptureSet(bare(sensor), captures)).values()
+    assert model.beta1[0] == pytest.approx(1 / 4000, rel=0.1)
+    assert model.beta2[0] == pytest.approx((2.5 / 4000) ** 2, rel=0.2)
+
+
+def test_a_sensor_without_pedestal():
+    sensor = sensor_of(5000.0, 3.0, black_level=[0.0] * 4)
+    captures = captures_with_pixels(sensor, ("flat", "flat", "scene", "scene"))
+    (model,) = noise_models(CaptureSet(bare(sensor), captures)).values()
+    assert model.beta1[0] == pytest.approx(1 / 5000, rel=0.1)
+
+
+def test_every_iso_has_its_own():
+    captures = []
+    for iso, full_well in ((100.0, 8000.0), (400.0, 2000.0)):
+        sensor = sensor_of(full_well, 3.0)
+        for capture in captures_with_pixels(sensor, KINDS):
+            captures.append(replace(capture, iso=iso, name=f"{capture.name} {iso}"))
+    models = noise_models(CaptureSet(bare(sensor), captures))
+    assert models[100.0].beta1[0] == pytest.approx(1 / 8000, rel=0.1)
+    assert models[400.0].beta1[0] == pytest.approx(1 / 2000, rel=0.1)
+
+
+def test_a_measured_noise_is_taken_as_it_is():
+    sensor = sensor_of(5000.0, 3.0)
+    (model,) = noise_models(CaptureSet(sensor, [capture_of()])).values()
+    assert model.measured
+    assert model.beta1 == pytest.approx([1 / 5000] * 4)
+    assert model.beta2 == pytest.approx([(3 / 5000) ** 2] * 4)
+
+
+def test_another_cfa_takes_neighbours_of_one_color():
+    """X-Trans: pixels 6 apart are of one colour, those 2 apart are not."""
+    sensor = Sensor("fujifilm-x-m1")
+    color = np.array(["RGB".index(c) for c in sensor.cfa]).reshape(6, 6)
+    level = np.array([0.1, 0.5, 0.3])[np.tile(color, (22, 27))]
+    rng = np.random.default_rng(3)
+    span = sensor.white_level - np.mean(sensor.black_level)
+    captures = []
+    for n in range(4):
+        x = level * (0.3 + 0.2 * n)
+        noisy = x + np.sqrt(x / 6000 + 1e-6) * rng.standard_normal(x.shape)
+        raw = np.round(noisy * span + np.mean(sensor.black_level)).astype(np.uint16)
+        captures.append(capture_of("flat", n, shape=raw.shape, raw=lambda raw=raw: raw))
+    (model,) = noise_models(CaptureSet(sensor, captures)).values()
+    assert model.beta1[0] == pytest.approx(1 / 6000, rel=0.1)
+
+
+def test_too_few_pixels_say_so():
+    raw = np.full((8, 8), 300, np.uint16)
+    captures = [capture_of("dark", shape=raw.shape, raw=lambda: raw)]
+    with pytest.raises(ValueError, match="give a profile with noise, and iso"):
+        noise_models(CaptureSet(bare(sensor_of()), captures))

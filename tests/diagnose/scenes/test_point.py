@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Derivatives of the mean against finite differences of the simulation."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cg2raw import Sensor
+from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.nuisances import laplacian
+from cg2raw.diagnose.scenes.point import (
+    Excess,
+    Offset,
+    by_light,
+    derivatives,
+    mean_of,
+    offsets_of,
+    point_of,
+    products_of,
+    without_offsets,
+)
+from cg2raw.diagnose.scenes.view import views_of
+from diagnose.effects.test_laws import PLANTED
+from diagnose.planted import capture_of, frames_of, sensor_of
+
+SENSORS = {
+    "RGGB": sensor_of(),
+    "GBRG": sensor_of(cfa="GBRG"),
+    "mono": None,
+    "X-Trans": None,
+}
+SHAPE = (48, 60)
+
+
+def sensor(cfa):
+    if cfa == "mono":
+        return sensor_of(cfa="mono", black_level=[256.0])
+    if cfa == "X-Trans":
+        base = json.loads(Sensor("fujifilm-x-m1").to_json())
+        sites = len(base["cfa"])
+        noise = {"iso": 100, "beta1": [2e-4] * sites, "beta2": [4e-7] * sites}
+        return Sensor.from_json(json.dumps({**base, "noise": [noise]}), "xtrans")
+    return SENSORS[cfa]
+
+
+def at(given, model=None, kind="scene", excess=None, **more):
+    [frame] = frames_of(given, [capture_of(kind, 2, shape=SHAPE, **more)])
+    [view] = views_of([frame])
+    return point_of(view, frame, model or Model(given), excess or Excess())
+
+
+def smooth(given):
+    """Return the effects of the mean; below its least value a filter is none."""
+    every = [one for one in candidates(given.cfa) if one.predicted]
+    return [one for one in every if one.name != "noise_reduction"]
+
+
+@pytest.mark.parametrize("cfa", ["RGGB", "GBRG", "X-Trans"])
+def test_derivatives_are_those_of_the_prediction(cfa):
+    """At the profile, and where an effect has a value; by a fifth of the step and both
+    sides, in double precision of many of them."""
+    given = sensor(cfa)
+    for effect in smooth(given):
+        for values in (
+            effect.null,
+            0.5 * np.array(PLANTED.get(effect.name, effect.null)),
+        ):
+            if len(values) != len(effect.null):
+                continue
+            model = Model(given).with_effect(effect, values)
+            point = at(given, model)
+            columns = derivatives(point, effect)
+            assert len(columns) == len(effect.used)
+            for k, column in zip(np.flatnonzero(effect.is_used), columns, strict=True):
+                step = 2 * effect.steps[k]
+                ends = []
+                for sign in (-1, 1):
+                    moved = values.copy()
+                    moved[k] += sign * step
+                    ends.append(mean_of(model.with_effect(effect, moved), point.frame))
+                expected = (ends[1] - ends[0]) / (2 * step)
+                scale = np.abs(expected).max() + 1e-3
+                assert np.abs(column - expected).max() < 0.03 * scale, effect.name
+
+
+def test_a_change_of_light_goes_through_the_chain():
+    given = SENSORS["RGGB"]
+    model = Model(given)
+    for name in ("blur", "nonlinearity", "lens_shading"):
+        effect = next(one for one in smooth(given) if one.name == name)
+        model = model.with_effect(effect, 0.5 * np.array(PLANTED[name]))
+    point = at(given, model)
+    camera = point.frame.camera.astype(float)
+    for change in (camera, laplacian(camera)):
+        step = 0.02 * camera.max() / np.abs(change).max()
+        expected = mean_of(model, point.frame, camera + step * change) - point.base
+        # The bend of the response is all that a longer step adds.
+        assert by_light(point, change) == pytest.approx(expected / step, abs=0.02)
+
+
+def test_samples_near_white_glints_and_zero_are_left_out():
+    bright = at(SENSORS["RGGB"], kind="flat", level=4.0)
+    assert not bright.root.any()
+    assert at(SENSORS["RGGB"], kind="flat", level=0.3).root.any()
+    cut = sensor_of(black_level=[0.0] * 4)
+    assert not at(cut, kind="dark").root.any()
+    assert at(SENSORS["RGGB"], kind="dark").root.any()
+
+
+def test_excess_widens_edges_and_light():
+    plain = at(SENSORS["RGGB"])
+    wide = at(SENSORS["RGGB"], excess=Excess(0.1, 0.01))
+    slope, _ = plain.frame.squared_slope_and_light
+    light = np.maximum(plain.base, 0)
+    assert wide.variance - plain.variance == pytest.approx(
+        0.01 * slope + 1e-4 * light**2, rel=1e-4, abs=1e-12
+    )
+    assert wide.noise_variance == pytest.approx(plain.noise_variance)
+
+
+def test_offsets_of_rows_are_integrated_out():
+    """As a covariance of all pixels of a row."""
+    given = sensor_of(effects=[{"name": "row_noise", "parameters": {"sigma": 4e-3}}])
+    point = at(given)
+    [rows] = offsets_of(point)
+    assert (rows.name, rows.sigma) == ("rows", pytest.approx(4e-3, rel=1e-3))
+    used = point.root > 0
+    rng = np.random.default_rng(3)
+    a = rng.normal(size=(3, used.sum()))
+    along = np.zeros((SHAPE[0], used.sum()))
+    along[rows.labels[used], np.arange(used.sum())] = point.root[used] * rows.sigma
+    covariance = np.eye(used.sum()) + along.T @ along
+    expected = a @ np.linalg.solve(covariance, a.T)
+    assert products_of(a, point) == pytest.approx(expected, rel=1e-6)
+    z = along.T @ rng.normal(size=SHAPE[0])
+    assert np.square(without_offsets(z, point)).mean() < 0.05 * np.square(z).mean()
+    assert Offset("", rows.labels, 1.0, 2.0).of(used).tolist() == [2.0] * used.sum()

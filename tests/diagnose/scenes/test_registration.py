@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""A render that lies elsewhere and is brighter is found, and is no effect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.scenes.decide import decide
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.registration import Placement, first_guess, warped
+from cg2raw.diagnose.workers import Workers
+from diagnose.planted import drawn
+from diagnose.scenes.test_decide import NAMES, SENSOR, images
+
+FREE = frozenset({"registration", "exposure", "light", "radiance"})
+AFFINE = np.array([[2.3, 0.2, -0.1], [-1.6, 0.1, 0.15]])
+
+
+@pytest.mark.parametrize("shift", [(0, 0), (2, -4), (-4, 2)])
+def test_a_first_guess_is_the_best_correlation(shift):
+    rng = np.random.default_rng(1)
+    image = rng.normal(size=(1, 64, 80)).cumsum(1).cumsum(2)
+    moved = np.roll(image, shift, (1, 2))
+    usable = np.ones(image.shape, bool)
+    assert first_guess(moved, image, usable).tolist() == [-shift[0], -shift[1]]
+
+
+def test_a_step_is_the_inverse_of_a_warp():
+    placement = Placement.none()
+    moved, far, brighter = placement.moved(
+        {"row": 0.5, "column v": 0.2, "exposure": 0.1}
+    )
+    assert moved.affine.tolist() == [[0.5, 0, 0], [0, 0.2, 0]]
+    assert moved.gain.tolist() == pytest.approx([1.1] * 3)
+    assert (far, brighter) == (0.5, pytest.approx(0.1))
+
+
+def test_what_is_displaced_and_brighter_is_found():
+    capture_set, frames = images(Model(SENSOR), nuisances=FREE)
+    truth = [
+        replace(
+            frame,
+            camera=(1.1 * warped(frame.camera, frame, AFFINE)).astype(np.float32),
+            memo={},
+        )
+        if frame.capture.shows.render
+        else frame
+        for frame in frames
+    ]
+    seen = drawn(truth, Model(SENSOR), 3)
+    shown = [
+        replace(frame, signal=other.signal, at_white=other.at_white)
+        for frame, other in zip(frames, seen, strict=True)
+    ]
+    found = decide(
+        CaptureSet(SENSOR, capture_set.captures, FREE),
+        shown,
+        NAMES,
+        alpha=0.01,
+        most=6,
+        fits_noise=False,
+        workers=Workers(1),
+        say=lambda *_: None,
+    )
+    assert found.chosen.names == []
+    for view in found.views:
+        if view.frame.capture.shows.render:
+            placement = found.placements[view.frame.capture.set]
+            assert placement.affine == pytest.approx(AFFINE, abs=0.05)
+            assert placement.gain == pytest.approx(np.full(3, 1.1), abs=0.02)

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What is left is said, and nothing of noise."""
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.diagnosis import STRUCTURE
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.point import Excess, point_of
+from cg2raw.diagnose.scenes.residuals import Residuals
+from cg2raw.diagnose.scenes.view import views_of
+from diagnose.planted import capture_of, drawn, frames_of, sensor_of
+
+SENSOR = sensor_of()
+
+
+def asked_of(extra, seed=1, kinds=("flat", "scene", "scene")):
+    captures = [
+        capture_of(kind, n, set=f"{kind}{n}", name=f"{kind}{n}{again}")
+        for n, kind in enumerate(kinds)
+        for again in range(2)
+    ]
+    frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed, extra)
+    asked = Residuals()
+    for view in views_of(frames):
+        asked.add(point_of(view, view.frame, Model(SENSOR), Excess()), [])
+    return {test.name: test for test in asked.tests()}
+
+
+def test_noise_leaves_nothing():
+    chances = [
+        test.p_value for seed in range(8) for test in asked_of(0.0, seed).values()
+    ]
+    assert len(chances) == 8 * 12
+    assert min(chances) > STRUCTURE / 12
+    assert 0.35 < np.mean(chances) < 0.65
+
+
+def rows(frame, rng):
+    return 3e-3 * rng.standard_normal((1, frame.signal.shape[1], 1))
+
+
+def columns(frame, rng):
+    return 3e-3 * rng.standard_normal((1, 1, frame.signal.shape[2]))
+
+
+def bump(frame, rng):
+    v, u = frame.tiles.field()
+    return 1e-2 * np.exp(-((u - 0.3) ** 2 + v**2) / 0.01)
+
+
+def blended(frame, rng):
+    noise = 4e-3 * rng.standard_normal(frame.signal.shape)
+    return noise + np.roll(noise, 2, 2)
+
+
+@pytest.mark.parametrize(
+    ("extra", "name"),
+    [
+        (rows, "rows"),
+        (columns, "columns"),
+        (bump, "blocks"),
+        (blended, "neighbours"),
+        (blended, "variance by level"),
+        (blended, "repeats"),
+    ],
+)
+def test_what_is_planted_is_said(extra, name):
+    found = asked_of(extra)[name]
+    assert found.p_value < 1e-6
+    assert found.nats_per_pixel > 2e-4
+    assert found.where

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Selection on planted matrices."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.scenes.gram import Gram, Space
+from cg2raw.diagnose.scenes.selection import Selection, limits
+
+LEAST = math.log(4 / 0.01)
+SPACE = Space.of({"one": 1, "two": 1, "both": 1, "other": 1})
+
+
+def pair(theta, seed=1, n=2000, alike=()):
+    """Return (train, validation) of columns of unit variance at a truth.
+
+    alike : (place, [places]) of a column that is the sum of others."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for _ in range(2):
+        columns = rng.normal(size=(4, n))
+        for place, others in alike:
+            columns[place] = columns[list(others)].sum(0)
+        z = np.asarray(theta) @ columns + rng.normal(size=n)
+        found.append(Gram(n, z @ z, columns @ z, columns @ columns.T))
+    return found
+
+
+def chosen(grams, most=9, known=()):
+    return Selection(SPACE, *grams, LEAST, 0.01, known).run(SPACE.slices, most)
+
+
+def test_what_is_planted_is_named_and_nothing_else():
+    found = chosen(pair([0.5, 0, 0, -0.3]))
+    assert found.names == ["one", "other"]
+    # A strength s gains s^2 n / 2 on average.
+    assert found.nats["one"] == pytest.approx(0.25 * 1000, rel=0.3)
+
+
+def test_nothing_is_named_of_noise():
+    for seed in range(40):
+        assert chosen(pair([0, 0, 0, 0], seed)).names == []
+
+
+def test_one_name_stands_for_two_that_do_as_well():
+    """From all effects down, two of them would have stayed."""
+    found = chosen(pair([0.3, 0.3, 0, 0], alike=[(2, (0, 1))]))
+    assert found.names == ["both"]
+    assert found.alike["both"] == [("one", "two")]
+
+
+def test_names_that_look_alike_are_said():
+    found = chosen(pair([0.4, 0, 0, 0], alike=[(1, (0,))]))
+    assert len(found.names) == 1
+    assert [*found.alike.values()][0] in ([("one",)], [("two",)])
+
+
+def test_the_most_names():
+    assert chosen(pair([0.5, 0, 0, -0.3]), most=1).names == ["one"]
+    assert chosen(pair([0.5, 0, 0, -0.3]), most=0).names == []
+
+
+def test_what_is_known_is_fitted_beside_all_and_not_named():
+    grams = pair([0.5, 0, 0, 0.2])
+    selection = Selection(SPACE, *grams, LEAST, 0.01, ["one"])
+    assert selection.run(["two", "both", "other"], 9).names == ["other"]
+
+
+def test_a_limit_is_the_strength_that_is_found_half_of_the_time():
+    train, validation = pair([0, 0, 0, 0])
+    strength = limits(SPACE, validation, [], ["one"], LEAST)["one"][0]
+    assert strength == pytest.approx(math.sqrt(2 * (LEAST + 0.5) / 2000), rel=0.1)
+    hits = [
+        "one" in chosen(pair([strength, 0, 0, 0], seed)).names for seed in range(100)
+    ]
+    assert 30 <= sum(hits) <= 80
+
+
+def test_what_no_scene_shows_has_no_limit():
+    _, validation = pair([0, 0, 0, 0], alike=[(1, (0,))])
+    assert limits(SPACE, validation, ["one"], ["two"], LEAST)["two"] is None

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""The full well, and photons that are counted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.point import Excess, point_of
+from cg2raw.diagnose.scenes.shapes import full_well, photons
+from cg2raw.diagnose.scenes.view import views_of
+from diagnose.planted import FULL_WELL, READ, capture_of, drawn, frames_of, sensor_of
+
+SENSOR = sensor_of()
+
+
+def points(seed, level=None, kind="scene", count=4, **more):
+    """Return points of frames whose charge is cut at a level."""
+    captures = [capture_of(kind, n, **more) for n in range(seed, seed + count)]
+    frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed)
+    if level is not None:
+        rng = np.random.default_rng(seed)
+        frames = [
+            replace(
+                f,
+                signal=np.minimum(
+                    f.signal, level + READ * rng.normal(size=f.signal.shape)
+                ),
+            )
+            for f in frames
+        ]
+    return [
+        point_of(view, view.frame, Model(SENSOR), Excess()) for view in views_of(frames)
+    ]
+
+
+@pytest.mark.parametrize("level", [0.35, 0.45])
+def test_a_well_is_found(level):
+    found, error, gain = full_well(points(1, level), points(11, level))
+    assert found == pytest.approx(level, abs=2e-3)
+    assert 0 < error < 1e-3
+    assert gain > 100
+
+
+def test_no_well_is_none():
+    _, _, gain = full_well(points(1), points(11))
+    assert gain <= 0
+
+
+def counted(seed, is_counted):
+    """Return (points, residuals) of dim flats, drawn by Poisson's law or a normal."""
+    light = 0.003
+    captures = [capture_of("flat", n, level=light) for n in range(6)]
+    frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed)
+    if is_counted:
+        rng = np.random.default_rng(seed)
+        shown = []
+        for frame in frames:
+            at = point_of(views_of([frame])[0], frame, Model(SENSOR), Excess()).mean
+            drawn_light = rng.poisson(at * FULL_WELL) / FULL_WELL
+            noise = READ * rng.standard_normal(at.shape)
+            shown.append(replace(frame, signal=drawn_light + noise))
+        frames = shown
+    found = [
+        point_of(view, view.frame, Model(SENSOR), Excess()) for view in views_of(frames)
+    ]
+    return found, [point.view.signal - point.mean for point in found]
+
+
+def test_photons_that_are_counted():
+    assert photons(*counted(1, True)) > 10
+    assert photons(*counted(1, False)) < -10
