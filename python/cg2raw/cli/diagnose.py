@@ -380,12 +380,15 @@ def with_closed_share(first: "Diagnosis", second: "Diagnosis") -> "Diagnosis":
 
 def run_synthesize(arguments: argparse.Namespace) -> int:
     """Make captures with injected effects; return 0."""
+    from cg2raw.cli._progress import stages
     from cg2raw.short_messages import plural
     from cg2raw.synthetic.captures import notes_of, parsed, written
 
     words = ["-s", arguments.sensor, "-o", arguments.output]
     words += ["--effects", arguments.effects, "--seed", str(arguments.seed)]
-    folder = written(parsed(words))
+    with stages(arguments.quiet, arguments.verbose) as progress:
+        progress("drawing and writing captures", 0.0)
+        folder = written(parsed(words))
     result = {
         "folder": arguments.output,
         "frames": len(folder.shots),

@@ -19,6 +19,7 @@ Array = NDArray[Any]
 WIDTH, HEIGHT = 420, 214
 LEFT, RIGHT, TOP, BOTTOM = 58, 408, 44, 168
 LETTER = 8.0  # px of width of most letters
+DOT, LINE, APART = 16, 26, 12  # px of a legend: before a label, and after it
 ROW = 22  # px of a row of bars
 NAMED = 140  # px for names of bars
 MOST_TICKS = 6
@@ -166,20 +167,25 @@ def axes(x: Axis, y: Axis, labels: tuple[str, str]) -> Iterator[str]:
 def legend(marks: Sequence[Mark], beside: str) -> Iterator[str]:
     """Yield the entries of a legend, in the row below the label of y."""
     named = [mark for mark in marks if mark.label]
-    width = sum(34 + LETTER * len(mark.label) for mark in named)
+    shifts = [DOT if mark.style == "dots" else LINE for mark in named]
+    widths = [
+        shift + LETTER * len(mark.label) + APART
+        for shift, mark in zip(shifts, named, strict=True)
+    ]
+    width = sum(widths)
     at, row = max(min(float(LEFT), WIDTH - width), 4.0), 32
     if 12 + LETTER * len(beside) + width < WIDTH:  # there is room in its row
         at, row = WIDTH - width, 14
-    for mark in named:
+    for mark, shift, width in zip(named, shifts, widths, strict=True):
         yield swatch(mark, at, row - 4)
-        yield text(at + 26, row, mark.label, "start", mark.color)
-        at += 34 + LETTER * len(mark.label)
+        yield text(at + shift, row, mark.label, "start", mark.color)
+        at += width
 
 
 def swatch(mark: Mark, x: float, y: float) -> str:
     """Return a piece of a mark for a legend."""
     if mark.style == "dots":
-        return dot(x + 10, y, mark)
+        return dot(x + 6, y, mark)
     if mark.style == "band":
         return (
             f'<rect x="{x:.1f}" y="{y - 5:.1f}" width="20" height="10" {fill(mark)}/>'

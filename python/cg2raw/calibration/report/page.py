@@ -130,7 +130,7 @@ def transfer(found: Measurements, gain: Measured) -> Card:
     """Return variance against mean, and the line of the gain."""
     x, dark = levels_of(found), dark_variance(found)
     marks = [
-        Mark("dark and shot noise", x, dark + x / gain.value, "solid", AFTER),
+        Mark("with shot noise", x, dark + x / gain.value, "solid", AFTER),
         Mark("dark", x, np.full_like(x, dark), "dotted", INK),
         *(Mark(n, m, v, "dots", c, s) for n, c, s, m, v in points_of(found)),
     ]

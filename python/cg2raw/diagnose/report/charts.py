@@ -14,7 +14,7 @@ from cg2raw.io.svg import AFTER, BEFORE, INK, SHAPES, SITES, Mark, bars, lines
 
 WITHOUT, WITH = "without it", "with it"
 MOST_VALUES = 6  # that are drawn of an effect without another chart
-OF_PROFILE, FOUND = "profile", "with all that was found"
+OF_PROFILE, FOUND = "profile", "with what was found"
 
 
 def charts_of(finding: Finding, diagnosis: Diagnosis) -> list[str]:

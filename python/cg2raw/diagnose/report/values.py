@@ -5,7 +5,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cg2raw import _core
 from cg2raw.diagnose.diagnosis import Diagnosis, Estimate, Finding
@@ -69,10 +69,13 @@ def stage_of(name: str) -> str:
 
 def shown(finding: Finding, diagnosis: Diagnosis) -> list[Shown]:
     """Return all parameters of an effect, each rounded to its interval."""
-    return [
+    each = [
         in_unit(finding.name, name, one, diagnosis)
         for name, one in finding.parameters.items()
     ]
+    if len(each) == 1:  # of a site that is the only one
+        return [replace(each[0], name=each[0].name.removesuffix(" 00"))]
+    return each
 
 
 def in_unit(
