@@ -93,22 +93,14 @@ def test_an_unknown_brightness_is_told_by_bright_patches(offset):
     assert declared.level_free and not frame_of(means_of(500)).level_free
 
 
-def test_tables_of_a_chart_together_know_its_colours_no_better_than_one():
-    captures = [
-        replace(capture_of("flat", n, shape=(3, 4)), kind="chart", means=means_of(500))
-        for n in range(4)
-    ]
-    captures[3] = replace(captures[3], group="select")
-    chosen = CaptureSet(SENSOR, captures)
-    frames = [patch_frame_of(chosen, capture, NOISE) for capture in captures]
-    assert [frame.repeats for frame in frames] == [3, 3, 3, 1]
-    for frame, repeats in ((frames[0], 3), (frames[3], 1)):
-        [view] = views_of([frame])
-        point = point_of(view, frame, Model(SENSOR), Excess(patches=0.01))
-        [offset] = offsets_of(point)
-        assert offset.sigma == pytest.approx(0.01 * np.sqrt(repeats))
-        # Both greens of a patch have the same error.
-        assert len(np.unique(offset.labels)) == 9
+def test_patches_of_a_chart_have_errors_of_their_own():
+    frame = frame_of(means_of(500))
+    [view] = views_of([frame])
+    point = point_of(view, frame, Model(SENSOR), Excess(patches=0.01))
+    point.charts = 3  # of the same patches, that share these errors
+    [offset] = offsets_of(point)
+    assert offset.sigma == pytest.approx(0.01 * np.sqrt(3))
+    assert len(np.unique(offset.labels)) == 9, "both greens of a patch have one"
 
 
 @pytest.mark.parametrize("name", ["blur", "crosstalk", "lens_shading", "veiling_glare"])

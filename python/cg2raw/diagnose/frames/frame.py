@@ -44,7 +44,6 @@ class Frame:
     level_free : its brightness is not known at all.
     samples : (T, h, w) pixels that each value is the mean of, of a table of patches;
         None where values are those of pixels.
-    repeats : tables of its chart in its group, which share the errors of its colours.
     warmth : how much faster charge gathers in it without light than in other frames,
         since it is warmer.
     rounding : variance that whole DN add to the noise, DN^2.
@@ -72,7 +71,6 @@ class Frame:
     given: Mask | None = None
     highlights: Mask | None = None
     samples: Array | None = None
-    repeats: int = 1
     warmth: float = 1.0
     rounding: float = ROUNDING
     memo: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)

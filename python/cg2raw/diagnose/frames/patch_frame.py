@@ -66,7 +66,6 @@ def patch_frame_of(
         rendered=(planes, context),
         level_free=is_free,
         samples=np.broadcast_to(means.count[:, None, None], side.shape),
-        repeats=repeats_of(capture_set, capture),
     )
 
 
@@ -79,17 +78,6 @@ def uniform_of(capture: Capture, shape: tuple[int, ...]) -> Array:
 def is_level_known(capture_set: CaptureSet, means: PatchMeans) -> bool:
     """Return whether the brightness of a chart is not free."""
     return means.level_known and "exposure" not in capture_set.nuisances
-
-
-def repeats_of(capture_set: CaptureSet, capture: Capture) -> int:
-    """Return how many tables of a capture's group are of the same patches."""
-    return sum(
-        other.group == capture.group
-        and other.means is not None
-        and capture.means is not None
-        and other.means.names == capture.means.names
-        for other in capture_set.captures
-    )
 
 
 def on_sites(values: Array, cfa: str) -> Array:

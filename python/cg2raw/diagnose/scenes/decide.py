@@ -21,7 +21,12 @@ from cg2raw.diagnose.effects.catalogue import candidates, effect
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space, summed
 from cg2raw.diagnose.scenes.model import Model, Term
-from cg2raw.diagnose.scenes.noise import excess_of, noise_factors, with_noise
+from cg2raw.diagnose.scenes.noise import (
+    excess_of,
+    noise_factors,
+    patch_deviation,
+    with_noise,
+)
 from cg2raw.diagnose.scenes.nuisances import Nuisance, known_effects, nuisances_of
 from cg2raw.diagnose.scenes.point import Excess, Point, normal_of, point_of
 from cg2raw.diagnose.scenes.predict import predict
@@ -120,7 +125,10 @@ class Scenes:
         return {*self.chosen.names, *self.known}
 
     def with_known(self, gram: Gram) -> Gram:
-        """Return a Gram with what is known of parameters."""
+        """Return a Gram with what is known of parameters: two deviations are the range
+        that the registry simulates. Then what several together do not tell stays 0."""
+        ranges = [(one.high - one.low)[one.is_used] / 4 for one in self.effects]
+        gram = gram.with_prior(np.arange(self.space.size), np.concatenate(ranges))
         for name, errors in self.known.items():
             gram = gram.with_prior(self.space.index([name]), errors)
         return gram
@@ -132,7 +140,10 @@ class Scenes:
         return view.frame if placement is None else placement.placed(view.frame)
 
     def point(self, view: View, model: Model | None = None) -> Point:
-        return point_of(view, self.frame(view), model or self.model, self.excess)
+        point = point_of(view, self.frame(view), model or self.model, self.excess)
+        alike = [one.is_chart and one.group == view.group for one in self.views]
+        point.charts = sum(alike)
+        return point
 
     def points_of(self, group: str, model: Model | None = None) -> list[Point]:
         views = [view for view in self.views if view.group == group]
@@ -157,7 +168,7 @@ class Scenes:
         def work(view: View) -> tuple[Normal, list[Nuisance]]:
             point = self.point(view)
             if view.group == REPORT:
-                point.tables = 1  # that decide nothing together
+                point.charts = 1  # that decide nothing together
             nuisances = self.nuisances(point)
             normal = normal_of(point, self.effects, space, counted, nuisances)
             # Their images are large, and what they are called is enough.
@@ -211,7 +222,7 @@ class Scenes:
             self._align()
         self._check_correspondence()
         self._fill_well()
-        if self.fits_noise or any(view.is_table for view in self.views):
+        if self.fits_noise or any(view.is_chart for view in self.views):
             self._fit_noise()
         for turn in range(PASSES):
             say("summing scenes and choosing effects", 0.3 + 0.5 * turn / PASSES)
@@ -237,7 +248,7 @@ class Scenes:
         moved = self._move(sets)
         moved |= self._fill_well()
         doubted = self.capture_set.nuisances & {"registration", "radiance"}
-        if self.fits_noise or doubted or any(view.is_table for view in self.views):
+        if self.fits_noise or doubted or any(view.is_chart for view in self.views):
             moved |= self._fit_noise()
         return moved
 
@@ -384,9 +395,9 @@ class Scenes:
             self.excess = replace(self.excess, shift=shift, texture=texture)
         # How wrong a chart's colours are is one number, and a split has few patches.
         self.excess = replace(self.excess, patches=0.0)
-        tables = [self.point(view) for view in self.views if view.is_table]
-        if tables:
-            patches = excess_of(tables, self.workers.map(self.left, tables))[1]
+        charts = [self.point(view) for view in self.views if view.is_chart]
+        if charts:
+            patches = patch_deviation(charts, self.workers.map(self.left, charts))
             self.excess = replace(self.excess, patches=patches)
         return changed
 

@@ -85,6 +85,20 @@ def excess_of(
     return float(shift), float(texture)
 
 
+def patch_deviation(points: Sequence[Point], residuals: Sequence[Array]) -> float:
+    """Return the deviation of a chart's colours from the published ones, relative."""
+    squares = []
+    for point, residual in zip(points, residuals, strict=True):
+        used = point.root > 0
+        light = np.maximum(point.base, 0)[used]
+        labels, weight = point.view.patches[used], light / point.noise_variance[used]
+        told = np.bincount(labels, weight * light)
+        error = np.bincount(labels, weight * residual[used])[told > 0] / told[told > 0]
+        squares.append(np.maximum(error**2 - 1 / told[told > 0], 0))
+    found = np.sqrt(np.median(np.concatenate(squares)) / MEDIAN_SQUARE)
+    return float(min(found, MOST_TEXTURE))
+
+
 def with_noise(model: Model, factors: Array) -> Model:
     """Return a model whose noise is so many times as large."""
     for name, factor in zip(("beta1", "beta2"), factors, strict=True):

@@ -37,7 +37,10 @@ SHARPNESS = (0.004, 0.002)
 # section 8.5.2.
 WINGS, FIRST_OF_WINGS, LAST_OF_WINGS = 0.01, 10.0, 24.0  # -, px, px
 DEGREES = 6  # of the polynomials of a smooth error of light
-LEAST_DOUBT = {"light": 0.005, "radiance": 0.01}  # relative, if none is declared
+# Relative, if none is declared: of light from frame to frame, of a render's smooth
+# error, and of the light on a chart, which lamps make even to some per cent.
+LEAST_DOUBT = {"light": 0.005, "radiance": 0.01}
+UNEVEN_CHART = 0.05
 SLOPE = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60  # derivative, to the sixth order
 
 
@@ -66,6 +69,8 @@ def nuisances_of(
     if not shows.light:
         return
     least = {**LEAST_DOUBT, **capture_set.uncertainty}
+    if not shows.render and "radiance" not in capture_set.uncertainty:
+        least["radiance"] = UNEVEN_CHART
     camera = frame.camera.astype(np.float64)
     flicker = listed_values(capture_set.sensor, mains_flicker.EFFECT.name)
     is_table = frame.samples is not None

@@ -57,8 +57,8 @@ class Point:
     mean, variance : (T, h, w), of the mean of its frames. base : the mean as if no well
     were full. prediction : of one frame. frame_variance : the same, without patterns.
     noise_variance : of the mean of frames, without what captures have beyond noise.
-    patterns : the variance of each fixed pattern. tables : of a chart, that together
-    know its colours no better than one does. root : (T, h, w) of the
+    patterns : the variance of each fixed pattern. charts : views of one chart, which
+    together know its colours no better than one does. root : (T, h, w) of the
     weight, 0 of samples that are left out."""
 
     view: View
@@ -73,7 +73,7 @@ class Point:
     noise_variance: Array
     patterns: Mapping[str, Array | float]
     excess: Excess
-    tables: int
+    charts: int = 1
 
     @property
     def z(self) -> Array:
@@ -114,7 +114,6 @@ def point_of(view: View, frame: Frame, model: Model, excess: Excess) -> Point:
         noise_variance=noise,
         patterns=patterns,
         excess=excess,
-        tables=frame.repeats,
     )
 
 
@@ -180,11 +179,10 @@ def offsets_of(point: Point) -> list[Offset]:
     if of_columns is not None:
         sigma = float(np.sqrt(np.mean(of_columns)))
         found.append(Offset("columns", np.broadcast_to(columns, shape), sigma))
-    if frame.samples is not None:
-        patches = np.arange(shape[0])[:, None, None] * 3 + frame.color
-        sigma = point.excess.patches * np.sqrt(point.tables)
+    if point.view.is_chart:
+        sigma = point.excess.patches * np.sqrt(max(point.charts, 1))
         light = np.maximum(point.base, 0)
-        found.append(Offset("patches", np.broadcast_to(patches, shape), sigma, light))
+        found.append(Offset("patches", point.view.patches, sigma, light))
     return [one for one in found if one.sigma > 0]
 
 

@@ -5,6 +5,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -32,6 +33,25 @@ class View:
     def is_table(self) -> bool:
         """Whether it is a table of patch means, without pixels."""
         return self.frame.samples is not None
+
+    @property
+    def is_chart(self) -> bool:
+        """Whether it shows patches of published colours."""
+        shows = self.frame.capture.shows
+        return shows.image and not shows.render
+
+    @cached_property
+    def patches(self) -> Array:
+        """Number (T, h, w) of the patch and colour of each sample of a chart."""
+        frame = self.frame
+        if self.is_table:
+            number = np.arange(len(frame.signal))[:, None, None]
+        else:
+            inner = frame.tiles.inner(frame.rendered[0])
+            flat = np.moveaxis(inner, 1, -1).reshape(-1, 3)
+            number = np.unique(flat, axis=0, return_inverse=True)[1]
+            number = number.reshape(frame.signal.shape)
+        return np.asarray(number * 3 + frame.color)
 
     @property
     def group(self) -> str:
