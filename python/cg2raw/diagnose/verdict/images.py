@@ -31,6 +31,9 @@ from cg2raw.diagnose.verdict.profile import updated_profile
 from cg2raw.diagnose.verdict.unexplained import chi_square_test, left_over
 from cg2raw.model.figures import NORMAL
 
+# Share of an effect's gain that its shape may leave to others, if several of them take
+# it up as well: a response is no polynomial to better than a tenth of its bend.
+SHAPE_ERROR = 0.01
 STRENGTHS = np.geomspace(1e-4, 1.0, 81)  # of effects without derivatives
 
 
@@ -141,14 +144,17 @@ def _findings(
     """Return (findings, notes on names that are none of their own).
 
     An effect's model has a shape; what the true one has beside it is taken up by
-    another. That stays in the profile, and is not called an effect of its own."""
+    another, known or any that does as well. That stays in the profile, and is not
+    called an effect of its own."""
     nats = {**found.chosen.nats, **found.nats}
     findings, notes = [], []
     for name in sorted(nats, key=lambda one: -nats[one]):
+        alike = [some[0] for some in found.chosen.alike.get(name, ()) if len(some) == 1]
+        vague = SHAPE_ERROR if len(alike) > 1 else 0.0
         larger = [
             other
             for other, gain in nats.items()
-            if nats[name] < effect(other).taken_up_by.get(name, 0.0) * gain
+            if nats[name] < max(effect(other).taken_up_by.get(name, 0.0), vague) * gain
         ]
         if larger:
             share = nats[name] / nats[larger[0]]
@@ -159,7 +165,6 @@ def _findings(
             )
             continue
         gain = nats[name]
-        alike = [some[0] for some in found.chosen.alike.get(name, ()) if len(some) == 1]
         findings.append(
             Finding(
                 name=name,
