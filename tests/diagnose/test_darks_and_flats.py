@@ -36,6 +36,56 @@ def test_names_are_those_that_are_hidden(strengths):
     assert set(found(strengths).names) == set(strengths)
 
 
+def spoiled(capture, rows, columns):
+    """A capture with white samples, which its mask leaves out."""
+
+    def raw():
+        frame = capture.raw().copy()
+        frame[rows, columns] = SENSOR.white_level
+        return frame
+
+    def mask():
+        counts = np.ones(capture.shape, bool)
+        counts[rows, columns] = False
+        return counts
+
+    return replace(capture, raw=raw, mask=mask)
+
+
+def test_a_band_that_a_mask_leaves_out_is_no_noise():
+    """The upper 40 of 112 rows: means of columns are of the others alone."""
+
+    def masked(captures):
+        some = [c for c in captures.captures if c.kind in ("dark", "flat")]
+        band = slice(0, 40), slice(None)
+        return replace(captures, captures=[spoiled(c, *band) for c in some])
+
+    made = found({}, captures=masked)
+    assert (list(made.names), made.unexplained, list(made.notes)) == ([], [], [])
+
+
+def test_dead_lines_are_said_with_their_place():
+    """A column that is dark in all frames, and two rows that are bright."""
+
+    def dead(captures):
+        def changed(capture):
+            def raw():
+                frame = capture.raw().copy()
+                frame[:, 31] = SENSOR.black_level[0]
+                frame[[50, 77]] = SENSOR.white_level - 100
+                return frame
+
+            return replace(capture, raw=raw)
+
+        return replace(captures, captures=[changed(c) for c in captures.captures])
+
+    made = found({"prnu": 0.01}, captures=dead)
+    assert list(made.names) == ["prnu"]
+    assert [note.rpartition(": ")[2] for note in made.notes] == [
+        *("row 50, 77.", "column 31.")
+    ]
+
+
 def test_two_amplifiers_have_no_name_and_are_said():
     """Halves that differ by half a read noise."""
     made = found({"second_amplifier": 0.5})
@@ -80,27 +130,16 @@ def test_single_frames_are_divided_by_columns(strengths):
     """One frame of each exposure time and light, a third of its columns to each group,
     without what a mask leaves out: there frames are white."""
 
+    some = slice(20, 30), slice(40, 60)
+
     def single(captures):
         first = {}
         for one in captures.captures:
             if one.kind in ("dark", "flat"):
                 light = tuple(one.scene()) if one.shows.light else ()
                 first.setdefault((one.kind, one.exposure_time, light), one)
-        each = (in_groups(spoiled(one), None) for one in first.values())
+        each = (in_groups(spoiled(one, *some), None) for one in first.values())
         return replace(captures, captures=[part for parts in each for part in parts])
-
-    def spoiled(capture):
-        def raw():
-            frame = capture.raw().copy()
-            frame[20:30, 40:60] = SENSOR.white_level
-            return frame
-
-        def mask():
-            counts = np.ones(capture.shape, bool)
-            counts[20:30, 40:60] = False
-            return counts
-
-        return replace(capture, raw=raw, mask=mask)
 
     diagnosed = found(strengths, captures=single)
     assert set(diagnosed.names) == set(strengths)

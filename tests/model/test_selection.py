@@ -79,14 +79,17 @@ def test_what_the_profile_lacks_is_named(fits, name):
 
 
 @pytest.mark.parametrize("fits", [2], indirect=True)
-@pytest.mark.parametrize(("spots", "names"), [(0.0, {"prnu"}), (1.0, set())])
-def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, spots, names):
+@pytest.mark.parametrize(
+    ("stated", "spots", "names"),
+    [(0.5, 0.0, {"prnu"}), (0.5, 1.0, set()), (0.0, 1.0, {"prnu"})],
+)
+def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, stated, spots, names):
     """A profile whose pixels have half of their variance, of frames whose spots have as
-    much as all others."""
+    much as all others; not in that of one that states none."""
     first, second, truth = fits
     at = first.parameters.of("prnu")
     lacks = truth.copy()
-    lacks[at] *= 0.5
+    lacks[at] *= stated
     shapes = Shapes({}, spots=spots * truth[at])
     found = selection(first, second, lacks, LEAST, shapes=shapes).kept(LEAST)
     assert set(found) == STRUCTURES | names
@@ -191,9 +194,8 @@ def test_levels_are_named_by_frames_that_tell_their_drift(frames, names):
 
 
 def test_levels_that_agree_are_no_drift():
-    """Three darks each of two times, 0.15 DN below the black level and 0.3 DN above what
-    a profile says by the charge of 3 s: a drift of as much would move frames of one
-    time, too."""
+    """Three darks each of two times, 0.15 DN below the black level and, by charge of
+    3 s, 0.15 DN above it: a drift of as much would move frames of one time, too."""
     rng, fits = np.random.default_rng(14), []
     for _ in range(2):
         groups = []

@@ -5,7 +5,7 @@
 decides; this is compared with it."""
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -44,6 +44,7 @@ OF_IMAGES = frozenset(
         *("veiling_glare", "nonlinearity", "full_well", "poisson_shot_noise"),
     }
 )
+MOST_LISTED = 20  # lines, by number
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 
 
@@ -90,16 +91,9 @@ class DarksAndFlats:
     @property
     def masked(self) -> NDArray[np.bool_]:
         """(H, W) samples that are none of a pattern: hot, or in a line that is."""
-        planes = self.statistics.planes
-        side = round(len(planes) ** 0.5)
-        found = np.zeros(self.used[0].shape, bool)
         if any(capture.divided for capture in self.used):
-            return found
-        for site, plane in enumerate(planes):
-            row, column = divmod(site, side)
-            h, w = plane.masked.shape
-            found[row : side * h : side, column : side * w : side] = plane.masked
-        return found
+            return np.zeros(self.used[0].shape, bool)
+        return masked_in(self.statistics, self.used[0].shape)
 
     def of_split(self, split: str) -> ConstantStatistics:
         """Return the statistics of a split."""
@@ -142,6 +136,8 @@ def darks_and_flats(
     whole = statistics_by_split(
         used, sensor, lambda share: say("reading darks and flats", 0.5 * share)
     )
+    if not any(c.divided for c in used):
+        notes += lines_apart(whole, used)
     halves = Halves()
     for axis in (0, 1):
         one = halves_of(whole, (TRAINING, VALIDATION), axis)
@@ -210,6 +206,40 @@ def darks_and_flats(
         notes,
         has_noise,
     )
+
+
+def masked_in(
+    statistics: ConstantStatistics, shape: tuple[int, int]
+) -> NDArray[np.bool_]:
+    """Return (H, W), which samples of frames are masked."""
+    side = round(len(statistics.planes) ** 0.5)
+    found = np.zeros(shape, bool)
+    for site, plane in enumerate(statistics.planes):
+        row, column = divmod(site, side)
+        h, w = plane.masked.shape
+        found[row : side * h : side, column : side * w : side] = plane.masked
+    return found
+
+
+def lines_apart(
+    statistics: ConstantStatistics, captures: Sequence[Capture]
+) -> Iterator[str]:
+    """Yield a sentence on rows, and on columns, that are as a whole so far from the
+    others that no pattern has them, with their places; none of those that a capture's
+    own mask leaves out."""
+    shape = captures[0].shape
+    masked = masked_in(statistics, shape)
+    counted = [capture.mask() for capture in captures if capture.mask is not None]
+    known = np.all(counted, axis=0) if counted else np.ones(shape, bool)
+    for axis, line in ((1, "row"), (0, "column")):
+        apart = masked.all(axis=axis) & known.any(axis=axis)
+        if (places := np.flatnonzero(apart)).size:
+            listed = ", ".join(map(str, places[:MOST_LISTED]))
+            more = ", ..." if places.size > MOST_LISTED else ""
+            yield (
+                f"{plural(places.size, line)} far from the others, set apart and no "
+                f"effect: {line} {listed}{more}."
+            )
 
 
 def _null(

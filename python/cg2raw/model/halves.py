@@ -21,6 +21,7 @@ from cg2raw.statistics.constant import (
 )
 
 NAME = "halves"
+NEAR = 8  # parts of a side, as wide as what is slow can follow a step
 FEWEST = 32  # lines, of which the slow ones, 12 numbers, leave more than half
 
 
@@ -121,13 +122,21 @@ def _mean(each: Sequence[Array], weights: Sequence[float]) -> Array | None:
 
 
 def _step(design: Array, planes: Array) -> tuple[float, float]:
-    """Return the mean step of planes, (P, n), and its standard error."""
+    """Return the mean step of planes, (P, n), and its standard error, by what steps are
+    elsewhere: lines next to each other may be alike."""
     lines = planes.mean(axis=0)
-    inverse = np.linalg.inv(design.T @ design)
-    values = inverse @ design.T @ lines
-    rest = lines - design @ values
-    variance = float(rest @ rest) / (len(lines) - design.shape[1])
-    return float(values[0]), float(np.sqrt(variance * inverse[0, 0]))
+    count, low = len(lines), design[:, 1:]
+    near = count // NEAR
+    places = np.arange(near, count - near)
+    steps = np.where(np.arange(count) < places[:, None], -0.5, 0.5)
+    steps -= steps @ low @ low.T
+    sizes = np.linalg.norm(steps, axis=1)
+    middle = int(np.flatnonzero(places == count // 2)[0])
+    value = float(steps[middle] @ lines) / float(sizes[middle]) ** 2
+    each = steps @ (lines - value * steps[middle]) / sizes
+    far = np.abs(places - count // 2) > near
+    error = float(np.sqrt(np.mean(each[far] ** 2)))
+    return value, error / float(sizes[middle])
 
 
 def _without(plane: PlaneStatistics, axis: int) -> PlaneStatistics:

@@ -103,7 +103,7 @@ class MeanImageLikelihood:
                 products = planes[sites[0]].products[PIXEL]
             else:
                 stacked = np.concatenate([coefficients[s][part] for s in sites])
-                products = stacked @ stacked.T / freedom * self._left(sites) ** 2
+                products = stacked @ stacked.T / freedom * self._left(part, sites) ** 2
             self.blocks.append(self._block(part, sites, freedom_left, products))
 
     def _unlike(self, part: int) -> float:
@@ -117,8 +117,9 @@ class MeanImageLikelihood:
         )
         return less_of(size, pixel, waves(first.plane, part, True))
 
-    def _left(self, sites: Sequence[int]) -> float:
-        return float(np.mean([self.planes[site].plane.left for site in sites]))
+    def _left(self, part: int, sites: Sequence[int]) -> float:
+        each = [self.planes[site].plane.left_in(part) for site in sites]
+        return float(np.mean(each))
 
     def _block(
         self, part: int, sites: Sequence[int], freedom: float, products: Array
@@ -159,7 +160,7 @@ class MeanImageLikelihood:
         first = self.planes[0]
         of_part = float(component.multiplicity(*first.plane.shape)[part])
         if part != PIXEL and not component.parts.all():  # structure has no noise
-            of_part *= self._left(sites)
+            of_part *= self._left(part, sites)
         shared = component.shared(first.side)[np.ix_(sites, sites)]
         found = [
             [

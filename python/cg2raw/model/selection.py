@@ -109,8 +109,8 @@ def selection(
         prior = None
         if blended is not None and name in ("read_noise", "shot_noise"):
             prior = blended.prior(np.flatnonzero(own), profile)
-        if name == "prnu" and shapes.spots > 0:
-            at_prnu = np.flatnonzero(own)
+        at_prnu = np.flatnonzero(own)
+        if name == "prnu" and min(shapes.spots, profile[at_prnu].min()) > 0:
             prior = Prior(at_prnu, profile[at_prnu], np.array([[shapes.spots**2]]))
         gains[name] = gain_of(own, training, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}

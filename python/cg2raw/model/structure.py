@@ -54,7 +54,7 @@ def _in_plane(
         pixel = float((weights**2 * noises[:, PIXEL] / plane.frames).sum())
         pixel += _patterns_in(found, plane, part, wanted, "sample")
         chance = float(noise.sum()) + _patterns_in(found, plane, part, wanted)
-        chance /= plane.plane.left**2
+        chance /= plane.plane.left_in(part) ** 2
         size = freedom * float(weights @ plane.products[part] @ weights - chance)
         square += size
         # Of coefficients with their chance, which planes share but for the pixels', and

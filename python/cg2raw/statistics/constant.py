@@ -142,6 +142,14 @@ class PlaneStatistics:
         reciprocal, structure is as it was."""
         return 1 - float(self.masked[~self.in_lines].mean())
 
+    def left_in(self, part: int) -> float:
+        """Return the share of what a coefficient of one of PARTS is of: means of lines
+        lack the samples in masked lines that run across them, too."""
+        axis = {"rows": 0, "columns": 1}.get(PARTS[part].rpartition("_")[2])
+        if axis is None:
+            return self.left
+        return self.left * (1 - float(self.masked.all(axis=axis).mean()))
+
     @property
     def along_freedom(self) -> float:
         """Degrees of freedom of along, masked samples taken off."""
