@@ -46,8 +46,6 @@ def gap(**changes):
             "after": np.float32(0.0003),
             "chi2_before": 3.2,
             "chi2_after": 1.001,
-            "systematic_before": 0.1,
-            "systematic_after": None,
             "held_out": ["shot_7.dng"],
             **changes,
         }

@@ -216,7 +216,7 @@ def made_up_diagnosis(**changes):
         "verdict": "explained",
         "sensor_id": "nikon-d40",
         "effects": effects,
-        "gap": Gap(0.4113, 0.00031, 3.214, 1.0012, 0.0983, 0.00042,
+        "gap": Gap(0.4113, 0.00031, 3.214, 1.0012,
                    ["scene_0.dng", "flat_1.dng", "scene_2.dng"],
                    (0.4021, 0.4208), (0.00012, 0.00049)),
         "tests_before": residual_tests(1.0),

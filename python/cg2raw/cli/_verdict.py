@@ -91,7 +91,6 @@ def comparison_json(
                 "sensor": name,
                 "gap": one.gap.before,
                 "chi_square": one.gap.chi2_before,
-                "systematic": one.gap.systematic_before,
                 "verdict": one.verdict,
             }
             for name, one in zip(names, found, strict=True)
@@ -106,19 +105,17 @@ def comparison_text(
     names: Sequence[str], found: Sequence["Diagnosis"], notes: Sequence[str]
 ) -> str:
     """Return a table of the gaps of sensors on the test frames, nothing fitted."""
-    rows = [("sensor", "gap", "chi-square", "systematic", "verdict")]
+    rows = [("sensor", "gap", "chi-square", "verdict")]
     for one in comparison_json(names, found, notes)["sensors"]:
-        systematic = one["systematic"]
         rows.append(
             (
                 one["sensor"],
                 f"{one['gap']:.4g}",
                 f"{one['chi_square']:.3f}",
-                "-" if systematic is None else f"{systematic:.4g}",
                 one["verdict"],
             )
         )
-    unit = "gap in nats/pixel, systematic part in noise variances, on "
+    unit = "gap in nats/pixel, on "
     lines = [*columns(rows), unit + test_frames(found[-1].gap)]
     return "\n".join([*lines, *(line("note", text) for text in notes)])
 

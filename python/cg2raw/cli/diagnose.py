@@ -60,8 +60,8 @@ examples:
 """
 COMPARE = """Compare profiles on the test frames; nothing is fitted.
 
-One row for the sensor of the captures and one for each PROFILE: gap, chi-square,
-systematic error, verdict.
+One row for the sensor of the captures and one for each PROFILE: gap, chi-square and
+verdict.
 
 examples:
   cg2raw diagnose compare captures.yaml report/profile.json

@@ -98,8 +98,6 @@ class Gap:
     after: float
     chi2_before: float
     chi2_after: float
-    systematic_before: float | None  # E[z1 z2] over repeats, noise variances
-    systematic_after: float | None
     held_out: Sequence[str]
     interval_before: tuple[float, float] | None = None
     interval_after: tuple[float, float] | None = None

@@ -200,7 +200,7 @@ def named(diagnosis, text):
 
 def test_nothing_found_and_nothing_known():
     nan = float("nan")
-    gap = Gap(nan, nan, nan, float("inf"), None, None, [], (nan, nan), None)
+    gap = Gap(nan, nan, nan, float("inf"), [], (nan, nan), None)
     page = shown(made_up_diagnosis(**EMPTY, gap=gap, seconds=nan))
     assert not page.open and "unknown" in page.text
     assert not re.search(r"\b(nan|inf|None)\b", page.text)

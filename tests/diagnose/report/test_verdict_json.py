@@ -49,7 +49,6 @@ def test_it_is_a_diagnosis_again():
         if field.name in (*DRAWN, "effects", "gap"):
             continue
         assert getattr(again, field.name) == getattr(first, field.name), field.name
-    assert again.gap.systematic_after is None
     assert again.gap.held_out == ["shot_7.dng"]
     effect = again.effects[0]
     assert effect.parameters["r2"] == finding().parameters["r2"]

@@ -113,10 +113,6 @@ def numbers(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str]]:
         words.number(gap.chi2_before, 4),
         words.number(gap.chi2_after, 4),
     )
-    each = gap.systematic_before, gap.systematic_after
-    if any(one is not None for one in each):
-        before, after = (words.number(one, 2) for one in each)
-        yield "systematic, noise variances", before, after
 
 
 def card(finding: Finding, diagnosis: Diagnosis) -> Card:

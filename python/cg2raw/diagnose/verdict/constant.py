@@ -119,7 +119,7 @@ def unfinished(captures: CaptureSet, *, interrupted: bool) -> Diagnosis:
         verdict="incomplete",
         sensor_id=captures.sensor.id,
         effects=[],
-        gap=Gap(math.nan, math.nan, math.nan, math.nan, None, None, []),
+        gap=Gap(math.nan, math.nan, math.nan, math.nan, []),
         tests_before=[],
         tests_after=[],
         unexplained=[],
@@ -232,8 +232,6 @@ def _gap(
         float(after / samples),
         float(chi_square[0]),
         float(chi_square[1]),
-        None,
-        None,
         sorted(n for group in found.of_split(TEST).groups for n in group.frames),
         interval_after=(
             float((after - half) / samples),

@@ -209,8 +209,6 @@ def _gap(found: Scenes) -> Gap:
         after,
         chi_squares[0],
         chi_squares[1],
-        None,
-        None,
         sorted(_by_split(found)["report"]),
         interval_before=(before + gained - half, before + gained + half),
         interval_after=(after - half, after + half),

@@ -100,8 +100,6 @@ def _gap(first: Gap, second: Gap) -> Gap:
         mean(first.after, second.after),
         mean(first.chi2_before, second.chi2_before),
         mean(first.chi2_after, second.chi2_after),
-        second.systematic_before,
-        second.systematic_after,
         sorted({*first.held_out, *second.held_out}),
     )
 
