@@ -18,11 +18,8 @@ from cg2raw.diagnose.frames.frame import (
     source_of,
 )
 from cg2raw.diagnose.frames.tiling import (
-    EVEN_TILES,
     MARGIN,
-    even_tiling,
     tiling,
-    whole_tilings,
 )
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.noise_level import noise_models
@@ -185,12 +182,6 @@ def test_a_flat_of_unknown_level_takes_its_own(name):
     assert frame.camera[0, :, 30, 30] == pytest.approx(levels, rel=0.01)
 
 
-def test_frames_of_one_capture_are_the_same_and_of_another_are_not():
-    captures = [capture_of(), capture_of(), capture_of(name="b")]
-    a, b, c = frames_of(SENSOR, captures)
-    assert (a.uniform == b.uniform).all() and (a.uniform != c.uniform).any()
-
-
 def test_exposure_time_that_is_not_known_makes_rates_per_frame():
     (frame,) = frames_of(SENSOR, [capture_of(exposure_time=None)])
     assert frame.seconds == 1.0
@@ -215,33 +206,3 @@ def test_a_large_frame_is_kept_as_its_tiles():
     whole = sum(x.nbytes for x in vars(frame).values() if isinstance(x, np.ndarray))
     assert whole < 65536 * 1.6 * 80
     assert frame.camera.base is None or frame.camera.base.nbytes < 4 * 1400 * 1000
-
-
-@pytest.mark.parametrize("repeat", [2, 6])
-@pytest.mark.parametrize("shape", [(260, 400), (700, 177), (1000, 1400)])
-def test_pieces_of_a_whole_frame_cover_it_once(shape, repeat):
-    covered = np.zeros(shape, int)
-    for tiles in whole_tilings(tiling(shape, 16384, repeat), repeat):
-        assert (tiles.origins % repeat == 0).all()
-        fresh = np.ones((len(tiles.origins), *tiles.size), bool)
-        fresh = fresh if tiles.fresh is None else tiles.fresh
-        for new, top, bottom, left, right in zip(fresh, *inner(tiles), strict=True):
-            covered[top:bottom, left:right] += new
-    assert covered.max() == 1
-    missing = np.argwhere(covered == 0)  # part of a repeat at the far ends
-    assert all(shape[0] - r < repeat or shape[1] - c < repeat for r, c in missing)
-
-
-@pytest.mark.parametrize("repeat", [2, 6])
-@pytest.mark.parametrize("shape", [(180, 1000), (480, 640), (3000, 4000), (4000, 600)])
-def test_even_tiles_lie_in_the_middle_of_parts_of_one_size(shape, repeat):
-    tiles = even_tiling(shape, repeat)
-    assert len(tiles.origins) <= 1.1 * EVEN_TILES
-    assert not (tiles.origins % repeat).any()
-    middle = tiles.origins + np.array(tiles.size) / 2
-    for axis in (0, 1):
-        places = np.unique(middle[:, axis])
-        part = shape[axis] / len(places)
-        expected = (np.arange(len(places)) + 0.5) * part
-        assert np.abs(places - expected).max() <= repeat
-        assert part >= tiles.size[axis]  # none lies on another

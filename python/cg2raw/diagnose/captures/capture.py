@@ -129,11 +129,6 @@ class CaptureSet:
     notes: Sequence[str] = ()
 
     @property
-    def doubts_light(self) -> bool:
-        """Whether a nuisance is free that moves what a frame shows of its light."""
-        return bool(self.nuisances - {"temperature"})
-
-    @property
     def temperature(self) -> float | None:
         """Temperature that half of the captures are warmer than; None if it is not
         known of all."""

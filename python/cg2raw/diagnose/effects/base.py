@@ -32,8 +32,6 @@ Labels = Callable[[Frame, Prediction], NDArray[np.int64]]  # of the pixels of a 
 # (labels of the pixels of a frame, number of labels) -> label, measured over predicted
 MeasuredRatio = Callable[[Labels, int], tuple[Array, Array]]
 
-NORMAL_95 = 1.96  # standard deviations to either side of a mean that hold 95 %
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -232,10 +230,6 @@ class Effect:
         """The registry's least and largest values."""
         low, high = ([p[end] for p in self._known] for end in ("min", "max"))
         return np.array(low, float), np.array(high, float)
-
-    @property
-    def registry_parameters(self) -> tuple[str, ...]:
-        return tuple(p["name"] for p in self._known)
 
     @cached_property
     def _searched(self) -> tuple[Parameter, ...]:

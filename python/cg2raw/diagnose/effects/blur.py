@@ -25,8 +25,6 @@ class Blur(Effect):
     taken_up_by = {
         "veiling_glare": 0.015,
         "crosstalk": 0.004,
-        "noise_reduction": 0.025,
-        "heavy_tailed_noise": 0.025,
     }
 
     def size(self, values: Estimates) -> str:

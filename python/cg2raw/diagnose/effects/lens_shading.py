@@ -28,13 +28,6 @@ TURNING = {
     if (power, angles) != (3, 1)
     for wave in ("cos", "sin")
 }
-# Of a round one: terms that are others times a power of the radius.
-STEEPER = {
-    "r4": ("r2", 2),
-    "r6": ("r2", 4),
-    "tilt_x_r2": ("tilt_x", 2),
-    "tilt_y_r2": ("tilt_y", 2),
-}
 SHAPE = (2, 3)  # of a frame whose sensor is not known
 CORNERS = ("top left", "top right", "bottom left", "bottom right")
 

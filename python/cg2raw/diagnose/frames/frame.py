@@ -3,7 +3,6 @@
 
 """Frames: the parts of captures that the inference works on, in signal units."""
 
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -24,7 +23,6 @@ from cg2raw.statistics.temperature import DOUBLING
 # is not known; beyond a uniform frame it is, but for filters of the file.
 BORDER, UNIFORM_BORDER = 8, 4
 ROUNDING = 1 / 12  # variance of whole numbers, DN^2
-MOST_AT_ZERO = 0.02  # share of pixels that are cut at 0 and may be taken as normal
 
 
 @dataclass(frozen=True)
@@ -33,14 +31,12 @@ class Frame:
 
     signal : measured, 0..1 above black.
     at_white, at_zero : the ADC's ends were reached: censored.
-    keep : pixels that count. given : the same before any were set aside; None: none
-        were. highlights : others, that show what clips and little else.
+    keep : pixels that count.
     rendered : (T, 3, h + 2 margin, w + 2 margin) camera RGB as it enters the lens, of
         the tiles' blocks, with its glare context. camera, glare_context : the same
         where the capture shows it, and as bright.
     noise : betas at the CFA's sites, for the registry; beta1, beta2 : (h, w) of them.
     range : (h, w) DN from black to white.
-    uniform : (T, h, w) for the randomised residuals of censored pixels.
     level_free : its brightness is not known at all.
     samples : (T, h, w) pixels that each value is the mean of, of a table of patches;
         None where values are those of pixels.
@@ -63,13 +59,10 @@ class Frame:
     beta1: Array
     beta2: Array
     range: Array
-    uniform: Array
     site: NDArray[np.int64]
     color: NDArray[np.int64]
     rendered: tuple[NDArray[np.float32], _core.GlareContext]
     level_free: bool = False
-    given: Mask | None = None
-    highlights: Mask | None = None
     samples: Array | None = None
     warmth: float = 1.0
     rounding: float = ROUNDING
@@ -84,13 +77,6 @@ class Frame:
         return self.warmth * (1.0 if time is None else time)
 
     @cached_property
-    def is_cut(self) -> bool:
-        """Whether the ADC cuts the noise at 0, as that of darks at black level 0."""
-        if self.samples is not None:
-            return False
-        return bool((self.at_zero & self.keep).sum() > MOST_AT_ZERO * self.keep.sum())
-
-    @cached_property
     def squared_slope_and_light(self) -> tuple[Array, Array]:
         """The squares of the light's slope (per px) and of light at each pixel."""
         camera = self.camera.astype(float)
@@ -102,11 +88,6 @@ class Frame:
         inner, color = self.tiles.inner(planes), self.color[None]
         green_or_blue = np.where(color == 1, inner[:, 1], inner[:, 2])
         return np.where(color == 0, inner[:, 0], green_or_blue)
-
-    @property
-    def counted(self) -> Mask:
-        """Pixels whose likelihood counts."""
-        return self.keep if self.highlights is None else self.keep | self.highlights
 
     @property
     def censored(self) -> Mask:
@@ -188,8 +169,6 @@ def _keep(source: Source, tiles: Tiling) -> Mask:
     if min(tiles.shape) > 4 * BORDER:
         for places, end in zip(tiles.rows_and_columns(), tiles.shape, strict=True):
             keep &= (places >= border) & (places < end - border)
-    if tiles.fresh is not None:
-        keep &= tiles.fresh
     if source.mask is not None:
         keep &= tiles.cut(source.mask)
     return keep
@@ -215,8 +194,6 @@ def frame_of(
         planes_of_sites(sensor.cfa, tiles.size, beta)[2]
         for beta in (noise.beta1, noise.beta2)
     )
-    place = "/".join(map(str, tiles.origins[0]))
-    key = f"{capture.name}/{capture.set}/{capture.group}/{place}"
     camera, keep = _camera_tiles(source.camera, tiles), _keep(source, tiles)
     frame = Frame(
         capture=capture,
@@ -225,7 +202,6 @@ def frame_of(
         at_white=cut >= sensor.white_level,
         at_zero=cut == 0,
         keep=keep,
-        given=keep,
         camera=camera,
         glare_context=source.glare_context,
         rendered=(camera, source.glare_context),
@@ -234,7 +210,6 @@ def frame_of(
         beta1=beta1,
         beta2=beta2,
         range=range_,
-        uniform=np.random.default_rng(zlib.crc32(key.encode())).random(cut.shape),
         site=site,
         color=color,
         level_free=capture.scene is None and capture.shows.light,

@@ -8,8 +8,6 @@ one pixel, divided by the number of those in the mean: all that a mean says. Aro
 lies light of its own colour, and it is in the middle of the sensor: what depends on
 neighbours or on the place says nothing, and no effect of these is named from it."""
 
-import zlib
-
 import numpy as np
 
 from cg2raw import _core
@@ -60,19 +58,12 @@ def patch_frame_of(
         beta1=beta1,
         beta2=beta2,
         range=range_,
-        uniform=uniform_of(capture, side.shape),
         site=site,
         color=color,
         rendered=(planes, context),
         level_free=is_free,
         samples=np.broadcast_to(means.count[:, None, None], side.shape),
     )
-
-
-def uniform_of(capture: Capture, shape: tuple[int, ...]) -> Array:
-    """Return uniform numbers, the same whenever a capture is read."""
-    key = f"{capture.name}/{capture.set}/{capture.group}"
-    return np.random.default_rng(zlib.crc32(key.encode())).random(shape)
 
 
 def is_level_known(capture_set: CaptureSet, means: PatchMeans) -> bool:
@@ -116,4 +107,4 @@ def tiles_of(count: int, shape: tuple[int, int]) -> Tiling:
     """Return as many tiles of one repeat, all in the middle of a frame (H, W)."""
     middle = [length // 2 // SIDE * SIDE for length in shape]
     origins = np.tile(np.array([middle], np.int32), (count, 1))
-    return Tiling(shape, (SIDE, SIDE), MARGIN, origins, scattered=True)
+    return Tiling(shape, (SIDE, SIDE), MARGIN, origins)

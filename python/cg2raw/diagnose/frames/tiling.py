@@ -3,9 +3,7 @@
 
 """Tiling: the pieces of a frame that are worked on."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,10 +16,7 @@ LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of th
 SMALLEST_TILE, STEP_OF_TILES = 18, 6  # a multiple of any CFA's repeat
 FEWEST_TILES = 5  # pieces along each side: both ends, the middle and between
 NARROW = 176  # pixels: a border of masked pixels is taken whole
-WHOLE_TILE = 252  # pixels a side, where all of a frame is gone through
-BATCH = 16  # such tiles at a time
 MARGIN = 24  # pixels around a tile that blur and aberrations take in
-EVEN_TILE, EVEN_TILES = 24, 400  # pixels a side of those all over a frame, their number
 MOST_MASKED = 6  # tiles' pixels for one that counts
 
 
@@ -34,21 +29,12 @@ class Tiling:
     size : rows and columns of a tile.
     margin : pixels around a tile that are read with it. Where the frame ends within
         them, the block of both is moved into the frame.
-    fresh : (T, h, w), False in pixels that an earlier tile has; None if none has.
-    scattered : tiles lie nowhere in particular, as patches of a table do.
     """
 
     shape: tuple[int, int]
     size: tuple[int, int]
     margin: int
     origins: NDArray[np.int32]
-    fresh: Mask | None = None
-    scattered: bool = False
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether the tiles are all that there is of a frame."""
-        return self.margin == 0 or self.scattered
 
     @property
     def block_size(self) -> tuple[int, int]:
@@ -72,23 +58,6 @@ class Tiling:
         (height, width), insets = self.size, self.origins - self.blocks
         pairs = zip(blocks, insets, strict=True)
         return np.stack([b[:, r : r + height, c : c + width] for b, (r, c) in pairs])
-
-    def over_rows(self, image: Array) -> Array:
-        """Return sums over rows of tiles (T, h, w), as (T, h, 1); tiles beside each
-        other share their rows."""
-        return np.asarray(self._same[0] @ image.sum(2))[:, :, None]
-
-    def over_columns(self, image: Array) -> Array:
-        """Return sums over columns of tiles (T, h, w), as (T, 1, w); tiles above each
-        other share their columns."""
-        return np.asarray(self._same[1] @ image.sum(1))[:, None]
-
-    @cached_property
-    def _same(self) -> Array:
-        """(2, T, T), 1 of two tiles in the same rows, and in the same columns."""
-        starts = self.origins.T
-        same: Mask = starts[:, :, None] == starts[:, None, :]
-        return same.astype(float)
 
     def rows_and_columns(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the row (T, h, 1) and column (T, 1, w) of every pixel."""
@@ -175,45 +144,3 @@ def _where_wanted(
         before = np.cumsum(held[order]) - held[order]
         chosen = order[(before <= pixels) & (held[order] > 0)][:most]
     return places[np.sort(chosen)] if len(chosen) else places[:1]
-
-
-def even_tiling(shape: tuple[int, int], repeat: int = 2) -> Tiling:
-    """Return small tiles all over a frame, each in the middle of a part of one size: no
-    edge counts more than what is within."""
-    across = round(np.sqrt(EVEN_TILES * shape[1] / shape[0]))
-    size = EVEN_TILE - EVEN_TILE % repeat
-    places = []
-    for length, wanted in zip(shape, (EVEN_TILES // across, across), strict=True):
-        count = min(max(wanted, 1), length // size)
-        middle = (np.arange(count) + 0.5) * length / count
-        places.append(((middle - size / 2) // repeat * repeat).astype(np.int32))
-    origins = np.array([(row, column) for row in places[0] for column in places[1]])
-    return Tiling(shape, (size, size), MARGIN, origins)
-
-
-def whole_tilings(tiles: Tiling, repeat: int = 2) -> Iterator[Tiling]:
-    """Yield tilings that together are a frame, from edge to edge."""
-    if tiles.is_whole:
-        yield tiles
-        return
-    rows, new_rows = _pieces(tiles.shape[0], repeat)
-    columns, new_columns = _pieces(tiles.shape[1], repeat)
-    origins = np.array([(r, c) for r in rows for c in columns], np.int32)
-    fresh = np.array([np.outer(r, c) for r in new_rows for c in new_columns])
-    for first in range(0, len(origins), BATCH):
-        batch = np.s_[first : first + BATCH]
-        yield Tiling(tiles.shape, fresh.shape[1:], MARGIN, origins[batch], fresh[batch])
-
-
-def _pieces(length: int, repeat: int) -> tuple[list[int], list[Mask]]:
-    """Return (first pixels, which of its pixels no earlier one has) of pieces of one
-    size that cover a side."""
-    count = max(2, -(-length // WHOLE_TILE))
-    size = -(-length // (count * repeat)) * repeat
-    last = (length - size) // repeat * repeat
-    starts = [min(i * size, last) for i in range(count)]
-    ends = [0, *(start + size for start in starts[:-1])]
-    places = np.arange(size)
-    return starts, [
-        start + places >= end for start, end in zip(starts, ends, strict=True)
-    ]

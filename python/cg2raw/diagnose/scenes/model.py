@@ -44,11 +44,6 @@ class Model:
     def names(self) -> list[str]:
         return [term.name for term in self.terms]
 
-    @property
-    def found_names(self) -> list[str]:
-        """Names of the terms that are findings."""
-        return [term.name for term in self.terms if not term.calibration]
-
     def term(self, name: str) -> Term | None:
         return next((term for term in self.terms if term.name == name), None)
 
@@ -91,18 +86,6 @@ class Model:
             return given
         added = term.values if given is None else effect.added(given, term.values)
         return effect.within_registry_bounds(added)
-
-    def within_bounds(self, name: str) -> "Model":
-        """Return the model with values of an effect that, together with the profile's,
-        are such as the registry simulates: beyond these nothing changes."""
-        term = self.term(name)
-        assert term is not None
-        given = self._listed_values(term.effect)
-        if given is None or not term.effect.predicted:
-            return self
-        added = term.effect.added(given, term.values)
-        beyond = term.effect.within_registry_bounds(added) - added
-        return self.with_values(name, term.values + beyond)
 
     def _listed_values(self, effect: Effect) -> Values | None:
         """Return the values of an effect in the profile; None if it has none."""
