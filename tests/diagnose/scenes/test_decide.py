@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Planted values of every effect of light are recovered, and only their names."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -108,5 +110,33 @@ def test_a_render_of_something_else_is_refused():
     with pytest.raises(ValueError, match="does not correspond to the capture"):
         decide(
             capture_set, turned, NAMES, alpha=0.01, most=6, fits_noise=False,
+            workers=Workers(1), say=lambda *_: None,
+        )  # fmt: skip
+
+
+def shown(kind, change, of):
+    """Return (capture set, frames) of a set in which images are changed."""
+    capture_set, frames = images(Model(SENSOR))
+    changed = []
+    for frame in frames:
+        if frame.capture.kind == kind:
+            frame = replace(frame, **{of: change(getattr(frame, of)), "memo": {}})
+        changed.append(frame)
+    return capture_set, changed
+
+
+@pytest.mark.parametrize(
+    ("of", "change", "message"),
+    [
+        ("camera", lambda light: 40 * light, "0.0% of its pixels are predicted"),
+        ("at_white", np.ones_like, "0.0% of its pixels are predicted"),
+        ("camera", np.zeros_like, "correlate by 0.00"),
+        ("signal", np.zeros_like, "correlate by 0.00"),
+    ],
+)
+def test_images_that_say_nothing_are_refused(of, change, message):
+    with pytest.raises(ValueError, match=message):
+        decide(
+            *shown("scene", change, of), NAMES, alpha=0.01, most=6, fits_noise=False,
             workers=Workers(1), say=lambda *_: None,
         )  # fmt: skip

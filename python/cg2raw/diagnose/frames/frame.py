@@ -140,6 +140,17 @@ def source_of(capture_set: CaptureSet, capture: Capture) -> Source:
     """Read one capture. Raises ValueError for a file that cannot be read."""
     matrix, light = camera_of(capture_set, capture)
     scene = np.zeros(3) if capture.scene is None else np.asarray(capture.scene())
+    if scene.ndim == 3 and scene.shape[:2] != tuple(capture.shape):
+        raise ValueError(
+            f"{capture.name}: scene of {scene.shape[0]} x {scene.shape[1]} pixels, "
+            f"capture of {capture.shape[0]} x {capture.shape[1]}; must be alike: "
+            "render the active area"
+        )
+    if not np.isfinite(scene).all():
+        raise ValueError(
+            f"{capture.name}: the scene has values that are not finite; must be "
+            "numbers: render it without, or mask them and write 0"
+        )
     camera = np.maximum(scene @ matrix.T.astype(scene.dtype), 0).astype(np.float32)
     whole = camera if camera.ndim == 3 else np.broadcast_to(camera, (64, 64, 3))
     neutral = np.asarray(light.neutral, float)

@@ -50,7 +50,8 @@ UNCLIPPED = 0.95  # of white
 # beside it, edges differ by more than noise.
 DOUBTS = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
-HIGHEST_COMPARED, FEWEST_COMPARED = 0.9, 500  # of white; samples, for that
+LEAST_TOLD = 0.01  # of the pixels of an image, between black and white
+CONTRAST = 3.0  # standard deviations of noise, of an image that has any
 Say = Callable[[str, float], None]
 Sums = dict[str, tuple[Normal, list[Nuisance]]]  # by split and set
 
@@ -337,23 +338,32 @@ class Scenes:
         return total, found[0][1]
 
     def _check_correspondence(self) -> None:
-        """Refuse renders of something else than was captured. Raises ValueError."""
+        """Refuse renders of something else than was captured, and images that say
+        nothing. Raises ValueError."""
         for view in self.views:
-            if not view.frame.capture.shows.render:
+            shows, name = view.frame.capture.shows, view.frame.capture.name
+            if not shows.image or view.is_table:
                 continue
-            p = predict(self.model, self.frame(view))
-            used = view.keep & (p.mean < HIGHEST_COMPARED)
-            if used.sum() < FEWEST_COMPARED or p.mean[used].std() < np.sqrt(
-                p.variance[used].mean()
-            ):
-                continue  # too little light or contrast to tell
-            alike = float(np.corrcoef(p.mean[used], view.signal[used])[0, 1])
-            if not alike > LEAST_ALIKE:
+            point = self.point(view)
+            told = float((point.root > 0).sum() / max(view.frame.keep.sum(), 1))
+            if told < LEAST_TOLD:
                 raise ValueError(
-                    f"{view.frame.capture.name}: the scene does not correspond to the "
-                    f"capture: they correlate by {alike:.2f}, and {LEAST_ALIKE} is the "
-                    "least: is it the render of this frame, of the same view and crop, "
-                    "and are both the same way up?"
+                    f"{name}: {told:.1%} of its pixels are predicted, and measured, "
+                    f"between black and white; must be {LEAST_TOLD:.0%} at least: "
+                    "expose otherwise, or give the scene's gain"
+                )
+            mean, noise = point.mean[point.root > 0], 1 / point.root[point.root > 0]
+            signal, noise = view.signal[point.root > 0], np.sqrt(np.mean(noise**2))
+            if not shows.render or max(mean.std(), signal.std()) < CONTRAST * noise:
+                continue  # too little contrast to tell
+            flat = min(mean.std(), signal.std()) < noise / CONTRAST
+            alike = 0.0 if flat else float(np.corrcoef(mean, signal)[0, 1])
+            if alike < LEAST_ALIKE:
+                raise ValueError(
+                    f"{name}: the scene does not correspond to the capture: they "
+                    f"correlate by {alike:.2f}, and {LEAST_ALIKE} is the least: is it "
+                    "the render of this frame, of the same view and crop, and are both "
+                    "the same way up?"
                 )
 
     def _fill_well(self) -> bool:
