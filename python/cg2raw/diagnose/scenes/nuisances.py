@@ -35,7 +35,7 @@ SHARPNESS = (0.004, 0.002)
 # Share of light that a round aperture spreads beyond the reach of blur, as 1 / r^3: of
 # one that passes 2 cycles a pixel. Source: M. Born, E. Wolf, Principles of Optics,
 # section 8.5.2.
-WINGS, FIRST_OF_WINGS, LAST_OF_WINGS = 0.01, 10.0, 24.0  # -, px, px
+WINGS, FIRST_OF_WINGS, LAST_OF_WINGS = 0.01, 10.0, 64.0  # -, px, px
 DEGREES = 6  # of the polynomials of a smooth error of light
 # Relative, if none is declared: of light from frame to frame, of a render's smooth
 # error, and of the light on a chart, which lamps make even to some per cent.
