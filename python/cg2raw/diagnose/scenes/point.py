@@ -49,6 +49,10 @@ class Excess:
     texture: float = 0.0
     patches: float = 0.0
 
+    def __bool__(self) -> bool:
+        """Whether there is any."""
+        return bool(self.shift or self.texture or self.patches)
+
 
 @dataclass
 class Point:

@@ -43,7 +43,8 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
     gap = _gap(found)
     tests = found.residual_tests
     left = left_over(tests[1], gap.before - gap.after)
-    if not any(point.view.is_table for point in after):
+    # Where captures have more than noise, its size was fitted to other frames.
+    if not found.excess and not any(point.view.is_table for point in after):
         left += chi_square_test(gap.chi2_after, found.grams["report"].n)
     values = _values(found)
     findings, shapes = _findings(found, values, bool(left))
