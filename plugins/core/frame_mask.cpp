@@ -5,13 +5,14 @@
 #include "cg2raw/frame_parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace cg2raw {
 namespace {
 
 constexpr double share_of_line = 0.9; ///< masked, from which a line is masked
-constexpr int rounds = 20; ///< of fills, each of which moves what the next is made from
+constexpr double settled = 1e-10; ///< DN, that a round of fills moves at most
 
 /// The nearest line that is not lost, the first of two; itself, if it is not.
 int nearest_left(const std::vector<std::uint8_t>& lost, int line)
@@ -44,39 +45,41 @@ public:
         , m_rows(nearest_of_all(mask.rows))
         , m_columns(nearest_of_all(mask.columns))
     {
-        for (const std::uint32_t at : mask.samples)
-            m_values.push_back(sample(row_of(at), col_of(at)));
+        for (const std::uint32_t at : mask.samples) {
+            m_places.push_back({ int(at / std::uint32_t(plane.width())),
+                                 int(at % std::uint32_t(plane.width())) });
+            m_values.push_back(sample(m_places.back().row, m_places.back().col));
+        }
+        m_across.resize(std::size_t(plane.width()));
+        for (std::size_t x = 0; x < m_across.size(); ++x)
+            for (int k = 0; k < plane.across.in_field(); ++k)
+                m_across[x][std::size_t(k)] = plane.across.of(k + 1)[x];
     }
 
-    std::vector<double> run()
+    std::vector<double> run(int rounds)
     {
         fill_points_by_rows();
         copy_lines();
-        for (int round = 0; round < rounds && !m_mask.samples.empty(); ++round)
-            fill_by_parts();
+        for (int round = 0; round < rounds && fill_by_parts() > settled; ++round) { }
         m_sums.set_field(m_plane);
         return std::move(m_values);
     }
 
 private:
-    int row_of(std::uint32_t at) const
+    struct RowChange {
+        double sum;
+        std::array<double, field_degree> along;
+    };
+
+    bool is_point(const Site& at) const
     {
-        return int(at / std::uint32_t(m_plane.width()));
-    }
-    int col_of(std::uint32_t at) const
-    {
-        return int(at % std::uint32_t(m_plane.width()));
-    }
-    bool is_point(std::uint32_t at) const
-    {
-        return !m_mask.rows[std::size_t(row_of(at))]
-            && !m_mask.columns[std::size_t(col_of(at))];
+        return !m_mask.rows[std::size_t(at.row)]
+            && !m_mask.columns[std::size_t(at.col)];
     }
 
     void put(std::size_t i, double value)
     {
-        const std::uint32_t at = m_mask.samples[i];
-        m_sums.replace(m_plane, row_of(at), col_of(at), m_values[i], value);
+        m_sums.replace(m_plane, m_places[i].row, m_places[i].col, m_values[i], value);
         m_values[i] = value;
     }
 
@@ -86,40 +89,59 @@ private:
         std::vector<double> sums(m_sums.rows);
         std::vector<int> left(sums.size(), m_plane.width());
         for (std::size_t i = 0; i < m_values.size(); ++i) {
-            const auto row = std::size_t(row_of(m_mask.samples[i]));
+            const auto row = std::size_t(m_places[i].row);
             sums[row] -= m_values[i];
             --left[row];
         }
         for (std::size_t i = 0; i < m_values.size(); ++i) {
-            const std::uint32_t at = m_mask.samples[i];
-            const auto row = std::size_t(row_of(at));
-            if (is_point(at))
+            const auto row = std::size_t(m_places[i].row);
+            if (is_point(m_places[i]))
                 put(i, left[row] > 0 ? sums[row] / left[row] : 0.0);
         }
     }
 
     /// What the parts say, of a line what they say of the nearest one that is left: so
-    /// that pixel has nothing of it.
-    void fill_by_parts()
+    /// that pixel has nothing of it. Returns by how much a sample moves at most.
+    double fill_by_parts()
     {
         m_sums.set_field(m_plane);
-        std::vector<double> found;
-        for (const std::uint32_t at : m_mask.samples)
-            found.push_back(m_sums.smooth(m_plane, m_rows[std::size_t(row_of(at))],
-                                          m_columns[std::size_t(col_of(at))]));
-        for (std::size_t i = 0; i < found.size(); ++i)
-            put(i, found[i]);
+        const SmoothRows smooth(m_plane, m_sums);
+        double most = 0.0;
+        for (std::size_t i = 0; i < m_values.size();) {
+            const int row = m_places[i].row;
+            const SmoothRow line = smooth.at(m_rows[std::size_t(row)]);
+            RowChange change {};
+            for (; i < m_values.size() && m_places[i].row == row; ++i) {
+                const auto col = std::size_t(m_places[i].col);
+                const auto from = std::size_t(m_columns[col]);
+                double value = line.mean + m_sums.columns[from] / m_plane.height()
+                    - m_sums.sum / m_plane.samples();
+                for (std::size_t k = 0; k < field_degree; ++k)
+                    value += line.along[k] * m_across[from][k];
+                const double more = value - m_values[i];
+                most = std::max(most, std::abs(more));
+                m_sums.columns[col] += more;
+                m_sums.sum += more;
+                m_sums.squares += value * value - m_values[i] * m_values[i];
+                change.sum += more;
+                for (std::size_t k = 0; k < field_degree; ++k)
+                    change.along[k] += more * m_across[col][k];
+                m_values[i] = value;
+            }
+            m_sums.rows[std::size_t(row)] += change.sum;
+            for (std::size_t k = 0; k < field_degree; ++k)
+                m_sums.along[std::size_t(row)][k] += change.along[k];
+        }
+        return most;
     }
 
     void copy_lines()
     {
-        for (std::size_t i = 0; i < m_values.size(); ++i) {
-            const std::uint32_t at = m_mask.samples[i];
-            if (!is_point(at))
+        for (std::size_t i = 0; i < m_values.size(); ++i)
+            if (!is_point(m_places[i]))
                 put(i,
-                    value_at(m_rows[std::size_t(row_of(at))],
-                             m_columns[std::size_t(col_of(at))]));
-        }
+                    value_at(m_rows[std::size_t(m_places[i].row)],
+                             m_columns[std::size_t(m_places[i].col)]));
     }
 
     /// Filled, or as it is.
@@ -139,7 +161,9 @@ private:
     const std::function<double(int row, int col)>& m_sample;
     PlaneSums& m_sums;
     std::vector<int> m_rows, m_columns; ///< the nearest of each that is left
+    std::vector<Site> m_places; ///< of masked samples in the plane
     std::vector<double> m_values;
+    std::vector<std::array<double, field_degree>> m_across; ///< of each column
 };
 
 } // namespace
@@ -178,13 +202,13 @@ PlaneMask mask_of(const PlaneParts& plane, std::uint8_t* marked, int pitch)
 
 std::vector<double> fill(const PlaneParts& plane, const PlaneMask& mask,
                          const std::function<double(int row, int col)>& sample,
-                         PlaneSums& sums)
+                         PlaneSums& sums, int rounds)
 {
     const auto is_left = [](std::uint8_t masked) { return masked == 0; };
     if (std::none_of(mask.rows.begin(), mask.rows.end(), is_left)
         || std::none_of(mask.columns.begin(), mask.columns.end(), is_left))
         throw Error("nearly all samples are masked: none is left to measure");
-    return Filler(plane, mask, sample, sums).run();
+    return Filler(plane, mask, sample, sums).run(rounds);
 }
 
 } // namespace cg2raw

@@ -22,6 +22,8 @@ constexpr int median_reach
 constexpr std::size_t most_of_spread = 1 << 18; ///< samples tell the spread of all
 constexpr double spread_sigmas = 5.0;
 constexpr int spread_rounds = 5;
+/// Of fills: what is 8 deviations off is by a hundredth of one more or less.
+constexpr int rough_rounds = 6;
 
 /// Mean and standard deviation without what is beyond 5 of them. Codes may be few, so
 /// that ranks would not tell.
@@ -258,7 +260,8 @@ void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
         for (int round = 0; round < 3; ++round) { // twice points; then lines
             sums = raw[number];
             sums.scale(1.0 / frames);
-            fill(plane, mask_of(plane, points.data(), m_size.width), sample, sums);
+            fill(plane, mask_of(plane, points.data(), m_size.width), sample, sums,
+                 rough_rounds);
             if (round == 2)
                 break;
             const SmoothRows smooth(plane, sums);

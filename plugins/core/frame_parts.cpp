@@ -135,17 +135,6 @@ void PlaneSums::set_field(const PlaneParts& plane)
                     += plane.down.of(j + 1)[y] * along[std::size_t(y)][std::size_t(k)];
 }
 
-double PlaneSums::smooth(const PlaneParts& plane, int row, int col) const
-{
-    double found = rows[std::size_t(row)] / plane.width()
-        + columns[std::size_t(col)] / plane.height() - sum / plane.samples();
-    for (int j = 0; j < plane.down.in_field(); ++j)
-        for (int k = 0; k < plane.across.in_field(); ++k)
-            found += field[std::size_t(j * field_degree + k)]
-                * plane.down.of(j + 1)[row] * plane.across.of(k + 1)[col];
-    return found;
-}
-
 void PlaneSums::scale(double factor)
 {
     for (double& value : rows)
@@ -184,21 +173,34 @@ SmoothRows::SmoothRows(const PlaneParts& plane, const PlaneSums& sums)
         m_columns.push_back(column / plane.height() - sums.sum / plane.samples());
 }
 
-void SmoothRows::row(int y, std::vector<double>& to) const
+SmoothRow SmoothRows::at(int y) const
 {
-    to.resize(m_columns.size());
-    const double mean = m_sums.rows[std::size_t(y)] / m_plane.width();
-    std::array<double, field_degree> along {};
+    SmoothRow found { m_sums.rows[std::size_t(y)] / m_plane.width(), {} };
     for (int j = 0; j < m_plane.down.in_field(); ++j)
         for (int k = 0; k < field_degree; ++k)
-            along[std::size_t(k)] += m_plane.down.of(j + 1)[y]
+            found.along[std::size_t(k)] += m_plane.down.of(j + 1)[y]
                 * m_sums.field[std::size_t(j * field_degree + k)];
+    return found;
+}
+
+double SmoothRows::of(const SmoothRow& line, int x) const
+{
+    double found = m_columns[std::size_t(x)] + line.mean;
+    for (int k = 0; k < m_plane.across.in_field(); ++k)
+        found += line.along[std::size_t(k)] * m_plane.across.of(k + 1)[x];
+    return found;
+}
+
+void SmoothRows::row(int y, std::vector<double>& to) const
+{
+    const SmoothRow line = at(y);
+    to.resize(m_columns.size());
     for (std::size_t x = 0; x < to.size(); ++x)
-        to[x] = m_columns[x] + mean;
+        to[x] = m_columns[x] + line.mean;
     for (int k = 0; k < m_plane.across.in_field(); ++k) {
         const double* const across = m_plane.across.of(k + 1);
         for (std::size_t x = 0; x < to.size(); ++x)
-            to[x] += along[std::size_t(k)] * across[x];
+            to[x] += line.along[std::size_t(k)] * across[x];
     }
 }
 

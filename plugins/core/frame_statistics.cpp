@@ -381,11 +381,14 @@ void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
             blocks.back().push_back(std::uint8_t(block_of(x, plane.width())));
         auto& noise = of_group.planes[p].masked_noise;
         noise.resize(samples.size());
+        SmoothRow line {};
         for (std::size_t i = 0; i < samples.size(); ++i) {
             const int y = int(samples[i] / width), x = int(samples[i] % width);
+            if (i == 0 || y != int(samples[i - 1] / width))
+                line = smooth.back().at(y);
             const Site site = plane.site(y, x);
             const double value
-                = double(a(site)) - double(b(site)) - rest[p].smooth(plane, y, x);
+                = double(a(site)) - double(b(site)) - smooth.back().of(line, x);
             noise[i] += value * value / 2.0;
         }
     }

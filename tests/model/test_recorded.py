@@ -76,7 +76,7 @@ def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames):
     about = Offsets(sigma**2, lines**2, fixed**2)
     levels, rows = codes.mean(axis=(1, 2)), codes.mean(axis=(0, 2))
     places = np.quantile(rows - rows.mean(), PLACES)
-    recorder = recorder_of(levels, places, about, codes.var(), WHITE, black > 9)
+    recorder = recorder_of(levels, places, about, codes.var(), WHITE, black < 9)
     values, slopes = recorder(about)
     found = Recording(*values)
     assert found.place == pytest.approx(black, abs=0.01)
@@ -98,10 +98,10 @@ def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames):
 
 def test_fine_codes_need_no_table():
     about, levels, places = Offsets(4.0, 0.1, 0.1), np.full(1, 200.0), np.zeros(1)
-    values, slopes = recorder_of(levels, places, about, 4.0, WHITE, True)(about)
+    values, slopes = recorder_of(levels, places, about, 4.0, WHITE, False)(about)
     assert Recording(*values) == (200.0, 4.0 + 1 / 12, 1.0, 1.0, 0.0, 1.0, 0.0)
     assert slopes.sum() == slopes[1, 0] == 1
-    table = recorder_of(levels, places, about, 1.0, WHITE, True)
+    table = recorder_of(levels, places, about, 1.0, WHITE, False)
     np.testing.assert_allclose(table(about)[0], values, rtol=1e-4, atol=1e-9)
 
 

@@ -27,7 +27,7 @@ from cg2raw.statistics.constant import (
 POINT, LINE = 8.0, 10.0  # sigma, from which samples and whole lines are masked
 LEAST_SIGMA = 0.25  # DN: steps of codes are no outliers
 LOST = 0.9  # of a line's samples masked: the whole line is
-FILLS = 20  # rounds, each of which moves what the next is made from
+FILLS = 200  # far beyond where one moves the next
 WINDOW = 9  # lines of the running median
 BINS = 512
 NOISY = 4.0  # sigma of a pair

@@ -59,7 +59,7 @@ def measured(groups, side, threads=2, excluded=None):
     return frame_statistics(readers, side, WHITE, threads=threads, excluded=excluded)
 
 
-def assert_alike(found, expected, exactly=False):
+def assert_alike(found, expected, exactly=False, rtol=1e-9):
     """All arrays are equal, or as close as sums in other orders are."""
     assert found.groups == expected.groups and found.white == expected.white
     for name in ("frames", "pairs", "lags", "overlaps", "transients")[: 4 + exactly]:
@@ -80,7 +80,7 @@ def assert_alike(found, expected, exactly=False):
             elif field.name == "residuals":  # a few lie at the ends of bins
                 assert np.abs(a - b).sum() <= 0.002 * b.sum() + 2
             else:
-                rtol = TOLERANCE.get(field.name, 1e-9)
+                rtol = TOLERANCE.get(field.name, rtol)
                 if field.name == "outliers":  # without transients: of whole sums
                     np.testing.assert_allclose(a, b, atol=0.2)
                     continue
@@ -387,7 +387,8 @@ def test_samples_are_excluded():
         for frame in frames:
             frame[excluded] = 4000
     found = measured(groups, 2, excluded=excluded)
-    assert_alike(found, plain_statistics(groups, 2, WHITE, excluded))
+    # A row of which half is filled in is not at its end after as many fills.
+    assert_alike(found, plain_statistics(groups, 2, WHITE, excluded), rtol=1e-7)
     assert sum(int(plane.masked.sum()) for plane in found.planes) == excluded.sum()
     with pytest.raises(ValueError, match="all samples are masked: none is left"):
         measured(groups, 2, excluded=np.ones((48, 60), bool))

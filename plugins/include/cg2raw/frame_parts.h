@@ -81,17 +81,24 @@ struct PlaneSums {
 
     /// In place of a sample there is another; all but the field know it.
     void replace(const PlaneParts& plane, int row, int col, double from, double to);
-    /// What all parts but pixel say of a sample, less base.
-    double smooth(const PlaneParts& plane, int row, int col) const;
     void set_field(const PlaneParts& plane); ///< of the rows
     void scale(double factor);
     PlaneSums& operator-=(const PlaneSums& other); ///< all but squares
 };
 
-/// What all parts but pixel say of an image, less base, row by row.
+/// Of a row: its mean, and what the field's polynomials across have in it.
+struct SmoothRow {
+    double mean;
+    std::array<double, field_degree> along;
+};
+
+/// What all parts but pixel say of an image, less base, row by row. Columns are those
+/// of the sums when it is made.
 class SmoothRows {
 public:
     SmoothRows(const PlaneParts& plane, const PlaneSums& sums);
+    SmoothRow at(int y) const;
+    double of(const SmoothRow& line, int x) const;
     void row(int y, std::vector<double>& to) const;
 
 private:
@@ -125,9 +132,10 @@ PlaneMask mask_of(const PlaneParts& plane, std::uint8_t* marked, int pitch);
 
 /// Fills masked samples of an image whose sums have them as they are: points by all
 /// parts but pixel, lines by the nearest that is none. @p sample: (row, col) -> sample
-/// less base. Returns what is filled in. Throws Error where nothing is left.
+/// less base. @p rounds: of fills at most, each of which moves what the next is made
+/// from. Returns what is filled in. Throws Error where nothing is left.
 std::vector<double> fill(const PlaneParts& plane, const PlaneMask& mask,
                          const std::function<double(int row, int col)>& sample,
-                         PlaneSums& sums);
+                         PlaneSums& sums, int rounds = 40);
 
 } // namespace cg2raw

@@ -186,17 +186,24 @@ def read_darks(seen: Seen, fit: Fitted, black: NDArray[np.float64]) -> DarkResul
         if rate is not None:
             unknown = False if seen.counting is None else ~seen.counting
             shine = glow(np.where(unknown, np.nan, rate))
-    offset = seen.mean_of(seen.shortest[0])
-    offset -= seen.sites.spread(black, offset.shape)
     return DarkResults(
         tails=tails_of(seen, repeated[0]) if repeated and not fit.lost else None,
         structure=None if fit.lost else bias_structure(seen),
         dark=dark_current(seen, fit, spread, float(black.mean())),
         spread=spread,
         glow=shine,
-        offset=offset,
+        offset=offset_map(seen, black),
         rate=rate,
     )
+
+
+def offset_map(seen: Seen, black: NDArray[np.float64]) -> Map:
+    """Return (H, W) DN, by how much the shortest darks are above black, (sites,) DN."""
+    own = seen.statistics.groups[seen.shortest[0]].temperature
+    groups = seen.statistics.groups
+    found = seen.mean_over([n for n in seen.shortest if groups[n].temperature == own])
+    found -= seen.sites.spread(black, found.shape)
+    return found
 
 
 def rate_map(seen: Seen) -> Map | None:

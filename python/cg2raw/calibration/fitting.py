@@ -45,8 +45,7 @@ class Fitted:
 
 def lost_of(seen: Seen) -> tuple[Lost, float]:
     """Return (what the shortest darks have lost, the share of theirs that is cut)."""
-    frames = [f for n in seen.shortest for f in seen.groups[n].frames]
-    cut = max((frame.cut for frame in frames), default=0.0)
+    cut = max((seen.cut(n) for n in seen.shortest), default=0.0)
     if cut > MOST_CUT:
         return "cut", cut
     repeated = [n for n in seen.shortest if seen.repeats(n)]

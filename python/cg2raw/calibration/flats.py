@@ -166,16 +166,7 @@ def above_darks(
     lamp = lamp_drift([seen.levels(n) - black.mean() for n in flats.used])
     light, response = None, None
     if flats.used:
-        best = flats.used[-1]
-        response = seen.mean_of(best)
-        known = seen.known(response)
-        response -= seen.sites.spread(black, response.shape)
-        if darks.offset is not None:
-            response -= darks.offset
-        if darks.rate is not None:
-            since = seen.time(best) - seen.time(seen.shortest[0])
-            response -= darks.rate * np.float32(since)
-        light = light_of(response, known, seen, best)
+        light, response = light_of(seen, flats.used[-1:], black, darks)
     top = ceiling.value if ceiling is not None else white
     return FlatResults(
         transfer=PhotonTransfer(tuple(points), ceiling, by),
@@ -188,21 +179,30 @@ def above_darks(
     )
 
 
-def light_of(mean: NDArray[np.float32], known: Array, seen: Seen, number: int) -> Light:
-    """Return the response of the mean of a group of flats, by its number.
-
-    mean : (H, W) DN above black and dark; in place, each site's median comes to 1, as
-    does what is not known. known : (H, W) bool."""
-    sites, noise = seen.sites, seen.statistics.variance(number)
-    relative = []
+def light_of(
+    seen: Seen, numbers: Sequence[int], black: Array, darks: DarkResults
+) -> tuple[Light, Map]:
+    """Return the response of the mean of groups of flats of one level, and its map, in
+    which each site's median is 1, and what is not known. numbers : of the groups.
+    black : (sites,) DN."""
+    mean = seen.mean_over(numbers)
+    known = seen.known(mean)
+    mean -= seen.sites.spread(black, mean.shape)
+    if darks.offset is not None:
+        mean -= darks.offset
+    if darks.rate is not None:
+        since = seen.time(numbers[0]) - seen.time(seen.shortest[0])
+        mean -= darks.rate * np.float32(since)
+    sites, frames = seen.sites, seen.statistics.frames[numbers].sum()
+    noise, relative = seen.statistics.variance(numbers[0]), []
     pairs = zip(sites.of(mean), sites.of(known), noise, strict=True)
     for plane, used, variance in pairs:
         level = float(np.median(plane[used]))
         plane /= np.float32(level)
-        relative.append(variance / level**2 / seen.statistics.frames[number])
+        relative.append(variance / level**2 / frames)
     shading, field, fall_off, residual = field_of(mean, known, sites)
     mean[~known] = 1
-    return Light(shading, fall_off, residual, field, float(np.mean(relative)))
+    return Light(shading, fall_off, residual, field, float(np.mean(relative))), mean
 
 
 def field_of(

@@ -14,7 +14,7 @@ from cg2raw.calibration.frames import Group
 from cg2raw.calibration.robust import Array
 from cg2raw.calibration.sites import BLOCKS, Sites, blocks_of
 from cg2raw.sensor import Sensor
-from cg2raw.statistics.codes import COARSE
+from cg2raw.statistics.codes import COARSE, cut_share
 from cg2raw.statistics.constant import (
     PIXEL,
     ConstantStatistics,
@@ -72,11 +72,31 @@ class Seen:
         high = max(float(plane.high[number]) for plane in self.statistics.planes)
         return bool(self.statistics.frames[number] > 1 and high <= 1 - FEWEST_KEPT)
 
+    def cut(self, number: int) -> float:
+        """Return the share of a dark's pixels at the lowest code if their noise is cut
+        there, else 0; the most of all sites."""
+        step, each = self.sites.step, [p.codes[number] for p in self.statistics.planes]
+        return max(
+            cut_share(counts[int(np.flatnonzero(counts)[0]) % step :: step])
+            for counts in each
+        )
+
     def clipped(self, number: int) -> float:
         """Return the share of a flat's pixels at white or at 0 DN."""
         planes = self.statistics.planes
         ends = [[plane.high[number], plane.low[number]] for plane in planes]
         return float(np.max(ends, axis=0).sum())
+
+    def mean_over(self, numbers: Sequence[int]) -> NDArray[np.float32]:
+        """Return (H, W) DN, the mean image of the frames of groups."""
+        frames = self.statistics.frames[list(numbers)]
+        shares = (frames / frames.sum()).astype(np.float32)
+        found = self.mean_of(numbers[0])
+        if len(numbers) > 1:
+            found *= shares[0]
+        for number, share in zip(numbers[1:], shares[1:], strict=True):
+            found += share * self.mean_of(number)
+        return found
 
     def known(self, mean: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Return (H, W), where pixels of a mean image count and are below white."""

@@ -30,7 +30,7 @@ from cg2raw.model.values import Value, effect_values
 from cg2raw.sensor import Sensor
 from cg2raw.short_messages import plural
 from cg2raw.statistics.constant import Array, ConstantStatistics, GroupInfo
-from cg2raw.statistics.frame_statistics import frame_statistics
+from cg2raw.statistics.frame_statistics import statistics_and_means
 from cg2raw.statistics.kept import Kept, Reader
 from cg2raw.statistics.temperature import set_points, warmth_of_readings
 
@@ -53,7 +53,8 @@ class DarksAndFlats:
     """names : best first. least : nats that a name needs. values : of all that the
     frames show, by training and validation frames together, of which both is the fit.
     statistics : of all splits, of the captures used. profile : (n,) parameters as the
-    profile has them.
+    profile has them. mean_of : (H, W) DN mean image of a group by its number.
+    excluded : (H, W) samples that count in nothing.
     notes : sentences on what was left out. has_noise : whether the profile has."""
 
     captures: CaptureSet
@@ -63,6 +64,8 @@ class DarksAndFlats:
     values: Sequence[Value]
     both: Fit
     statistics: ConstantStatistics
+    mean_of: Callable[[int], NDArray[np.float32]]
+    excluded: NDArray[np.bool_] | None
     profile: Array
     used: Sequence[Capture]
     notes: Sequence[str]
@@ -133,7 +136,7 @@ def darks_and_flats(
             "what moves the mean of a flat, and levels and row noise of training and "
             "validation are those of one frame."
         )
-    whole = statistics_by_split(
+    whole, mean_of, excluded = statistics_by_split(
         used, sensor, lambda share: say("reading darks and flats", 0.5 * share)
     )
     if not any(c.divided for c in used):
@@ -201,6 +204,8 @@ def darks_and_flats(
         values,
         together,
         whole,
+        mean_of,
+        excluded,
         profile,
         used,
         notes,
@@ -307,8 +312,13 @@ def statistics_by_split(
     captures: Sequence[Capture],
     sensor: Sensor,
     progress: Callable[[float], None] | None = None,
-) -> ConstantStatistics:
-    """Return the statistics of darks and flats, all splits under one mask. Flats of
+) -> tuple[
+    ConstantStatistics,
+    Callable[[int], NDArray[np.float32]],
+    NDArray[np.bool_] | None,
+]:
+    """Return the statistics of darks and flats, all splits under one mask, what gives
+    the mean image of a group by its number, and samples that count in nothing. Flats of
     unknown light repeat each other if their levels are alike. Where some are divided by
     pixels, each split has a third of the columns of all.
 
@@ -364,13 +374,14 @@ def statistics_by_split(
         counted = np.any(masks, axis=0)[:height, :width]
         parts_of = columns.values() if columns else [slice(0, width)]
         excluded = np.any([~counted[:, own] for own in parts_of], axis=0)
-    return frame_statistics(
+    statistics, mean_of = statistics_and_means(
         groups,
         side,
         sensor.white_level,
         excluded=excluded,
         progress=progress,
     )
+    return statistics, mean_of, excluded
 
 
 def levels_of(

@@ -8,6 +8,7 @@ Source: R. L. Baer, Proc. SPIE 6068, 2006 (log-normal); R. Widenhorn et al., Pro
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import erfcx, ndtr
@@ -31,7 +32,7 @@ LOW = np.array([-1e3, *np.log([1e-3, LEAST_LOG_SIGMA, LEAST_HOT, HOT])])
 HIGH = np.array([1e3, *np.log([1e3, MOST_LOG_SIGMA, MOST_HOT, 1e5])])
 LEAST_NOISE = 0.1  # squared, of pixels far below the mean
 LEAST_SHARE = 1e-12  # of a bin: what no law expects
-ROUNDS, STEP = 60, 1e-4  # of scoring; of slopes, in the numbers
+ROUNDS = 60  # of scoring
 DAMPED, FREED = 4.0, 0.25  # how the damping changes by a round
 DONE = 1e-4  # nats
 LOG_SIGMAS = np.geomspace(0.05, 2.0, 16)  # that a median is averaged over
@@ -81,23 +82,26 @@ def fitted(counts: Array, shot: float = 0.0, *, uneven: bool, hot: bool) -> Dark
     DarkLaw.
 
     uneven, hot : whether the pixels have a law, and whether some are hot."""
-    wide, high = (np.maximum(quantile(counts, q), 1.0) for q in (0.9, 0.999))
-    found = [
-        _climbed(
-            counts, np.array([0.0, *np.log([size, sigma, LEAST_HOT, FAR])]), used, shot
-        )
-        for used in [np.array([True, uneven, uneven, False, False])]
-        for size, sigma in (((wide / 2, 0.8), (0.1, 1.6)) if uneven else ((1.0, 1.0),))
-    ]
-    best = max(found, key=lambda law: law.nats)
+    return _fitted(counts.astype(float).tobytes(), float(shot), uneven, hot)
+
+
+@lru_cache(maxsize=16)  # of a few splits: a name, its value and a median need the same
+def _fitted(of_counts: bytes, shot: float, uneven: bool, hot: bool) -> DarkLaw:
+    counts = np.frombuffer(of_counts)
     if not hot:
-        return best
-    used = np.array([True, uneven, uneven, True, True])
-    for share in (1e-2, 1e-4):
-        start = [best.rate or 1.0, best.log_sigma, share, max(high, FAR)]
-        found.append(
-            _climbed(counts, np.array([best.shift, *np.log(start)]), used, shot)
-        )
+        wide = np.maximum(quantile(counts, 0.9), 1.0)
+        used = np.array([True, uneven, uneven, False, False])
+        sizes = ((wide / 2, 0.8), (0.1, 1.6)) if uneven else ((1.0, 1.0),)
+        starts = [[size, sigma, LEAST_HOT, FAR] for size, sigma in sizes]
+        found, shift = [], 0.0
+    else:
+        best = _fitted(of_counts, shot, uneven, False)
+        used = np.array([True, uneven, uneven, True, True])
+        high = max(quantile(counts, 0.999), FAR)
+        starts = [[best.rate or 1.0, best.log_sigma, n, high] for n in (1e-2, 1e-4)]
+        found, shift = [best], best.shift
+    for start in starts:
+        found.append(_climbed(counts, np.array([shift, *np.log(start)]), used, shot))
     return max(found, key=lambda law: law.nats)
 
 
@@ -111,30 +115,30 @@ def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
     """Fisher scoring with damping. start : shift, and logarithms of the others.
     free : (5,) of them, what is searched for; without, a rate or a fraction is 0."""
     low, high = LOW.copy(), HIGH
-    first, last = (quantile(counts, q) for q in MIDDLE)
-    deviation = (last - first) / 2
+    deviation = (quantile(counts, MIDDLE[1]) - quantile(counts, MIDDLE[0])) / 2
     low[4] += np.log(max(deviation, 1.0))
     x = np.clip(start, low, high)
     known = np.array([True, free[1], True, free[3], True])
+    # Bins without a count, at both ends, are one.
+    first, last = np.flatnonzero(counts)[[0, -1]]
+    inner = np.arange(max(first, 1), min(last + 2, len(RATE_EDGES) - 1))
+    edges = RATE_EDGES[np.r_[0, inner, len(RATE_EDGES) - 1]]
+    counts = np.add.reduceat(counts, np.r_[0, inner])
 
     def law_values(x: Array) -> Array:
         found: Array = np.append(x[:1], np.exp(x[1:])) * known
         return found
 
     def shares(x: Array) -> Array:
-        found: Array = np.maximum(shares_of(law_values(x), shot), LEAST_SHARE)
-        return found
-
-    def slopes(x: Array, at: Array) -> Array:
-        found = [(shares(x + STEP * e) - at) / STEP for e in np.eye(5)[free]]
-        return np.array(found)
+        found = shares_of(law_values(x), shot, edges)
+        return np.maximum(found, LEAST_SHARE)
 
     expected = shares(x)
     nats = float(counts @ np.log(expected))
     damping = 1e-3
     information = np.eye(int(free.sum()))
     for _ in range(ROUNDS):
-        by = slopes(x, expected)
+        by = slopes_of(law_values(x), shot, edges)[free] * (expected > LEAST_SHARE)
         score = by @ (counts / expected)
         information = counts.sum() * (by / expected) @ by.T
         own = np.diagonal(information)
@@ -201,34 +205,77 @@ def median_by(
     return mean, math.sqrt(max(float(weights @ squares) - mean**2, 0.0))
 
 
-def shares_of(values: Array, shot: float) -> Array:
-    """Return the expected share of each bin between RATE_EDGES.
+def shares_of(values: Array, shot: float, edges: Array = RATE_EDGES) -> Array:
+    """Return the expected share of each bin between edges.
 
     values : shift, rate, log_sigma, fraction, hot rate; the noise is 1 at a rate
     of 0. shot : as of DarkLaw."""
-    shift, rate, log_sigma, fraction, hot = values
-    away = shift + rate * np.expm1(log_sigma * NODES)
-    if rate == 0:
-        cold = ndtr(RATE_EDGES - shift)
-    else:
-        # Between two nodes the law is even: as wide as their distance.
-        apart = rate * log_sigma * np.exp(log_sigma * NODES) * (NODES[1] - NODES[0])
-        wide = np.sqrt(np.maximum(1 + shot * away, LEAST_NOISE) + apart**2 / 12)
-        cold = ndtr((RATE_EDGES[:, None] - away) / wide) @ WEIGHTS
-    warm = cold if fraction == 0 else _with_hot(RATE_EDGES, hot, away)
-    together = (1 - fraction) * cold + fraction * warm
-    total: Array = np.diff(together)
+    away, wide = _places(values, shot)
+    fraction, hot = values[3:]
+    sign = _sign(edges)
+    cold = ndtr(sign * (edges[:, None] - away) / wide) @ WEIGHTS
+    warm = cold if fraction == 0 else _with_hot(edges, hot, away)[0]
+    total: Array = np.diff(((1 - fraction) * cold + fraction * warm) * sign[:, 0])
+    total[np.diff(sign[:, 0]) < 0] += 1.0
     return total
 
 
-def _with_hot(x: Array, hot: float, away: Array) -> Array:
-    """Return the distribution of noise plus an exponential of mean @hot, beyond where
-    each of the others is; of these few do."""
+def _sign(edges: Array) -> Array:
+    """Return (edges, 1), 1 where what is below an edge is the less, else -1: of edges
+    above 0 what is above them is counted, so that far bins are not lost in 1."""
+    return np.where(edges < 0, 1.0, -1.0)[:, None]
+
+
+def _places(values: Array, shot: float) -> tuple[Array, Array]:
+    """Return (nodes,) rates of most pixels, and their noise: between two nodes the law
+    is even, as wide as their distance. Without a law the noise is 1."""
+    shift, rate, log_sigma = values[:3]
+    shot = shot if rate else 0.0
+    away = shift + rate * np.expm1(log_sigma * NODES)
+    apart = rate * log_sigma * np.exp(log_sigma * NODES) * (NODES[1] - NODES[0])
+    return away, np.sqrt(np.maximum(1 + shot * away, LEAST_NOISE) + apart**2 / 12)
+
+
+def slopes_of(values: Array, shot: float, edges: Array) -> Array:
+    """Return (5, bins) how shares_of moves with the shift and with the logarithms of
+    the other values."""
+    _, rate, log_sigma, fraction, hot = values
+    away, wide = _places(values, shot)
+    grown = rate * np.exp(log_sigma * NODES)
+    apart = log_sigma * grown * (NODES[1] - NODES[0])
+    of_away = np.array([np.ones_like(away), grown - rate, log_sigma * NODES * grown])
+    of_apart = np.array([0 * apart, apart, apart * (1 + log_sigma * NODES)])
+    is_shot = shot * (1 + shot * away > LEAST_NOISE) if rate else 0.0
+    of_wide = (is_shot * of_away / 2 + apart * of_apart / 12) / wide
+    z = (edges[:, None] - away) / wide
+    density = np.exp(-(z**2) / 2) / math.sqrt(2 * math.pi)
+    cold = -density @ (WEIGHTS / wide * of_away).T
+    cold -= (z * density) @ (WEIGHTS / wide * of_wide).T
+    found = np.zeros((5, len(edges)))
+    found[:3] = (1 - fraction) * cold.T
+    if fraction > 0:
+        sign = _sign(edges)
+        warm, tail, of_hot = _with_hot(edges, hot, away)
+        weights = WEIGHTS[::EACH] / WEIGHTS[::EACH].sum()
+        found[:3] -= fraction * (tail / hot @ (weights * of_away[:, ::EACH]).T).T
+        found[3] = fraction * sign[:, 0] * (warm - ndtr(sign * z) @ WEIGHTS)
+        found[4] = fraction * of_hot
+    total: Array = np.diff(found, axis=1)
+    return total
+
+
+def _with_hot(x: Array, hot: float, away: Array) -> tuple[Array, Array, Array]:
+    """Return the share of noise plus an exponential of mean @hot, beyond where each of
+    the others is, of which few do, that is below x, or above it (_sign); by how much
+    less is below than of the noise alone, for each; the slope of what is below by the
+    logarithm of @hot."""
     weights = WEIGHTS[::EACH] / WEIGHTS[::EACH].sum()
-    z = x[:, None] - np.atleast_1d(away)[None, ::EACH]
+    z = x[:, None] - away[None, ::EACH]
     inner = (1 / hot - z) / math.sqrt(2)
-    tail = 0.5 * erfcx(np.maximum(inner, -25)) * np.exp(-(z**2) / 2)
+    normal = np.exp(-(z**2) / 2)
+    tail = 0.5 * erfcx(np.maximum(inner, -25)) * normal
     far = inner < -20
     tail = np.where(far, np.exp(np.clip(0.5 / hot**2 - z / hot, -700, 0)), tail)
-    found: Array = (ndtr(z) - tail) @ weights
-    return found
+    of_hot = tail * (z / hot - 1 / hot**2) + normal / math.sqrt(2 * math.pi) / hot
+    sign = _sign(x)
+    return (ndtr(sign * z) - sign * tail) @ weights, tail, -of_hot @ weights

@@ -122,9 +122,9 @@ class Evaluation:
         self.value -= half * (logarithm + float(np.trace(measured)))
         misfit: Array = half * (measured @ inverse - inverse)
         self.score += np.diagonal(misfit) @ diagonal
-        self.score[places] += np.tensordot(terms, misfit, 2)
+        self.score[places] += terms.reshape(len(terms), -1) @ misfit.ravel()
         turned = inverse @ terms
-        mixed = np.diagonal(turned @ inverse, axis1=1, axis2=2) @ diagonal
+        mixed = (turned * inverse).sum(axis=2) @ diagonal
         self.information[places] += half * mixed
         self.information[:, places] += half * mixed.T
         self.information += half * diagonal.T @ inverse**2 @ diagonal

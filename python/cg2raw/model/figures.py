@@ -87,20 +87,22 @@ def _by_student(
 
 def _drift(statistics: ConstantStatistics, found: Fit) -> Figure:
     """Return the sd of the level of the shortest darks that repeat each other, less
-    what noise moves it; its interval is that of chi-square."""
+    what noise moves it; its interval is that of chi-square. If each split has one group
+    of them, all of these repeat each other."""
     planes = found.likelihood.planes
     darks = statistics.shortest_darks()
     if not len(darks):
         return Figure("black level drift", "DN", np.nan, np.nan, np.nan, np.nan)
+    splits = {statistics.groups[g].split for g in darks}
     total = freedom = floor = 0.0
-    for g in darks:
-        levels = np.mean([plane.plane.levels[g] for plane in planes], axis=0)
-        response = float(
-            np.mean([plane.records(found.theta)[0][3, g] for plane in planes])
-        )
+    for some in [darks] if len(splits) == len(darks) else darks[:, None]:
+        each = [np.concatenate([p.plane.levels[g] for g in some]) for p in planes]
+        levels = np.mean(each, axis=0)
+        records = [plane.records(found.theta)[0][3, some] for plane in planes]
+        response = float(np.mean(records))
         again = len(levels) - 1
         total += float(levels.var(ddof=1)) * again / response**2
-        noise = float(found.likelihood.levels.noise()[0][g])
+        noise = float(found.likelihood.levels.noise[0][some].mean())
         floor += again * noise / response**2
         freedom += again
     total, floor = total / freedom, floor / freedom

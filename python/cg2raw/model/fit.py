@@ -25,7 +25,7 @@ HALVINGS = 20  # of a step that does not rise
 AGAIN = 6
 SETTLED = 0.05  # standard errors that nothing moves any more
 SAME_LIGHT = 0.05  # relative: flats whose levels differ by less are of one light
-DONE = 1e-7  # nats that a round gains
+DONE = 1e-5  # nats that a round would gain: 1/200 of a standard error
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
 ALIKE = 2.0  # nats: fits that differ by less explain alike
@@ -161,6 +161,8 @@ def refitted(
         found = evaluated(theta)
     for _ in range(ROUNDS):
         step = _step(found, theta, free, bounded)
+        if step @ found.score < 2 * DONE:
+            break
         for halving in range(HALVINGS):
             trial = theta + step / 2**halving
             better = evaluated(trial)
@@ -168,10 +170,7 @@ def refitted(
                 break
         else:
             break
-        gain = better.value - found.value
         theta, found = trial, better
-        if gain < DONE:
-            break
     _, covariance = _solved(found.score, found.information, free)
     return Fit(likelihood.parameters, theta, covariance, found.value, likelihood)
 
@@ -349,7 +348,8 @@ def _start_patterns(
             ((block.products - np.diag(np.concatenate(noise))) * weights).ravel()
         )
         design = np.zeros((len(used), block.products.size))
-        for place, term in zip(block.fixed_places, block.fixed, strict=True):
+        fixed = zip(block.places[: block.fixed], block.terms, strict=False)
+        for place, term in fixed:
             if free[place]:
                 design[used.index(place)] = (term * weights).ravel()
         designs.append(design)

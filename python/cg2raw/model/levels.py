@@ -3,6 +3,7 @@
 """The levels of darks: black level, dark current and drift."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -76,7 +77,7 @@ class LevelLikelihood:
         places = np.array([records[0, g] for records, _ in recorded])
         response = np.mean([records[3, g] for records, _ in recorded], axis=0)
         by_place = np.array([slopes[0, g] for _, slopes in recorded])
-        floor, rest = ((noise[g] + self.unsure) / response**2 for noise in self.noise())
+        floor, rest = ((noise[g] + self.unsure) / response**2 for noise in self.noise)
         for axis in range(count):
             weights = self.turn[axis]
             mean = weights.sum() * theta[at("dark_current")] * self.time
@@ -104,31 +105,32 @@ class LevelLikelihood:
                 by / self.frames[:, None],
                 share,
             )
-            self._add_scatter(found, weights, response, variance, by)
-
-    def _add_scatter(
-        self,
-        found: Evaluation,
-        weights: Array,
-        response: Array,
-        variance: Array,
-        by: Array,
-    ) -> None:
-        for i, g in enumerate(self.darks):
-            if self.frames[i] < 2:
-                continue
-            levels = sum(
-                w * plane.plane.levels[g]
-                for w, plane in zip(weights, self.planes, strict=True)
-            )
-            levels = levels - weights.sum() * response[i] * self._warmer(i)
-            measured = np.var(levels, ddof=1) / response[i] ** 2
+            again = self.frames > 1
+            level, both, warmer = self.scatter[again].T
+            charge = weights.sum() * response[again]
+            squares = level - 2 * charge * both + charge**2 * warmer
             found.add_chi_square(
-                np.array([measured]),
-                variance[i : i + 1],
-                by[i : i + 1],
-                np.array([self.frames[i] - 1.0]),
+                squares / response[again] ** 2,
+                variance[again],
+                by[again],
+                self.frames[again] - 1.0,
             )
+
+    @cached_property
+    def scatter(self) -> Array:
+        """(darks, 3) DN^2, of the frames of each group of darks: variance of the mean
+        level of all planes, times the root of their number; its covariance with what
+        frames have more of charge than their mean, as readings say; variance of that.
+        0 of single frames."""
+        found = np.zeros((len(self.darks), 3))
+        for number, g in enumerate(self.darks):
+            if self.frames[number] > 1:
+                levels = np.array([plane.plane.levels[g] for plane in self.planes])
+                both = np.cov(
+                    self.turn[0] @ levels, self._warmer(number) + 0 * levels[0]
+                )
+                found[number] = both[0, 0], both[0, 1], both[1, 1]
+        return found
 
     def _warmer(self, number: int) -> Array:
         """Return (frames,) DN, what frames of a group of darks have more of charge than
@@ -138,8 +140,9 @@ class LevelLikelihood:
         found: Array = self.rate * (group.exposure_time or 0.0) * warmer
         return found
 
+    @cached_property
     def noise(self) -> tuple[Array, Array]:
-        """Return (G,) DN^2 each, the variances of a frame's mean level, and of what a
+        """(G,) DN^2 each, the variances of a frame's mean level, and of what a
         plane's level differs from it, by the noise of pixels and lines."""
         count, side = len(self.planes), self.planes[0].side
         each = [plane.level_noise() for plane in self.planes]
@@ -161,7 +164,7 @@ class LevelLikelihood:
             theta[at : at + count].mean(),
             theta[self.parameters.of("dark_current")],
         ]
-        floor = self.noise()[0][self.darks]
+        floor = self.noise[0][self.darks]
         variance = theta[self.parameters.of("black_level_drift")] + floor + self.unread
         squares = (levels - design @ np.array(line)) ** 2 * self.frames / variance
         misfit = np.sqrt(max(float(squares.sum()) / left, 1.0)) if left > 0 else 1.0

@@ -46,32 +46,41 @@ from cg2raw.statistics.constant import (
 class Block:
     """One part of some planes: N of their mean images.
 
-    products : (N, N) DN^2, mean over its freedom. fixed, temporal : (K, N, N), what one
-    unit of the parameters at fixed_places, temporal_places adds to the covariance;
-    temporal for one frame of each. neighbours : (N, N) DN^2, covariance by correlation
+    products : (N, N) DN^2, mean over its freedom. terms : (K, N, N), what one unit of
+    the parameters at places adds to the covariance; the first @fixed are of patterns,
+    the others new in each frame. neighbours : (N, N) DN^2, covariance by correlation
     of noise with that of neighbours in other planes."""
 
     part: int
     planes: Sequence[int]
     freedom: float
     products: Array
-    fixed: Array
-    fixed_places: NDArray[np.int64]
-    temporal: Array
-    temporal_places: NDArray[np.int64]
+    terms: Array
+    places: NDArray[np.int64]
+    fixed: int
     neighbours: Array
 
 
-class _Covariance(NamedTuple):
-    """Of a block at some parameters: the covariance, (N, N), what one unit of its fixed
-    and temporal parameters adds, the slopes of its diagonal by all, and its records."""
+class _Records(NamedTuple):
+    """Of the mean images of some planes at some parameters: (7, N) records, (7, N, n)
+    their slopes."""
 
-    covariance: Array
-    fixed: Array
-    temporal: Array
-    diagonal: Array
-    records: Array
+    values: Array
     slopes: Array
+
+
+class _Covariance(NamedTuple):
+    """Of a block at some parameters: the covariance, (N, N), without patterns and what
+    moves; what one unit of its parameters adds, (K, N, N); patterns; what moves."""
+
+    rest: Array
+    terms: Array
+    patterns: Array
+    moving: Array
+
+    @property
+    def whole(self) -> Array:
+        return self.patterns + self.moving + self.rest
 
 
 class MeanImageLikelihood:
@@ -124,17 +133,22 @@ class MeanImageLikelihood:
     def _block(
         self, part: int, sites: Sequence[int], freedom: float, products: Array
     ) -> Block:
-        terms = []
-        for components in (FIXED, TEMPORAL):
-            used = [c for c in components if c.parts[part]]
-            each = [self._term(c, part, sites) for c in used]
-            places = np.array([self.parameters.of(c.name) for c in used], int)
-            terms += [np.array(each).reshape(len(used), *products.shape), places]
-        frames = np.tile(np.arange(len(self.planes[0].frames)), len(sites))
-        terms[2] *= np.equal.outer(frames, frames)
-        near = self._neighbours(part, sites)
+        each, groups = list[Array](), np.arange(len(self.planes[0].frames))
+        frames = np.tile(groups, len(sites))
+        again = np.equal.outer(frames, frames) / self.planes[0].frames[frames]
+        used = [[c for c in some if c.parts[part]] for some in (FIXED, TEMPORAL)]
+        each += [self._term(component, part, sites) for component in used[0]]
+        each += [again * self._term(component, part, sites) for component in used[1]]
+        places = [self.parameters.of(c.name) for some in used for c in some]
         return Block(
-            part, sites, freedom, products, terms[0], terms[1], terms[2], terms[3], near
+            part,
+            tuple(sites),
+            freedom,
+            products,
+            np.array(each).reshape(len(places), *products.shape),
+            np.array(places, int),
+            len(used[0]),
+            self._neighbours(part, sites),
         )
 
     def _neighbours(self, part: int, sites: Sequence[int]) -> Array:
@@ -161,21 +175,14 @@ class MeanImageLikelihood:
         of_part = float(component.multiplicity(*first.plane.shape)[part])
         if part != PIXEL and not component.parts.all():  # structure has no noise
             of_part *= self._left(part, sites)
-        shared = component.shared(first.side)[np.ix_(sites, sites)]
-        found = [
-            [
-                shared[i, j] * self._signature(component, a, b)
-                for j, b in enumerate(sites)
-            ]
-            for i, a in enumerate(sites)
-        ]
-        return of_part * np.block(found)
-
-    def _signature(self, component: Component, a: int, b: int) -> Array:
-        """Return (G, G), a component's share between the groups of two planes."""
-        one, two = self.planes[a].vectors(component), self.planes[b].vectors(component)
-        pairs = zip(one, two[::-1], strict=True)
-        return np.asarray(sum(np.outer(x, y) for x, y in pairs))
+        vectors = [self.planes[site].vectors(component) for site in sites]
+        one, two = (np.concatenate([v[at] for v in vectors]) for at in (0, -1))
+        signature = np.outer(one, two)
+        if len(vectors[0]) > 1:
+            signature += signature.T
+        alike = component.shared(first.side)[np.ix_(sites, sites)]
+        size = len(self.planes[0].frames)
+        return of_part * signature * np.repeat(np.repeat(alike, size, 0), size, 1)
 
     def add_to(
         self,
@@ -184,52 +191,69 @@ class MeanImageLikelihood:
         recorded: Sequence[tuple[Array, Array]],
     ) -> None:
         """Add what mean images say. recorded : of each plane, records at theta."""
+        together: dict[Sequence[int], _Records] = {}
         for block in self.blocks:
-            one = self._covariance(block, theta, recorded)
+            records = _records_of(block, recorded, together)
+            one = self._covariance(block, theta, records)
+            share = self._noise_share(block)
             misfit = found.add_wishart(
                 block.products,
                 block.freedom,
-                one.covariance,
-                np.concatenate([one.fixed, one.temporal]),
-                np.concatenate([block.fixed_places, block.temporal_places]),
-                one.diagonal,
+                one.whole,
+                one.terms,
+                block.places,
+                share[:, None] * records.slopes[1] + records.slopes[4],
             )
             if misfit is None:
                 return
             # Responses move them, too: by too little for the information.
-            patterns = np.tensordot(theta[block.fixed_places], one.fixed, 1)
-            moving = np.tensordot(theta[block.temporal_places], one.temporal, 1)
-            for by, of in ((3, patterns), (2, moving)):
-                size, slopes = one.records[by], one.slopes[by]
-                found.score += 2 * (misfit * of).sum(axis=0) / size @ slopes
+            for by, of in ((3, one.patterns), (2, one.moving)):
+                if records.slopes[by].any():
+                    by_response = 2 * (misfit * of).sum(axis=0) / records.values[by]
+                    found.score += by_response @ records.slopes[by]
 
     def covariances(
         self, theta: Array, recorded: Sequence[tuple[Array, Array]]
     ) -> Iterator[tuple[Block, Array]]:
         """Yield each block with its covariance, (N, N) DN^2. recorded : as above."""
+        together: dict[Sequence[int], _Records] = {}
         for block in self.blocks:
-            yield block, self._covariance(block, theta, recorded).covariance
+            records = _records_of(block, recorded, together)
+            yield block, self._covariance(block, theta, records).whole
 
-    def _covariance(
-        self, block: Block, theta: Array, recorded: Sequence[tuple[Array, Array]]
-    ) -> _Covariance:
-        records = np.concatenate([recorded[s][0] for s in block.planes], axis=1)
-        slopes = np.concatenate([recorded[s][1] for s in block.planes], axis=1)
-        share = np.concatenate(
-            [1 + self.planes[s].correlation[:, block.part] for s in block.planes]
+    def _noise_share(self, block: Block) -> Array:
+        """Return (N,) the share of a frame's noise that mean images have."""
+        share = [1 + self.planes[s].correlation[:, block.part] for s in block.planes]
+        return np.concatenate(share) / np.tile(self.planes[0].frames, len(share))
+
+    def _covariance(self, block: Block, theta: Array, records: _Records) -> _Covariance:
+        _, noise, lines, response, steps = records.values[:5]
+        terms, count, size = block.terms, block.fixed, len(noise)
+        if (records.values[2:4] != 1).any():
+            scales = np.array([np.outer(one, one) for one in (response, lines)])
+            terms = terms * np.repeat(scales, (count, len(terms) - count), axis=0)
+        values, flat = theta[block.places], terms.reshape(len(terms), -1)
+        return _Covariance(
+            np.diag(self._noise_share(block) * noise + steps) + block.neighbours,
+            terms,
+            (values[:count] @ flat[:count]).reshape(size, size),
+            (values[count:] @ flat[count:]).reshape(size, size),
         )
-        over = np.tile(1.0 / self.planes[0].frames, len(block.planes))
-        _, noise, lines, response, steps = records[:5]
-        fixed = block.fixed * np.outer(response, response)
-        temporal = block.temporal * np.outer(lines, lines) * over
-        covariance = (
-            np.tensordot(theta[block.fixed_places], fixed, 1)
-            + np.tensordot(theta[block.temporal_places], temporal, 1)
-            + np.diag(share * over * noise + steps)
-            + block.neighbours
+
+
+def _records_of(
+    block: Block,
+    recorded: Sequence[tuple[Array, Array]],
+    known: dict[Sequence[int], _Records],
+) -> _Records:
+    """Return the records of a block's planes. known : of other blocks."""
+    planes = tuple(block.planes)
+    if planes not in known:
+        each = [recorded[s] for s in planes]
+        known[planes] = _Records(
+            *(np.concatenate(some, axis=1) for some in zip(*each, strict=True))
         )
-        diagonal = (share * over)[:, None] * slopes[1] + slopes[4]
-        return _Covariance(covariance, fixed, temporal, diagonal, records, slopes)
+    return known[planes]
 
 
 def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:

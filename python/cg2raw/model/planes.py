@@ -111,8 +111,8 @@ class PlaneLikelihood:
             places = np.clip(level + places, room, white - room)
             places -= level
             offsets = Offsets(*about[:, g])
-            inside = self.plane.low[g] == 0 and self.plane.high[g] == 0
-            one = recorder_of(levels, places, offsets, float(noise[g]), white, inside)
+            cut = self.plane.low[g] + self.plane.high[g] > 0
+            one = recorder_of(levels, places, offsets, float(noise[g]), white, cut)
             found.append(one)
         return found
 
@@ -184,7 +184,7 @@ class PlaneLikelihood:
         by = share[:, :, None] * slopes[1][:, None, :]
         first = self.parameters.of(TEMPORAL[0].name)
         own = slice(first, first + len(TEMPORAL))
-        more = np.tensordot(theta[own], self.sizes, 1)
+        more = (theta[own] @ self.sizes.reshape(len(TEMPORAL), -1)).reshape(share.shape)
         expected = expected + more * response**2
         by[:, :, own] += self.sizes.transpose(1, 2, 0) * response[:, :, None] ** 2
         by += (2 * more * response)[:, :, None] * slopes[2][:, None, :]

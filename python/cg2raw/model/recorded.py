@@ -58,6 +58,21 @@ def recorded(mean: Array, variance: float, white: int) -> Moments:
     return Moments(first, second, fourth / second**2 - 3)
 
 
+def _with_ends(grid: Array, variance: float, white: int) -> Moments:
+    """Return the moments of the codes of signals as recorded does. grid : (N,) DN. What
+    is far from 0 and white has those of fine codes, where noise is not below FINE."""
+    if variance <= FINE:
+        return recorded(grid, variance, white)
+    reach = REACH * np.sqrt(variance) + 1
+    near = (grid < reach) | (grid > white - reach)
+    found = Moments(grid.copy(), np.full(len(grid), variance + ROUNDING), 0 * grid)
+    for of_all, of_near in zip(
+        found, recorded(grid[near], variance, white), strict=True
+    ):
+        of_all[near] = of_near
+    return found
+
+
 def differences(
     places: Array, variance: float, wider: float = 0.0, ratio: float = 1.0
 ) -> Array:
@@ -147,38 +162,44 @@ def recorder_of(
     about: Offsets,
     noise: float,
     white: int,
-    inside: bool,
+    cut: bool,
 ) -> Recorder:
     """Return the Recorder of a group.
 
     levels : (frames,) DN, of each frame's codes. places : (N,) DN, what the mean codes
     of places, all alike probable, differ from the mean level. noise : DN^2, of codes.
-    inside : none is clipped."""
+    cut : some samples are at 0 or at white; hot or dead ones may be, which no law of
+    the others is of."""
     level, frames = float(levels.mean()), len(levels)
     if np.ptp(places) <= NARROW:
         places = np.zeros(1)
     if np.ptp(levels) <= NARROW:
         levels = levels.mean(keepdims=True)
+    reach = REACH * np.sqrt(noise + about.lines + about.fixed) + 1
+    low = levels.min() + places.min() - reach
+    inside = not cut or (low > 0 and levels.max() + places.max() + reach < white)
     if inside and noise > FINE + ROUNDING:
         return Recorder(level, about, None)
-
-    def at(offsets: Offsets) -> Array:
-        return np.array(_recording(levels, places, frames, offsets, white, inside)[0])
-
-    table = []
+    steps = [0.1 * value + LEAST_OFFSET for value in (about.lines, about.fixed)]
+    table, by_lines = [], 0.0
     middle = max(about.noise, LEAST)
     variances = np.geomspace(middle / AROUND, middle * AROUND, NOISES)
-    for variance in variances:
+    for number, variance in enumerate(variances):
         one = about._replace(noise=float(variance))
-        known = [at(one)]
-        for name, value in (("lines", about.lines), ("fixed", about.fixed)):
-            step = 0.1 * value + LEAST_OFFSET
-            more = at(one._replace(**{name: value + step}))
-            known.append((more - known[0]) / step)
+        ends = one._replace(lines=one.lines + steps[0], fixed=one.fixed + steps[1])
+        law = _Codes(np.add.outer(levels, places), ends, white, inside)
+        found, of_lines = _recording(law, levels, places, frames, one)
+        if number == NOISES // 2:
+            by_lines = of_lines
+        known = [np.array(found)]
+        for more, step in zip(
+            (one._replace(lines=ends.lines), one._replace(fixed=ends.fixed)),
+            steps,
+            strict=True,
+        ):
+            moved = np.array(_recording(law, levels, places, frames, more)[0])
+            known.append((moved - known[0]) / step)
         table.append(np.concatenate(known))
-    by_lines = _recording(
-        levels, places, frames, about._replace(noise=middle), white, inside
-    )[1]
     return Recorder(level, about, CubicSpline(np.log(variances), table), by_lines)
 
 
@@ -192,18 +213,21 @@ class _Codes:
     far from 0 and white, where one is like the next, or all that samples reach."""
 
     def __init__(
-        self, low: float, high: float, noise: float, white: int, inside: bool
+        self, codes: Array, offsets: Offsets, white: int, inside: bool
     ) -> None:
-        self.inside = inside
+        """codes : DN, that are recorded. offsets : as of _recording."""
+        self.inside, noise = inside, offsets.noise
         if inside:
             self.grid = np.linspace(0, 1, STEPS + 1)
             moments = recorded(self.grid + 100, noise, 200)
             self.mean = moments.mean - 100
             self.room = np.linspace(-1, 2, 3 * STEPS // 4 + 1)
         else:
+            most = REACH * np.sqrt(sum(offsets)) + 1
+            low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
             steps = min(STEPS, STEPS_PER_SIGMA / np.sqrt(noise))
             self.grid = np.linspace(low, high, int((high - low) * steps) + 2)
-            moments = recorded(self.grid, noise, white)
+            moments = _with_ends(self.grid, noise, white)
             self.mean, self.room = moments.mean, self.grid[::4]
         self.variance = moments.variance
 
@@ -231,22 +255,14 @@ class _Codes:
 
 
 def _recording(
-    levels: Array,
-    places: Array,
-    frames: int,
-    offsets: Offsets,
-    white: int,
-    inside: bool,
+    law: _Codes, levels: Array, places: Array, frames: int, offsets: Offsets
 ) -> tuple[Recording, float]:
     """Return what is recorded of frames with these levels and places, and by_lines.
+    law : of codes of the offsets' noise.
 
     The signal of a sample is that of its place and of its frame, and the offsets of its
     lines and pixel; what it records beyond the sum of what each has alone is of the
     pixel."""
-    most = REACH * np.sqrt(sum(offsets)) + 1
-    codes = np.add.outer(levels, places)
-    low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
-    law = _Codes(low, high, offsets.noise, white, inside)
     # Places have what lines of all frames have in common; the rest is new in each.
     again = 1 / frames if len(places) > 1 else 0.0
     square = max(offsets.lines * (1 - again), LEAST_OFFSET)
@@ -264,7 +280,7 @@ def _recording(
     with_pixels = law.mean_of(mean, law.grid[:, None] + NODES * np.sqrt(fixed))
     with_pixels = with_pixels @ WEIGHTS
     drift, place = np.zeros(len(levels)), np.zeros(len(places))
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS if len(levels) > 1 else 1):
         place = law.signals(with_pixels, levels.mean() + places, drift)
         drift = law.signals(with_pixels, levels, place)
         drift -= drift.mean()

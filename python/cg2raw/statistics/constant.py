@@ -129,13 +129,13 @@ class PlaneStatistics:
     def shape(self) -> tuple[int, int]:
         return self.rows.shape[1], self.columns.shape[1]
 
-    @property
+    @cached_property
     def in_lines(self) -> NDArray[np.bool_]:
         """(h, w) which samples are in a row or column that is masked as a whole."""
         rows = np.asarray(self.masked.all(axis=1))
         return rows[:, None] | np.asarray(self.masked.all(axis=0))
 
-    @property
+    @cached_property
     def left(self) -> float:
         """The share of samples, in no masked line, that are not masked. Mean images are
         filled in by what the others say: in all parts but pixel, noise grows by its
@@ -148,9 +148,15 @@ class PlaneStatistics:
         axis = {"rows": 0, "columns": 1}.get(PARTS[part].rpartition("_")[2])
         if axis is None:
             return self.left
-        return self.left * (1 - float(self.masked.all(axis=axis).mean()))
+        return self.left * self.open_lines[axis]
 
-    @property
+    @cached_property
+    def open_lines(self) -> tuple[float, float]:
+        """The shares of columns, and of rows, that are not masked as a whole."""
+        columns, rows = (1 - float(self.masked.all(axis=n).mean()) for n in (0, 1))
+        return columns, rows
+
+    @cached_property
     def along_freedom(self) -> float:
         """Degrees of freedom of along, masked samples taken off."""
         h, w = self.shape
@@ -366,7 +372,7 @@ def smooth_images(
         polynomials(profiles.shape[1])[1 : FIELD + 1] for profiles in (rows, columns)
     )
     field = field[:, : len(down), : len(across)]
-    found: Array = np.einsum("jy,gjk,kx->gyx", down[:, y], field, across[:, x])
+    found: Array = down[:, y].T @ field @ across[:, x]
     found += rows[:, y, None]
     found += columns[:, None, x]
     return found

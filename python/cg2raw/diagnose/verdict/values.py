@@ -2,14 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 
 """Values of what is named that are no figure of the fit: shapes of the dark frame and
-of the light by calibrate, correlations by lags, changes of light by levels."""
+of the light as calibrate has them, correlations by lags, changes of light by levels."""
 
 from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
-from cg2raw.calibration import Measured, UniformFrame
-from cg2raw.calibration.calibrate import measure
+from cg2raw.calibration.fitting import BLACK
+from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.profile_effects import effects_found
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import (
@@ -18,6 +18,7 @@ from cg2raw.diagnose.darks_and_flats import (
     levels_of,
     of_splits,
 )
+from cg2raw.diagnose.verdict.measurements import measurements_of
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.lags import lags_of
@@ -41,11 +42,14 @@ OF_LAGS = (
     ("noise_reduction", "blend"),
     ("noise_reduction", "diagonal"),
 )
-# By calibrate: shapes, and what their means leave of the dark current.
+# As of calibrate: shapes; the dark current of the median pixel, which is what the
+# registry calls so, beside them; the black level of the shortest darks.
 OF_SHAPES = frozenset(
-    {"bias_structure", "amplifier_glow", "dark_current_nonuniformity", "lens_shading"}
+    {
+        *("bias_structure", "amplifier_glow", "lens_shading", "black_level"),
+        *("dark_current", "dark_current_nonuniformity"),
+    }
 )
-WITH_DARK_CURRENT = frozenset({"amplifier_glow", "dark_current_nonuniformity"})
 
 
 def more_values(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
@@ -123,25 +127,17 @@ def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     wanted = OF_SHAPES & set(named)
     if not wanted or any(capture.divided for capture in found.used):
         return
-    frames = [
-        UniformFrame(
-            capture.name,
-            "flat" if capture.shows.light else "dark",
-            capture.raw,
-            capture.exposure_time,
-            capture.iso,
-            capture.temperature,
-        )
-        for capture in found.used
-        if capture.group in GROUPS[:2]
-    ]
-    try:
-        measured = measure(found.captures.sensor, frames)
-    except ValueError:
-        return  # frames that name a shape and are too few to measure it
-    if wanted & WITH_DARK_CURRENT:
-        wanted |= {"dark_current"} & set(named)
+    measured = measurements_of(found, wanted)
     answers = effects_found(measured, False)
+    if "black_level" in wanted:
+        sensor, at = measured.sensor, found.both.parameters.of("black_level")
+        white = sensor.white_level - float(np.mean(sensor.black_level))
+        for level in measured.fit.figures:
+            if level.name == BLACK and level.site is not None:
+                site = "{}{}".format(*divmod(level.site, measured.sites.side))
+                ends = np.array([level.value, level.low, level.high])
+                ends = (ends - found.profile[at + level.site]) / white
+                yield Value("black_level", f"offset_{site}", *map(float, ends))
     for name in sorted(wanted):
         for parameter, one in (answers.get(name) or {}).items():
             given = one if isinstance(one, Measured) else Measured(float(one), 0.0, "")

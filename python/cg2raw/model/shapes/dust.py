@@ -87,6 +87,27 @@ def _loss(numbers: Array, rows: Array, columns: Array) -> Array:
     return found
 
 
+def _slopes(numbers: Array, rows: Array, columns: Array) -> Array:
+    """Return (N, 5) how the loss moves with the numbers."""
+    row, column, depth, radius, power = numbers
+    down, across = rows - row, columns - column
+    away = np.maximum(np.hypot(down, across), 1e-9)
+    raised = (away / radius) ** power
+    left = np.exp2(-raised)
+    by_raised = -np.log(2) * depth * left * raised  # of its logarithm
+    inward = -power / away**2
+    found: Array = np.column_stack(
+        [
+            by_raised * inward * down,
+            by_raised * inward * across,
+            left,
+            -by_raised * power / radius,
+            by_raised * np.log(away / radius),
+        ]
+    )
+    return found
+
+
 def _fitted(excess: Excess, place: Array) -> Spot | None:
     """Return a spot by least squares; None of few pixels. place : as of Spots."""
     if len(excess.values) < FEWEST:
@@ -102,6 +123,7 @@ def _fitted(excess: Excess, place: Array) -> Spot | None:
     found = least_squares(
         lambda x: root * (excess.values + _loss(x, rows, columns)),
         start,
+        lambda x: root[:, None] * _slopes(x, rows, columns),
         bounds=(
             [row - reach, column - reach, 0.0, 0.25, 1.0],
             [row + reach, column + reach, 1.0, 2 * reach, STEEPEST],

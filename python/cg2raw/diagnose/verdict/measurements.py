@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""What calibrate measures of shapes, of frames that the diagnosis has read."""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cg2raw.calibration.darks import (
+    DarkResults,
+    dark_current,
+    dark_spread,
+    offset_map,
+    rate_map,
+)
+from cg2raw.calibration.fitting import Fitted, lost_of, of_all, with_levels
+from cg2raw.calibration.flats import Light, light_of
+from cg2raw.calibration.frames import SAME_LEVEL
+from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.seen import Seen
+from cg2raw.calibration.sites import sites_of
+from cg2raw.calibration.structure import bias_structure, glow
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.darks_and_flats import DarksAndFlats, of_splits
+from cg2raw.model.figures import Figure, figures_of
+from cg2raw.statistics.dark_rates import dark_rates
+from cg2raw.statistics.frame_statistics import MOST_CUT
+
+OF_RATES = frozenset({"dark_current", "dark_current_nonuniformity"})
+
+
+def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Measurements:
+    """Return what training and validation frames together show of effects; of others,
+    what the fit has. wanted : names of the effects."""
+    seen = _seen(found)
+    lost, _ = lost_of(seen)
+    fit = Fitted(_figures(found, wanted), lost=lost)
+    sensor, capture = found.captures.sensor, found.used[0]
+    measured = Measurements(
+        sensor=sensor,
+        sites=seen.sites,
+        shape=capture.shape,
+        iso=capture.iso,
+        frames=(0, 0),
+        fit=fit,
+        repeats=tuple(
+            int(seen.statistics.frames[n]) for n in seen.statistics.shortest_darks()
+        ),
+    )
+    black = measured.black
+    darks = _darks(seen, fit, black, wanted) if seen.darks else DarkResults()
+    light = _light(seen, black, darks) if "lens_shading" in wanted else None
+    return replace(measured, **vars(darks), light=light)
+
+
+def _figures(found: DarksAndFlats, wanted: Collection[str]) -> list[Figure]:
+    """Return the figures of the fit, a black level that is wanted by the shortest darks
+    alone."""
+    both = of_splits(found.statistics, GROUPS[:2])
+    figures, shortest = figures_of(both, found.both), both.shortest_darks()
+    darks = sum(group.kind == "dark" for group in both.groups)
+    if "black_level" in wanted and 0 < len(shortest) < darks:
+        return with_levels(figures, both.only(shortest.tolist()))
+    return figures
+
+
+def _seen(found: DarksAndFlats) -> Seen:
+    """Return training and validation frames as one set of darks and flats."""
+    both = of_splits(found.statistics, GROUPS[:2])
+    infos = found.statistics.groups
+    numbers = [g for g, info in enumerate(infos) if info.split in GROUPS[:2]]
+    time = {n: infos[g].exposure_time or 0.0 for n, g in enumerate(numbers)}
+    order = sorted(time, key=lambda n: (infos[numbers[n]].kind, time[n]))
+    both = both.only(order)
+    groups = tuple(replace(info, split="") for info in both.groups)
+    sensor, excluded = found.captures.sensor, found.excluded
+    return Seen(
+        sensor,
+        sites_of(sensor),
+        None if excluded is None else ~excluded,
+        (),
+        replace(both, groups=groups, rates=()),
+        lambda n: found.mean_of(numbers[order[n]]),
+    )
+
+
+def _darks(
+    seen: Seen, fit: Fitted, black: NDArray[np.float64], wanted: Collection[str]
+) -> DarkResults:
+    """Return what is wanted of darks. black : (sites,) DN."""
+    spread, rate, shine = None, None, None
+    if fit.lost != "cut" and OF_RATES & set(wanted):
+        gain = of_all(fit.figures, "gain")
+        excluded = None if seen.counting is None else ~seen.counting
+        for rates in dark_rates(seen.statistics, seen.mean_of, excluded):
+            spread = dark_spread(rates, 1 / gain.value if gain else 0.0)
+    if fit.lost != "cut" and {"amplifier_glow", "lens_shading"} & set(wanted):
+        rate = rate_map(seen)
+    if rate is not None and "amplifier_glow" in wanted:
+        unknown = False if seen.counting is None else ~seen.counting
+        shine = glow(np.where(unknown, np.nan, rate))
+    is_structured = "bias_structure" in wanted and not fit.lost
+    return DarkResults(
+        structure=bias_structure(seen) if is_structured else None,
+        dark=dark_current(seen, fit, spread, float(black.mean())),
+        spread=spread,
+        glow=shine,
+        offset=offset_map(seen, black),
+        rate=rate,
+    )
+
+
+def _light(seen: Seen, black: NDArray[np.float64], darks: DarkResults) -> Light | None:
+    """Return the response of the brightest flats that are not clipped."""
+    flats = range(len(seen.darks), len(seen.statistics.groups))
+    levels = {n: float(seen.levels(n).mean() - black.mean()) for n in flats}
+    levels = {n: x for n, x in levels.items() if seen.clipped(n) <= MOST_CUT}
+    least = max(levels.values(), default=0.0) / (1 + SAME_LEVEL)
+    brightest = [n for n, level in levels.items() if level >= least > 0]
+    return light_of(seen, brightest, black, darks)[0] if brightest else None
