@@ -19,6 +19,7 @@ from cg2raw.diagnose.darks_and_flats import (
     of_splits,
 )
 from cg2raw.diagnose.verdict.measurements import measurements_of
+from cg2raw.model import flicker
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.lags import lags_of
@@ -60,7 +61,14 @@ def more_values(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
         *_of_lags(found, named),
         *_of_levels(found, named),
         *_of_shapes(found, named),
+        *_of_flicker(found, named),
     ]
+
+
+def _of_flicker(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
+    if flicker.NAME in named:
+        for parameter, *numbers in flicker.flicker(found.both):
+            yield Value(flicker.NAME, parameter, *numbers)
 
 
 def _of_variances(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
