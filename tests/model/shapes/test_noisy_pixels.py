@@ -63,12 +63,16 @@ def test_hot_pixels_are_not_noisy():
 
 
 def test_numbers():
-    """The share of jumping pixels that steps beyond 4 sigma show, 0.6 of them, within
-    its error; read noise beside them is that of the others. Of tails, what they add to
-    the variance is known best."""
-    _, found = named(jumps, 8)
-    (figure,) = found.found["random_telegraph_noise"].figures
-    assert 0.5 * JUMPING.mean() < figure.value < 1.1 * JUMPING.mean()
+    """The share of jumping pixels, of whose steps some are hidden by noise, and their
+    mean step, within 3.5 errors; read noise beside them is that of the others. Of
+    tails, what they add to the variance is known best."""
+    for frames in (2, 8):
+        found = named(jumps, frames)[1]
+        share, step = found.found["random_telegraph_noise"].figures
+        assert abs(share.value - JUMPING.mean()) < 3.5 * share.standard_error
+        assert abs(step.value - 10 * NOISE) < 3.5 * step.standard_error
+        assert share.standard_error < 0.4 * share.value
+        assert step.standard_error < 0.2 * step.value
     value, error = found.cores[0]
     assert abs(value - NOISE**2) < 3.5 * error < 0.1 * NOISE**2
     tailed = named(tails, 8)[1].found["heavy_tailed_noise"].figures

@@ -4,17 +4,18 @@
 
 Tails that fall on any pixel fall on the same ones by chance; how often is known."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtri, erfc
+from scipy.special import chdtri, erfc, ndtr
 
 from cg2raw.model.figures import NORMAL, Figure
 from cg2raw.model.recorded import FINE, differences
 from cg2raw.model.shapes.base import Shape, Shown, nats_beyond, points_of
 from cg2raw.statistics.codes import ROUNDING
-from cg2raw.statistics.constant import Array
+from cg2raw.statistics.constant import BINS_PER_SIGMA, Array
 
 NAME = "random_telegraph_noise"
 NOISY = 4.0  # sigma of a pair, as the overlaps have it
@@ -46,9 +47,66 @@ def random_telegraph_noise(shown: Shown) -> Shape | None:
     if noisy is None or shown.is_cut:
         return None
     nats = nats_beyond(float(noisy.both.sum()), float(noisy.expected.sum()))
-    value, error = _share(noisy, shown.samples)
-    ends = max(value - NORMAL * error, 0.0), value + NORMAL * error
-    return Shape(NAME, nats, (Figure("fraction", "1", value, error, *ends),))
+    seen, seen_error = _share(noisy, shown.samples)
+    step, error = _mean_step(shown)
+    beyond = _beyond_noise(step)
+    share, share_error = seen / beyond, seen_error / beyond
+    power = np.mean([p.power[_darks(shown)].mean() for p in shown.statistics.planes])
+    unit = np.sqrt(2 * float(power))  # levels of a pixel differ by that more than noise
+    return Shape(
+        NAME,
+        nats,
+        (
+            _figure("fraction", "1", share, share_error),
+            _figure("amplitude", "DN", unit * step, unit * error),
+        ),
+    )
+
+
+def _figure(name: str, unit: str, value: float, error: float) -> Figure:
+    low, high = max(value - NORMAL * error, 0.0), value + NORMAL * error
+    return Figure(name, unit, value, error, low, high)
+
+
+def _darks(shown: Shown) -> NDArray[np.intp]:
+    each = [shown.statistics.shortest_darks(split) for split in shown.splits]
+    return np.concatenate(each)
+
+
+def _mean_step(shown: Shown) -> tuple[float, float]:
+    """Return by how much pairs of frames differ, on average of pixels that jump, over
+    their noise, and the standard error: steps are exponential, so that those beyond
+    NOISY exceed it by as much as all are.
+
+    Of a masked pixel the squares over all pairs are known: it jumps in half of them."""
+    count = excess = 0.0
+    for g in _darks(shown):
+        pairs = int(shown.statistics.pairs[g])
+        jumps = pairs / 2 / (1 - 0.5**pairs)  # of one in which it is seen
+        for plane, (noisy, squares) in zip(
+            shown.statistics.planes, _of_outliers(shown, np.array([g])), strict=True
+        ):
+            found = plane.residuals[g].astype(float)
+            edges = np.arange(len(found) + 1) / BINS_PER_SIGMA
+            found += found.sum() * np.diff(erfc(edges / np.sqrt(2)))  # without noise
+            sizes = edges[:-1] + 0.5 / BINS_PER_SIGMA
+            far = sizes > NOISY
+            count += float(found[far].sum())
+            excess += float(found[far] @ (sizes[far] - NOISY))
+            steps = np.sqrt(np.maximum(squares[noisy] - 1, 0) * pairs / jumps)
+            count += jumps * len(steps)
+            excess += jumps * float((steps - NOISY).sum())
+    count, mean = max(count, 1.0), max(excess, 0.0) / max(count, 1.0)
+    return mean, mean / np.sqrt(count)
+
+
+def _beyond_noise(step: float) -> float:
+    """Return the share of exponential steps of a mean that are beyond NOISY once normal
+    noise of 1 is added."""
+    if step <= 0:
+        return 1.0
+    tail = np.exp(1 / (2 * step**2) - NOISY / step) * ndtr(NOISY - 1 / step)
+    return float(tail + ndtr(-NOISY))
 
 
 def count_noisy(shown: Shown) -> Noisy | None:
@@ -84,7 +142,14 @@ def nats_beside_jumps(shown: Shown) -> float:
 def noisy_outliers(shown: Shown, groups: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Return (groups, masked) whether a masked point is noisy as others are counted,
     beyond the noise of its charge, and jumps."""
-    found = []
+    return np.concatenate([noisy for noisy, _ in _of_outliers(shown, groups)], axis=1)
+
+
+def _of_outliers(
+    shown: Shown, groups: NDArray[np.intp]
+) -> Iterator[tuple[NDArray[np.bool_], Array]]:
+    """Yield of each plane (groups, masked): what noisy_outliers returns, and the square
+    of a point's noise over that of most."""
     statistics, gain = shown.statistics, shown.gain(shown.splits[0])
     most = chdtri(statistics.pairs[groups], CHANCE) / statistics.pairs[groups]
     for plane, used in zip(statistics.planes, points_of(statistics), strict=True):
@@ -93,8 +158,8 @@ def noisy_outliers(shown: Shown, groups: NDArray[np.intp]) -> NDArray[np.bool_]:
             for one in (plane.outliers, plane.outlier_noise)
         )
         usual = plane.power[groups, None] + gain * np.abs(level)
-        found.append((noise > most[:, None] * usual) & (noise > JUMPS * level**2))
-    return np.concatenate(found, axis=1)
+        noisy = (noise > most[:, None] * usual) & (noise > JUMPS * level**2)
+        yield noisy, noise / plane.power[groups, None]
 
 
 def clumped(shown: Shown) -> float:
