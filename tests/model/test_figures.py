@@ -111,6 +111,26 @@ def ccd():
     return {figure.name: figure for figure in figures_of(statistics, fit(statistics))}
 
 
+def test_darks_of_two_splits_repeat_each_other():
+    """Their levels scatter about one mean: sd of all eight, not about two means."""
+    rng, levels = np.random.default_rng(3), [200, 201, 202, 203, 210, 211, 212, 213]
+    frames = [
+        np.rint(level + 3 * rng.standard_normal((60, 70))).astype(np.uint16)
+        for level in levels
+    ]
+    readers = [
+        (
+            GroupInfo("dark", tuple("abcd"), 0.1, split=split),
+            [lambda f=f: f for f in frames[4 * n : 4 * n + 4]],
+        )
+        for n, split in enumerate(("training", "validation"))
+    ]
+    statistics = frame_statistics(readers, 1, 65535)
+    figures = {one.name: one for one in figures_of(statistics, fit(statistics))}
+    drift = figures["black level drift"].value
+    assert drift == pytest.approx(np.std(levels, ddof=1), rel=0.02)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LIKEWISE)
 def test_a_real_sensor_is_as_by_hand(ccd, name):

@@ -11,7 +11,9 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose import darks_and_flats
 from cg2raw.diagnose.darks_and_flats import is_constant
+from cg2raw.diagnose.diagnosis import Estimate, Finding
 from cg2raw.diagnose.pipeline import diagnose
+from cg2raw.diagnose.verdict.profile import updated_profile
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 
@@ -77,6 +79,25 @@ def test_the_profile_has_what_was_found(explained):
     told = found["prnu"]["evidence"]["captures"]
     assert told == sorted(explained.groups["fit"] + explained.groups["select"])
     Sensor.from_json(explained.profile_json, "found")
+
+
+def test_a_black_level_is_beside_the_edge_of_the_first_columns():
+    """The edge falls by e in 20 of 100 columns: the mean of all has 0.2037 of it."""
+
+    def finding(name, **values):
+        estimates = {n: Estimate(x, "1", (x, x)) for n, x in values.items()}
+        return Finding(name, estimates, 20.0, 1.0, [], [], "", "")
+
+    levels = {f"offset_{site}": 0.01 for site in ("00", "01", "10", "11")}
+    edge = finding("bias_structure", edge=0.02, edge_length=20.0)
+    for some, expected in (([], 0.01), ([edge], 0.01 - 0.02 * 0.20366)):
+        text = updated_profile(
+            SENSOR, [*some, finding("black_level", **levels)], [], 100
+        )
+        (entry,) = [
+            e for e in json.loads(text)["effects"] if e["name"] == "black_level"
+        ]
+        assert entry["parameters"]["offset_01"] == pytest.approx(expected, rel=1e-3)
 
 
 def test_noise_goes_into_the_noise_table():

@@ -44,7 +44,10 @@ class DarkCurrentNonuniformity(FixedPattern):
     def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
         rate = of_white(value_of(values, "rate"), sensor)
         spread = np.exp(value_of(values, "log_sigma"))
-        return f"rates differ by a factor {spread:.3g} around {rate} per second"
+        return (
+            f"{rate} per second of the dark current differ from pixel to pixel, by a "
+            f"factor {spread:.3g}"
+        )
 
 
 EFFECT = DarkCurrentNonuniformity()

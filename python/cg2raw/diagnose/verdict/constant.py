@@ -105,7 +105,11 @@ def diagnosis_of(
         groups=frames,
         charts=list(charts_of(found, model, held_out[1], findings)) if details else [],
         profile_json=updated_profile(
-            captures.sensor, findings if is_closed else [], told, noise_row(found)
+            captures.sensor,
+            findings if is_closed else [],
+            told,
+            found.used[0].shape[1],
+            noise_row(found),
         )
         if is_closed or not found.has_noise
         else "",
