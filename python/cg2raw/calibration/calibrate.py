@@ -81,19 +81,6 @@ def calibrate(
     Raises ValueError naming frame, field, value and what is allowed. Source: EMVA
     Standard 1288, release 4.0; all steps are robust against hot pixels and transients.
     """
-    found = measure(sensor, frames, threads=threads, progress=progress)
-    check_one_chain(found)
-    return found
-
-
-def measure(
-    sensor: Sensor,
-    frames: Sequence[UniformFrame],
-    *,
-    threads: int = 2,
-    progress: Progress | None = None,
-) -> Calibration:
-    """Return the same of frames that may have been read by more than one amplifier."""
     tell = progress or (lambda words, share: None)
     kept = Kept()
     frames = [replace(frame, raw=kept.reader(frame.raw)) for frame in frames]
@@ -152,6 +139,7 @@ def measure(
         **vars(darks),
         **vars(light),
     )
+    check_one_chain(found)
     return replace(found, notes=notes_on(found, scanned))
 
 

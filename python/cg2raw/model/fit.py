@@ -81,7 +81,8 @@ def _settled(
     found = refitted(likelihood, theta, free)
     for _ in range(AGAIN if likelihood.is_coarse else 1):
         before = found.theta
-        found = refitted(Likelihood(statistics, before), before, free)
+        likelihood = Likelihood(statistics, before, likelihood)
+        found = refitted(likelihood, before, free)
         with np.errstate(invalid="ignore"):
             moved = (found.theta - before) ** 2 / np.diagonal(found.covariance)
         if not (moved >= SETTLED**2).any():

@@ -17,14 +17,24 @@ class Likelihood:
     """The likelihood of all planes, as a function of Parameters.
 
     theta : of a fit before, which tells the offsets that were recorded; without it they
-    are those of the codes."""
+    are those of the codes. earlier : that of the same frames at other parameters, whose
+    laws of codes are taken where they hold."""
 
     def __init__(
-        self, statistics: ConstantStatistics, theta: Array | None = None
+        self,
+        statistics: ConstantStatistics,
+        theta: Array | None = None,
+        earlier: "Likelihood | None" = None,
     ) -> None:
         self.parameters = Parameters(len(statistics.planes))
-        self.planes = [
-            PlaneLikelihood(statistics, site, self.parameters, theta)
+        self.planes: list[PlaneLikelihood] = [
+            PlaneLikelihood(
+                statistics,
+                site,
+                self.parameters,
+                theta,
+                earlier.planes[site].recorders if earlier else (),
+            )
             for site in range(len(statistics.planes))
         ]
         self.is_coarse = any(

@@ -6,6 +6,8 @@ Within a group it is T times chi-square, T = read noise + gain * signal + TEMPOR
 it is recorded. Weights (freedoms) come from the data alone: those that moved with
 a parameter would make a likelihood that rises by their moves."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from cg2raw.model.components import (
@@ -40,6 +42,7 @@ class PlaneLikelihood:
         site: int,
         parameters: Parameters,
         theta: Array | None = None,
+        earlier: Sequence[Recorder] = (),
     ) -> None:
         plane = statistics.planes[site]
         self.plane, self.site, self.parameters = plane, site, parameters
@@ -80,7 +83,7 @@ class PlaneLikelihood:
         pixels = [bool(c.parts[PIXEL]) for c in FIXED]
         these = [lines + len(pixels) * [False], len(lines) * [False] + pixels]
         self.in_places = np.array(these)[:, None] * np.array(sizes).T
-        self.recorders = self._recorders(statistics.white, theta)
+        self.recorders = self._recorders(statistics.white, theta, earlier)
         # The same lines put all their pixels elsewhere within a code.
         by_lines = np.array([one.by_lines for one in self.recorders])
         chance = by_lines / (min(plane.shape) * again[:, 0])
@@ -96,12 +99,19 @@ class PlaneLikelihood:
             own += (charge[known] / self.scatter[known, PIXEL]) ** 2
         self.freedom[known, PIXEL] = 2 / own
 
-    def _recorders(self, white: int, theta: Array | None) -> list[Recorder]:
+    def _recorders(
+        self, white: int, theta: Array | None, earlier: Sequence[Recorder]
+    ) -> list[Recorder]:
+        """Return that of each group. earlier : of the same groups at other offsets; one
+        that holds at these stays."""
         about = self._recorded_offsets() if theta is None else self.offsets(theta)[0]
         usual = self.scatter[self.measured, PIXEL].min(initial=np.inf)
         noise = np.where(self.measured, self.scatter[:, PIXEL], usual)
         found = []
         for g in range(len(self.frames)):
+            if earlier and earlier[g].holds_at(Offsets(*about[:, g])):
+                found.append(earlier[g])
+                continue
             levels, level = self.plane.levels[g], self.plane.level[g]
             # Places have the chance of lines, and are known from 0 and white as far.
             h, w = self.plane.shape

@@ -26,6 +26,7 @@ LEAST_OFFSET = 1e-4  # DN^2: far below the step between two places of STEPS
 LEAST_RESPONSE = 1e-3  # of codes that nearly always are 0: they say nothing
 LEAST = 2.5e-3  # DN^2: with noise of 0.05 DN a sample mostly repeats its code
 ROUNDS = 6  # of where frames and places are, in turn
+SAME = 0.01  # relative, of offsets for which a table stays as it is
 AROUND = 4  # times the noise by the codes, or by a fit: the table's reach to each side
 NOISES = 7  # in the table
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
@@ -138,6 +139,14 @@ class Recorder:
     about: Offsets
     table: CubicSpline | None
     by_lines: float = 0.0
+
+    def holds_at(self, offsets: Offsets) -> bool:
+        """Whether a table about these offsets would be the same but for second orders
+        of SAME."""
+        if self.table is None:
+            return False
+        moved = np.abs(np.subtract(offsets, self.about))
+        return bool((moved <= SAME * np.array(self.about) + SAME * LEAST_OFFSET).all())
 
     def __call__(self, offsets: Offsets) -> tuple[Array, Array]:
         """Return a Recording, (7,), and its slopes by the offsets, (7, 3)."""

@@ -13,7 +13,7 @@ from cg2raw.diagnose import darks_and_flats
 from cg2raw.diagnose.darks_and_flats import is_constant
 from cg2raw.diagnose.diagnosis import Estimate, Finding
 from cg2raw.diagnose.pipeline import diagnose
-from cg2raw.diagnose.verdict.profile import updated_profile
+from cg2raw.diagnose.verdict.profile import mean_of_edge, updated_profile
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 

@@ -216,7 +216,7 @@ def _drift(finding: Finding, found: DarksAndFlats, fits: Sequence[Fit]) -> Chart
     variance = (finding.parameters["sigma"].value * white) ** 2
     for fit in fits:
         statistics, planes = fit.likelihood.means.statistics, fit.likelihood.planes
-        noise = fit.likelihood.levels.noise()[0]
+        noise = fit.likelihood.levels.noise[0]
         for g in statistics.shortest_darks():
             levels = np.mean([one.plane.levels[g] for one in planes], axis=0)
             ends = (NORMAL * np.sqrt(v) for v in (noise[g], noise[g] + variance))

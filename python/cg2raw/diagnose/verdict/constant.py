@@ -31,7 +31,7 @@ from cg2raw.diagnose.effects.discriminating_captures import sentence
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.verdict.charts import charts_of
 from cg2raw.diagnose.verdict.limits import detection_limits
-from cg2raw.diagnose.verdict.profile import updated_profile
+from cg2raw.diagnose.verdict.profile import mean_of_edge, updated_profile
 from cg2raw.diagnose.verdict.unexplained import (
     chi_square_test,
     left_over,
@@ -108,8 +108,8 @@ def diagnosis_of(
             captures.sensor,
             findings if is_closed else [],
             told,
-            found.used[0].shape[1],
             noise_row(found),
+            mean_of_edge(findings, found.used[0].shape[1]),
         )
         if is_closed or not found.has_noise
         else "",

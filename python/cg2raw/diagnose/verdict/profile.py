@@ -29,25 +29,24 @@ def updated_profile(
     sensor: Sensor,
     findings: Sequence[Finding],
     captures: Sequence[str],
-    width: int,
     noise: dict[str, Any] | None = None,
+    edge: float = 0.0,
 ) -> str:
     """Return the JSON of a sensor's profile with what was found in it.
 
-    captures : names of the frames that tell the values. width : of these, px. noise : a
-    row for a profile without any at its ISO. Raises ValueError where the values are
-    none of a profile."""
+    captures : names of the frames that tell the values. noise : a row for a profile
+    without any at its ISO. edge : mean_of_edge, which the black level is beside. Raises
+    ValueError where the values are none of a profile."""
     profile: dict[str, Any] = json.loads(sensor.to_json())
     if noise is not None:
         rows = [*profile.get("noise", []), noise]
         profile["noise"] = sorted(rows, key=lambda row: row["iso"])
     entries = {entry["name"]: entry for entry in profile.get("effects", [])}
-    edge = _mean_of_edge(findings, width)
     for finding in findings:
         if not finding.parameters:
             continue
         values = {name: one.value for name, one in finding.parameters.items()}
-        if finding.name == "black_level":  # beside the edge, which is an effect itself
+        if finding.name == "black_level":  # the edge is an effect itself
             values = {name: value - edge for name, value in values.items()}
         known = effect(finding.name)
         if known.change_noise_table(profile, np.array(list(values.values()))):
@@ -68,8 +67,9 @@ def updated_profile(
     return Sensor.from_json(text, "the updated profile").profile.to_json()
 
 
-def _mean_of_edge(findings: Sequence[Finding], width: int) -> float:
-    """Return what the first columns of a bias structure add to the mean of all."""
+def mean_of_edge(findings: Sequence[Finding], width: int) -> float:
+    """Return what the first columns of a bias structure add to the mean of all, width
+    px wide."""
     for finding in findings:
         if finding.name == "bias_structure" and "edge" in finding.parameters:
             height, length = (
