@@ -91,13 +91,11 @@ def test_a_black_level_is_beside_the_edge_of_the_first_columns():
     levels = {f"offset_{site}": 0.01 for site in ("00", "01", "10", "11")}
     edge = finding("bias_structure", edge=0.02, edge_length=20.0)
     for some, expected in (([], 0.01), ([edge], 0.01 - 0.02 * 0.20366)):
-        text = updated_profile(
-            SENSOR, [*some, finding("black_level", **levels)], [], 100
-        )
-        (entry,) = [
-            e for e in json.loads(text)["effects"] if e["name"] == "black_level"
-        ]
-        assert entry["parameters"]["offset_01"] == pytest.approx(expected, rel=1e-3)
+        findings = [*some, finding("black_level", **levels)]
+        mean = mean_of_edge(findings, 100)
+        profile = json.loads(updated_profile(SENSOR, findings, [], edge=mean))
+        values = {e["name"]: e["parameters"] for e in profile["effects"]}
+        assert values["black_level"]["offset_01"] == pytest.approx(expected, rel=1e-3)
 
 
 def test_noise_goes_into_the_noise_table():
