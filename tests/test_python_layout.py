@@ -56,9 +56,9 @@ LIBRARIES = {
 DIAGNOSE = (
     "cg2raw.diagnose.diagnosis",
     "cg2raw.diagnose.captures",
-    "cg2raw.diagnose.darks_and_flats",
     "cg2raw.diagnose.frames",
     "cg2raw.diagnose.effects",
+    "cg2raw.diagnose.darks_and_flats",
     "cg2raw.diagnose.workers",
     "cg2raw.diagnose.scenes",
     "cg2raw.diagnose.verdict",

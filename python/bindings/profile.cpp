@@ -147,7 +147,7 @@ void bind_search(py::module_& m)
     m.def(
         "effects", &effects_of, "cfa"_a = py::none(),
         "Every effect that a profile may list: name, stage, parameters, meaning, "
-        "source,\nneeds_exposure_time.\n\n"
+        "source,\nneeds_exposure_time, reach in px.\n\n"
         "cfa : only what a profile of that CFA may list, with the parameters that it "
         "has there:\n    \"MONO\" has one site, and nothing that tells colours apart.");
 }

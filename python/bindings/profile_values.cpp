@@ -100,7 +100,8 @@ py::dict dict_of(const Effect& effect, const std::vector<Parameter>& of_cfa)
     return py::dict("name"_a = effect.name, "stage"_a = name_of(effect.stage),
                     "pattern"_a = name_of(effect.pattern), "parameters"_a = parameters,
                     "needs_exposure_time"_a = effect.needs_exposure_time,
-                    "meaning"_a = effect.meaning, "source"_a = effect.source);
+                    "reach"_a = effect.reach, "meaning"_a = effect.meaning,
+                    "source"_a = effect.source);
 }
 
 } // namespace cg2raw::python

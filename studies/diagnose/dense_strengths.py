@@ -159,6 +159,7 @@ DRAWS: Mapping[str, Draw] = {
     "color_matrix": _any_way("rg", "rb", "gr", "gb", "br", "bg"),
     "blur": _blur,
     "lateral_chromatic_aberration": _lateral,
+    "lens_distortion": _any_way("r2", "r4"),
     "lens_shading": _lens_shading,
     "color_shading": _color_shading,
     "veiling_glare": _in_parts("uniform", "wide"),

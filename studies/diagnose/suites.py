@@ -76,9 +76,14 @@ OF_SCENES = {
 }
 # The suite power goes down to this share of an effect's range of strengths.
 WEAKEST = 0.02
-# Number of the first case of names that came later: the others keep theirs.
-FIRST_LATER = 100000
-LATER_NAMES = [name for name in KINDS if name not in FIRST_NAMES]
+# Names by the number of their first case: those that came later left others theirs.
+GENERATIONS = {
+    0: FIRST_NAMES,
+    100000: tuple(KINDS)[len(FIRST_NAMES) : 33],
+    200000: tuple(KINDS)[33:],
+}
+# Of the suite unknown: what it went through when it began, of which some is known now.
+ONCE_UNKNOWN = ("lens_distortion", *UNKNOWN_KINDS)
 
 
 @dataclass(frozen=True)
@@ -207,12 +212,13 @@ def cases(
     if suite not in PER_EFFECT:
         names = list(effects or (known if suite in WRONG else FIRST_NAMES))
         return [_case(suite, n, seed, names) for n in range(count)]
-    first = [n for n in effects or known if effects or n not in LATER_NAMES]
-    later = [n for n in known if n in LATER_NAMES and not effects]
+    turns = ONCE_UNKNOWN if suite == "unknown" else ()
+    generations = {0: tuple(effects) or turns} if effects or turns else GENERATIONS
     return [
         _case(suite, start + n, seed, [name])
-        for start, names in ((0, first), (FIRST_LATER, later))
-        for n, name in enumerate(names * count)
+        for start, every in generations.items()
+        for n, name in enumerate(every * count)
+        if name in known
     ]
 
 

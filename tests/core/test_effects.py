@@ -22,9 +22,9 @@ STAGES = (
 )
 EFFECTS = {effect["name"]: effect for effect in cg2raw.effects()}
 NAMED = """color_matrix exposure white_balance
-    blur color_shading lateral_chromatic_aberration lens_shading veiling_glare
-    crosstalk dust gr_gb_imbalance mains_flicker pdaf_pixels prnu amplifier_glow
-    dark_current dark_current_nonuniformity hot_pixels nonlinearity
+    blur color_shading lateral_chromatic_aberration lens_distortion lens_shading
+    veiling_glare crosstalk dust gr_gb_imbalance mains_flicker pdaf_pixels prnu
+    amplifier_glow dark_current dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
     bias_structure black_level black_level_drift column_fixed_pattern dsnu
     heavy_tailed_noise random_telegraph_noise read_noise read_noise_correlation
@@ -64,14 +64,14 @@ TIMED = "amplifier_glow dark_current dark_current_nonuniformity hot_pixels".spli
 ON_NOISE = {"read_noise_correlation": "read_noise"}
 # Their centre, or their mean, is that of the image.
 OF_THE_IMAGE = """lens_shading color_shading lateral_chromatic_aberration
-    veiling_glare amplifier_glow bias_structure""".split()
+    lens_distortion veiling_glare amplifier_glow bias_structure""".split()
 OF_A_FRAME = ("black_level_drift",)  # all its pixels share one draw
 # Of the order of the noise, and so that no sample lies far from its level.
 BASE = {
     "shot_noise": {f"beta1_{site}": 2e-3 for site in ("00", "01", "10", "11")},
     "read_noise": {f"beta2_{site}": 1e-4 for site in ("00", "01", "10", "11")},
 }
-REACH = 12  # pixels: at least that of any effect
+REACH = 2 * (max(effect["reach"] for effect in EFFECTS.values()) // 2 + 1)
 
 
 def sensor_with(name=None, **values):

@@ -122,8 +122,30 @@ def test_lateral_chromatic_aberration_magnifies_by_px_at_the_corner(shift, shift
         assert np.abs(left).max() < 0.012 * np.abs(moved).max()
 
 
-def test_lateral_chromatic_aberration_leaves_what_is_flat():
-    seen = of.planes(of.flat(0.37), "lateral_chromatic_aberration", red=4, blue_r2=-4)
+@pytest.mark.parametrize("r2, r4", [(3.0, 0.0), (-1.3, 0.7), (8.0, 8.0), (0.02, -0.01)])
+def test_lens_distortion_displaces_all_colours_by_px_at_the_corner(r2, r4):
+    """Also a hundredth of a pixel is what it says, to 1.2 %."""
+    height, width = 121, 160
+    u, v = of.field(height, width)
+    half, square = np.hypot(height, width) / 2.0, u * u + v * v
+    scales = np.array([0.8, 1.0, 0.6])[:, None, None]
+    image = scales * smooth(half * v, half * u)
+    seen = of.planes(image, "lens_distortion", r2=r2, r4=r4)
+    by = 1 + (r2 * square + r4 * square**2) / half
+    moved = scales * smooth(half * v * by, half * u * by) - image
+    left = (seen - image - moved)[:, 20:-20, 20:-20]  # beyond, the mirror is seen
+    assert np.abs(left).max() < 0.012 * np.abs(moved).max()
+
+
+@pytest.mark.parametrize(
+    "name, values",
+    [
+        ("lateral_chromatic_aberration", {"red": 4, "blue_r2": -4}),
+        ("lens_distortion", {"r2": 8, "r4": -5}),
+    ],
+)
+def test_displacements_leave_what_is_flat(name, values):
+    seen = of.planes(of.flat(0.37), name, **values)
     np.testing.assert_allclose(seen, 0.37, rtol=1e-6)
 
 

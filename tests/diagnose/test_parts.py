@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from cg2raw.diagnose import darks_and_flats
-from cg2raw.diagnose.effects.catalogue import names
+from cg2raw.diagnose.effects.catalogue import names, of_images
 from cg2raw.model import dark_levels, flat_levels, lags, selection
 from cg2raw.model.shapes import (
     dust,
@@ -39,7 +38,7 @@ PARTS = {
     ),
     "images": (
         *("color_matrix", "blur", "lateral_chromatic_aberration", "veiling_glare"),
-        *("full_well", "poisson_shot_noise"),
+        *("full_well", "poisson_shot_noise", "lens_distortion"),
     ),
 }
 OF_DARKS_AND_FLATS = [n for part in PARTS if part != "images" for n in PARTS[part]]
@@ -48,7 +47,6 @@ OF_DARKS_AND_FLATS = [n for part in PARTS if part != "images" for n in PARTS[par
 def test_each_effect_is_in_one_part():
     every = [name for part in PARTS.values() for name in part]
     assert sorted(every) == sorted(names())
-    assert len(every) == darks_and_flats.NAMES
 
 
 def test_parts_have_their_effects():
@@ -65,7 +63,8 @@ def test_parts_have_their_effects():
     }
     for part, own in parts.items():
         assert set(own) == set(PARTS[part]), part
-    assert set(PARTS["images"]) < darks_and_flats.OF_IMAGES
+    of_light = {*PARTS["levels of flats"], "lens_shading", "color_shading"}
+    assert of_images() == of_light | set(PARTS["images"])
 
 
 @pytest.mark.parametrize("name", first_fast(OF_DARKS_AND_FLATS, 1))

@@ -17,6 +17,7 @@ from cg2raw.calibration.frames import by_level
 from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
 from cg2raw.diagnose.captures.splits import GROUPS, third_of_columns
+from cg2raw.diagnose.effects.catalogue import names as every_name
 from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
@@ -35,15 +36,6 @@ from cg2raw.statistics.kept import Kept, Reader
 from cg2raw.statistics.temperature import set_points, warmth_of_readings
 
 TRAINING, VALIDATION, TEST = GROUPS
-NAMES = 33  # that a diagnosis could give: each may be false
-# Effects on the mean of what is lit: images tell them apart where flats do not.
-OF_IMAGES = frozenset(
-    {
-        *("exposure", "white_balance", "color_matrix", "crosstalk", "gr_gb_imbalance"),
-        *("lens_shading", "color_shading", "lateral_chromatic_aberration", "blur"),
-        *("veiling_glare", "nonlinearity", "full_well", "poisson_shot_noise"),
-    }
-)
 MOST_LISTED = 20  # lines, by number
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 
@@ -141,10 +133,11 @@ def darks_and_flats(
     )
     if not any(c.divided for c in used):
         notes += lines_apart(whole, used)
+    least = math.log(len(every_name()) / alpha)  # each name may be false
     halves = Halves()
     for axis in (0, 1):
         one = halves_of(whole, (TRAINING, VALIDATION), axis)
-        if one.nats > math.log(NAMES / alpha):
+        if one.nats > least:
             halves, whole = one, without_halves(whole, axis)
     splits = [of_splits(whole, (split,)) for split in (TRAINING, VALIDATION)]
     both = of_splits(whole, (TRAINING, VALIDATION))
@@ -154,7 +147,6 @@ def darks_and_flats(
         say("fitting darks and flats", 0.55 + 0.1 * len(fits))
         fits.append(fit(statistics, profile))
     say("dropping each name", 0.75)
-    least = math.log(NAMES / alpha)
     lags = [
         lags_of(one, found, profile) for one, found in zip(splits, fits, strict=True)
     ]

@@ -10,13 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.darks_and_flats import (
-    OF_IMAGES,
-    darks_and_flats,
-    is_constant,
-)
+from cg2raw.diagnose.darks_and_flats import darks_and_flats, is_constant
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
-from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.effects.catalogue import candidates, of_images
 from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.scenes.decide import decide
 from cg2raw.diagnose.scenes.noise_level import noise_models
@@ -77,7 +73,8 @@ def diagnose(
 
     constant = [c for c in capture_set.captures if is_constant(c)]
     is_all = len(constant) == len(capture_set.captures)
-    of_images = names & (OF_IMAGES | {"black_level"})
+    lit = of_images()
+    asked = names & (lit | {"black_level"})
     found, images = None, capture_set
     notes: list[str] = []
     shown: frozenset[str] = frozenset()
@@ -85,9 +82,9 @@ def diagnose(
         decided = replace(capture_set, captures=constant)
         try:
             with raised():
-                own = names if is_all else names - OF_IMAGES
+                own = names if is_all else names - lit
                 seen = darks_and_flats(decided, alpha, own, said)
-                free = frozenset() if is_all else OF_IMAGES
+                free = frozenset() if is_all else lit
                 shown = seen.shown
                 found = diagnosis_of(seen, own, most == 0, free, details)
         except (KeyboardInterrupt, TimeIsUp) as ended:
@@ -102,11 +99,11 @@ def diagnose(
             return _finished(found, names - shown, capture_set, started)
         if found:
             images = with_images_alone(capture_set, found, seen.masked, seen.used)
-            of_images -= shown - OF_IMAGES
+            asked -= shown - lit
     workers = Workers(threads, deadline)
     second = _of_images(
         images,
-        of_images,
+        asked,
         alpha,
         most,
         said_of_images,
@@ -118,7 +115,7 @@ def diagnose(
     say("done", 1.0)
     whole = second if found is None else together(found, second)
     whole = replace(whole, notes=[*notes, *whole.notes])
-    return _finished(whole, names - shown - OF_IMAGES | of_images, capture_set, started)
+    return _finished(whole, names - shown - lit | asked, capture_set, started)
 
 
 def _finished(

@@ -259,6 +259,7 @@ KINDS: Mapping[str, Kind] = {
             "soft_px": rng.uniform(1, 3),
         },
     ),
+    "lens_distortion": Kind("px in the corner", 0.5, 3.0, _one("corner_px", True)),
 }
 
 # The first names that there were: numbers of a benchmark's cases go through these
@@ -274,7 +275,6 @@ DRAWN_AS = {
 }
 
 UNKNOWN_KINDS: Mapping[str, Kind] = {
-    "lens_distortion": Kind("px in the corner", 0.5, 3.0, _one("corner_px", True)),
     "smear": Kind("share of a column's light", 0.005, 0.05, _one("share")),
     "line_jitter": Kind("px rms", 0.1, 0.6, _one("rms_px")),
     "motion_blur": Kind(

@@ -59,11 +59,26 @@ def test_a_planted_value_is_recovered(name):
     assert diagnosis.verdict == "explained"
     assert diagnosis.gap.chi2_after == pytest.approx(1, abs=0.03)
     assert diagnosis.gap.before > diagnosis.gap.after
+    assert_near(diagnosis, effect, values)
+
+
+def assert_near(diagnosis, effect, values):
     planted = dict(zip(effect.parameters, values, strict=True))
     for parameter, one in diagnosis.effects[0].parameters.items():
         half = (one.ci95[1] - one.ci95[0]) / 2
         # Four standard errors, of sixty parameters.
         assert abs(one.value - planted[parameter]) < 2.1 * half + 1e-9, parameter
+
+
+def test_distortion_is_no_registration():
+    """Renders may lie anywhere, turned and scaled: what bends lines is the lens."""
+    effect, values = BY_NAME["lens_distortion"], np.array([1.5, 0.5])
+    scenes = found(
+        Model(SENSOR).with_effect(effect, values), nuisances=frozenset({"registration"})
+    )
+    diagnosis = diagnosis_of_images(scenes, False)
+    assert [one.name for one in diagnosis.effects] == ["lens_distortion"]
+    assert_near(diagnosis, effect, values)
 
 
 def test_nothing_planted_is_nothing_named():

@@ -49,6 +49,7 @@ class Effect:
     name : of the registry. title : in plain words. where : what residuals look like.
     of_mean : its parameters move the mean of images, which are fitted by derivatives;
         else darks and flats decide it, and images take it as the profile states it.
+    of_images : images tell it apart from others where flats do not.
     search : parameters that are fitted, if they are not the registry's own.
     bounds : narrower than the registry's, by the beginning of a parameter's name.
     step, steps_of : of numerical derivatives, and of those of some parameters.
@@ -81,6 +82,10 @@ class Effect:
     nameable: ClassVar[bool] = True
     cfa: str | None = None
     detailed: bool = False
+
+    @property
+    def of_images(self) -> bool:
+        return self.of_mean and not self.scales
 
     # How it is predicted.
 

@@ -18,6 +18,7 @@ class BlackLevel(Effect):
     signature = frozenset({"offset"})
     from_means = True
     bayer_only = True
+    of_images = False
 
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """In DN, since nobody measures black in shares of white."""

@@ -50,6 +50,12 @@ def names() -> list[str]:
     return [one.name for one in every().values() if one.nameable]
 
 
+@cache
+def of_images() -> frozenset[str]:
+    """Return the names of the effects that images tell apart where flats do not."""
+    return frozenset(name for name in names() if effect(name).of_images)
+
+
 def candidates(cfa: str, without: Iterable[str] = ()) -> list[Effect]:
     """Return the effects that can be named for a CFA, as it has them, but for some.
 

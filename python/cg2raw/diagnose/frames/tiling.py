@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw import _core
+
 Array = NDArray[Any]  # of float64
 Mask = NDArray[Any]  # of bool
 
@@ -16,7 +18,8 @@ LARGEST_TILE = 96  # rows of a piece of a large frame; its columns are 4/3 of th
 SMALLEST_TILE, STEP_OF_TILES = 18, 6  # a multiple of any CFA's repeat
 FEWEST_TILES = 5  # pieces along each side: both ends, the middle and between
 NARROW = 176  # pixels: a border of masked pixels is taken whole
-MARGIN = 24  # pixels around a tile that blur and aberrations take in
+REACH = sum(effect["reach"] for effect in _core.effects())  # of all, px
+MARGIN = -(-REACH // STEP_OF_TILES) * STEP_OF_TILES  # pixels around a tile
 MOST_MASKED = 6  # tiles' pixels for one that counts
 
 

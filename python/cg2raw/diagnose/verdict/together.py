@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
-from cg2raw.diagnose.darks_and_flats import OF_IMAGES
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis, Gap
+from cg2raw.diagnose.effects.catalogue import of_images
 from cg2raw.sensor import Sensor
 
 
@@ -111,7 +111,7 @@ def _limits(first: Diagnosis, second: Diagnosis) -> list[DetectionLimit]:
     kept = [
         one
         for one in first.detection_limits
-        if one.name not in shown and one.name not in OF_IMAGES
+        if one.name not in shown and one.name not in of_images()
     ]
     every = [*kept, *second.detection_limits]
     return [one for one in every if one.name not in named]
