@@ -17,11 +17,16 @@ from cg2raw.calibration import UniformFrame, calibrate
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.frame import Frame
 from cg2raw.diagnose.captures.reader import divided, read_frames, stratum
+from cg2raw.diagnose.effects import catalogue
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.synthetic_camera import stream
 from studies.diagnose.planted import PLANTS, levels_of, planted
 
+# Effects that darks do not show.
+OF_LIGHT = catalogue.of_images() | {
+    *("dust", "mains_flicker", "pdaf_pixels", "prnu", "shot_noise")
+}
 DISTINCT = 1.2  # ratio of the levels of two flats that show a curve
 MANIFEST = "captures.yaml"  # of a folder
 PLANTED, CALIBRATED = 6, 4  # frames that repeat each other; 6 are two a split
@@ -63,10 +68,7 @@ def plantable(path: Path) -> list[str]:
     return [
         name
         for name in PLANTS
-        if name in known
-        and name not in hidden
-        and (flats or not known[name].needs & {"light"})
-        and (flats or name != "full_well")
+        if name in known and name not in hidden and (flats or name not in OF_LIGHT)
     ]
 
 
