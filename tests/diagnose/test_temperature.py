@@ -9,7 +9,7 @@ from cg2raw import Sensor
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.reader import in_groups
-from cg2raw.diagnose.effects.base import NORMAL_95
+from cg2raw.model.figures import NORMAL
 from diagnose.closed_loop import simulated
 from diagnose.planted import READ, capture_of, sensor_of
 
@@ -55,7 +55,7 @@ def test_a_colder_sensor_has_less_dark_current_and_no_other_effect(found):
     [dark] = found.effects
     rate = RATES["dark_current"]["per_second"]
     found_rate = dark.parameters["per_second"]
-    error = (found_rate.ci95[1] - found_rate.ci95[0]) / (2 * NORMAL_95)
+    error = (found_rate.ci95[1] - found_rate.ci95[0]) / (2 * NORMAL)
     assert found_rate.value == pytest.approx((COLDER - 1) * rate, abs=3 * error)
     assert error < 0.02 * rate
     assert "K colder" in dark.sentence

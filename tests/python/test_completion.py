@@ -50,7 +50,7 @@ def test_sensors_lights_and_effects_are_offered(script):
     assert set(cg2raw.installed_profiles()) <= set(found)
     assert offered(script, f"{convert} --illuminant D6") == ["D65"]
     assert "all" in offered(script, "cg2raw ocio --sensors a")
-    assert offered(script, "cg2raw effects lens") == ["lens_shading"]
+    assert offered(script, "cg2raw effects lens_s") == ["lens_shading"]
     assert "--exposure-time" in offered(script, "cg2raw dataset a b --exp")
 
 
