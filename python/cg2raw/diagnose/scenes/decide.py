@@ -129,7 +129,8 @@ class Scenes:
         """Return a Gram with what is known of parameters: two deviations are the range
         that the registry simulates. Then what several together do not tell stays 0."""
         ranges = [(one.high - one.low)[one.is_used] / 4 for one in self.effects]
-        gram = gram.with_prior(np.arange(self.space.size), np.concatenate(ranges))
+        every = np.concatenate([np.zeros(0), *ranges])
+        gram = gram.with_prior(np.arange(self.space.size), every)
         for name, errors in self.known.items():
             gram = gram.with_prior(self.space.index([name]), errors)
         return gram
