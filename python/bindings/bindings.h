@@ -92,8 +92,6 @@ void bind_transform(py::module_& m);
 void bind_simulation(py::module_& m);
 void bind_signal(py::module_& m);
 void bind_prediction(py::module_& m);
-void bind_normal_mixture(py::module_& m);
-void bind_normal_scores(py::module_& m);
 void bind_frame_statistics(py::module_& m);
 void bind_dng(py::module_& m);
 void bind_shot(py::module_& m);

@@ -18,8 +18,6 @@ PYBIND11_MODULE(_core, m)
     cg2raw::python::bind_simulation(m);
     cg2raw::python::bind_signal(m);
     cg2raw::python::bind_prediction(m);
-    cg2raw::python::bind_normal_mixture(m);
-    cg2raw::python::bind_normal_scores(m);
     cg2raw::python::bind_frame_statistics(m);
     cg2raw::python::bind_shot(m);
     cg2raw::python::bind_dng(m);

@@ -346,12 +346,6 @@ def predict_blocks(
     glare_context: GlareContext | None,
     threads: int = 1,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
-def log_density_of_mixture(
-    law: NDArray[np.float64], estimates: NDArray[np.float64]
-) -> NDArray[np.float64]: ...
-def posterior_of_mixture(
-    law: NDArray[np.float64], estimates: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def code_counts(
     frame: NDArray[np.uint16],
     side: int,
@@ -385,19 +379,6 @@ class FrameStatistics:
     ]: ...
     def mean(self, group: int) -> NDArray[np.float32]: ...
 
-def normal_scores_of_two(
-    z: NDArray[np.float64],
-    chance: NDArray[np.float64],
-    narrow: NDArray[np.float64],
-    wide: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-def normal_scores_of_rates(
-    law: NDArray[np.float64],
-    z: NDArray[np.float64],
-    variance: NDArray[np.float64],
-    gain: NDArray[np.float64],
-    seconds: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def draw_blocks(
     profile: SensorProfile,
     run: Run,
