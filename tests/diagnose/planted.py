@@ -125,34 +125,10 @@ def drawn(frames, model, seed, extra=0.0):
     return result
 
 
-def tails_of(share, ratio):
-    """Return what adds read noise to a frame, of which a share has a variance that is
-    larger by a ratio: (frame, rng) -> that."""
-
-    def noise(frame, rng):
-        core = frame.beta2 / (1 + share * (ratio - 1))
-        wide = rng.random(frame.signal.shape) < share
-        spread = np.sqrt(np.where(wide, ratio, 1) * core)
-        return spread * rng.standard_normal(frame.signal.shape)
-
-    return noise
-
-
 def shown(frame, signal):
     """Return the frame as an ADC that rounds, and clips at white, shows a signal."""
     dn = np.minimum(np.round(signal * frame.range), frame.range)
     return replace(frame, signal=dn / frame.range, at_white=dn >= frame.range)
-
-
-def cut_at_zero(frames, black=0.0):
-    """Return frames as an ADC shows them that has a pedestal of few DN, or none."""
-    result = []
-    for frame in frames:
-        lowest = -black / frame.range
-        signal = np.maximum(frame.signal, lowest)
-        shows = {"signal": signal, "at_zero": signal <= lowest}
-        result.append(replace(frame, **shows))
-    return result
 
 
 def bare(sensor):

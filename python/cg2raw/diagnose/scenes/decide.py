@@ -50,7 +50,7 @@ UNCLIPPED = 0.95  # of white
 # beside it, edges differ by more than noise.
 DOUBTS = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
-LEAST_TOLD = 0.01  # of the pixels of an image, between black and white
+LEAST_USED = 0.01  # of the pixels of an image, between black and white
 CONTRAST = 3.0  # standard deviations of noise, of an image that has any
 Say = Callable[[str, float], None]
 Sums = dict[str, tuple[Normal, list[Nuisance]]]  # by split and set
@@ -115,6 +115,11 @@ class Scenes:
     def least(self) -> float:
         """Nats that a name needs on validation frames."""
         return math.log(max(len(self.names), 1) / self.alpha)
+
+    @property
+    def _calibrates(self) -> bool:
+        """Whether the size of noise, or of a chart's errors, is fitted."""
+        return self.fits_noise or any(view.is_chart for view in self.views)
 
     @property
     def candidates(self) -> list[str]:
@@ -224,7 +229,7 @@ class Scenes:
             self._align()
         self._check_correspondence()
         self._fill_well()
-        if self.fits_noise or any(view.is_chart for view in self.views):
+        if self._calibrates:
             self._fit_noise()
         for turn in range(PASSES):
             say("summing scenes and choosing effects", 0.3 + 0.5 * turn / PASSES)
@@ -250,7 +255,7 @@ class Scenes:
         moved = self._move(sets)
         moved |= self._fill_well()
         doubted = self.capture_set.nuisances & {"registration", "radiance"}
-        if self.fits_noise or doubted or any(view.is_chart for view in self.views):
+        if self._calibrates or doubted:
             moved |= self._fit_noise()
         return moved
 
@@ -299,7 +304,7 @@ class Scenes:
         free = self.capture_set.nuisances
         members: dict[str, list[View]] = {}
         for view in self.views:
-            if view.frame.level_free or view.frame.samples is not None:
+            if view.frame.level_free or view.is_table:
                 continue
             if view.frame.capture.shows.render or free & {"exposure", "white_balance"}:
                 members.setdefault(view.frame.capture.set, []).append(view)
@@ -346,11 +351,11 @@ class Scenes:
             if not shows.image or view.is_table:
                 continue
             point = self.point(view)
-            told = float((point.root > 0).sum() / max(view.frame.keep.sum(), 1))
-            if told < LEAST_TOLD:
+            share = float((point.root > 0).sum() / max(view.frame.keep.sum(), 1))
+            if share < LEAST_USED:
                 raise ValueError(
-                    f"{name}: {told:.1%} of its pixels are predicted, and measured, "
-                    f"between black and white; must be {LEAST_TOLD:.0%} at least: "
+                    f"{name}: {share:.1%} of its pixels are predicted, and measured, "
+                    f"between black and white; must be {LEAST_USED:.0%} at least: "
                     "expose otherwise, or give the scene's gain"
                 )
             mean, noise = point.mean[point.root > 0], 1 / point.root[point.root > 0]
@@ -390,7 +395,7 @@ class Scenes:
         that changed."""
         points = self.points_of(FIT)
         left = self.workers.map(self.left, points)
-        pixels = [k for k, p in enumerate(points) if p.frame.samples is None]
+        pixels = [k for k, p in enumerate(points) if not p.view.is_table]
         changed = False
         if self.fits_noise and pixels:
             factors = noise_factors(
@@ -415,10 +420,10 @@ class Scenes:
     def _refine(self) -> None:
         """Add the detail of the shape of chosen effects that have one, if validation
         frames gain as much as by a name."""
-        effects, theta, model = self.effects, self.theta, self.model
-        grams, chosen = self.grams, self.chosen
+        effects, theta, grams = self.effects, self.theta, self.grams
+        named = self.chosen.names
         detailed = [
-            one.in_detail if one.name in chosen.names and one.in_detail else one
+            one.in_detail if one.name in named and one.in_detail else one
             for one in effects
         ]
         if detailed == effects:
@@ -440,8 +445,7 @@ class Scenes:
             train.fit(np.array(plain, np.intp))
         )
         if gained < self.least:
-            self.effects, self.theta, self.model = effects, theta, model
-            self.grams = grams
+            self.effects, self.theta, self.grams = effects, theta, grams
             return
         self._move(sets)
 
@@ -452,7 +456,7 @@ class Scenes:
             return
         # Nothing is fitted: training frames judge it as well.
         points = [*self.points_of(FIT), *self.points_of(SELECT)]
-        points = [point for point in points if point.frame.samples is None]
+        points = [point for point in points if not point.view.is_table]
         gain = photons(points, self.workers.map(self.left, points))
         if gain >= self.least:
             self.nats[PHOTONS], self.shapes[PHOTONS] = gain, (1.0, 0.0)

@@ -11,7 +11,6 @@ import numpy as np
 
 from cg2raw.diagnose.effects.base import Effect, Values
 from cg2raw.diagnose.effects.registry import stated_by
-from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.sensor import Sensor
 
 SENSORS_KNOWN = 8  # whose parameters are at hand
@@ -71,26 +70,6 @@ class Model:
         """Return what multiplies betas of the noise model."""
         logs = [float(t.values[0]) for t in self.terms if t.effect.scales == betas]
         return float(np.exp(sum(logs)))
-
-    def values_of(self, effect: Effect, frame: Frame) -> Values | None:
-        """Return the values by which an effect whitens a frame: a term's, or what the
-        profile has; None if neither. What moves a prediction comes on top of what the
-        profile has."""
-        term = self.term(effect.name)
-        if not effect.predicted:
-            drawn = frame.noise.drawn.get(effect.name)
-            given = None if drawn is None else np.array(drawn)
-            return given if term is None else term.values
-        given = self._listed_values(effect)
-        if term is None:
-            return given
-        added = term.values if given is None else effect.added(given, term.values)
-        return effect.within_registry_bounds(added)
-
-    def _listed_values(self, effect: Effect) -> Values | None:
-        """Return the values of an effect in the profile; None if it has none."""
-        listed = self.profile_parameters.get(effect.name)
-        return None if listed is None else np.array(list(listed.values()), float)
 
     @property
     def profile_parameters(self) -> Mapping[str, Mapping[str, float]]:

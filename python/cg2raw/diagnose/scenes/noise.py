@@ -92,9 +92,10 @@ def patch_deviation(points: Sequence[Point], residuals: Sequence[Array]) -> floa
         used = point.root > 0
         light = np.maximum(point.base, 0)[used]
         labels, weight = point.view.patches[used], light / point.noise_variance[used]
-        told = np.bincount(labels, weight * light)
-        error = np.bincount(labels, weight * residual[used])[told > 0] / told[told > 0]
-        squares.append(np.maximum(error**2 - 1 / told[told > 0], 0))
+        precision = np.bincount(labels, weight * light)
+        lit = precision > 0
+        error = np.bincount(labels, weight * residual[used])[lit] / precision[lit]
+        squares.append(np.maximum(error**2 - 1 / precision[lit], 0))
     found = np.sqrt(np.median(np.concatenate(squares)) / MEDIAN_SQUARE)
     return float(min(found, MOST_TEXTURE))
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from cg2raw import _core
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.frames.frame import Frame
@@ -24,13 +23,15 @@ from cg2raw.diagnose.scenes.gram import Normal, Space
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.nuisances import Nuisance
 from cg2raw.diagnose.scenes.predict import (
+    by_registry,
+    offset_variances,
     pattern_variances,
     predict,
     registry_values,
 )
 from cg2raw.diagnose.scenes.view import View
 
-NOISE_STAGES = ("noise",)
+NOISE = "noise"  # the stage of effects that move no mean
 COLUMN_PATTERN = "column_fixed_pattern"
 HIGHEST_MEAN = 0.85  # of white: what clips, or nearly, says nothing of the mean
 AROUND = 5  # px of an image where nothing may be brighter: glints are aliased
@@ -42,8 +43,7 @@ NOT_CUT = 3.0  # standard deviations of a sample to the lowest code
 @dataclass(frozen=True)
 class Excess:
     """Deviations that captures have beyond noise: of a shift, px; of light, relative;
-    and of the colours of a chart whose patches are given by a table, which all tables
-    of it have together, relative."""
+    and of the colours of a chart's patches, the same in all views of it, relative."""
 
     shift: float = 0.0
     texture: float = 0.0
@@ -170,15 +170,13 @@ def offsets_of(point: Point) -> list[Offset]:
     frame, n = point.frame, point.view.n
     shape = point.root.shape
     rows, columns = frame.tiles.rows_and_columns()
-    read = float(np.sqrt(frame.beta2.mean()))
-    drawn = frame.noise.drawn
+    variances = offset_variances(frame)
     found = []
-    if "row_noise" in drawn:
-        sigma = drawn["row_noise"][0] * read / np.sqrt(n)
-        found.append(Offset("rows", np.broadcast_to(rows, shape), sigma))
-    if "black_level_drift" in drawn:
-        sigma = drawn["black_level_drift"][0] * read / np.sqrt(n)
-        found.append(Offset("frame", np.zeros(shape, int), sigma))
+    shared = (("rows", "row_noise", rows), ("frame", "black_level_drift", np.int64(0)))
+    for name, effect, labels in shared:
+        if effect in variances:
+            sigma = float(np.sqrt(variances[effect] / n))
+            found.append(Offset(name, np.broadcast_to(labels, shape), sigma))
     of_columns = point.patterns.get(COLUMN_PATTERN)
     if of_columns is not None:
         sigma = float(np.sqrt(np.mean(of_columns)))
@@ -205,8 +203,8 @@ def products_of(rows: Array, point: Point) -> Array:
         labels, own = offset.labels[used], root * offset.of(used)
         count = int(labels.max(initial=0)) + 1
         along = np.array([np.bincount(labels, row * own, count) for row in rows])
-        told = np.bincount(labels, own**2, count) + offset.sigma**-2.0
-        products -= (along / told) @ along.T
+        precision = np.bincount(labels, own**2, count) + offset.sigma**-2.0
+        products -= (along / precision) @ along.T
     return products
 
 
@@ -216,8 +214,8 @@ def without_offsets(z: Array, point: Point) -> Array:
     root = point.root[used]
     for offset in offsets_of(point):
         labels, own = offset.labels[used], root * offset.of(used)
-        told = np.bincount(labels, own**2) + offset.sigma**-2.0
-        z = z - own * (np.bincount(labels, z * own) / told)[labels]
+        precision = np.bincount(labels, own**2) + offset.sigma**-2.0
+        z = z - own * (np.bincount(labels, z * own) / precision)[labels]
     return z
 
 
@@ -257,17 +255,7 @@ def mean_of(model: Model, frame: Frame, camera: Array | None = None) -> Array:
     noiseless = [
         (name, values)
         for name, values in registry_values(model, frame)
-        if registered()[name]["stage"] not in NOISE_STAGES
+        if registered()[name]["stage"] != NOISE
     ]
-    mean = _core.predict_blocks(
-        model.sensor.profile,
-        noiseless,
-        frame.camera if camera is None else camera.astype(np.float32),
-        frame.tiles.origins,
-        frame.tiles.shape,
-        frame.tiles.margin,
-        frame.neutral,
-        frame.seconds,
-        frame.glare_context,
-    )[0]
-    return mean.astype(np.float64)
+    given = None if camera is None else camera.astype(np.float32)
+    return by_registry(model, frame, noiseless, given)[0].astype(np.float64)

@@ -30,7 +30,7 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
 
     The registry's noises have one parameter per site of a Bayer CFA, one without
     filters; `predict` adds those of others, and the variance of fixed patterns; offsets
-    that pixels share are no variance, but whitened."""
+    that pixels share are no variance, but integrated out (point.offsets_of)."""
     effects = every()
     listed = {
         name: list(stated.values())
@@ -61,7 +61,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
     """Return what a model predicts of a frame."""
     values = registry_values(model, frame)
     mean, variance, exposed = (
-        part.astype(float) for part in _by_registry(model, frame, values)
+        part.astype(float) for part in _known_by_registry(model, frame, values)
     )
     charge = pattern_mean(model, frame)
     mean, exposed = mean + charge, exposed + charge
@@ -83,7 +83,7 @@ def predict(model: Model, frame: Frame) -> Prediction:
     variance = np.maximum(variance, LEAST_VARIANCE)
     variance = variance + frame.rounding / frame.range**2
     if frame.samples is not None:
-        variance = _of_means(model, frame, variance, frame.samples)
+        variance = _of_means(frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
     return Prediction(mean, variance, exposed, photon_variance, well)
 
@@ -111,21 +111,34 @@ def pattern_mean(model: Model, frame: Frame) -> float:
     )
 
 
-def _by_registry(
+def _known_by_registry(
     model: Model, frame: Frame, values: list[tuple[str, list[float]]]
 ) -> Sequence[NDArray[np.float32]]:
-    """Return (mean, variance, exposed) by the registry. What was asked for last is
-    known: noise that is whitened changes none of it."""
+    """Return what `by_registry` does; what was asked for last is kept."""
     given = model.sensor, frame.camera, frame.glare_context
     key = frame.seconds, tuple((name, tuple(each)) for name, each in values)
     known = frame.memo.get(PREDICTED)
     if known and known[0] == key and all(map(is_, known[1], given)):
         predicted: Sequence[NDArray[np.float32]] = known[2]
         return predicted
-    predicted = _core.predict_blocks(
+    predicted = by_registry(model, frame, values)
+    frame.memo[PREDICTED] = key, given, predicted
+    return predicted
+
+
+def by_registry(
+    model: Model,
+    frame: Frame,
+    values: Sequence[tuple[str, list[float]]],
+    camera: NDArray[np.float32] | None = None,
+) -> Sequence[NDArray[np.float32]]:
+    """Return (mean, variance, exposed) of a frame by the registry's effects.
+
+    camera : in the place of the frame's."""
+    return _core.predict_blocks(
         model.sensor.profile,
         values,
-        frame.camera,
+        frame.camera if camera is None else camera,
         frame.tiles.origins,
         frame.tiles.shape,
         frame.tiles.margin,
@@ -133,8 +146,6 @@ def _by_registry(
         frame.seconds,
         frame.glare_context,
     )
-    frame.memo[PREDICTED] = key, given, predicted
-    return predicted
 
 
 def variance_left(model: Model) -> float:
@@ -145,16 +156,21 @@ def variance_left(model: Model) -> float:
     return left
 
 
-def _of_means(model: Model, frame: Frame, variance: Array, samples: Array) -> Array:
+def _of_means(frame: Frame, variance: Array, samples: Array) -> Array:
     """Return the variance of means of pixels of this variance, which lie in a square
     whose rows have offsets of their own."""
-    of_rows = 0.0
-    for effect in every().values():
-        if isinstance(effect, SharedOffset):
-            values = model.values_of(effect, frame)
-            if values is not None:
-                of_rows += effect.offset_variance(values, frame)
+    of_rows = sum(offset_variances(frame).values())
     return np.asarray(variance / samples + of_rows / np.sqrt(samples))
+
+
+def offset_variances(frame: Frame) -> dict[str, float]:
+    """Return the variance of each offset that pixels share, by the profile."""
+    found = {}
+    for name, values in frame.noise.drawn.items():
+        effect = every()[name]
+        if isinstance(effect, SharedOffset):
+            found[name] = effect.offset_variance(np.array(values), frame)
+    return found
 
 
 def photon_gain(model: Model, frame: Frame) -> Array:

@@ -104,8 +104,8 @@ class Residuals:
     def tests(self) -> list[ResidualTest]:
         """Return all tests, those that explain most nats first."""
         found: list[tuple[str, float, float]] = []
-        for name, (score, told) in self._linear.items():
-            values, vectors = np.linalg.eigh(told)
+        for name, (score, information) in self._linear.items():
+            values, vectors = np.linalg.eigh(information)
             shown = values > EIGEN * max(values[-1], 1e-300)
             along = vectors[:, shown].T @ score
             found.append(

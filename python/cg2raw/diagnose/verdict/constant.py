@@ -19,17 +19,14 @@ from cg2raw.diagnose.darks_and_flats import (
     untested,
 )
 from cg2raw.diagnose.diagnosis import (
-    LARGEST_E,
     Diagnosis,
     Estimate,
     Finding,
     Gap,
-    ResidualTest,
 )
-from cg2raw.diagnose.effects.catalogue import effect
-from cg2raw.diagnose.effects.discriminating_captures import sentence
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.verdict.charts import charts_of
+from cg2raw.diagnose.verdict.findings import finding_of, verdict_of
 from cg2raw.diagnose.verdict.limits import detection_limits
 from cg2raw.diagnose.verdict.profile import mean_of_edge, updated_profile
 from cg2raw.diagnose.verdict.unexplained import (
@@ -89,7 +86,7 @@ def diagnosis_of(
     told = sorted(name for split in GROUPS[:2] for name in frames[split])
     is_closed = findings and gap.after <= gap.before
     return Diagnosis(
-        verdict=_verdict(findings, left),
+        verdict=verdict_of(findings, bool(left)),
         sensor_id=captures.sensor.id,
         effects=findings,
         gap=gap,
@@ -263,30 +260,13 @@ def _findings(
             values[one.effect][one.parameter] = Estimate(
                 one.value, unit, (one.low, one.high)
             )
-    findings = []
-    for name in chosen:
-        nats = found.selection.gains[name]
-        largest = nats >= math.log(LARGEST_E)
-        findings.append(
-            Finding(
-                name=name,
-                parameters=values[name],
-                gain_nats=nats,
-                e_value=LARGEST_E if largest else math.exp(nats),
-                alternatives=[],
-                ambiguous_with=[],
-                where=effect(name).where,
-                sentence=sentence(name, values[name], captures.sensor)
-                if values[name]
-                else "",
-                provisional=is_provisional,
-                loss_nats=nats,
-            )
+    return [
+        finding_of(
+            name,
+            values[name],
+            found.selection.gains[name],
+            captures.sensor,
+            is_provisional,
         )
-    return findings
-
-
-def _verdict(findings: Sequence[Finding], left: Sequence[ResidualTest]) -> str:
-    if not findings:
-        return "unexplained" if left else "consistent"
-    return "partially_explained" if left else "explained"
+        for name in chosen
+    ]

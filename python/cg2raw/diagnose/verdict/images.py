@@ -4,7 +4,7 @@
 """What scenes, charts and flats of known light say, as a Diagnosis."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ import numpy as np
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.diagnosis import (
-    LARGEST_E,
     DetectionLimit,
     Diagnosis,
     Estimate,
@@ -21,12 +20,13 @@ from cg2raw.diagnose.diagnosis import (
 )
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
-from cg2raw.diagnose.effects.discriminating_captures import deciding_captures, sentence
+from cg2raw.diagnose.effects.discriminating_captures import deciding_captures
 from cg2raw.diagnose.scenes.curves import curves_of
 from cg2raw.diagnose.scenes.decide import PHOTONS, WELL, Scenes
 from cg2raw.diagnose.scenes.pictures import histogram, pictures_of
 from cg2raw.diagnose.scenes.predict import variance_left
 from cg2raw.diagnose.scenes.selection import limits
+from cg2raw.diagnose.verdict.findings import finding_of, verdict_of
 from cg2raw.diagnose.verdict.profile import updated_profile
 from cg2raw.diagnose.verdict.unexplained import chi_square_test, left_over
 from cg2raw.model.figures import NORMAL
@@ -52,11 +52,11 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
     sensor = found.capture_set.sensor
     every = [*findings, *_shape_findings(found, values, findings)]
     names = _by_split(found)
-    told = sorted({name for split in GROUPS[:2] for name in names[split]})
+    captures = sorted({name for split in GROUPS[:2] for name in names[split]})
     is_closed = bool(findings) and gap.after <= gap.before
     noise = noise_row(found)
     return Diagnosis(
-        verdict=_verdict(findings, bool(left), found.ended),
+        verdict="incomplete" if found.ended else verdict_of(findings, bool(left)),
         sensor_id=sensor.id,
         effects=findings,
         gap=gap,
@@ -78,23 +78,12 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
         else [],
         histogram_before=histogram(before),
         histogram_after=histogram(after),
-        profile_json=updated_profile(sensor, every if is_closed else [], told, noise),
+        profile_json=updated_profile(
+            sensor, every if is_closed else [], captures, noise
+        ),
         interrupted=found.ended is KeyboardInterrupt,
         time_limit_reached=found.ended not in (None, KeyboardInterrupt),
     )
-
-
-def _verdict(
-    findings: Sequence[Finding], is_left: bool, ended: type[BaseException] | None
-) -> str:
-    if ended is not None:
-        return "incomplete"
-    if not findings:
-        return "unexplained" if is_left else "consistent"
-    if is_left:
-        return "partially_explained"
-    ambiguous = any(one.ambiguous_with for one in findings)
-    return "ambiguous" if ambiguous else "explained"
 
 
 def _by_split(found: Scenes) -> dict[str, list[str]]:
@@ -165,21 +154,8 @@ def _findings(
                 "no finding of its own."
             )
             continue
-        gain = nats[name]
-        findings.append(
-            Finding(
-                name=name,
-                parameters=values[name],
-                gain_nats=gain,
-                e_value=LARGEST_E if gain >= math.log(LARGEST_E) else math.exp(gain),
-                alternatives=[],
-                ambiguous_with=alike,
-                where=effect(name).where,
-                sentence=sentence(name, values[name], found.capture_set.sensor),
-                provisional=left,
-                loss_nats=gain,
-            )
-        )
+        sensor = found.capture_set.sensor
+        findings.append(finding_of(name, values[name], nats[name], sensor, left, alike))
     return findings, notes
 
 
@@ -203,20 +179,19 @@ def _gap(found: Scenes) -> Gap:
     n = max(gram.n, 1) * variance_left(found.model)
     chi_squares = gram.squares / n, (gram.squares - 2 * gram.gain(found.theta)) / n
     before, after = ((one - 1) / 2 for one in chi_squares)
-    gained = 0.0
     half = NORMAL * math.sqrt(0.5 / n)
     return Gap(
-        before + gained,
+        before,
         after,
         chi_squares[0],
         chi_squares[1],
         sorted(_by_split(found)["report"]),
-        interval_before=(before + gained - half, before + gained + half),
+        interval_before=(before - half, before + half),
         interval_after=(after - half, after + half),
     )
 
 
-def _limits(found: Scenes) -> Any:
+def _limits(found: Scenes) -> Iterator[DetectionLimit]:
     select = found.grams["select"]
     named = {*found.chosen.names, *found.shapes}
     free = [name for name in found.candidates if name not in named]

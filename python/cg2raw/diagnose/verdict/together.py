@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis, Gap
 from cg2raw.diagnose.effects.catalogue import of_images
+from cg2raw.diagnose.verdict.findings import verdict_of
 from cg2raw.sensor import Sensor
 
 
@@ -58,7 +59,9 @@ def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
         effects = [replace(one, provisional=True) for one in effects]
     return replace(
         second,
-        verdict=_verdict(first, second),
+        verdict="incomplete"
+        if second.verdict == "incomplete"
+        else verdict_of(effects, bool(left)),
         sensor_id=first.sensor_id,
         effects=effects,
         gap=_gap(first.gap, second.gap),
@@ -74,18 +77,6 @@ def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
         charts=first.charts,
         profile_json=second.profile_json or first.profile_json,
     )
-
-
-def _verdict(first: Diagnosis, second: Diagnosis) -> str:
-    """Return the verdict on both."""
-    if second.verdict == "incomplete":
-        return "incomplete"
-    is_named = bool(first.effects or second.effects)
-    if first.unexplained or second.unexplained:
-        return "partially_explained" if is_named else "unexplained"
-    if "ambiguous" in (first.verdict, second.verdict):
-        return "ambiguous"
-    return "explained" if is_named else "consistent"
 
 
 def _gap(first: Gap, second: Gap) -> Gap:
