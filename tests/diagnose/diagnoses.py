@@ -14,7 +14,6 @@ from cg2raw.diagnose.diagnosis import (
     Gap,
     Picture,
     ResidualTest,
-    Rung,
 )
 
 
@@ -65,9 +64,6 @@ def diagnosis(verdict="explained", **changes):
         "tests_before": [test],
         "tests_after": [],
         "unexplained": [test],
-        "ladder": [
-            Rung("added", "lens_shading", 18342.1, [Alternative("veiling_glare", 2.0)])
-        ],
         "detection_limits": [
             DetectionLimit("blur", "ring_1", None, "1"),
             DetectionLimit("prnu", "sigma", 0.1, ""),

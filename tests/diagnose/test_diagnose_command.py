@@ -102,7 +102,7 @@ def test_options_reach_the_engine(engine, captures, tmp_path):
 def test_the_time_limit_is_told(engine, captures, tmp_path):
     engine.result["time_limit_reached"] = True
     done = run("diagnose", "run", captures, "-o", tmp_path / "r")
-    assert done.code == 0 and "the time limit ended the search" in done.out
+    assert done.code == 0 and "the time limit ended the diagnosis" in done.out
     assert json.loads((tmp_path / "r" / "verdict.json").read_text())[
         "time_limit_reached"
     ]
@@ -124,7 +124,7 @@ def test_a_long_rest_is_left_to_the_report(engine, captures, tmp_path):
     assert "test 6" not in done.out
 
 
-def test_an_interrupted_search_leaves_a_report(engine, captures, tmp_path):
+def test_an_interrupted_diagnosis_leaves_a_report(engine, captures, tmp_path):
     engine.result.update(interrupted=True, verdict="incomplete")
     words = ("diagnose", "run", captures, "-o", tmp_path / "r")
     assert run(*words, "--exit-code").code == 14

@@ -42,7 +42,9 @@ def verdict_text(
     if found.interrupted:
         lines.append(line("", "interrupted: what stands here is partial"))
     if found.time_limit_reached:
-        lines.append(line("", "the time limit ended the search: more may be missing"))
+        lines.append(
+            line("", "the time limit ended the diagnosis: more may be missing")
+        )
     for effect in found.effects:
         lines.append(line("", effect.sentence or effect.where))
         if effect.ambiguous_with:
@@ -77,7 +79,7 @@ def reasons(found: "Diagnosis") -> list[str]:
         text = f"{effect.name}: {effect.gain_nats:.1f} nats"
         for other in effect.alternatives[:1]:
             text += f"; {other.name} in its place: {other.gain_nats:.1f}"
-        lines.append(line("why", f"{text}. {effect.rule}".rstrip(" .")))
+        lines.append(line("why", text))
     return lines
 
 

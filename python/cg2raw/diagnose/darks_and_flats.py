@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Darks and flats: what their statistics name by one model. The search of diagnose()
-decides; this is compared with it."""
+"""Darks and flats: what their statistics name by one model."""
 
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence

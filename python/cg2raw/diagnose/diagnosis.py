@@ -51,9 +51,6 @@ class Alternative:
 
     name: str
     gain_nats: float  # held-out, over the model without either
-    discriminating_captures: str = (
-        ""  # sentence: what would discriminate the two; "": the report's own
-    )
 
 
 @dataclass(frozen=True)
@@ -62,16 +59,14 @@ class Finding:
 
     name: str
     parameters: Mapping[str, Estimate]
-    gain_nats: float  # log-likelihood of the select frames over the model before
+    gain_nats: float  # log-likelihood that the select frames lose without it
     e_value: float  # capped at 1e300
-    alternatives: Sequence[Alternative]
+    alternatives: Sequence[Alternative]  # best first
     ambiguous_with: Sequence[str]
     where: str  # what the residuals looked like
     sentence: str  # plain words with numbers
     provisional: bool = False  # something unexplained is left
-    rule: str = ""  # sentence: why this name and not one of the alternatives
-    # What the select frames lose if all other effects are fitted without it, nats.
-    loss_nats: float | None = None
+    stated: bool = False  # the profile has it, with other values
 
 
 @dataclass(frozen=True)
@@ -101,17 +96,6 @@ class Gap:
     held_out: Sequence[str]
     interval_before: tuple[float, float] | None = None
     interval_after: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
-class Rung:
-    """One step of the evidence ladder: what was tried, and what it gained."""
-
-    action: str  # "calibrated", "added", "dropped", "swapped", "contradicted"
-    name: str
-    gain_nats: float
-    ranking: Sequence[Alternative]  # candidates of this step, best first
-    rule: str = ""  # sentence: why this one of them
 
 
 @dataclass(frozen=True)
@@ -205,7 +189,6 @@ class Diagnosis:
     tests_before: list[ResidualTest]
     tests_after: list[ResidualTest]
     unexplained: list[ResidualTest]
-    ladder: list[Rung]
     detection_limits: list[DetectionLimit]
     next_captures: list[str]  # sentences: what to capture to decide or to go on
     notes: list[str]  # sentences: free nuisances, what was not tested
@@ -219,5 +202,5 @@ class Diagnosis:
     white_dn: float | None = None  # above black
     electrons_per_dn: float | None = None  # by the profile with what was found
     interrupted: bool = False
-    time_limit_reached: bool = False  # by the search, which then ended with what it had
+    time_limit_reached: bool = False  # which then ended with what it had
     seconds: float = 0.0

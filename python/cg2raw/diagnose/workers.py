@@ -13,7 +13,7 @@ Result = TypeVar("Result")
 
 
 class TimeIsUp(Exception):
-    """The time that was given to a search has passed."""
+    """The time that was given to a diagnosis has passed."""
 
 
 class Workers:

@@ -79,13 +79,13 @@ def test_the_headline_counts(verdict, count, shown):
 
 def test_what_the_profile_has_already_is_not_missing():
     found = made_up_diagnosis()
-    wrong = replace(found.ladder[1], action="contradicted")
-    found = replace(found, ladder=[found.ladder[0], wrong])
+    shading, rows = found.effects
+    found = replace(found, effects=[shading, replace(rows, stated=True)])
     assert words.headline(found) == (
-        "One effect is missing from the profile and one is not as strong as it says"
+        "One effect is missing from the profile and one is not as it says"
     )
     alone = replace(found, effects=found.effects[1:])
-    assert words.headline(alone) == "Row noise is not as strong as the profile says"
+    assert words.headline(alone) == "Row noise is not as the profile says"
 
 
 def test_long_runs_are_told_in_minutes():

@@ -50,7 +50,7 @@ class Effect:
     of_mean : its parameters move the mean of images, which are fitted by derivatives;
         else darks and flats decide it, and images take it as the profile states it.
     of_images : images tell it apart from others where flats do not.
-    search : parameters that are fitted, if they are not the registry's own.
+    fitted : parameters that are fitted, if they are not the registry's own.
     bounds : narrower than the registry's, by the beginning of a parameter's name.
     step, steps_of : of numerical derivatives, and of those of some parameters.
     affine : means are, in its parameters.
@@ -68,7 +68,7 @@ class Effect:
     title: ClassVar[str] = ""
     where: ClassVar[str] = ""
     of_mean: ClassVar[bool] = True
-    search: ClassVar[tuple[Parameter, ...]] = ()
+    fitted: ClassVar[tuple[Parameter, ...]] = ()
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {}
     step: ClassVar[float] = 1e-3
     steps_of: ClassVar[Mapping[str, float]] = {}
@@ -112,7 +112,7 @@ class Effect:
     def profile_values(
         self, sensor: Sensor, row: Mapping[str, Any], read_noise: float
     ) -> tuple[float, ...] | None:
-        """Return the values of the search by which a profile draws it beyond its
+        """Return the fitted values by which a profile draws it beyond its
         variance; None if not. row : of its noise table. read_noise : the deviation."""
         return None
 
@@ -195,19 +195,19 @@ class Effect:
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
-        return tuple(parameter.name for parameter in self._searched)
+        return tuple(parameter.name for parameter in self._fitted)
 
     @cached_property
     def units(self) -> tuple[str, ...]:
-        return tuple(parameter.unit for parameter in self._searched)
+        return tuple(parameter.unit for parameter in self._fitted)
 
     @cached_property
     def low(self) -> Values:
-        return np.array([parameter.low for parameter in self._searched], float)
+        return np.array([parameter.low for parameter in self._fitted], float)
 
     @cached_property
     def high(self) -> Values:
-        return np.array([parameter.high for parameter in self._searched], float)
+        return np.array([parameter.high for parameter in self._fitted], float)
 
     @cached_property
     def steps(self) -> Values:
@@ -215,14 +215,14 @@ class Effect:
 
     @property
     def null(self) -> Values:
-        return np.zeros(len(self._searched))
+        return np.zeros(len(self._fitted))
 
     def added(self, listed: Values, values: Values) -> Values:
         """Return what a profile's values and those found on top of them make."""
         return listed + values
 
     def clipped(self, values: Values) -> Values:
-        """Return values within the bounds of the search."""
+        """Return values within the bounds of the fit."""
         return np.clip(values, self.low, self.high)
 
     def within_registry_bounds(self, values: Values) -> Values:
@@ -237,9 +237,9 @@ class Effect:
         return np.array(low, float), np.array(high, float)
 
     @cached_property
-    def _searched(self) -> tuple[Parameter, ...]:
-        if self.search:
-            return self.search
+    def _fitted(self) -> tuple[Parameter, ...]:
+        if self.fitted:
+            return self.fitted
         return tuple(
             Parameter(p["name"], *self._bounds_of(p), p["unit"]) for p in self._known
         )

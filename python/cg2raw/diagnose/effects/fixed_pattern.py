@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 
 """FixedPattern: the family of effects that darks and flats show, each in pixels of its
-own; a search of images takes them as the profile states them."""
+own; images take them as the profile states them."""
 
 from collections.abc import Mapping
 from typing import ClassVar

@@ -22,7 +22,7 @@ class HeavyTailedNoise(Effect):
     title = "heavy-tailed read noise"
     where = "outliers in darks that do not repeat"
     of_mean = False
-    search = (
+    fitted = (
         Parameter("fraction", 1e-4, 0.5),
         Parameter("variance_ratio", 1.1, 80.0),
     )

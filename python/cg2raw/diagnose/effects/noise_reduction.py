@@ -22,7 +22,7 @@ class NoiseReduction(Effect):
     where = "neighbours of one colour share their noise"
     of_mean = False
     # On top of what a profile has, which may be too much.
-    search = (Parameter("blend", -0.9, 0.9), Parameter("diagonal", -0.4, 0.4))
+    fitted = (Parameter("blend", -0.9, 0.9), Parameter("diagonal", -0.4, 0.4))
     step = 5e-3
     signature = frozenset({"softener"})
     bayer_only = True

@@ -32,7 +32,7 @@ class PoissonShotNoise(Effect):
     where = "lopsided noise at low levels"
     of_mean = False
     of_images = True
-    search = (Parameter("fraction", 0, 1.5),)
+    fitted = (Parameter("fraction", 0, 1.5),)
     step = 0.01
     signature = frozenset({"noise"})
 

@@ -16,7 +16,7 @@ class ReadNoise(NoiseGain):
     name = "read_noise"
     title = "read noise"
     where = "variance in darks"
-    search = (Parameter("log_variance", -2.5, 3),)
+    fitted = (Parameter("log_variance", -2.5, 3),)
     scales = "beta2"
     told_apart = {
         "dsnu": "Several darks of one exposure time: DSNU repeats in every frame.",

@@ -26,7 +26,7 @@ class ReadNoiseCorrelation(Effect):
     title = "read noise correlation"
     where = "neighbours in a row share read noise, most of all in darks"
     of_mean = False
-    search = (Parameter("coefficient", -0.5, 0.5),)
+    fitted = (Parameter("coefficient", -0.5, 0.5),)
     step = 5e-3
     signature = frozenset({"noise"})
     told_apart = {"noise_reduction": SOFTENED, "blur": SOFTENED, "crosstalk": SOFTENED}

@@ -22,7 +22,7 @@ class SharedOffset(Effect):
     registry's is of white."""
 
     of_mean = False
-    search: ClassVar[tuple[Parameter, ...]] = (Parameter("sigma", 0, 4),)
+    fitted: ClassVar[tuple[Parameter, ...]] = (Parameter("sigma", 0, 4),)
     step: ClassVar[float] = 0.01
     signature: ClassVar[frozenset[str]] = frozenset({"noise"})
     whitens_variance: ClassVar[bool] = True

@@ -11,7 +11,7 @@ class ShotNoise(NoiseGain):
     name = "shot_noise"
     title = "shot noise gain"
     where = "variance in proportion to signal"
-    search = (Parameter("log_gain", -1.5, 1.5),)
+    fitted = (Parameter("log_gain", -1.5, 1.5),)
     scales = "beta1"
     told_apart = {
         "prnu": "Several flats of one level: PRNU repeats in every frame and its "

@@ -16,7 +16,7 @@ class NoiseModel:
     beta2 : without that of rows, where the profile draws them.
     measured : False if it was estimated from the captures, and so proves nothing.
     drawn : how the profile says that noise is drawn beyond its variance: values of
-        effects by name, in the units of their search.
+        effects by name, in the units that are fitted.
     """
 
     beta1: tuple[float, ...]

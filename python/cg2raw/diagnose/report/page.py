@@ -42,7 +42,6 @@ USES = {
     "select": "effects are accepted or refused",
     "report": "all other numbers of this page",
 }
-ACTIONS = {"contradicted": "corrected", "swapped": "swapped in"}
 
 
 def write_report(diagnosis: Diagnosis, folder: Path) -> None:
@@ -84,13 +83,13 @@ def warnings(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what must be read first."""
     if diagnosis.interrupted:
         yield (
-            "Interrupted: the search was stopped before its end. This page shows what "
-            "was found until then; more may be missing."
+            "Interrupted: the diagnosis was stopped before its end. This page shows "
+            "what was found until then; more may be missing."
         )
     if diagnosis.time_limit_reached:
         yield (
-            "Time limit: the search was ended with what it had found until then; more "
-            "may be missing. --time-limit gives it longer."
+            "Time limit: the diagnosis was ended with what it had found until then; "
+            "more may be missing. --time-limit gives it longer."
         )
 
 
@@ -156,11 +155,9 @@ def value_of(finding: Finding, each: Sequence[Shown]) -> tuple[str, str]:
 def more_of(finding: Finding, diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what else would explain it, and what speaks for this name."""
     for name in finding.ambiguous_with:
-        given = [a for a in finding.alternatives if a.name == name]
-        decides = next((a.discriminating_captures for a in given), "")
         yield (
             f"Or it is {title(name)}: these frames cannot tell. "
-            f"{decides or discriminating_captures(finding.name, name)}"
+            f"{discriminating_captures(finding.name, name)}"
         )
     taken = {one.name for one in diagnosis.effects} | {*finding.ambiguous_with}
     others = [
@@ -173,11 +170,9 @@ def more_of(finding: Finding, diagnosis: Diagnosis) -> Iterator[str]:
         behind = finding.gain_nats - best.gain_nats
         side = "behind" if behind >= 0 else "ahead"
         yield (
-            f"Next best explanation: {title(best.name)}, "
-            f"{words.nats(abs(behind))} nats {side}. {finding.rule}".rstrip()
+            f"Next best explanation: {title(best.name)}, {words.nats(abs(behind))} "
+            f"nats {side}."
         )
-    elif finding.rule:
-        yield finding.rule
     if finding.provisional:
         yield "Provisional: something is left that no effect explains."
 
@@ -192,8 +187,6 @@ def side(
         gain = max(finding.gain_nats, 0.0)
         share = 100 * math.log1p(gain) / math.log1p(most)
     yield "gain, nats (bar: log)", words.nats(finding.gain_nats), share
-    if finding.loss_nats is not None and finding.loss_nats != finding.gain_nats:
-        yield "lost without it, nats", words.nats(finding.loss_nats), None
 
 
 def boxes(diagnosis: Diagnosis) -> Iterator[Box]:
@@ -254,18 +247,6 @@ def folds(diagnosis: Diagnosis) -> Iterator[Box]:
     note = plural(len(rows), "value")
     yield Box("All parameters", note, tables=[Table(head, rows, 2)] if rows else [])
     yield tests(diagnosis)
-    steps = [
-        (
-            ACTIONS.get(one.action, one.action),
-            title(one.name),
-            words.nats(one.gain_nats),
-        )
-        + (", ".join(title(other.name) for other in one.ranking[:3]),)
-        for one in diagnosis.ladder
-    ]
-    of_steps = ("step", "effect", "gain, nats", "best of those tried")
-    note = plural(len(steps), "step")
-    yield Box("Search", note, tables=[Table(of_steps, steps, 4)] if steps else [])
     names = [
         (SPLITS.get(split, split), ", ".join(every))
         for split, every in diagnosis.groups.items()

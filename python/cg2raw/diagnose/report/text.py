@@ -109,19 +109,20 @@ NUMERALS = (
 
 def headline(diagnosis: Diagnosis) -> str:
     """Return the verdict in one short sentence."""
-    wrong = corrected(diagnosis)
-    count, more = len(diagnosis.effects) - len(wrong), len(wrong)
+    more = sum(one.stated for one in diagnosis.effects)
+    count = len(diagnosis.effects) - more
     match diagnosis.verdict:
         case "consistent":
             return "Nothing in these frames contradicts the profile"
         case "unexplained":
             return "The frames differ from the profile, and no known effect explains it"
         case "incomplete":
-            return "The search ended before it had decided"
+            return "The diagnosis ended before all was decided"
     if count + more == 1:
         name = heading(diagnosis.effects[0].name)
-        missing = "is not as strong as the profile says" if more else "is missing"
-        return f"{name} {missing}" + " from the profile" * (not more)
+        return f"{name} " + (
+            "is not as the profile says" if more else "is missing from the profile"
+        )
     parts = []
     if count or not more:
         verb = "is" if count == 1 else "are"
@@ -131,7 +132,7 @@ def headline(diagnosis: Diagnosis) -> str:
         verb = "is" if more == 1 else "are"
         noun = "" if parts else (" effect" if more == 1 else " effects")
         tail = "it says" if parts else "the profile says"
-        parts.append(f"{counted_words(more)}{noun} {verb} not as strong as {tail}")
+        parts.append(f"{counted_words(more)}{noun} {verb} not as {tail}")
     words = " and ".join(parts)
     return words[:1].upper() + words[1:]
 
@@ -139,12 +140,6 @@ def headline(diagnosis: Diagnosis) -> str:
 def counted_words(count: int) -> str:
     """Return a number of things in words, up to nine."""
     return NUMERALS[count] if count < len(NUMERALS) else str(count)
-
-
-def corrected(diagnosis: Diagnosis) -> list[str]:
-    """Return the effects that the profile has, and that are stronger or weaker."""
-    names = {rung.name for rung in diagnosis.ladder if rung.action == "contradicted"}
-    return [one.name for one in diagnosis.effects if one.name in names]
 
 
 def summary(diagnosis: Diagnosis) -> str:

@@ -10,7 +10,7 @@ not fit it is the log of an e-value: L. Wasserman et al., PNAS 117(29), 2020.
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import combinations
 
@@ -24,11 +24,13 @@ Names = frozenset[str]
 @dataclass(frozen=True)
 class Chosen:
     """names : best first. nats : what validation scenes lose without each. alike : sets
-    of other effects that would do as well, by name; one class."""
+    of other effects that would do as well, by name; one class. instead : the best other
+    effect in its place, and what validation scenes gain by that."""
 
     names: Sequence[str]
     nats: Mapping[str, float]
     alike: Mapping[str, Sequence[tuple[str, ...]]]
+    instead: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
 
 class Selection:
@@ -66,7 +68,12 @@ class Selection:
             names = max((names - {a} for a in sorted(names)), key=score)
         nats = {a: score(names) - score(names - {a}) for a in sorted(names)}
         first = sorted(nats, key=lambda a: -nats[a])
-        return Chosen(first, nats, self._alike(names, every))
+        instead = {}
+        for a in names if every - names else ():
+            rest = names - {a}
+            b = max(sorted(every - names), key=lambda b: score(rest | {b}))
+            instead[a] = b, score(rest | {b}) - score(rest)
+        return Chosen(first, nats, self._alike(names, every), instead)
 
     def _worth(self, names: Names) -> float:
         return self._score(names) - self.least * len(names)

@@ -93,7 +93,6 @@ def diagnosis_of(
         tests_before=tests[0],
         tests_after=tests[1],
         unexplained=left,
-        ladder=[],
         detection_limits=[
             one for one in detection_limits(found, chosen) if one.name in names
         ],
@@ -124,7 +123,6 @@ def unfinished(captures: CaptureSet, *, interrupted: bool) -> Diagnosis:
         tests_before=[],
         tests_after=[],
         unexplained=[],
-        ladder=[],
         detection_limits=[],
         next_captures=[],
         notes=list(captures.notes),

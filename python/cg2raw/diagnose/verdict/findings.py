@@ -6,7 +6,7 @@
 import math
 from collections.abc import Sequence
 
-from cg2raw.diagnose.diagnosis import LARGEST_E, Finding
+from cg2raw.diagnose.diagnosis import LARGEST_E, Alternative, Finding
 from cg2raw.diagnose.effects.base import Estimates
 from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.effects.discriminating_captures import sentence
@@ -20,20 +20,24 @@ def finding_of(
     sensor: Sensor,
     is_provisional: bool,
     ambiguous_with: Sequence[str] = (),
+    instead: tuple[str, float] | None = None,
 ) -> Finding:
-    """Return a finding. nats : that validation frames lose without it."""
+    """Return a finding.
+
+    nats : that validation frames lose without it. instead : the best name in its place,
+    and what that gains."""
     largest = nats >= math.log(LARGEST_E)
     return Finding(
         name=name,
         parameters=values,
         gain_nats=nats,
         e_value=LARGEST_E if largest else math.exp(nats),
-        alternatives=[],
+        alternatives=[Alternative(*instead)] if instead else [],
         ambiguous_with=list(ambiguous_with),
         where=effect(name).where,
         sentence=sentence(name, values, sensor) if values else "",
         provisional=is_provisional,
-        loss_nats=nats,
+        stated=any(one["name"] == name for one in sensor.effects or ()),
     )
 
 

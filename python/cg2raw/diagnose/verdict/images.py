@@ -63,7 +63,6 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
         tests_before=tests[0],
         tests_after=tests[1],
         unexplained=left,
-        ladder=[],
         detection_limits=[] if found.ended else list(_limits(found)),
         next_captures=[
             text
@@ -155,7 +154,10 @@ def _findings(
             )
             continue
         sensor = found.capture_set.sensor
-        findings.append(finding_of(name, values[name], nats[name], sensor, left, alike))
+        instead = found.chosen.instead.get(name)
+        findings.append(
+            finding_of(name, values[name], nats[name], sensor, left, alike, instead)
+        )
     return findings, notes
 
 
