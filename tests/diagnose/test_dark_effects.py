@@ -124,6 +124,22 @@ def test_all_of_them_at_once_are_found():
     assert np.ptp(chi2) < 0.05, chi2
 
 
+def test_noise_before_a_filter_of_the_file_is_what_the_profile_gets():
+    """Frames have what it leaves, and those of the found profile agree with it."""
+    noise = {"noise_reduction": {"blend": 0.15, "diagonal": 0.05}}
+    noise |= {"dsnu": {"sigma": 0.5 * READ}, "row_noise": {"sigma": 0.3 * READ}}
+    profile = json.loads(with_effects(**noise).to_json())
+    for row in profile["noise"]:
+        row["beta2"] = [np.exp(0.3) * one for one in row["beta2"]]
+    found = diagnosed(Sensor.from_json(json.dumps(profile), "true"))
+    by_name = {finding.name: finding for finding in found.effects}
+    assert set(by_name) == {*noise, "read_noise"}
+    for name, planted in {**noise, "read_noise": {"log_variance": 0.3}}.items():
+        assert missed(by_name[name], planted) == [], name
+    better = Sensor.from_json(found.profile_json, "found")
+    assert diagnosed(better, better, draw=1).verdict == "consistent"
+
+
 @pytest.mark.slow
 def test_a_structure_that_is_in_the_profile_is_found_where_it_changed():
     """Steps start from what the profile has: not from zero, nor twice."""

@@ -2,17 +2,26 @@
 # Copyright Contributors to the cg2raw Project.
 """Correlations of neighbours, and what made them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.ndimage import convolve
 
 from cg2raw.model.correlation import neighbours
 from cg2raw.model.fit import fit
-from cg2raw.model.lags import Blended, lag_gains, lags_of, shared_by, variance_left
+from cg2raw.model.lags import (
+    Blended,
+    lag_gains,
+    lags_of,
+    shared_by,
+    variance_left,
+    variance_left_of_lines,
+)
 from cg2raw.statistics.constant import LAGS, GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 
-LEAST = 8.0
+LEAST, NONE = 8.0, np.zeros(0)
 SHAPE, READ, GAIN = (120, 160), 6.0, 0.4  # DN, DN per electron
 
 
@@ -80,8 +89,19 @@ def test_a_weak_one_is_told_by_what_it_leaves_of_noise():
     first, second = halves(np.random.default_rng(12), 2, blend=0.02)
     gains, values, covariance = lag_gains(first, second)
     assert gains["noise_reduction"] > LEAST
-    left = Blended.of(values, covariance)
+    left = Blended.of(first, values, covariance)
     assert left.left == pytest.approx(variance_left(0.02, 0.0), abs=4 * left.error)
+
+
+def test_what_the_profile_states_is_no_gain():
+    """And what is beyond it, is."""
+    rng, given = np.random.default_rng(16), {"blend": 0.2, "diagonal": 0.1}
+    for stated, gains in ((0.2, False), (0.1, True)):
+        both = [
+            replace(one, null=np.array([0.0, stated, 0.1]), ratios=NONE, errors=NONE)
+            for one in halves(rng, 2, **given)
+        ]
+        assert (lag_gains(*both)[0]["noise_reduction"] > LEAST) == gains
 
 
 def test_less_of_one_noise_alone_is_no_noise_reduction():
@@ -96,8 +116,12 @@ def test_correlations_are_those_of_blended_noise(blend, diagonal):
     rng = np.random.default_rng(14)
     image = blended(rng.standard_normal((600, 800)), blend, diagonal, 1)
     assert image.var() == pytest.approx(variance_left(blend, diagonal), rel=0.01)
-    for (down, across), value in shared_by(blend, diagonal).items():
-        moved = np.roll(image, (down, across), (0, 1))
+    lines = blended(rng.standard_normal((900, 1)) + np.zeros(40), blend, diagonal, 1)
+    left = variance_left_of_lines(blend, diagonal)
+    assert lines.var() == pytest.approx(left, rel=0.15)
+    assert left > image.var()
+    for (down, across), value in np.ndenumerate(shared_by(blend, diagonal)):
+        moved = np.roll(image, (down - 2, across - 2), (0, 1))
         assert (image * moved).mean() / image.var() == pytest.approx(value, abs=5e-3)
 
 

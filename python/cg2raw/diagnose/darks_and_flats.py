@@ -23,9 +23,15 @@ from cg2raw.model.fit import Fit, fit
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
 from cg2raw.model.halves import Halves, halves_of, without_halves
 from cg2raw.model.lags import lags_of
-from cg2raw.model.profile_values import OF_EFFECTS, profile_values
+from cg2raw.model.profile_values import (
+    OF_EFFECTS,
+    OF_LAGS,
+    profile_lags,
+    profile_values,
+)
 from cg2raw.model.selection import Selection, selection
 from cg2raw.model.shapes import shapes
+from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.values import Value, effect_values
 from cg2raw.sensor import Sensor
 from cg2raw.short_messages import plural
@@ -44,7 +50,8 @@ class DarksAndFlats:
     """names : best first. least : nats that a name needs. values : of all that the
     frames show, by training and validation frames together, of which both is the fit.
     statistics : of all splits, of the captures used. profile : (n,) parameters as the
-    profile has them. mean_of : (H, W) DN mean image of a group by its number.
+    profile has them; null_lags : of OF_LAGS likewise. mean_of : (H, W) DN mean image of
+    a group by its number.
     excluded : (H, W) samples that count in nothing.
     notes : sentences on what was left out. has_noise : whether the profile has."""
 
@@ -58,6 +65,7 @@ class DarksAndFlats:
     mean_of: Callable[[int], NDArray[np.float32]]
     excluded: NDArray[np.bool_] | None
     profile: Array
+    null_lags: Array
     used: Sequence[Capture]
     notes: Sequence[str]
     has_noise: bool
@@ -146,11 +154,14 @@ def darks_and_flats(
         say("fitting darks and flats", 0.55 + 0.1 * len(fits))
         fits.append(fit(statistics, profile))
     say("dropping each name", 0.75)
-    lags = [
-        lags_of(one, found, profile) for one, found in zip(splits, fits, strict=True)
-    ]
-    first, second = lags
     of_shapes = shapes(whole, (TRAINING, VALIDATION), (fits[0], fits[1]))
+    tails = of_shapes.found.get(TAILS)
+    has_tails = tails is not None and tails.nats > least
+    null = profile_lags(sensor)
+    first, second = (
+        lags_of(one, found, profile, has_tails, null)
+        for one, found in zip(splits, fits, strict=True)
+    )
     found = selection(
         fits[0],
         fits[1],
@@ -186,7 +197,8 @@ def darks_and_flats(
     say("measuring what was found", 0.9)
     together = fit(both, profile)
     kept = [s for s in of_shapes.found.values() if s.name in found.kept(least)]
-    values = tuple(effect_values(both, together, profile, white, kept))
+    beyond = of_shapes.whole if has_tails else 1.0
+    values = tuple(effect_values(both, together, profile, white, kept, beyond))
     return DarksAndFlats(
         captures,
         found.kept(least),
@@ -198,6 +210,7 @@ def darks_and_flats(
         mean_of,
         excluded,
         profile,
+        null,
         used,
         notes,
         has_noise,
@@ -266,7 +279,7 @@ def untested(sensor: Sensor) -> set[str]:
     """Return the effects that a profile states and darks and flats cannot test: it says
     a law or a shape, and a variance of what is not masked is what they measure."""
     stated = {entry["name"] for entry in sensor.effects or ()}
-    tested = {*OF_EFFECTS, *NOISE_TABLE, "black_level"}
+    tested = {*OF_EFFECTS, *NOISE_TABLE, *dict(OF_LAGS), "black_level"}
     return stated - tested | stated & {"dark_current_nonuniformity"}
 
 

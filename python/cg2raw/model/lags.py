@@ -6,18 +6,27 @@ Read noise is autoregressive of order 1 along a row of the mosaic. Noise reducti
 blends all noise with that of the four of its colour beside, and of the four across."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.signal import correlate2d
 
-from cg2raw.model.correlation import neighbours
 from cg2raw.model.fit import Fit, Prior
 from cg2raw.statistics.codes import ROUNDING
-from cg2raw.statistics.constant import LAGS, PIXEL, Array, ConstantStatistics
+from cg2raw.statistics.constant import (
+    FIELD,
+    LAGS,
+    PIXEL,
+    Array,
+    ConstantStatistics,
+)
 
 NAMES = {"read_noise_correlation": [0], "noise_reduction": [1, 2]}
 LEAST_RELATIVE = 1e-4  # far below what variances are known to
+NOTHING: Array = np.zeros(3)
+ALONG = np.arange(-8, 9)  # px of a row, beyond which read noise has little in common
 LOWEST, HIGHEST = (-0.5, 0.0, 0.0), (0.5, 0.9, 0.4)  # as of docs/effects.md
 
 
@@ -25,32 +34,46 @@ LOWEST, HIGHEST = (-0.5, 0.0, 0.0), (0.5, 0.9, 0.4)  # as of docs/effects.md
 class Lags:
     """Correlations of the noise of repeats with that of neighbours.
 
-    measured : (G, lags). samples : (G,) whose products each is the mean of. side : px
-    of the CFA's repeat. read, whole : (G,) shares of the recorded variance: of read
-    noise, and of all noise but for rounding. ratios, errors : (R,) logarithms of read
-    noise and gain over the profile's, which noise reduction would lower alike, and
-    their standard errors."""
+    measured : (G, lags), of residuals. samples : (G,) whose products each is the mean
+    of; residuals' variance is by their degrees of freedom. side : px of the CFA's
+    repeat. shape : of a plane. read, whole : (G,) shares of the recorded variance: of
+    read noise, and of all noise but for rounding. ratios, errors : (R,) logarithms of
+    read noise and gain over the profile's, which noise reduction would lower alike, and
+    their standard errors. null : (coefficient, blend, diagonal) of the profile."""
 
     measured: Array
     samples: Array
     side: int
+    shape: tuple[int, int]
     read: Array
     whole: Array
     ratios: Array
     errors: Array
+    null: Array
 
     def expected(self, values: Array) -> Array:
         """Return (G, lags) for (coefficient, blend, diagonal)."""
         coefficient, *blended = values
-        shared = shared_by(*blended)
-        found = np.zeros_like(self.measured)
-        for n, (down, across) in enumerate(LAGS):
-            if down == 0:
-                found[:, n] += self.read * coefficient**across
-            if down % self.side == 0 and across % self.side == 0:
-                steps = down // self.side, across // self.side
-                found[:, n] += self.whole * shared[steps]
-        return found
+        in_blend, in_rows = self._shares
+        white = in_blend[:, 2, 2]
+        of_blend = (in_blend * shared_by(*blended)).sum(axis=(1, 2)) - white
+        of_rows = in_rows @ coefficient ** np.abs(ALONG) - white
+        found = white + np.outer(self.whole, of_blend) + np.outer(self.read, of_rows)
+        return np.asarray(found[:, 1:] / found[:, :1] * white[0])
+
+    @cached_property
+    def _shares(self) -> tuple[Array, Array]:
+        """Return (1 + lags, 5, 5), (1 + lags, ALONG): of the covariance of residuals at
+        no lag and at each, what has that of noise at up to two steps of one colour, and
+        at places along a row."""
+        steps = self.side * np.arange(-2, 3)
+        every = ((0, 0), *LAGS)
+        blend = [left_of(lag, steps, steps, self.side, self.shape) for lag in every]
+        rows = [
+            left_of(lag, np.zeros(1, int), ALONG, self.side, self.shape)[0]
+            for lag in every
+        ]
+        return np.array(blend), np.array(rows)
 
     def value(self, values: Array) -> float:
         """Return the log-likelihood, nats, but for a constant."""
@@ -59,6 +82,11 @@ class Lags:
     def _rest(self, values: Array) -> Array:
         rest = (self.measured - self.expected(values)) * np.sqrt(self.samples)[:, None]
         return rest.ravel()
+
+    def lowered(self, values: Array) -> float:
+        """Return the logarithm of what noise reduction leaves over a profile's."""
+        left = variance_left(*values[1:]) / variance_left(*self.null[1:])
+        return float(np.log(left))
 
     def of_ratios(self, expected: Array | float) -> float:
         """Return the log-likelihood of the ratios, nats, but for a constant."""
@@ -77,8 +105,7 @@ class Lags:
 
         def rest(some: Array) -> Array:
             values = whole(some)
-            left = np.log(variance_left(*values[1:]))
-            more = (self.ratios - left) / self.errors * by_ratios
+            more = (self.ratios - self.lowered(values)) / self.errors * by_ratios
             return np.concatenate([self._rest(values), more])
 
         if not free.any():
@@ -90,20 +117,34 @@ class Lags:
         return whole(found.x), covariance
 
 
-def shared_by(blend: float, diagonal: float) -> dict[tuple[int, int], float]:
-    """Return correlations of white noise that was blended, by (rows, columns) in steps
-    of one colour."""
-    own = 1 - blend - diagonal
-    left = variance_left(blend, diagonal)
-    beside = own * blend / 2 + blend * diagonal / 4
-    found = {
-        (0, 1): beside,
-        (0, 2): blend**2 / 16 + diagonal**2 / 8,
-        (1, 1): own * diagonal / 2 + blend**2 / 8,
-        (2, 2): diagonal**2 / 16,
-    }
-    found |= {(1, 0): found[0, 1], (2, 0): found[0, 2]}
-    return {steps: value / left for steps, value in found.items()}
+def shared_by(blend: float, diagonal: float) -> Array:
+    """Return (5, 5) correlations of white noise that was blended, at up to two steps of
+    one colour down and across."""
+    kernel = np.array([diagonal, blend, diagonal]) / 4
+    kernel = np.stack([kernel, [blend / 4, 1 - blend - diagonal, blend / 4], kernel])
+    found = correlate2d(kernel, kernel)
+    return np.asarray(found / found[2, 2])
+
+
+def left_of(
+    lag: tuple[int, int],
+    down: NDArray[np.int64],
+    across: NDArray[np.int64],
+    side: int,
+    shape: tuple[int, int],
+) -> Array:
+    """Return (rows, columns), what the covariance of residuals at a lag has of that of
+    noise at distances down and across, px.
+
+    Residuals of a plane have lost the means of their lines and the field, with what
+    noise has there in common with all along them."""
+    rows, columns = np.meshgrid(down, across, indexing="ij")
+    same_row, same_column = rows == lag[0], columns == lag[1]
+    h, w = shape
+    found = same_row * same_column - same_row / w - same_column / h
+    found = found + (1 - FIELD**2) / (h * w)
+    in_planes = (rows - lag[0]) % side + (columns - lag[1]) % side == 0
+    return np.asarray(np.where(in_planes, found, 0.0))
 
 
 def variance_left(blend: float, diagonal: float) -> float:
@@ -111,25 +152,31 @@ def variance_left(blend: float, diagonal: float) -> float:
     return (1 - blend - diagonal) ** 2 + (blend**2 + diagonal**2) / 4
 
 
+def variance_left_of_lines(blend: float, diagonal: float) -> float:
+    """Return the share that blending leaves of the variance of rows, or of columns,
+    whose samples are alike."""
+    return (1 - blend / 2 - diagonal) ** 2 + (blend / 2 + diagonal) ** 2 / 2
+
+
 @dataclass(frozen=True)
 class Blended:
-    """What noise reduction leaves of variances, and its standard error."""
+    """What noise reduction leaves of variances over what a profile's leaves, and its
+    standard error."""
 
     left: float
     error: float
 
     @classmethod
-    def of(cls, values: Array, covariance: Array) -> "Blended":
+    def of(cls, lags: Lags, values: Array, covariance: Array) -> "Blended":
         """values, covariance : as Lags.fitted returns them."""
-        left = variance_left(*values[1:])
-        step = 1e-4
+        left, step = np.exp(lags.lowered(values)), 1e-4
         slope = np.array(
             [
-                (variance_left(*(values[1:] + step * one)) - left) / step
-                for one in np.eye(2)
+                (np.exp(lags.lowered(values + step * one)) - left) / step
+                for one in np.eye(3)[1:]
             ]
         )
-        return cls(left, float(np.sqrt(slope @ covariance[1:, 1:] @ slope)))
+        return cls(float(left), float(np.sqrt(slope @ covariance[1:, 1:] @ slope)))
 
     def prior(self, places: NDArray[np.int64], profile: Array) -> Prior:
         """Return where it takes a profile's variances, all in common."""
@@ -139,32 +186,42 @@ class Blended:
         return Prior(places, self.left * means, covariance + alone)
 
 
-def lags_of(statistics: ConstantStatistics, found: Fit, profile: Array) -> Lags | None:
+def lags_of(
+    statistics: ConstantStatistics,
+    found: Fit,
+    profile: Array,
+    has_tails: bool = False,
+    null: Array = NOTHING,
+) -> Lags | None:
     """Return the correlations of groups with pairs; None if there are none.
 
-    profile : (n,) parameters of the null."""
+    profile : (n,) parameters of the null; null : (coefficient, blend, diagonal) of it.
+    has_tails : read noise has, and what is not masked of it is less for that."""
     groups = np.flatnonzero(statistics.pairs)
-    if not len(groups):
+    shape = statistics.planes[0].shape
+    if not len(groups) or min(shape) <= FIELD:
         return None
     planes = found.likelihood.planes
     recorded = np.mean([plane.scatter[groups, PIXEL] for plane in planes], axis=0)
     at, sites = found.parameters.of, range(found.parameters.sites)
     read = np.mean([found.theta[at("read_noise", s)] for s in sites])
-    all_lags = [neighbours(statistics, *lag) for lag in LAGS]
     samples = sum(float((~plane.plane.masked).sum()) for plane in planes)
     pairs = statistics.pairs[groups].astype(float)
-    places = np.array([at(name, s) for name in ("read_noise", "gain") for s in sites])
+    lowered = ("gain",) if has_tails else ("read_noise", "gain")
+    places = np.array([at(name, s) for name in lowered for s in sites])
     errors = np.sqrt(np.diagonal(found.covariance))[places] / found.theta[places]
     known = np.isfinite(errors) & (errors > 0) & (profile[places] > 0)
     places, errors = places[known], errors[known]
     return Lags(
-        measured=np.array(all_lags).T[groups],
+        measured=statistics.lags[groups],
         samples=pairs * samples,
         side=planes[0].side,
+        shape=shape,
         read=np.clip(read / recorded, 0.0, 1.0),
         whole=np.clip(1 - ROUNDING / recorded, 0.0, 1.0),
         ratios=np.log(found.theta[places] / profile[places]),
         errors=errors,
+        null=null,
     )
 
 
@@ -180,7 +237,7 @@ def lag_gains(
     nothing = np.full(3, np.nan)
     trained, covariance = training.fitted(nothing)
     without = {
-        name: validation.value(validation.fitted(_with(places, np.zeros(3)))[0])
+        name: validation.value(validation.fitted(_with(places, validation.null))[0])
         for name, places in NAMES.items()
     }
     gains = {
@@ -192,7 +249,7 @@ def lag_gains(
     if len(training.ratios) == len(validation.ratios) > 0:
         both, of_both = training.fitted(nothing, by_ratios=True)
         value = validation.value(validation.fitted(_with(NAMES[name], both))[0])
-        value += validation.of_ratios(np.log(variance_left(*both[1:])))
+        value += validation.of_ratios(validation.lowered(both))
         if value >= without[name] + validation.of_ratios(training.ratios):
             gain = value - without[name] - validation.of_ratios(0.0)
             if gain > gains[name]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from cg2raw.model.evaluation import Parameters
+from cg2raw.model.lags import variance_left, variance_left_of_lines
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import Array
 
@@ -40,9 +41,20 @@ OF_EFFECTS: Mapping[str, tuple[str, Callable[[Values, float], float]]] = {
 }
 
 
+OF_LAGS = (
+    ("read_noise_correlation", "coefficient"),
+    ("noise_reduction", "blend"),
+    ("noise_reduction", "diagonal"),
+)
+# What noise reduction lowers of pixels, and of rows and columns.
+PIXELS = ("read_noise", "gain", "dsnu", "dark_current_nonuniformity", "prnu")
+LINES = ("row_noise", "column_fixed_pattern")
+
+
 def profile_values(sensor: Sensor, iso: float | None, parameters: Parameters) -> Array:
     """Return the parameters, (n,), as a sensor's profile has them: variances DN^2, of
-    light relative. Without an ISO, read noise and gain are 0.
+    light relative, as noise reduction leaves them. Without an ISO, read noise and gain
+    are 0.
 
     Raises ValueError for an ISO without noise."""
     found = np.zeros(len(parameters))
@@ -65,4 +77,18 @@ def profile_values(sensor: Sensor, iso: float | None, parameters: Parameters) ->
     for name, (parameter, value) in OF_EFFECTS.items():
         if name in effects:
             found[parameters.of(parameter)] = value(effects[name], white)
+    _, *blended = profile_lags(sensor)
+    for name in PIXELS:
+        count = parameters.sites if name in ("read_noise", "gain") else 1
+        places = parameters.of(name) + np.arange(count)
+        found[places] *= variance_left(*blended)
+    for name in LINES:
+        found[parameters.of(name)] *= variance_left_of_lines(*blended)
     return found
+
+
+def profile_lags(sensor: Sensor) -> Array:
+    """Return what a profile has of noise that neighbours share: the coefficient of read
+    noise, and the blend and diagonal of noise reduction."""
+    effects = {e["name"]: e["parameters"] for e in sensor.effects or ()}
+    return np.array([effects.get(name, {}).get(one, 0.0) for name, one in OF_LAGS])

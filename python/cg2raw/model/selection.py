@@ -91,7 +91,7 @@ def selection(
     if lags is not None:
         gains, trained, covariance = lag_gains(*lags)
         if gains["noise_reduction"] > least:
-            blended = Blended.of(trained, covariance)
+            blended = Blended.of(lags[0], trained, covariance)
     known = np.isfinite(np.diagonal(training.covariance))
     known &= np.isfinite(np.diagonal(validation.covariance))
     beginnings = [name.partition(",")[0] for name in names]
@@ -135,7 +135,8 @@ def selection(
             gains["read_noise"] = of_core or gains["read_noise"]
         if gains.get(TAILS, 0.0) > least and shapes.most[1] is not None:
             # A profile's noise is that of most draws, or of more, up to all.
-            total = float(validation.theta[places["read_noise"]].mean())
+            kept = float(validation.theta[places["read_noise"]].mean())
+            total = kept * shapes.whole
             of_most = shapes.read_noise(variance, shapes.most)
             nothing = 0.0 if shapes.most[1][0] < variance < total else np.inf
             gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])

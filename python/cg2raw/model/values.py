@@ -43,9 +43,11 @@ def effect_values(
     profile: Array,
     white: float,
     shapes: Iterable[Shape] = (),
+    whole: float = 1.0,
 ) -> Iterator[Value]:
     """Yield what the frames show, named or not, but for shapes. profile : (n,)
-    parameters of the null. white : DN above black. shapes : that are named."""
+    parameters of the null. white : DN above black. shapes : that are named. whole : the
+    variance of read noise over that of samples that are not masked."""
     for shape in shapes:
         for one in shape.figures:
             if np.isfinite([one.value, one.low, one.high]).all():
@@ -67,6 +69,7 @@ def effect_values(
             continue
         slope = 1 / found.theta[places] / count
         value = float(np.log(ratio).mean())
+        value += float(np.log(whole)) if effect == "read_noise" else 0.0
         half = NORMAL * float(np.sqrt(slope @ covariance @ slope))
         yield Value(effect, name, value, value - half, value + half)
     for site in range(count):

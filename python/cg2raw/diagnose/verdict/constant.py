@@ -35,7 +35,7 @@ from cg2raw.diagnose.verdict.unexplained import (
     tests_of,
     unnamed_tests,
 )
-from cg2raw.diagnose.verdict.values import more_values
+from cg2raw.diagnose.verdict.values import values_of
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
@@ -177,7 +177,10 @@ def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
     """Return the fit of what is named; all else is as the profile has it."""
     names = found.both.parameters.names
     beginnings = [name.partition(",")[0] for name in names]
-    stated = [entry["name"] for entry in found.captures.sensor.effects or ()]
+    effects = {entry["name"] for entry in found.captures.sensor.effects or ()}
+    stated = effects - {
+        "noise_reduction"
+    }  # of which the profile's noise is what is left
     moving = [other for one in (*chosen, *stated) for other in MOVES.get(one, ())]
     chosen = [*chosen, *moving]
     parameters = [p for name in chosen for p in NAMES.get(name, ())]
@@ -252,7 +255,7 @@ def _findings(
         for p in known["parameters"]
     }
     values: dict[str, dict[str, Estimate]] = {name: {} for name in chosen}
-    for one in [*found.values, *more_values(found, chosen)]:
+    for one in values_of(found, chosen):
         if one.effect in values:
             unit = units.get((one.effect, one.parameter), "1")
             values[one.effect][one.parameter] = Estimate(

@@ -4,7 +4,7 @@
 """Values of what is named that are no figure of the fit: shapes of the dark frame and
 of the light as calibrate has them, correlations by lags, changes of light by levels."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -22,8 +22,15 @@ from cg2raw.diagnose.verdict.measurements import measurements_of
 from cg2raw.model import flicker
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
-from cg2raw.model.lags import lags_of
-from cg2raw.model.values import Value
+from cg2raw.model.lags import (
+    Blended,
+    lags_of,
+    variance_left,
+    variance_left_of_lines,
+)
+from cg2raw.model.profile_values import LINES, OF_LAGS, PIXELS
+from cg2raw.model.values import LOGARITHMS, Value
+from cg2raw.statistics.constant import Array
 
 # Parameters of effects of levels, and the share of a value that each has: of crosstalk
 # both neighbours along a line have half.
@@ -38,11 +45,6 @@ OF_LEVELS: Mapping[str, tuple[tuple[str, int, float], ...]] = {
     "nonlinearity": (("quadratic", 0, 1.0), ("cubic", 1, 1.0)),
 }
 OF_VARIANCES = ("row_noise", "dsnu", "column_fixed_pattern", "prnu")
-OF_LAGS = (
-    ("read_noise_correlation", "coefficient"),
-    ("noise_reduction", "blend"),
-    ("noise_reduction", "diagonal"),
-)
 # As of calibrate: shapes; the dark current of the median pixel, which is what the
 # registry calls so, beside them; the black level of the shortest darks.
 OF_SHAPES = frozenset(
@@ -53,11 +55,12 @@ OF_SHAPES = frozenset(
 )
 
 
-def more_values(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
+def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
     """Return the values of effects that are named, by training and validation frames;
-    of one that stands for another, they take the place of the fit's."""
+    of one that stands for another, the later take the place of the fit's."""
+    variances = [*found.values, *_of_variances(found, named)]
     return [
-        *_of_variances(found, named),
+        *_before_reduction(found, named, variances),
         *_of_lags(found, named),
         *_of_levels(found, named),
         *_of_shapes(found, named),
@@ -100,18 +103,56 @@ def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
         yield Value(name, OF_LEVELS[name][0][0], 0.0, -half, half)
 
 
+def _lags(
+    found: DarksAndFlats, named: Collection[str]
+) -> tuple[Array, Array, Blended] | None:
+    """Return the values of OF_LAGS, their covariance, and what they leave of variances
+    over a profile's; None if none is named."""
+    both, null = of_splits(found.statistics, GROUPS[:2]), found.null_lags
+    lags = lags_of(both, found.both, found.profile, null=null)
+    is_named = np.array([name in named for name, _ in OF_LAGS])
+    if lags is None or not is_named.any():
+        return None
+    values, covariance = lags.fitted(np.where(is_named, np.nan, null))
+    return values, covariance, Blended.of(lags, values, covariance)
+
+
 def _of_lags(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
-    both = of_splits(found.statistics, GROUPS[:2])
-    lags = lags_of(both, found.both, found.profile)
-    if lags is None or not {name for name, _ in OF_LAGS} & set(named):
-        return
-    pinned = [np.nan if name in named else 0.0 for name, _ in OF_LAGS]
-    values, covariance = lags.fitted(np.array(pinned))
+    fitted = _lags(found, named)
     for at, (name, parameter) in enumerate(OF_LAGS):
-        if name in named:
-            half = NORMAL * float(np.sqrt(covariance[at, at]))
-            value = float(values[at])
+        if name in named and fitted is not None:
+            value = float(fitted[0][at])
+            half = NORMAL * float(np.sqrt(fitted[1][at, at]))
             yield Value(name, parameter, value, value - half, value + half)
+
+
+def _before_reduction(
+    found: DarksAndFlats, named: Collection[str], values: Iterable[Value]
+) -> Iterator[Value]:
+    """Yield values as they were before noise reduction, named or stated, lowered them:
+    frames have what it leaves, and so has the null that logarithms are over."""
+    fitted = _lags(found, named)
+    at = found.null_lags if fitted is None else fitted[0]
+    over = Blended(1.0, 0.0) if fitted is None else fitted[2]
+    error = over.error / over.left
+    left = dict.fromkeys(PIXELS, variance_left(*at[1:]))
+    left |= dict.fromkeys(LINES, variance_left_of_lines(*at[1:]))
+    for one in values:
+        numbers = np.array(one[2:])
+        if one.effect in LOGARITHMS:
+            yield _less(one, numbers - np.log(over.left), error)
+        elif one.effect in left and one.parameter == "sigma":
+            numbers /= np.sqrt(left[one.effect])
+            yield _less(one, numbers, numbers[0] * error / 2)
+        else:
+            yield one
+
+
+def _less(one: Value, numbers: Array, error: float) -> Value:
+    """Return a value with other (value, low, high), and a standard error besides."""
+    value = float(numbers[0])
+    low, high = (float(np.hypot(end - value, NORMAL * error)) for end in numbers[1:])
+    return Value(one.effect, one.parameter, value, value - low, value + high)
 
 
 def _of_levels(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:

@@ -11,7 +11,12 @@ from cg2raw.model.fit import Fit
 from cg2raw.model.shapes.base import Shape, Shown
 from cg2raw.model.shapes.dust import dust, power_of_spots
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
-from cg2raw.model.shapes.heavy_tailed_noise import core_of, heavy_tailed_noise, most_of
+from cg2raw.model.shapes.heavy_tailed_noise import (
+    core_of,
+    heavy_tailed_noise,
+    most_of,
+    whole_of,
+)
 from cg2raw.model.shapes.hot_pixels import dark_median, hot_pixels
 from cg2raw.model.shapes.pdaf_pixels import pdaf_pixels
 from cg2raw.model.shapes.random_telegraph_noise import random_telegraph_noise
@@ -32,7 +37,8 @@ class Shapes:
     above the mean of those that are not masked, and its standard error, DN/s; of
     training frames. cores : the variance of most draws in the shortest darks and its
     standard error, DN^2, of training and validation; None where it is not known. most :
-    likewise, by the law of tails; only beside their evidence.
+    likewise, by the law of tails; only beside their evidence. whole : the variance of
+    all samples of the shortest darks over that of those that are not masked.
     spots : by how much the variance of the pixels' sensitivity would be more with those
     in spots, which a profile's may have; of training frames."""
 
@@ -41,6 +47,7 @@ class Shapes:
     cores: tuple[tuple[float, float] | None, ...] = (None, None)
     most: tuple[tuple[float, float] | None, ...] = (None, None)
     spots: float = 0.0
+    whole: float = 1.0
 
     def read_noise(
         self, profile: float, among: tuple[tuple[float, float] | None, ...]
@@ -73,4 +80,5 @@ def shapes(
         most_of(shown, split) if tails is not None and tails.nats > 0 else None
         for split in splits
     )
-    return Shapes(by_name, median, cores, most, power_of_spots(shown, splits[0]))
+    spots, whole = power_of_spots(shown, splits[0]), whole_of(shown, splits[1])
+    return Shapes(by_name, median, cores, most, spots, whole)

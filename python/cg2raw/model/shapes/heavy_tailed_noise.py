@@ -12,7 +12,7 @@ from scipy.special import erf, erfc, erfinv, expit, logit
 
 from cg2raw.model.figures import NORMAL, Figure
 from cg2raw.model.recorded import FINE, differences
-from cg2raw.model.shapes.base import Shape, Shown
+from cg2raw.model.shapes.base import Shape, Shown, points_of
 from cg2raw.model.shapes.random_telegraph_noise import nats_beside_jumps
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import BINS_PER_SIGMA, PIXEL, Array
@@ -173,6 +173,24 @@ def most_of(shown: Shown, split: str) -> tuple[float, float] | None:
         return None
     value, error = found.of_most(fitted_tails(found))
     return value * lost_of(shown), error * lost_of(shown)
+
+
+def whole_of(shown: Shown, split: str) -> float:
+    """Return the variance of all samples over that of those that are not masked, in the
+    shortest darks: the widest of tails are masked as points. 1 without pairs."""
+    darks = shown.statistics.shortest_darks(split)
+    planes = shown.statistics.planes
+    points = points_of(shown.statistics)
+    count = np.array([float((~p.masked).sum()) for p in planes])
+    if not len(darks) or not count.sum():
+        return 1.0
+    kept = float(count @ [p.power[darks].mean() for p in planes])
+    masked = sum(
+        float(p.outlier_noise[darks][:, own].mean(axis=0).sum())
+        for p, own in zip(planes, points, strict=True)
+    )
+    number = count.sum() + sum(float(own.sum()) for own in points)
+    return float((kept + masked) / number * count.sum() / kept)
 
 
 def lost_of(shown: Shown) -> float:
