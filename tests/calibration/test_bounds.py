@@ -2,21 +2,20 @@
 # Copyright Contributors to the cg2raw Project.
 """A search that ends at its bound gives a limit, and no number with an error."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
+from calibration.planted import RANGE, SHAPE, sensor_of
 from cg2raw import _core
 from cg2raw.calibration.darks import MOST_HOT, DarkCurrent, dark_spread
 from cg2raw.calibration.fitting import Fitted
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.profile_effects import dsnu, hot_pixels
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.structure import glow
 from cg2raw.calibration.table import dark_lines, told
-from cg2raw.calibration.updated_profile import bounds_passed
+from cg2raw.calibration.updated_profile import bounds_passed, effects_found
+from cg2raw.model.figures import Figure
 from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
 NOISE = 0.1  # DN/s
@@ -63,7 +62,8 @@ def test_more_hot_pixels_than_are_searched_for():
     rows = {name: value for name, value, _ in dark_lines(found_with(spread=law))}
     for name in ("hot pixels", "hot pixels, mean rate", "nonuniformity, rate"):
         assert rows[name] is None
-    assert hot_pixels(found_with(spread=law)) is False  # the profile's own stays
+    found = effects_found(found_with(spread=law), False)
+    assert "hot_pixels" not in found  # the profile's own stays
 
 
 def test_others_as_uneven_as_hot_pixels_are_have_no_law():
@@ -78,13 +78,8 @@ def test_others_as_uneven_as_hot_pixels_are_have_no_law():
 def found_with(**fields):
     """Return measurements of one site with some fields, and a dark current."""
     line = DarkCurrent(((None, Measured(1.0, 0.1, "DN/s")),), None, ())
-    empty = Measurements.__new__(Measurements)
-    values = {"dark": line, "glow": None, "transfer": None, "spread": None, **fields}
-    for name in Measurements.__dataclass_fields__:
-        object.__setattr__(empty, name, values.get(name))
-    object.__setattr__(empty, "sites", Sites(1, ("",)))
-    object.__setattr__(empty, "fit", Fitted())
-    return empty
+    known = {"sensor": sensor_of(), "shape": SHAPE, "iso": None, "frames": (4, 0)}
+    return Measurements(**known, sites=Sites(("",)), **{"dark": line, **fields})
 
 
 def test_a_glow_as_wide_as_the_field_is_a_limit():
@@ -116,6 +111,7 @@ def test_an_effect_at_a_bound_of_the_registry_is_not_written(value, error, passe
 def test_a_pattern_below_a_hundredth_of_the_noise_is_in_the_profile():
     """The fit knows its noise better than any floor: 0.32 +- 0.014 DN beside a noise of
     6.7 DN in 4 frames."""
-    measured = Measured(0.32, 0.014, "DN")
-    frames = SimpleNamespace(figure={"DSNU": measured}.get, range=64.0)
-    assert dsnu(frames) == {"sigma": measured.scaled(1 / 64, "1")}
+    low, high = 0.32 - 1.96 * 0.014, 0.32 + 1.96 * 0.014
+    figure = Figure("DSNU", "DN", 0.32, 0.014, low, high)
+    found = effects_found(found_with(fit=Fitted([figure])), False)["dsnu"]["sigma"]
+    assert found.value == pytest.approx(0.32 / RANGE)

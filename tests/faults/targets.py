@@ -173,7 +173,8 @@ class Calibrate(Target):
             return found["law"]
 
         darks.dark_spread = dark_spread
-        report.page = lambda measured: "<h1>" * 4000
+        report.page_of = lambda measured: None
+        report.html_of = lambda page: "<h1>" * 4000
         with contextlib.redirect_stdout(sys.stderr):
             self.run(folder)  # which the forks then have
         empty(Path(folder) / "out")

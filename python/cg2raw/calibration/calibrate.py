@@ -8,7 +8,7 @@ what the fit does not give, of darks, and of flats above them."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cg2raw.calibration.darks import read_darks
 from cg2raw.calibration.defects import Defects, defects_of
 from cg2raw.calibration.fitting import fitted, of_sites
-from cg2raw.calibration.flats import above_darks, read_flats
+from cg2raw.calibration.flats import FULL_WELL, above_darks, check_curve, read_flats
 from cg2raw.calibration.frames import (
     MOST_SATURATED,
     Group,
@@ -30,7 +30,6 @@ from cg2raw.calibration.frames import (
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.notes import notes_on
 from cg2raw.calibration.parts import check_one_chain
-from cg2raw.calibration.photon_transfer import check_curve
 from cg2raw.calibration.seen import Seen, seen_all
 from cg2raw.calibration.sites import sites_of
 from cg2raw.calibration.updated_profile import updated_profile
@@ -38,7 +37,6 @@ from cg2raw.sensor import Sensor
 from cg2raw.statistics.kept import Kept
 
 
-@dataclass(frozen=True)
 class Calibration(Measurements):
     """What calibrate found; see Measurements for its fields."""
 
@@ -110,10 +108,11 @@ def calibrate(
         if defects.are_masked(seen):
             break
     flats = read_flats(seen, levels, lambda x: tell("flats", x))
-    if flats.full is not None:  # the rim of what is full would be masked in all frames
-        seen = look(listed[: flats.full], defects.counting)
+    if flats.clipped_by == FULL_WELL:  # its rim would be masked in all frames
+        last = max(flats.used, default=len(dark_groups) - 1)
+        seen = look(listed[: last + 1], defects.counting)
     tell("fitting", 0.0)
-    fit = fitted(seen, flats.linear(seen, levels), levels, iso)
+    fit = fitted(seen, flats.linear(seen, float(levels.mean())), levels, iso)
     check_curve(flats.points, seen, fit.lost == "cut")
     known = [one.value for one in of_sites(fit.figures, "black level")]
     black = np.array(known or sensor.black_level, float)
@@ -203,17 +202,16 @@ def check_groups(groups: Sequence[Group]) -> None:
 
 
 def transients_of(seen: Seen) -> dict[str, int]:
-    """Return how many samples single frames of each group have alone, where any has."""
+    """Return how many samples single frames of each group have alone, where any has:
+    {"10 darks of 60 s at -5.0 C": 7}."""
+    found = {}
     counts = seen.statistics.transients.sum(axis=(1, 2))
-    pairs = zip(seen.groups, counts, strict=True)
-    return {words_of(group): int(count) for group, count in pairs if count}
-
-
-def words_of(group: Group) -> str:
-    """Return "10 darks of 60 s at -5 C"."""
-    words = f"{len(group.frames)} {group.kind}s"
-    if group.exposure_time is not None:
-        words += f" of {group.exposure_time:g} s"
-    if group.temperature is not None:
-        words += f" at {group.temperature:.1f} C"
-    return words
+    for group, count in zip(seen.groups, counts, strict=True):
+        words = f"{len(group.frames)} {group.kind}s"
+        if group.exposure_time is not None:
+            words += f" of {group.exposure_time:g} s"
+        if group.temperature is not None:
+            words += f" at {group.temperature:.1f} C"
+        if count:
+            found[words] = int(count)
+    return found

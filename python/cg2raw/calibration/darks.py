@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from scipy.stats import tukeylambda
 
 from cg2raw.calibration.fitting import Fitted, of_all
-from cg2raw.calibration.measured import FLOOR, Measured
-from cg2raw.calibration.robust import Array
+from cg2raw.calibration.measured import Array, Measured
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.structure import BiasStructure, Glow, bias_structure, glow
 from cg2raw.model.dark_law import (
@@ -37,6 +36,9 @@ from cg2raw.statistics.constant import BINS_PER_SIGMA, DarkRates
 from cg2raw.statistics.dark_rates import slope_of
 
 Map = NDArray[np.float32]
+# Of the noise variance of rates, which is not known better than that, by the cut at 4
+# sigma and by pixels that are not alike.
+FLOOR = 0.01
 FOURTH_OF_ROUNDING = -1.2  # its fourth cumulant, of the square of its variance
 LEAST_NOISE = 12.0  # variance, of that of rounding, which shapes the tails below it
 # Excess kurtosis that pixels bring whose variances differ by a quarter: 3 times 0.25^2.
@@ -71,16 +73,16 @@ class DarkSpread:
     most_hot: float
 
     @property
+    def has_most_hot(self) -> bool:
+        """Whether there are as many hot pixels as are searched for, or more."""
+        return self.fraction.value > (1 - AT_BOUND) * MOST_HOT
+
+    @property
     def has_too_many_hot(self) -> bool:
         """Whether the share of hot pixels is at the end of the search, or the law of
         the others is so wide that it has hot ones, too: no number was measured."""
         is_wide = self.log_sigma.value > (1 - AT_BOUND) * MOST_LOG_SIGMA
         return self.has_most_hot or (is_wide and self.spread_nats >= LEAST_NATS)
-
-    @property
-    def has_most_hot(self) -> bool:
-        """Whether there are as many hot pixels as are searched for, or more."""
-        return self.fraction.value > (1 - AT_BOUND) * MOST_HOT
 
     @property
     def has_hot(self) -> bool:
@@ -100,7 +102,7 @@ class DarkSpread:
 
     @property
     def hot_words(self) -> str:
-        """Say what is known of a share of hot pixels that was not measured."""
+        """What is known of a share of hot pixels that was not measured."""
         if self.has_hot:
             return ""
         if self.has_most_hot:
@@ -112,7 +114,7 @@ class DarkSpread:
 
     @property
     def uneven_words(self) -> str:
-        """Say why rates of the others were not measured."""
+        """Why rates of the others were not measured."""
         if self.is_uneven:
             return ""
         return "not shown among so many hot" if self.has_too_many_hot else "not found"
@@ -178,10 +180,9 @@ def read_darks(seen: Seen, fit: Fitted, black: NDArray[np.float64]) -> DarkResul
     gain = of_all(fit.figures, "gain")
     spread, shine, rate = None, None, None
     if fit.lost != "cut":
-        per_electron = 1 / gain.value if gain else 0.0
         for rates in seen.statistics.rates:
             if not rates.split:
-                spread = dark_spread(rates, per_electron)
+                spread = dark_spread(rates, 1 / gain.value if gain else 0.0)
         rate = rate_map(seen)
         if rate is not None:
             unknown = False if seen.counting is None else ~seen.counting
@@ -199,8 +200,8 @@ def read_darks(seen: Seen, fit: Fitted, black: NDArray[np.float64]) -> DarkResul
 
 def offset_map(seen: Seen, black: NDArray[np.float64]) -> Map:
     """Return (H, W) DN, by how much the shortest darks are above black, (sites,) DN."""
-    own = seen.statistics.groups[seen.shortest[0]].temperature
     groups = seen.statistics.groups
+    own = groups[seen.shortest[0]].temperature
     found = seen.mean_over([n for n in seen.shortest if groups[n].temperature == own])
     found -= seen.sites.spread(black, found.shape)
     return found
@@ -212,11 +213,12 @@ def rate_map(seen: Seen) -> Map | None:
     slope = slope_of(seen.statistics, "")
     if slope is None:
         return None
-    used = np.flatnonzero(slope.weights)
-    return sum(
-        (np.float32(slope.weights[g]) * seen.mean_of(int(g)) for g in used[1:]),
-        np.float32(slope.weights[used[0]]) * seen.mean_of(int(used[0])),
-    )
+    weights = slope.weights.astype(np.float32)
+    first, *others = map(int, np.flatnonzero(weights))
+    found: Map = weights[first] * seen.mean_of(first)
+    for g in others:
+        found += weights[g] * seen.mean_of(g)
+    return found
 
 
 def dark_current(
@@ -233,85 +235,59 @@ def dark_current(
     error = math.hypot(mean.standard_error, shift.standard_error)
     median = Measured(mean.value + shift.value, error, "DN/s")
     ratio = median.value / mean.value if mean.stands_out else 1.0
-    splits = ["", *fit.others]
-    groups = seen.statistics.groups
-    rates = [median, *(one.scaled(ratio, "DN/s") for one in fit.others.values())]
-    temperatures = []
-    for split in splits:
+    others = {split: one.scaled(ratio, "DN/s") for split, one in fit.others.items()}
+    groups, rates, points = seen.statistics.groups, [], []
+    for place, (split, rate) in enumerate({"": median, **others}.items()):
         own = [n for n in seen.darks if groups[n].split == split]
         longer = [n for n in own if n not in seen.shortest] or own
         known = [t for n in longer if (t := groups[n].temperature) is not None]
-        temperatures.append(float(np.mean(known)) if known else None)
-    listed = tuple(zip(temperatures, rates, strict=True))
-    points = tuple(
-        (
-            seen.time(n),
-            ratio * (float(seen.levels(n).mean()) - black),
-            splits.index(groups[n].split),
-        )
-        for n in seen.darks
-        if groups[n].split in splits
-    )
-    return DarkCurrent(listed, _doubling(listed), points)
+        rates.append((float(np.mean(known)) if known else None, rate))
+        for n in own:
+            above = float(seen.levels(n).mean()) - black
+            points.append((seen.time(n), ratio * above, place))
+    return DarkCurrent(tuple(rates), doubling_of(rates), tuple(points))
 
 
-def _doubling(rates: Sequence[tuple[float | None, Measured]]) -> Measured | None:
+def doubling_of(rates: Sequence[tuple[float | None, Measured]]) -> Measured | None:
     """Return by how many kelvin the rate doubles, of the two farthest set points whose
     rates stand out."""
-    known = [(t, r) for t, r in rates if t is not None and r.stands_out and r.value > 0]
-    if len(known) < 2:
+    known = sorted(
+        (t, rate.value, rate.standard_error / rate.value)
+        for t, rate in rates
+        if t is not None and rate.stands_out and rate.value > 0
+    )
+    if not known or known[-1][1] <= known[0][1]:
         return None
-    known.sort(key=lambda item: item[0])
-    (cold, a), (warm, b) = known[0], known[-1]
-    rise = math.log(b.value / a.value)
-    if rise <= 0:
-        return None
+    (cold, slow, *_), (warm, fast, _) = known[0], known[-1]
+    rise = math.log(fast / slow)
     value = (warm - cold) * math.log(2) / rise
-    error = math.hypot(a.standard_error / a.value, b.standard_error / b.value)
-    return Measured(value, value * error / rise, "K")
+    return Measured(value, value * math.hypot(known[0][2], known[-1][2]) / rise, "K")
 
 
 def tails_of(seen: Seen, number: int) -> Tails:
-    """Return the tails of a group of several darks of one exposure."""
-    planes = seen.statistics.planes
-    variance, error = seen.noise(number)
-    fourth = float(np.mean([plane.fourth[number] for plane in planes]))
-    total = float(seen.statistics.variance(number).mean())
-    error = np.sqrt(np.mean(error**2, 0) / len(error))
-    many = float((2 / error**2).sum())
-    kurtosis = _kurtosis(fourth - 3, total, many, seen.sites.rounding)
-    return Tails(
-        kurtosis,
-        None if kurtosis is None else lambda_of(kurtosis.value),
-        signed_histogram(sum(plane.residuals[number] for plane in planes)),
-        int(seen.statistics.frames[number]),
-        variance,
-        error,
-    )
-
-
-def signed_histogram(residuals: Array) -> Array:
-    """Return how often a residual is between the edges of HISTOGRAM, by the counts of
-    its size."""
-    width = int(round((HISTOGRAM[1] - HISTOGRAM[0]) * BINS_PER_SIGMA))
-    half = residuals[: len(HISTOGRAM) // 2 * width].reshape(-1, width).sum(1) / 2
-    return np.concatenate([half[::-1], half])
-
-
-def _kurtosis(
-    of_difference: float, variance: float, pixels: float, rounding: float
-) -> Measured | None:
-    """Return the excess kurtosis of one frame; None where rounding shapes the tails.
+    """Return the tails of a group of several darks of one exposure; no kurtosis where
+    rounding shapes them.
 
     Cumulants add up: a difference of two has half the excess kurtosis of one, and
-    rounding to codes, where noise spreads over them, adds its own. pixels : of all
-    differences."""
-    if variance < LEAST_NOISE * rounding:
-        return None
-    fourth = FOURTH_OF_ROUNDING * rounding**2
-    inner = variance - rounding
-    value = (2 * of_difference * variance**2 - fourth) / inner**2
-    return Measured(value, 2 * math.sqrt(24 / pixels), "1")
+    rounding to codes, where noise spreads over them, adds its own."""
+    planes, rounding = seen.statistics.planes, seen.sites.rounding
+    variance, each = seen.noise(number)
+    error = np.sqrt(np.mean(each**2, 0) / len(each))
+    total = float(seen.statistics.variance(number).mean())
+    kurtosis = shape = None
+    if total >= LEAST_NOISE * rounding:
+        excess = float(np.mean([plane.fourth[number] for plane in planes])) - 3
+        fourth = FOURTH_OF_ROUNDING * rounding**2
+        value = (2 * excess * total**2 - fourth) / (total - rounding) ** 2
+        pixels = float((2 / error**2).sum())  # of all differences
+        kurtosis = Measured(value, 2 * math.sqrt(24 / pixels), "1")
+        shape = lambda_of(value)
+    width = int(round((HISTOGRAM[1] - HISTOGRAM[0]) * BINS_PER_SIGMA))
+    residuals = sum(plane.residuals[number] for plane in planes)
+    half = residuals[: len(HISTOGRAM) // 2 * width].reshape(-1, width).sum(1) / 2
+    histogram = np.concatenate([half[::-1], half])
+    frames = int(seen.statistics.frames[number])
+    return Tails(kurtosis, shape, histogram, frames, variance, error)
 
 
 def lambda_of(excess_kurtosis: float) -> float:
@@ -330,17 +306,15 @@ def dark_spread(rates: DarkRates, gain: float) -> DarkSpread:
     flat = fitted(counts, shot, uneven=False, hot=True)
     cold = fitted(counts, shot, uneven=True, hot=False)
     both = fitted(counts, shot, uneven=True, hot=True)
-    _, *errors = map(float, both.errors)
-    rate = Measured(both.rate * noise, errors[0] * noise, "DN/s")
-    hot_rate = Measured(both.hot_rate * noise, errors[3] * noise, "DN/s")
+    _, of_rate, of_sigma, of_share, of_hot = map(float, both.errors)
     median, error = median_by(counts, shot, flat, both)
     middle = quantile(counts, 0.5)
     return DarkSpread(
         Measured(median * noise, math.hypot(error, LAW * median) * noise, "DN/s"),
-        rate,
-        Measured(both.log_sigma, errors[1], "1"),
-        Measured(both.fraction, errors[2], "1"),
-        hot_rate,
+        Measured(both.rate * noise, of_rate * noise, "DN/s"),
+        Measured(both.log_sigma, of_sigma, "1"),
+        Measured(both.fraction, of_share, "1"),
+        Measured(both.hot_rate * noise, of_hot * noise, "DN/s"),
         {share: (quantile(counts, share) - middle) * noise for share in SHARES},
         noise,
         both.nats - flat.nats,

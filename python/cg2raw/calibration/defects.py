@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.robust import Array, clipped_moments
+from cg2raw.calibration.measured import Array, clipped_moments
 from cg2raw.calibration.seen import Seen
 from cg2raw.statistics.constant import PlaneStatistics, smooth_images
 
@@ -81,21 +81,21 @@ def defects_of(seen: Seen, black: Array) -> Defects:
     else:
         response -= seen.sites.spread(black, response.shape)
     counting = np.ones(response.shape, bool)
-    for site, plane in enumerate(seen.statistics.planes):
+    views = map(seen.sites.of, (response, counting))
+    planes = zip(seen.statistics.planes, black, *views, strict=True)
+    for plane, level, above, counts in planes:
         surroundings = smooth_of(plane, number)
-        surroundings -= black[site] if dark is None else smooth_of(plane, dark)
-        out = seen.sites.of(counting)[site]
-        out[:] = responding(seen.sites.of(response)[site], surroundings)
+        surroundings -= level if dark is None else smooth_of(plane, dark)
+        counts[:] = responding(above, surroundings)
     return Defects(None if counting.all() else counting)
 
 
 def smooth_of(plane: PlaneStatistics, number: int) -> Array:
     """Return (h, w) DN, what all parts but pixel say of a group's mean image: masked
     samples and lines have no part in it."""
-    one = slice(number, number + 1)
+    one = [number]
     smooth = smooth_images(plane.rows[one], plane.columns[one], plane.field[one])[0]
-    found: Array = smooth + plane.level[number]
-    return found
+    return np.asarray(smooth + plane.level[number])
 
 
 def responding(plane: Array, surroundings: Array) -> NDArray[np.bool_]:
@@ -108,5 +108,4 @@ def responding(plane: Array, surroundings: Array) -> NDArray[np.bool_]:
     alive = plane > least
     ratio = plane / np.maximum(surroundings, least)
     sigma = clipped_moments(ratio[alive])[1]
-    found: NDArray[np.bool_] = alive & (np.abs(ratio - 1) <= max(OFF, FAR * sigma))
-    return found
+    return alive & (np.abs(ratio - 1) <= max(OFF, FAR * sigma))

@@ -48,8 +48,7 @@ def lost_of(seen: Seen) -> tuple[Lost, float]:
     cut = max((seen.cut(n) for n in seen.shortest), default=0.0)
     if cut > MOST_CUT:
         return "cut", cut
-    repeated = [n for n in seen.shortest if seen.repeats(n)]
-    coarse = any(seen.is_coarse(n) for n in repeated)
+    coarse = any(seen.is_coarse(n) for n in seen.shortest if seen.repeats(n))
     return ("coarse" if coarse else ""), 0.0
 
 
@@ -68,7 +67,7 @@ def fitted(
     splits: dict[str, list[int]] = {"": []}
     for n in seen.darks:
         if shows_noise(seen, n):
-            splits.setdefault(seen.statistics.groups[n].split, []).append(n)
+            splits.setdefault(statistics.groups[n].split, []).append(n)
     darks = splits.pop("")
     used = [*darks, *(n for n in flats if shows_noise(seen, n))]
     if not used or not (statistics.frames[used] > 1).any():
@@ -105,14 +104,22 @@ def with_levels(
     levels = figures_of(shortest, fit(shortest), MOST_LOST)
     time = shortest.groups[0].exposure_time or 0.0
     rate = of_all(figures, "dark current") or Measured(0.0, 0.0, "DN/s")
-    charge = -rate.value * time, rate.standard_error * time
-    black = {f.site: moved(f, *charge, f.site) for f in levels if f.name == BLACK}
+    charge = rate.scaled(time, "DN")
+    black = {
+        f.site: changed(f, -charge.value, error=charge.standard_error)
+        for f in levels
+        if f.name == BLACK
+    }
     return [black[f.site] if f.name == BLACK else f for f in figures]
 
 
 def of_sites(figures: Sequence[Figure], name: str) -> tuple[Measured, ...]:
-    """Return a figure of each site; nothing if it is missing."""
-    return tuple(measured(one) for one in figures if one.name == name)
+    """Return a figure of each site, without its interval; nothing if it is missing."""
+    return tuple(
+        Measured(one.value, float(one.standard_error), one.unit)
+        for one in figures
+        if one.name == name
+    )
 
 
 def of_all(figures: Sequence[Figure], name: str) -> Measured | None:
@@ -127,26 +134,19 @@ def of_all(figures: Sequence[Figure], name: str) -> Measured | None:
     return Measured(sum(one.value for one in found) / len(found), error, found[0].unit)
 
 
-def measured(figure: Figure) -> Measured:
-    """Return a figure without its interval."""
-    return Measured(figure.value, float(figure.standard_error), figure.unit)
-
-
 def shows_noise(seen: Seen, number: int) -> bool:
     """Return whether the frames of a group differ in all planes, or are one."""
-    planes = seen.statistics.planes
-    is_single = seen.statistics.frames[number] < 2
-    return bool(is_single or all(p.scatter[number, PIXEL] > 0 for p in planes))
+    planes, frames = seen.statistics.planes, seen.statistics.frames[number]
+    return bool(frames < 2 or all(p.scatter[number, PIXEL] > 0 for p in planes))
 
 
 def lowest_code(seen: Seen, is_cut: bool) -> int:
     """Return the lowest code, DN, of steps that all codes lie on: that at which darks
     are cut, or the first."""
-    planes, step = seen.statistics.planes, seen.sites.step
+    groups, step = seen.darks if is_cut else slice(None), seen.sites.step
+    counts = sum(plane.codes[groups].sum(axis=0) for plane in seen.statistics.planes)
     if is_cut:
-        counts = sum(plane.codes[seen.darks].sum(axis=0) for plane in planes)
         return int(np.flatnonzero(counts)[0])
-    counts = sum(plane.codes.sum(axis=0) for plane in planes)
     return int(np.argmax(np.bincount(np.arange(len(counts)) % step, counts)))
 
 
@@ -175,10 +175,9 @@ def values_of(
 def knows_noise(seen: Seen, iso: float | None) -> bool:
     """Return whether the profile has noise at an ISO."""
     try:
-        seen.sensor.noise_at(float(iso or 0))
+        return bool(seen.sensor.noise_at(float(iso or 0)))
     except ValueError:
         return False
-    return True
 
 
 def of_flats(
@@ -193,13 +192,13 @@ def of_flats(
     gain of flats of one level has in its error what noise may be without light; it is
     missing where nobody says that."""
     found = [one for one in figures if one.name != "gain"]
-    gains = [one for one in figures if one.name == "gain"]
     light = np.array([seen.levels(n).mean() for n in flats]) - levels.mean()
     unsure = 0.0
     if lost == "coarse":
         error = math.sqrt(seen.sites.rounding)
-        black = Figure(BLACK, "DN", 0.0, error, -NORMAL * error, NORMAL * error)
-        found += [moved(black, level, 0.0, site) for site, level in enumerate(levels)]
+        ends = (-NORMAL * error, NORMAL * error)
+        black = Figure(BLACK, "DN", 0.0, error, *ends)
+        found += [replace(changed(black, x), site=n) for n, x in enumerate(levels)]
         unsure = (COARSE - ROUNDING) / math.sqrt(12) * seen.sites.step**2
     elif not knows_noise(seen, iso):
         unsure = math.inf
@@ -207,30 +206,23 @@ def of_flats(
         unsure = 0.0
     if math.isfinite(unsure):
         slope = unsure / float(light.mean())
-        found += [moved(one, 0.0, one.value**2 * slope, one.site) for one in gains]
+        gains = [one for one in figures if one.name == "gain"]
+        found += [changed(one, error=one.value**2 * slope) for one in gains]
     return found
-
-
-def moved(figure: Figure, by: float, error: float, site: int | None) -> Figure:
-    """Return a figure of a site moved, with one more standard error."""
-    total = math.hypot(figure.standard_error, error)
-    wide = total / figure.standard_error
-    return replace(
-        figure,
-        value=figure.value + by,
-        standard_error=total,
-        low=figure.value + by - wide * (figure.value - figure.low),
-        high=figure.value + by + wide * (figure.high - figure.value),
-        site=site,
-    )
 
 
 def in_dn(figure: Figure, step: int, offset: int) -> Figure:
     """Return a figure whose unit of codes is a step, DN, from an offset."""
     scale = {"DN": step, "DN/s": step, "e-/DN": 1 / step}.get(figure.unit, 1)
-    start = offset if figure.name == BLACK else 0
-    value, low, high = (
-        start + scale * x for x in (figure.value, figure.low, figure.high)
-    )
-    error = scale * figure.standard_error
-    return replace(figure, value=value, standard_error=error, low=low, high=high)
+    return changed(figure, offset if figure.name == BLACK else 0, scale)
+
+
+def changed(
+    figure: Figure, start: float = 0.0, scale: float = 1.0, error: float = 0.0
+) -> Figure:
+    """Return start + scale times a figure, with one more standard error."""
+    value, own = start + scale * figure.value, scale * figure.standard_error
+    total = math.hypot(own, error)
+    wide = scale * (total / own if error else 1.0)
+    low, high = (value + wide * (x - figure.value) for x in (figure.low, figure.high))
+    return replace(figure, value=value, standard_error=total, low=low, high=high)

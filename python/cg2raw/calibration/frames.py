@@ -15,7 +15,7 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.arrays import RawImage, raw_plane
-from cg2raw.calibration.robust import CUT, LEAST_SIGMA, LEFT, MAD, ROUNDS, Array
+from cg2raw.calibration.measured import CUT, LEAST_SIGMA, LEFT, MAD, ROUNDS, Array
 from cg2raw.calibration.sites import LEAST_REPEATS, Sites
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
@@ -107,15 +107,13 @@ class Group:
     @property
     def temperature(self) -> float | None:
         """Their mean, degrees Celsius."""
-        known = [f.frame.temperature for f in self.frames]
-        found = [t for t in known if t is not None]
-        return float(np.mean(found)) if found else None
+        known = [t for s in self.frames if (t := s.frame.temperature) is not None]
+        return float(np.mean(known)) if known else None
 
     @property
     def level(self) -> Array:
         """(sites,) DN."""
-        found: Array = np.mean([scanned.level for scanned in self.frames], axis=0)
-        return found
+        return np.asarray(np.mean([one.level for one in self.frames], axis=0))
 
 
 def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
@@ -206,11 +204,9 @@ def groups_of(scanned: Sequence[Scanned]) -> list[Group]:
         time = -1.0 if exposure is None else exposure
         keys.setdefault((item.frame.kind, time, point), []).append(item)
     found = []
-    for key in sorted(keys):
-        members = keys[key]
-        parts = [members]
-        if key[0] == "flat":
-            parts = by_level(members, [item.mean_level for item in members])
+    for (kind, *_), members in sorted(keys.items()):
+        levels = [item.mean_level for item in members]
+        parts = by_level(members, levels) if kind == "flat" else [members]
         found += [Group(tuple(part)) for part in parts]
     return found
 
@@ -219,13 +215,10 @@ def by_level(flats: Sequence[Frame], levels: Sequence[float]) -> list[list[Frame
     """Return flats in groups of one level, each in the order in which it was given.
 
     levels : DN, of each."""
-    order = sorted(range(len(flats)), key=lambda number: levels[number])
-    parts = [[order[0]]]
-    for number in order[1:]:
-        if levels[number] > levels[parts[-1][-1]] * (1 + SAME_LEVEL):
-            parts.append([])
-        parts[-1].append(number)
-    return [[flats[number] for number in sorted(part)] for part in parts]
+    order = np.argsort(levels, kind="stable")
+    rising = np.asarray(levels)[order]
+    ends = np.flatnonzero(rising[1:] > rising[:-1] * (1 + SAME_LEVEL)) + 1
+    return [[flats[n] for n in sorted(part)] for part in np.split(order, ends)]
 
 
 def screened(
@@ -290,15 +283,16 @@ def level_off(off: float, others: str) -> str:
 
 def others_of(group: Group, count: int) -> str:
     """Return "that of the 4 other darks of 30 s"."""
-    time = group.exposure_time
     words = f"that of the {count} other {group.kind}s"
+    time = group.exposure_time
     return words if time is None else f"{words} of {time:g} s"
 
 
 def check_alike(group: Group, black: float) -> None:
     """Raise ValueError for frames whose levels or noise are not of one exposure."""
-    low, *_, high = sorted(group.frames * 2, key=lambda item: item.mean_level)
-    quiet, *_, loud = sorted(group.frames * 2, key=lambda item: item.noise)
+    by_level = sorted(group.frames, key=lambda item: item.mean_level)
+    by_noise = sorted(group.frames, key=lambda item: item.noise)
+    low, high, quiet, loud = by_level[0], by_level[-1], by_noise[0], by_noise[-1]
     noise = float(np.median([item.noise for item in group.frames]))
     off = high.mean_level - low.mean_level
     charge = float(np.median([item.mean_level for item in group.frames])) - black

@@ -1,14 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Measured: a number with its standard error and unit."""
+"""Numbers with their standard errors, and moments and least squares that give them:
+without what lies 4 sigma off, and corrected for it."""
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 SIGNIFICANT = 3.0  # standard errors
-# Of the noise variance that an estimator takes off: it is not known better than that,
-# by the cut at 4 sigma and by pixels that are not alike.
-FLOOR = 0.01
+CUT = 4.0  # sigma beyond which a pixel does not count
+# Of a normal distribution, what a cut at 4 sigma leaves of its variance.
+LEFT = 1 - 2 * CUT * math.exp(-CUT * CUT / 2) / math.sqrt(2 * math.pi) / math.erf(
+    CUT / math.sqrt(2)
+)
+MAD = 1.4826  # of a normal distribution: sigma over the median absolute deviation
+ROUNDS = 6
+ENOUGH = 20_000  # values for a median that only begins
+LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 
 
 @dataclass(frozen=True)
@@ -24,9 +37,7 @@ class Measured:
 
     def scaled(self, factor: float, unit: str) -> "Measured":
         """Return the value in another unit, of which one of these is @factor."""
-        return Measured(
-            self.value * factor, abs(self.standard_error * factor), unit or self.unit
-        )
+        return Measured(self.value * factor, abs(self.standard_error * factor), unit)
 
     @property
     def stands_out(self) -> bool:
@@ -38,3 +49,56 @@ class Measured:
         """Whether the variance does that this is the root of: its value over its error
         is half as large."""
         return self.value > 2 * SIGNIFICANT * self.standard_error
+
+
+def clipped_moments(values: Array, least: float = 0.0) -> tuple[float, float]:
+    """Return mean and standard deviation of what lies within 4 sigma.
+
+    values : any shape, finite. least : sigma of the narrowest cut, one half of a step
+    where values have been rounded. Median and MAD, which of whole DN is an artefact,
+    are a start alone."""
+    flat = values.ravel()
+    some = flat[:: max(1, flat.size // ENOUGH)]
+    mean, before = float(np.median(some)), (0, 0.0)
+    sigma = max(MAD * float(np.median(np.abs(some - mean))), least)
+    for _ in range(ROUNDS):
+        kept = flat[np.abs(flat - mean) <= CUT * max(sigma, least)]
+        mean = float(kept.mean(dtype=np.float64))
+        sigma = max(float(kept.std(dtype=np.float64)) / math.sqrt(LEFT), 1e-12)
+        if before == (before := (kept.size, mean)):
+            break
+    return mean, sigma
+
+
+@dataclass(frozen=True)
+class LinearFit:
+    """values : of the design's columns, (k,), and their covariance. rest : what is left
+    of all. variance : of the rest without what lies 4 sigma off."""
+
+    values: Array
+    covariance: Array
+    rest: Array
+    variance: float
+
+    @property
+    def clipped(self) -> Array:
+        """The rest, cut at 4 sigma."""
+        most = CUT * clipped_moments(self.rest)[1]
+        return np.clip(self.rest, -most, most)
+
+
+def linear_fit(design: Array, y: Array, first: int = 0) -> LinearFit:
+    """Return least squares of (N,) y by a design, (N, k), without what lies 4 sigma
+    off. first : how many of y count however far off they are."""
+    keep = np.ones(len(y), bool)
+    for _ in range(ROUNDS):
+        used, before = design[keep], keep
+        values = np.linalg.lstsq(used, y[keep], rcond=None)[0]
+        rest = y - design @ values
+        freedom = max(int(keep.sum()) - design.shape[1], 1)
+        variance = float((rest[keep] ** 2).sum()) / freedom
+        keep = np.abs(rest) <= CUT * clipped_moments(rest)[1]
+        keep[:first] = True
+        if np.array_equal(keep, before):
+            break
+    return LinearFit(values, np.linalg.pinv(used.T @ used) * variance, rest, variance)

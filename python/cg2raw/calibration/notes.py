@@ -7,11 +7,10 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cg2raw.calibration.fitting import MOST_LOST
-from cg2raw.calibration.flats import HIGHEST, LINEAR, LOWEST
+from cg2raw.calibration.flats import HIGHEST, LINEAR, LOWEST, MOST_CLIPPED
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.photon_transfer import MOST_CLIPPED
-from cg2raw.calibration.profile_effects import STEADY
+from cg2raw.calibration.updated_profile import STEADY
 from cg2raw.statistics.codes import COARSE, hidden
 
 HIGH_MISFIT = 1.5  # of levels about their line, over what drift makes
@@ -19,12 +18,11 @@ HIGH_MISFIT = 1.5  # of levels about their line, over what drift makes
 
 def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]:
     """Return sentences, each with what would help."""
-    parts = of_frames(found), of_lost(found, scanned), of_darks(found), of_flats(found)
-    return tuple(note for part in parts for note in part)
+    return *of_frames(found, scanned), *of_darks(found), *of_flats(found)
 
 
-def of_frames(found: Measurements) -> Iterator[str]:
-    """Yield what is wrong with single frames."""
+def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> Iterator[str]:
+    """Yield what is wrong with single frames, and why darks do not show their noise."""
     yield from (f"{name}: {why}: excluded" for name, why in found.excluded.items())
     if found.defects.count:
         yield found.defects.words
@@ -41,10 +39,6 @@ def of_frames(found: Measurements) -> Iterator[str]:
         )
     if found.iso is None:
         yield "ISO: no frame says it, and no noise can be written: give --iso"
-
-
-def of_lost(found: Measurements, scanned: Sequence[Scanned]) -> Iterator[str]:
-    """Yield why darks do not show their noise."""
     if found.fit.lost == "cut":
         worst = max(scanned, key=lambda item: item.cut)
         is_left = worst.cut <= MOST_LOST
@@ -66,8 +60,21 @@ def of_darks(found: Measurements) -> Iterator[str]:
     """Yield what darks could not show."""
     if not found.frames[0]:
         yield "black level: no darks; the profile's is used: capture biases"
-    if not found.fit.lost:
-        yield from of_noise(found)
+    tails, noise = found.tails, found.figure("temporal dark noise")
+    if not found.fit.lost and tails is None:
+        yield "read noise: needs two darks of one exposure"
+    elif tails is not None and tails.excess_kurtosis is None and noise is not None:
+        yield (
+            f"tails of the read noise: {noise.value:.2f} DN is below {found.sites.step}"
+            " DN, a step of the codes, where rounding shapes them: capture at a higher "
+            "ISO"
+        )
+    has_drift = found.figure("black level drift") is not None
+    if not found.fit.lost and found.frames[0] and not has_drift:
+        yield (
+            "black level drift: needs two darks of the shortest exposure; errors of "
+            "black level and dark current leave it out"
+        )
     if found.frames[0] and found.dark is None and found.fit.lost != "cut":
         yield (
             "dark current, hot pixels, glow: need darks of two exposures: add some as "
@@ -86,24 +93,6 @@ def of_darks(found: Measurements) -> Iterator[str]:
             f"{found.fit.misfit:.1f} times their drift, as where they move between "
             "series or the temperature is not held: the error of the dark current is "
             "widened by that"
-        )
-
-
-def of_noise(found: Measurements) -> Iterator[str]:
-    """Yield what darks whose noise shows could not show of it."""
-    tails, noise = found.tails, found.figure("temporal dark noise")
-    if tails is None:
-        yield "read noise: needs two darks of one exposure"
-    elif tails.excess_kurtosis is None and noise is not None:
-        yield (
-            f"tails of the read noise: {noise.value:.2f} DN is below {found.sites.step}"
-            " DN, a step of the codes, where rounding shapes them: capture at a higher "
-            "ISO"
-        )
-    if found.frames[0] and found.figure("black level drift") is None:
-        yield (
-            "black level drift: needs two darks of the shortest exposure; errors of "
-            "black level and dark current leave it out"
         )
 
 

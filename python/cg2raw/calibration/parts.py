@@ -13,8 +13,8 @@ import math
 import numpy as np
 from scipy.ndimage import median_filter
 
+from cg2raw.calibration.measured import MAD, Array
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.robust import MAD, Array
 
 CERTAIN = 8.0  # standard deviations of what steps are elsewhere
 # What moves a number: of the temporal dark noise, of the response, of a variance.

@@ -11,15 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.calibration.frames import Group
-from cg2raw.calibration.robust import Array
-from cg2raw.calibration.sites import BLOCKS, Sites, blocks_of
+from cg2raw.calibration.measured import Array
+from cg2raw.calibration.sites import Sites, blocks_of
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.codes import COARSE, cut_share
-from cg2raw.statistics.constant import (
-    PIXEL,
-    ConstantStatistics,
-    GroupInfo,
-)
+from cg2raw.statistics.constant import PIXEL, ConstantStatistics, GroupInfo
 from cg2raw.statistics.frame_statistics import statistics_and_means
 from cg2raw.statistics.temperature import set_points
 
@@ -62,9 +58,8 @@ class Seen:
 
     def levels(self, number: int) -> Array:
         """Return (frames,) DN, of each frame of a group."""
-        planes = self.statistics.planes
-        found: Array = np.mean([plane.levels[number] for plane in planes], axis=0)
-        return found
+        each = [plane.levels[number] for plane in self.statistics.planes]
+        return np.asarray(np.mean(each, axis=0))
 
     def repeats(self, number: int) -> bool:
         """Whether the noise of a group shows: its frames are several, and not all at
@@ -83,17 +78,14 @@ class Seen:
 
     def clipped(self, number: int) -> float:
         """Return the share of a flat's pixels at white or at 0 DN."""
-        planes = self.statistics.planes
-        ends = [[plane.high[number], plane.low[number]] for plane in planes]
+        ends = [(p.high[number], p.low[number]) for p in self.statistics.planes]
         return float(np.max(ends, axis=0).sum())
 
     def mean_over(self, numbers: Sequence[int]) -> NDArray[np.float32]:
         """Return (H, W) DN, the mean image of the frames of groups."""
         frames = self.statistics.frames[list(numbers)]
         shares = (frames / frames.sum()).astype(np.float32)
-        found = self.mean_of(numbers[0])
-        if len(numbers) > 1:
-            found *= shares[0]
+        found: NDArray[np.float32] = shares[0] * self.mean_of(numbers[0])
         for number, share in zip(numbers[1:], shares[1:], strict=True):
             found += share * self.mean_of(number)
         return found
@@ -107,16 +99,15 @@ class Seen:
         """Return (sites, blocks) DN^2, variances of a frame by pairs of a group without
         rows' and columns' own noise, and the relative error of each, far above 1 where
         all is masked."""
-        pairs = int(self.statistics.pairs[number])
-        variances, errors = [], []
-        for plane in self.statistics.planes:
-            kept = [np.count_nonzero(b) for b in blocks_of(~plane.masked, BLOCKS)]
-            pixels = np.array(kept, float)
-            # Row and column means and the field took their part of the squares along.
-            left = plane.freedom[PIXEL] / max(pixels.sum(), 1) * pixels * pairs
-            variances.append(plane.noise[number] / np.maximum(left, 1e-9))
-            errors.append(np.sqrt(2 / (np.maximum(pixels, 1e-3) * pairs)))
-        return np.array(variances), np.array(errors)
+        planes, pairs = self.statistics.planes, int(self.statistics.pairs[number])
+        kept = [[b.sum() for b in blocks_of(~plane.masked)] for plane in planes]
+        pixels = np.array(kept, float)
+        # Row and column means and the field took their part of the squares along.
+        share = [p.freedom[PIXEL] / max((~p.masked).sum(), 1) for p in planes]
+        left = np.array(share)[:, None] * pixels * pairs
+        variances = np.array([plane.noise[number] for plane in planes])
+        errors = np.sqrt(2 / (np.maximum(pixels, 1e-3) * pairs))
+        return variances / np.maximum(left, 1e-9), errors
 
     def is_coarse(self, number: int) -> bool:
         """Whether rounding hides the noise of a dark. Source: EMVA 1288, R4.0."""
@@ -138,10 +129,10 @@ def seen_all(
     their own, but for the shortest. tell : called with the share done."""
     listed = []
     for group, split in zip(groups, splits_of(groups), strict=True):
-        names = tuple(scanned.frame.name for scanned in group.frames)
+        frames = [scanned.frame for scanned in group.frames]
         at = group.exposure_time, group.temperature, split
-        readers = [scanned.frame.pixels for scanned in group.frames]
-        listed.append((GroupInfo(group.kind, names, *at), readers))
+        info = GroupInfo(group.kind, tuple(frame.name for frame in frames), *at)
+        listed.append((info, [frame.pixels for frame in frames]))
     found, mean_of = statistics_and_means(
         listed,
         sites.side,

@@ -6,6 +6,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -24,12 +25,15 @@ FIELD_BLOCKS = 32  # likewise, of maps of light and of dark current
 @dataclass(frozen=True)
 class Sites:
     """The CFA sites of a sensor in raster order of its square repeat; one if it has no
-    CFA. count : how many black levels its profile has. step : DN between neighbouring
-    codes of the frames."""
+    CFA. step : DN between neighbouring codes of the frames."""
 
-    count: int
     names: tuple[str, ...]
     step: int = 1
+
+    @property
+    def count(self) -> int:
+        """How many there are, and black levels in a profile."""
+        return len(self.names)
 
     @property
     def rounding(self) -> float:
@@ -43,29 +47,34 @@ class Sites:
 
     def of(self, plane: NDArray[Number]) -> list[NDArray[Number]]:
         """Return the views (h, w) of each site of an (H, W) plane."""
-        side = self.side
-        return [plane[r::side, c::side] for r in range(side) for c in range(side)]
+        return [
+            plane[r :: self.side, c :: self.side]
+            for r, c in np.ndindex(2 * (self.side,))
+        ]
 
     def spread(self, values: Any, shape: tuple[int, int]) -> NDArray[np.float32]:
         """Return (H, W) float32 with the value of each site."""
-        tile = np.asarray(values, np.float32).reshape(self.side, self.side)
-        repeats = [-(-length // self.side) for length in shape]
-        return np.ascontiguousarray(np.tile(tile, repeats)[: shape[0], : shape[1]])
+        found = np.empty(shape, np.float32)
+        for plane, value in zip(self.of(found), values, strict=True):
+            plane[:] = value
+        return found
 
 
 def sites_of(sensor: Sensor) -> Sites:
     """Return the sites of a sensor, named by their colours where it has any; of a Bayer
     CFA, Gr is the green beside red."""
-    letters = "" if is_mono(sensor.cfa) else sensor.cfa.upper()
-    names = []
-    for index, letter in enumerate(letters, 1):
-        number = letters[:index].count(letter) if letters.count(letter) > 1 else ""
-        names.append(f"{letter}{number}")
+    if is_mono(sensor.cfa):
+        return Sites(("",))
+    letters = sensor.cfa.upper()
+    names = [
+        f"{letter}{letters[:n].count(letter)}" if letters.count(letter) > 1 else letter
+        for n, letter in enumerate(letters, 1)
+    ]
     if len(names) == 4:
-        red_row = names[:2] if "R" in names[:2] else names[2:]
-        greens = {name: "Gr" if name in red_row else "Gb" for name in ("G1", "G2")}
+        in_red_row = names[:2] if "R" in names[:2] else names[2:]
+        greens = {name: "Gr" if name in in_red_row else "Gb" for name in ("G1", "G2")}
         names = [greens.get(name, name) for name in names]
-    return Sites(max(len(names), 1), tuple(names) or ("",))
+    return Sites(tuple(names))
 
 
 def blocks_of(
@@ -73,10 +82,9 @@ def blocks_of(
 ) -> Iterator[NDArray[Number]]:
     """Yield the views of across x across blocks of a plane, row by row; together they
     are all of it."""
-    rows = edges(plane.shape[0], across)
-    cols = edges(plane.shape[1], across)
-    for top, bottom in zip(rows, rows[1:], strict=False):
-        for left, right in zip(cols, cols[1:], strict=False):
+    rows, cols = (edges(length, across) for length in plane.shape)
+    for top, bottom in pairwise(rows):
+        for left, right in pairwise(cols):
             yield plane[top:bottom, left:right]
 
 
@@ -89,6 +97,5 @@ def centres(length: int, across: int, side: int = 1) -> NDArray[np.float64]:
     """Return the middles of the blocks along a side, px.
 
     side : of the CFA repeat, where blocks are of the planes of its sites."""
-    ends = np.array(edges(length // side, across), float)
-    found: NDArray[np.float64] = (ends[1:] + ends[:-1]) / 2 * side
-    return found
+    ends = np.array(edges(length // side, across), float) * side
+    return np.asarray((ends[1:] + ends[:-1]) / 2)

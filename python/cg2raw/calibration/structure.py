@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.robust import CUT, Array, LinearFit, clipped_moments, linear_fit
+from cg2raw.calibration.measured import CUT, Array, LinearFit, Measured, linear_fit
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, blocks_of, centres
 
@@ -30,45 +29,30 @@ AT_END = 0.999  # of the longest length that is tried: it may be longer
 CERTAIN = 5.0  # standard errors: of the best of 120 places and extents
 
 
-@dataclass(frozen=True)
-class Decay:
-    """straight : values of the straight part's columns. errors : theirs, of the height
-    and of the length. rest, variance : see LinearFit."""
-
-    straight: Array
-    height: float
-    length: float
-    errors: Array
-    rest: Array
-    variance: float
-
-
 def fit_decay(
     straight: Array, distance: Array, y: Array, lengths: Array, first: int = 0
-) -> Decay:
-    """Return the robust least squares of straight @ a + height exp(-distance / length).
+) -> tuple[LinearFit, float, float, Array]:
+    """Return the robust least squares of straight @ a + height exp(-distance / length):
+    (fit, height, length, errors of a, of the height and of the length).
 
     straight : (N, k). distance : (N,), and lengths to try in its unit. first : how many
     of y count however far off they are: the decay may be of them alone."""
 
     def fitted(length: float, *more: Array) -> LinearFit:
         fall = np.exp(-distance / length)
-        return linear_fit(
-            np.column_stack([straight, fall, *(fall * x for x in more)]), y, first
-        )
+        design = [straight, fall, *(fall * x for x in more)]
+        return linear_fit(np.column_stack(design), y, first)
 
-    length = float(min(lengths, key=lambda tried: fitted(tried).squares))
+    length = float(min(lengths, key=lambda x: float((fitted(x).clipped ** 2).sum())))
     for _ in range(ROUNDS):  # of Gauss and Newton, in the logarithm of the length
         found = fitted(length, distance / length)
-        *values, height, change = found.values
+        height, change = map(float, found.values[-2:])
         step = change / height if height else 0.0
         length *= math.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
         length = float(np.clip(length, lengths[0], lengths[-1]))
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
     errors[-1] *= length / max(abs(height), 1e-300)
-    return Decay(
-        np.array(values), float(height), length, errors, found.rest, found.variance
-    )
+    return found, height, length, errors
 
 
 @dataclass(frozen=True)
@@ -90,10 +74,8 @@ class BiasStructure:
     @property
     def edge_is_longer(self) -> bool:
         """Whether the edge is as long as any that is tried: it may be longer."""
-        if self.edge_length is None:
-            return False
-        longest = float(edge_lengths(len(self.columns))[-1])
-        return self.edge_length.value > AT_END * longest
+        longest = AT_END * float(edge_lengths(len(self.columns))[-1])
+        return self.edge_length is not None and self.edge_length.value > longest
 
     @property
     def edge_mean(self) -> float:
@@ -128,35 +110,32 @@ def ramp_and_edge(
     profile : (N,) DN. The ramp is end over beginning, 0 in the middle; the edge falls
     by a factor e over its length. Columns far off the others do not count."""
     column = np.arange(len(profile))
-    place = (column + 0.5) / len(profile) - 0.5
-    straight = np.stack([np.ones_like(place), place], 1)
+    straight = np.stack([np.ones(len(profile)), (column + 0.5) / len(profile) - 0.5], 1)
     if with_edge and len(profile) >= LEAST_COLUMNS:
         lengths = edge_lengths(len(profile))
-        found = fit_decay(straight, column, profile, lengths, first=FIRST_COLUMNS)
-        of_ramp, of_edge, of_length = found.errors[1:] * correlated(found.rest)
-        edge = Measured(found.height, of_edge, "DN")
-        if edge.stands_out and abs(edge.value) > CUT * math.sqrt(found.variance):
-            ramp = Measured(float(found.straight[1]), of_ramp, "DN")
-            length = Measured(found.length, of_length, "px")
-            return ramp, edge, length, profile - found.rest
+        fit, height, length, errors = fit_decay(
+            straight, column, profile, lengths, first=FIRST_COLUMNS
+        )
+        _, of_ramp, of_edge, of_length = map(float, errors * correlated(fit))
+        edge = Measured(height, of_edge, "DN")
+        if edge.stands_out and abs(height) > CUT * math.sqrt(fit.variance):
+            ramp = Measured(float(fit.values[1]), of_ramp, "DN")
+            return ramp, edge, Measured(length, of_length, "px"), profile - fit.rest
     line = linear_fit(straight, profile)
-    error = math.sqrt(line.covariance[1, 1]) * correlated(line.rest)
+    error = math.sqrt(line.covariance[1, 1]) * correlated(line)
     return Measured(float(line.values[1]), error, "DN"), None, None, profile - line.rest
 
 
 def edge_lengths(width: int) -> Array:
     """Return the lengths of an edge, px, that are tried."""
-    found: Array = EDGE_LENGTHS[EDGE_LENGTHS < width * LONGEST_EDGE]
-    return found
+    return EDGE_LENGTHS[EDGE_LENGTHS < width * LONGEST_EDGE]
 
 
-def correlated(rest: Array) -> float:
+def correlated(fit: LinearFit) -> float:
     """Return by how much neighbours that correlate widen a fit's errors."""
-    most = CUT * clipped_moments(rest)[1]
-    rest = np.clip(rest, -most, most)
+    rest = fit.clipped
     own = float(rest @ rest)
-    next_one = float(rest[1:] @ rest[:-1]) / own if own > 0 else 0.0
-    r = min(max(next_one, 0.0), 0.95)
+    r = float(np.clip(rest[1:] @ rest[:-1] / own, 0.0, 0.95)) if own > 0 else 0.0
     return math.sqrt((1 + r) / (1 - r))
 
 
@@ -190,34 +169,22 @@ class Glow:
 def glow(rate: Array) -> Glow:
     """Return the best glow in an (H, W) map of dark current, DN/s; nan is unknown."""
     across = min(FIELD_BLOCKS, *(side // 8 for side in rate.shape))
-    smooth = np.array([median_of(b) for b in blocks_of(rate, across)])
+    known = [block[np.isfinite(block)] for block in blocks_of(rate, across)]
+    smooth = np.array([float(np.median(b)) if b.size else 0.0 for b in known])
     rows, cols = (centres(side, across) for side in rate.shape)
-    half = math.hypot(*rate.shape) / 2
-    ones, best = np.ones((len(smooth), 1)), None
+    half, found = math.hypot(*rate.shape) / 2, []
     for row, col in PLACES:
         far = np.hypot(
             rows[:, None] - (row + 1) / 2 * rate.shape[0],
             cols[None] - (col + 1) / 2 * rate.shape[1],
         )
-        found = fit_decay(ones, far.ravel() / half, smooth, EXTENTS)
-        if found.height > 0 and (best is None or found.variance < best[0].variance):
-            best = found, far.ravel() / half, row, col
-    if best is None:
-        none = Measured(0.0, float(np.std(smooth)), "DN/s")
-        return Glow(none, 0, 0, Measured(1.0, 1.0, "1"), float(np.std(smooth)), 0)
-    found, distance, row, col = best
-    mean = float(np.exp(-distance / found.length).mean())
-    return Glow(
-        Measured(found.height, float(found.errors[1]), "DN/s"),
-        row,
-        col,
-        Measured(found.length, float(found.errors[2]), "1"),
-        math.sqrt(found.variance),
-        found.height * mean,
-    )
-
-
-def median_of(block: Array) -> float:
-    """Return the median of a block's pixels that are finite, 0 if none is."""
-    known = block[np.isfinite(block)]
-    return float(np.median(known)) if known.size else 0.0
+        far = far.ravel() / half
+        fit, height, length, (_, *errors) = fit_decay(
+            np.ones((len(far), 1)), far, smooth, EXTENTS
+        )
+        shine = Measured(height, float(errors[0]), "DN/s")
+        extent = Measured(length, float(errors[1]), "1")
+        mean = height * float(np.exp(-far / length).mean())
+        found.append(Glow(shine, row, col, extent, math.sqrt(fit.variance), mean))
+    shining = [one for one in found if one.per_second.value > 0] or found
+    return min(shining, key=lambda one: one.residual)

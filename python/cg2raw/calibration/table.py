@@ -57,24 +57,19 @@ def rows_of(found: Measurements) -> list[Row]:
         "dark current": dark_lines,
         "light": light_lines,
     }
-    return [
-        Row(section, name, value, in_electrons(found, name, value), more)
-        for section, lines in sections.items()
-        for name, value, more in lines(found)
-    ]
-
-
-def in_electrons(
-    found: Measurements, name: str, value: Measured | None
-) -> Measured | None:
-    """Return DN (or DN/s) in electrons; None without a gain, and of the black level,
-    which is no charge."""
-    gain = found.figure("gain")
-    if value is None or gain is None or name == BLACK[0] or value.unit[:2] != "DN":
-        return None
-    product = value.value * gain.value
-    parts = value.standard_error * gain.value, value.value * gain.standard_error
-    return Measured(product, math.hypot(*parts), value.unit.replace("DN", "e-"))
+    gain, rows = found.figure("gain"), []
+    for section, lines in sections.items():
+        for name, value, more in lines(found):
+            electrons = None  # the black level is no charge
+            if value and gain and value.unit[:2] == "DN" and name != BLACK[0]:
+                errors = (
+                    value.standard_error * gain.value,
+                    value.value * gain.standard_error,
+                )
+                unit, size = value.unit.replace("DN", "e-"), value.value * gain.value
+                electrons = Measured(size, math.hypot(*errors), unit)
+            rows.append(Row(section, name, value, electrons, more))
+    return rows
 
 
 def black_lines(found: Measurements) -> Iterator[Line]:
@@ -139,22 +134,24 @@ def light_lines(found: Measurements) -> Iterator[Line]:
     yield from figures(found, others)
     residual = Measured(100 * light.residual, 0.0, "%") if light else None
     yield "shading besides, as of dust", residual, ""
-    lamp = found.lamp.scaled(100, "%") if found.lamp else None
-    yield "lamp, frame to frame", lamp, ""
+    yield "lamp, frame to frame", found.lamp and found.lamp.scaled(100, "%"), ""
 
 
 def figures(found: Measurements, names: Sequence[str]) -> Iterator[Line]:
     """Yield figures of the fit, the mean of all sites: of few sites with each of them,
     of one with the 95 % interval; those missing without."""
     for name in names:
-        value, scale = found.figure(name), 1
-        if name in ("PRNU", "shading") and value is not None:
-            value, scale = value.scaled(100, "%"), 100
+        value, more = found.figure(name), ""
+        scale = 100 if name in ("PRNU", "shading") else 1
+        if value is not None and scale == 100:
+            value = value.scaled(scale, "%")
         listed = [one for one in found.fit.figures if one.name == name]
-        more = each(found, found.each(name))
         if len(listed) == 1:
             ends = listed[0].low * scale, listed[0].high * scale
             more = "95 %: {:.5g} to {:.5g}".format(*ends)
+        elif 1 < len(listed) <= MOST_SITES:
+            pairs = zip(found.sites.names, found.each(name), strict=True)
+            more = "  ".join(f"{site} {digits(m)[0]}".strip() for site, m in pairs)
         yield ROWS.get(name, name), value, more
 
 
@@ -167,14 +164,6 @@ def dynamic_range(found: Measurements) -> Measured | None:
     errors = (one.standard_error / one.value for one in (full, noise))
     error = 20 / math.log(10) * math.hypot(*errors)
     return Measured(20 * math.log10(full.value / noise.value), error, "dB")
-
-
-def each(found: Measurements, values: Sequence[Measured] | None) -> str:
-    """Return the values of all sites, if there are a few."""
-    if not values or not 1 < len(values) <= MOST_SITES:
-        return ""
-    pairs = zip(found.sites.names, values, strict=True)
-    return "  ".join(f"{name} {digits(m)[0]}".strip() for name, m in pairs)
 
 
 def digits(value: Measured) -> tuple[str, str]:

@@ -1,18 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Updated profile: a sensor with what was measured in place of what it had."""
+"""Updated profile: a sensor with what was measured in place of what it had.
+
+Effects are in units of the signal, which is 1 at white, above black. One is called for
+if it stands out from its standard error; where it was looked for and does not, the
+profile is not to have it."""
 
 import json
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from scipy.special import gammaincinv
 
 from cg2raw import _core
+from cg2raw.calibration.flats import FULL_WELL
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.profile_effects import Found, effects_found, tails
 from cg2raw.io.json_text import formatted
 from cg2raw.sensor import Sensor
 
@@ -20,13 +26,20 @@ SOURCE = "cg2raw calibrate (EMVA 1288 R4.0)"
 NORMAL = 0.14  # Tukey's lambda of an almost normal distribution
 DIGITS = 6  # significant, of numbers in the profile
 CI95 = 1.96  # standard errors
+CHANCE = 1.35e-3  # of a normal deviate above three standard deviations
+CORRELATION_FLOOR = 0.005  # which a few flickering pixels bring
+SHADING_FLOOR = 1e-3  # rms; no lamp is flatter
+STEADY = 5e-3  # relative, of a lamp and a shutter from exposure to exposure
+
+Found = Mapping[str, float | Measured]
+Answer = tuple[str, Found | None]  # an effect's name and values; None: not called for
 
 
 def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]]:
     """Return (JSON of a sensor's profile with what was measured, notes)."""
     profile = json.loads(sensor.to_json())
     known = {effect["name"]: effect for effect in _core.effects()}
-    effects, notes = effects_found(found, has_shapes(profile)), tails(found)
+    effects, notes = effects_found(found, has_shapes(profile)), list(notes_on(found))
     frames = f"{found.frames[0]} darks and {found.frames[1]} flats"
     source = f"{SOURCE}: {frames}"
     has_level = bool(found.each("black level"))
@@ -59,6 +72,111 @@ def has_shapes(profile: dict[str, Any]) -> bool:
     return any("tukey_lambda" in row for row in profile.get("noise", []))
 
 
+def notes_on(found: Measurements) -> Iterator[str]:
+    """Yield a note on heavy tails, which a row of noise may say."""
+    if (tails := found.tails) and tails.excess_kurtosis and tails.are_heavy:
+        yield (
+            f"read noise: its tails are not normal (excess kurtosis "
+            f"{tails.excess_kurtosis.value:.2f}, Tukey lambda {tails.tukey_lambda:.2f})"
+            "; rows of noise with tukey_lambda and row_sigma say that"
+        )
+
+
+def effects_found(found: Measurements, has_shapes: bool) -> dict[str, Found | None]:
+    """Return {effect: its values, None if it does not stand out}; what the frames
+    cannot show is not in it.
+
+    has_shapes : the rows of noise say row_sigma, so that rows' noise is no effect."""
+    answers = dict([*of_bias(found), *of_darks(found), *of_light(found)])
+    if has_shapes and "row_noise" in answers:
+        answers["row_noise"] = None
+    return answers
+
+
+def of_bias(c: Measurements) -> Iterator[Answer]:
+    """Yield what darks of no time show."""
+    if (s := c.structure) is not None:
+        ramps = {"horizontal": s.horizontal, "vertical": s.vertical}
+        parts: dict[str, float | Measured] = {
+            name: ramp.scaled(1 / c.range, "1")
+            for name, ramp in ramps.items()
+            if ramp.stands_out
+        }
+        if s.edge is not None and s.edge_length is not None and not s.edge_is_longer:
+            parts["edge"] = s.edge.scaled(1 / c.range, "1")
+            parts["edge_length"] = s.edge_length
+        yield "bias_structure", parts or None
+    for drift in c.fit.figures:
+        if drift.name == "black level drift":
+            # By the chi-square of its few frames: by noise it is as large in 1 of 740.
+            half = (sum(c.repeats) - len(c.repeats)) / 2
+            # The ends of its interval are those of the total less the part of noise.
+            low, most = gammaincinv(half, [0.025, 1 - CHANCE]) / half
+            total = (drift.high**2 - drift.value**2) / (1 / low - 1)
+            is_chance = total <= most * (total - drift.value**2)
+            yield from deviation(c, "black_level_drift", drift.name, is_chance)
+    yield from deviation(c, "column_fixed_pattern", "fixed column pattern")
+    yield from deviation(c, "dsnu", "DSNU")
+    yield from deviation(c, "row_noise", "row noise")
+    if (r := c.figure("correlation, next in row")) is not None:
+        is_seen = r.stands_out and abs(r.value) > CORRELATION_FLOOR
+        yield "read_noise_correlation", {"coefficient": r} if is_seen else None
+
+
+def deviation(
+    c: Measurements, effect: str, name: str, is_chance: bool | None = None
+) -> Iterator[Answer]:
+    """Yield a deviation of the fit, by name, as an effect's sigma. is_chance : None to
+    ask its error."""
+    if (found := c.figure(name)) is not None:
+        if is_chance is None:
+            is_chance = not found.variance_stands_out
+        sigma = found if found.unit == "1" else found.scaled(1 / c.range, "1")
+        yield effect, None if is_chance or not found.value else {"sigma": sigma}
+
+
+def of_darks(c: Measurements) -> Iterator[Answer]:
+    """Yield what gathers with time."""
+    if c.dark is not None:
+        rate = c.dark.rate
+        shine = c.glow.mean if c.glow is not None and c.glow.is_measured else 0.0
+        without = Measured(max(rate.value - shine, 0.0), rate.standard_error, rate.unit)
+        is_seen = rate.stands_out and rate.value >= 0
+        values = {"per_second": without.scaled(1 / c.range, "1/s")}
+        yield "dark_current", values if is_seen else None
+    if (s := c.spread) is not None and not s.has_too_many_hot:
+        law = {"rate": s.rate.scaled(1 / c.range, "1/s"), "log_sigma": s.log_sigma}
+        yield "dark_current_nonuniformity", law if s.is_uneven else None
+        hot = {"fraction": s.fraction, "rate": s.hot_rate.scaled(1 / c.range, "1/s")}
+        yield "hot_pixels", hot if s.has_hot else None
+    if (g := c.glow) is not None:
+        glow: Found = {
+            "per_second": g.per_second.scaled(1 / c.range, "1/s"),
+            "row": g.row,
+            "column": g.column,
+            "extent": g.extent,
+        }
+        yield "amplifier_glow", glow if g.is_measured else None
+
+
+def of_light(c: Measurements) -> Iterator[Answer]:
+    """Yield what flats show, and the step of all codes."""
+    yield from deviation(c, "prnu", "PRNU")
+    if (light := c.light) is not None:
+        is_shaded = light.fall_off.stands_out and light.fall_off.value > SHADING_FLOOR
+        yield "lens_shading", light.shading if is_shaded else None
+    if (x := c.linearity) is not None:
+        is_bent = x.quadratic.stands_out and x.bend >= STEADY
+        bend = {"quadratic": x.quadratic, **({"cubic": x.cubic} if x.cubic else {})}
+        yield "nonlinearity", bend if is_bent else None
+    if c.transfer is not None and (full := c.transfer.saturation) is not None:
+        level = full.scaled(1 / c.range, "1")
+        below = Measured(1 - level.value, level.standard_error, "1")
+        is_full = c.transfer.clipped_by == FULL_WELL
+        yield "full_well", {"below_white": below} if is_full else None
+    yield "quantisation", {"step": c.sites.step / c.range} if c.sites.step > 1 else None
+
+
 def add_noise(
     profile: dict[str, Any], found: Measurements, sensor: Sensor, source: str
 ) -> list[str]:
@@ -78,15 +196,20 @@ def add_noise(
     old = {r["iso"]: r for r in profile.get("noise", [])}
     if has_shapes(profile):
         before = old.get(found.iso, profile["noise"][0])
-        row = {**before, **row, **shape_of(found, before)}
+        shape = {name: before[name] for name in ("tukey_lambda", "row_sigma")}
+        if found.tails is not None:
+            tail, rows = found.tails.tukey_lambda, found.figure("row noise")
+            shape = {
+                "tukey_lambda": rounded(NORMAL if tail is None else tail),
+                "row_sigma": rounded((rows.value if rows else 0.0) / found.range),
+            }
+        row = {**before, **row, **shape}
         row["beta2"] = [rounded(b + row["row_sigma"] ** 2) for b in row["beta2"]]
     old[found.iso] = row
     profile["noise"] = [old[iso] for iso in sorted(old)]
-    profile["sources"]["noise"] = f"ISO {found.iso:g}: {source}" + (
-        f"; other ISOs: {profile['sources'].get('noise', 'as before')}"
-        if len(old) > 1 and SOURCE not in profile["sources"].get("noise", "")
-        else ""
-    )
+    was = profile["sources"].get("noise", "as before")
+    others = "" if len(old) < 2 or SOURCE in was else f"; other ISOs: {was}"
+    profile["sources"]["noise"] = f"ISO {found.iso:g}: {source}{others}"
     return []
 
 
@@ -107,30 +230,18 @@ def betas_of(found: Measurements, sensor: Sensor) -> dict[str, list[float]]:
     return {name: [rounded(beta) for beta in each] for name, each in betas.items()}
 
 
-def shape_of(found: Measurements, before: dict[str, Any]) -> dict[str, float]:
-    """Return how a row of noise says that it is distributed."""
-    if found.tails is None:
-        return {name: before[name] for name in ("tukey_lambda", "row_sigma")}
-    shape, rows = found.tails.tukey_lambda, found.figure("row noise")
-    return {
-        "tukey_lambda": rounded(NORMAL if shape is None else shape),
-        "row_sigma": rounded((rows.value if rows else 0.0) / found.range),
-    }
-
-
 def bounds_passed(values: Found, known: dict[str, Any]) -> list[str]:
     """Return sentences on measured parameters that are at a bound of the registry, as a
     search ends there, or beyond it by more than their error."""
     found = []
     for parameter in known["parameters"]:
-        given = values.get(parameter["name"])
-        low, high = parameter["min"], parameter["max"]
+        name, low, high = (parameter[key] for key in ("name", "min", "max"))
+        given = values.get(name)
         if not isinstance(given, Measured):
             continue
         value, half = given.value, CI95 * given.standard_error
         within = value not in (low, high) and low - half < value < high + half
         if not (within or low < value < high):
-            name = parameter["name"]
             found.append(f"{name} is {value:.4g}; must be between {low:g} and {high:g}")
     return found
 
@@ -141,16 +252,17 @@ def setting(
     """Return an effect of the profile, its parameters within the registry's bounds."""
     parameters, intervals = {}, {}
     for parameter in known["parameters"]:
-        if parameter["optional"] and parameter["name"] not in values:
+        key = parameter["name"]
+        if parameter["optional"] and key not in values:
             continue
-        low, high = parameter["min"], parameter["max"]
-        given = values.get(parameter["name"], parameter["null"])
+        given = values.get(key, parameter["null"])
         if isinstance(given, Measured):
-            if (half := CI95 * given.standard_error) > 0:
-                ends = given.value - half, given.value + half
-                intervals[parameter["name"]] = [rounded(end) for end in ends]
-            given = given.value
-        parameters[parameter["name"]] = rounded(min(max(float(given), low), high))
+            value, half = given.value, CI95 * given.standard_error
+            if half > 0:
+                intervals[key] = [rounded(value - half), rounded(value + half)]
+            given = value
+        bounded = np.clip(given, parameter["min"], parameter["max"])
+        parameters[key] = rounded(float(bounded))
     return {
         "name": name,
         "parameters": parameters,
