@@ -86,6 +86,7 @@ def test_fewer_bits_in_the_upper_ones_of_a_word(step, read):
     assert any(f"steps of {step} DN" in note for note in found.notes)
     calibrated = Sensor.from_json(json.dumps(profile))
     assert quality.step_of(calibrated) == step and quality.step_of(WORD) == 1
+    assert calibrated.cfa == "MONO"
 
 
 def test_two_codes_of_darks_show_their_step_and_white_may_lie_below_the_profile_s():

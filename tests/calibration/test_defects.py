@@ -77,12 +77,6 @@ def test_defects_are_counted_and_named(pair):
     assert [effect["name"] for effect in effects] == ["prnu"]
 
 
-def test_defects_are_in_no_likelihood(pair):
-    _, found, _ = pair
-    (prnu,) = (one for one in found.fit.figures if one.name == "PRNU")
-    assert prnu.value == pytest.approx(0.006, abs=4 * prnu.standard_error)
-
-
 def test_dust_and_steep_shading_are_no_defects():
     rng = np.random.default_rng(2)
     y, x = np.mgrid[-1:1:128j, -1:1:160j]

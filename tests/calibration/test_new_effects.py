@@ -11,9 +11,7 @@ import pytest
 import cg2raw
 from calibration.planted import RANGE, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.darks import dark_spread
 from cg2raw.calibration.structure import glow, ramp_and_edge
-from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
 EFFECTS = {
     "bias_structure": {
@@ -71,25 +69,6 @@ def test_structure_of_columns():
         assert abs(measured.value - truth) < 3 * measured.standard_error, measured
     # Four parameters of 320 columns: 0.5 DN times the root of 4 in 320.
     assert np.std(fitted - profile) < 2 * 0.5 * np.sqrt(4 / 320)
-
-
-def law_of(rate, noise):
-    """Return the law of rates of pixels, DN/s, that were measured with this noise."""
-    counts = np.histogram((rate - rate.mean()) / noise, RATE_EDGES)[0]
-    return dark_spread(DarkRates("", counts, noise, 0.0), 0.0)
-
-
-def test_spread_of_dark_current_beside_hot_pixels():
-    rng = np.random.default_rng(4)
-    rate = 0.6 * np.expm1(0.8 * rng.normal(size=50_000))
-    rate += (rng.random(50_000) < 0.005) * rng.exponential(40, 50_000)
-    s = law_of(rate + rng.normal(0, 0.04, 50_000), 0.04)
-    for measured, truth in (
-        (s.rate, 0.6), (s.log_sigma, 0.8), (s.fraction, 0.005), (s.hot_rate, 40.0),
-    ):  # fmt: skip
-        assert abs(measured.value - truth) < 3 * measured.standard_error, measured
-    mere_noise = law_of(rng.normal(0, 0.04, 50_000), 0.04)
-    assert mere_noise.spread_nats < 10 and mere_noise.hot_nats < 10
 
 
 def test_glow_of_a_corner():

@@ -151,7 +151,7 @@ def one_iso(frames: Sequence[UniformFrame]) -> float | None:
         )
     said = {frame.iso: frame.name for frame in frames if frame.iso is not None}
     if len(said) > 1:
-        (a, first), (b, second) = list(said.items())[:2]
+        (a, first), (b, second), *_ = said.items()
         raise ValueError(
             f"{second}: ISO {b:g}, but {first} has ISO {a:g}: calibrate one ISO at a "
             "time; rows of other ISOs stay in the profile"
@@ -166,13 +166,13 @@ def scan_all(
     sites, found = sites_of(sensor), list[Scanned]()
     with ThreadPoolExecutor(max(1, threads)) as pool:
         for item in pool.map(lambda frame: scan(frame, sites, sensor), frames):
-            if found and item.shape != found[0].shape:
+            found.append(item)
+            if item.shape != found[0].shape:
                 (h, w), (height, width) = item.shape, found[0].shape
                 raise ValueError(
                     f"{item.frame.name}: is {w}x{h} pixels, {found[0].frame.name} "
                     f"{width}x{height}: give frames of one size"
                 )
-            found.append(item)
             tell("looking at frames", len(found) / len(frames))
     return found
 

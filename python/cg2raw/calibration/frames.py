@@ -130,17 +130,17 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
         raise ValueError(f"{frame.name}: {words}")
     steps = [codes.step_of(part[: sensor.white_level]) for part in by_site]
     step = math.gcd(*(step for step, _ in steps))
-    is_dark = frame.kind == "dark"
-    moments = [moments_of(part, max(step, 1), is_dark) for part in by_site]
+    moments = [moments_of(part, max(step, 1)) for part in by_site]
+    means, sigmas, kept, cuts = zip(*moments, strict=True)
     highest = int(np.flatnonzero(counts)[-1])
     return Scanned(
         frame,
         (raw.shape[0], raw.shape[1]),
-        np.array([mean for mean, *_ in moments]),
-        float(np.mean([sigma for _, sigma, *_ in moments])),
-        1 - sum(count for _, _, count, _ in moments) / raw.size,
+        np.array(means),
+        float(np.mean(sigmas)),
+        1 - sum(kept) / raw.size,
         float(counts[sensor.white_level :].sum() / raw.size),
-        max(share for *_, share in moments),
+        max(cuts) if frame.kind == "dark" else 0.0,
         highest,
         float(counts[highest] / raw.size),
         step,
@@ -149,11 +149,9 @@ def scan(frame: UniformFrame, sites: Sites, sensor: Sensor) -> Scanned:
     )
 
 
-def moments_of(
-    counts: Array, step: int, is_dark: bool
-) -> tuple[float, float, int, float]:
+def moments_of(counts: Array, step: int) -> tuple[float, float, int, float]:
     """Return (mean, deviation, pixels within 4 sigma, share of pixels at the lowest
-    code, where a dark's noise is cut) of one site, DN."""
+    code where noise is cut there) of one site, DN."""
     code = np.flatnonzero(counts)
     many, least = counts[code], LEAST_SIGMA * step
     ends = np.interp(np.array(MIDDLE) * many.sum(), np.cumsum(many), code)
@@ -163,8 +161,7 @@ def moments_of(
         mean = float(np.average(code, weights=kept))
         variance = float(np.average((code - mean) ** 2, weights=kept)) / LEFT
         sigma = max(math.sqrt(variance), least)
-    share = codes.cut_share(counts[code[0] % step :: step]) if is_dark else 0.0
-    return mean, sigma, int(kept.sum()), share
+    return mean, sigma, int(kept.sum()), codes.cut_share(counts[code[0] % step :: step])
 
 
 def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]]:
@@ -180,10 +177,8 @@ def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]
                 "that are coded alike, the camera's own RAW"
             )
     for site in range(len(scanned[0].spacing)):
-        words = codes.companded(
-            [(s.frame.name, float(s.level[site]), s.spacing[site]) for s in scanned]
-        )
-        if words:
+        each = [(s.frame.name, float(s.level[site]), s.spacing[site]) for s in scanned]
+        if words := codes.companded(each):
             raise ValueError(words)
     return step, [
         replace(item, saturated=max(item.saturated, item.at_highest))
@@ -200,9 +195,9 @@ def groups_of(scanned: Sequence[Scanned]) -> list[Group]:
     keys: dict[tuple[str, float, int], list[Scanned]] = {}
     points = set_points([s.frame.temperature for s in scanned])
     for item, point in zip(scanned, points, strict=True):
-        exposure = item.frame.exposure_time
-        time = -1.0 if exposure is None else exposure
-        keys.setdefault((item.frame.kind, time, point), []).append(item)
+        time = item.frame.exposure_time
+        key = item.frame.kind, -1.0 if time is None else time, point
+        keys.setdefault(key, []).append(item)
     found = []
     for (kind, *_), members in sorted(keys.items()):
         levels = [item.mean_level for item in members]
@@ -253,9 +248,9 @@ def how_off(item: Scanned, group: Group, black: float) -> str:
     far = float(np.median([one.far for one in group.frames]))
     spread = MAD * float(np.median(np.abs(levels - middle)))
     most = max(noise, SAME_LEVEL * (middle - black), FAR * spread)
-    others = others_of(group, len(levels) - 1)
     if abs(item.mean_level - middle) > most:
-        return level_off(item.mean_level - middle, others)
+        return level_off(item.mean_level - middle, group, len(levels) - 1)
+    others = others_of(group, len(levels) - 1)
     if not noise / NOISIER <= item.noise <= noise * NOISIER:
         return f"its noise is {item.noise:.2f} DN, {others} {noise:.2f} DN"
     if item.far > far + MORE_FAR_PIXELS:
@@ -272,20 +267,20 @@ def other_light(group: Group, groups: Sequence[Group]) -> str:
         alike = other.kind == "flat" and other.exposure_time == group.exposure_time
         if alike and other.frames[1:]:
             off = float(group.level.mean() - other.level.mean())
-            return level_off(off, others_of(other, len(other.frames)))
+            return level_off(off, other, len(other.frames))
     return ""
 
 
-def level_off(off: float, others: str) -> str:
-    """Return "its level is 3.0 DN above that of others"."""
-    return f"its level is {abs(off):.1f} DN {'above' if off > 0 else 'below'} {others}"
+def level_off(off: float, group: Group, count: int) -> str:
+    """Return "its level is 3.0 DN above that of the 4 other darks"."""
+    where = "above" if off > 0 else "below"
+    return f"its level is {abs(off):.1f} DN {where} {others_of(group, count)}"
 
 
 def others_of(group: Group, count: int) -> str:
     """Return "that of the 4 other darks of 30 s"."""
-    words = f"that of the {count} other {group.kind}s"
-    time = group.exposure_time
-    return words if time is None else f"{words} of {time:g} s"
+    time = "" if group.exposure_time is None else f" of {group.exposure_time:g} s"
+    return f"that of the {count} other {group.kind}s{time}"
 
 
 def check_alike(group: Group, black: float) -> None:
@@ -294,8 +289,8 @@ def check_alike(group: Group, black: float) -> None:
     by_noise = sorted(group.frames, key=lambda item: item.noise)
     low, high, quiet, loud = by_level[0], by_level[-1], by_noise[0], by_noise[-1]
     noise = float(np.median([item.noise for item in group.frames]))
-    off = high.mean_level - low.mean_level
     charge = float(np.median([item.mean_level for item in group.frames])) - black
+    off, what = high.mean_level - low.mean_level, ""
     if off > max(FAR * noise, MOST_SCATTER * charge):
         what = f"{high.frame.name}: is {off:.1f} DN above {low.frame.name}"
     elif loud.noise > NOISIER**2 * quiet.noise:
@@ -303,9 +298,8 @@ def check_alike(group: Group, black: float) -> None:
             f"{loud.frame.name}: its noise is {loud.noise:.2f} DN, that of "
             f"{quiet.frame.name} {quiet.noise:.2f} DN"
         )
-    else:
-        return
-    raise ValueError(
-        f"{what}, and both have one kind, exposure and temperature: give frames that "
-        "repeat each other, without the one that is off"
-    )
+    if what:
+        raise ValueError(
+            f"{what}, and both have one kind, exposure and temperature: give frames "
+            "that repeat each other, without the one that is off"
+        )

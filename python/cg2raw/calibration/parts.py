@@ -9,6 +9,7 @@ size.
 """
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -31,14 +32,15 @@ SIDES = ((1, "left and right", "columns"), (0, "top and bottom", "rows"))
 def check_one_chain(found: Measurements) -> None:
     """Raise ValueError if the frames have parts that differ as amplifiers do."""
     for axis, sides, lines in SIDES:
-        steps = all_steps(found, axis)
+        steps = dict[str, list[str]]()
+        for place, words in all_steps(found, axis):
+            steps.setdefault(place, []).append(words)
         if not steps:
             continue
-        line = lines[:-1]
         place = max(steps, key=lambda key: len(steps[key]))
-        parts, remedy = f"{sides} parts", f"cut the frames at {line} {place}"
+        parts, remedy = f"{sides} parts", f"cut the frames at {lines[:-1]} {place}"
         if place == ALTERNATE:
-            parts, remedy = f"odd and even {lines}", f"take every other {line}"
+            parts, remedy = f"odd and even {lines}", f"take every other {lines[:-1]}"
         elif len(steps) > 1:
             ends = ", ".join(sorted(steps.keys() - {ALTERNATE}, key=int))
             remedy = f"cut the frames at {lines} {ends}"
@@ -49,35 +51,27 @@ def check_one_chain(found: Measurements) -> None:
         )
 
 
-def all_steps(found: Measurements, axis: int) -> dict[str, list[str]]:
-    """Return {where a part ends: by what the next differs}. axis : 1 for columns."""
-    steps = dict[str, list[str]]()
-    for what, image, least, unit in maps_of(found):
+def all_steps(found: Measurements, axis: int) -> Iterator[tuple[str, str]]:
+    """Yield (where a part ends, by what the next differs). axis : 1 for columns."""
+    noise, maps = found.figure("temporal dark noise"), []
+    if found.offset is not None and noise is not None:
+        maps.append(("black level", found.offset, LEAST_OFFSET * noise.value, 1, "DN"))
+    if found.response is not None:
+        maps.append(("response", found.response, LEAST_RESPONSE, 100, "%"))
+    for what, image, least, scale, unit in maps:
         # Of halves, for quadrants; medians less those of the other lines, which dust
         # does not move.
         halves = np.array_split(image if axis else image.T, 2)
         rests = [half - np.median(half, 1, keepdims=True) for half in halves]
-        largest, scale = dict[str, float](), 1 if unit == "DN" else 100
+        largest = dict[str, float]()
         for profile in (np.median(rest, 0) for rest in rests):
             for place, step in steps_of(profile, least, found.sites.side):
                 largest[place] = max(largest.get(place, 0.0), abs(step))
         for place, size in largest.items():
-            steps.setdefault(place, []).append(f"{what} by {scale * size:.3g} {unit}")
+            yield place, f"{what} by {scale * size:.3g} {unit}"
     for what, blocks, errors in noises_of(found):
         if step := step_of_halves(blocks, errors, axis):
-            place = f"{found.shape[axis] // 2}"
-            steps.setdefault(place, []).append(f"{what} by {100 * step:.3g} %")
-    return steps
-
-
-def maps_of(found: Measurements) -> list[tuple[str, Array, float, str]]:
-    """Return (name, (H, W) map, step that matters, unit) of offsets and of response."""
-    maps, noise = [], found.figure("temporal dark noise")
-    if found.offset is not None and noise is not None:
-        maps.append(("black level", found.offset, LEAST_OFFSET * noise.value, "DN"))
-    if found.response is not None:
-        maps.append(("response", found.response, LEAST_RESPONSE, "%"))
-    return maps
+            yield f"{found.shape[axis] // 2}", f"{what} by {100 * step:.3g} %"
 
 
 def steps_of(profile: Array, least: float, side: int) -> list[tuple[str, float]]:
@@ -116,22 +110,19 @@ def steps_along(profile: Array, width: int) -> Array:
     return found
 
 
-def noises_of(found: Measurements) -> list[tuple[str, Array, Array]]:
-    """Return (name, variances or gains, their relative errors), (blocks,); none of a
+def noises_of(found: Measurements) -> Iterator[tuple[str, Array, Array]]:
+    """Yield (name, variances or gains, their relative errors), (blocks,); none of a
     read noise that rounding shapes."""
-    noises, tails = [], found.tails
+    tails, read = found.tails, found.each("read noise")
     if tails is not None and tails.excess_kurtosis is not None:
-        variance = tails.variance.mean(0)
-        noises.append(("variance of the read noise", variance, tails.error))
-    transfer, read = found.transfer, found.each("read noise")
-    used = [p for p in transfer.points if p.is_right] if transfer else []
+        yield "variance of the read noise", tails.variance.mean(0), tails.error
+    points = found.transfer.points if found.transfer else []
+    used = [point for point in points if point.is_right]
     if used and read:
         dark = np.array([m.value**2 + found.sites.rounding for m in read])[:, None]
-        gains = (used[-1].variance - dark) / np.maximum(used[-1].mean, 1e-9)
-        known = np.where(used[-1].mean > 0, gains, np.nan)
-        relative = np.sqrt((used[-1].error ** 2).mean(0) / len(gains))
-        noises.append(("gain", known.mean(0), relative))
-    return noises
+        mean = np.where(used[-1].mean > 0, used[-1].mean, np.nan)
+        relative = np.sqrt((used[-1].error ** 2).mean(0) / len(dark))
+        yield "gain", ((used[-1].variance - dark) / mean).mean(0), relative
 
 
 def step_of_halves(blocks: Array, errors: Array, axis: int) -> float:
