@@ -81,6 +81,19 @@ def test_nuisances_of_most_likelihood(rows):
     assert found == pytest.approx(expected, rel=1e-8)
 
 
+def test_patterns_in_a_score_are_those_of_what_nuisances_leave(rows):
+    """The covariance of the score of drawn patterns, in all samples alike."""
+    effects, nuisances, residual = rows
+    every = np.vstack([effects, nuisances, residual[None]])
+    share = np.linspace(0.1, 2, every.shape[1])
+    normal = Normal(400, every @ every.T, (every * share) @ every.T)
+    found = normal.without(np.array([6, 7]), DEVIATIONS).gram(6).shared
+    inner = nuisances @ nuisances.T + np.diag(DEVIATIONS**-2.0)
+    left = effects - effects @ nuisances.T @ np.linalg.solve(inner, nuisances)
+    assert found == pytest.approx((left * share) @ left.T, rel=1e-8)
+    assert (normal + normal).without(np.array([6, 7]), DEVIATIONS).views == 2
+
+
 def test_a_prior_pulls_to_the_profile(rows):
     gram = gram_of(rows)
     index = SPACE.index({"b"})

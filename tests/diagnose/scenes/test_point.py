@@ -20,6 +20,7 @@ from cg2raw.diagnose.scenes.point import (
     offsets_of,
     point_of,
     products_of,
+    shared_of,
     without_offsets,
 )
 from cg2raw.diagnose.scenes.view import views_of
@@ -119,6 +120,25 @@ def test_excess_widens_edges_and_light():
         0.01 * slope + 1e-4 * light**2, rel=1e-4, abs=1e-12
     )
     assert wide.noise_variance == pytest.approx(plain.noise_variance)
+
+
+def test_patterns_of_pixels_and_of_columns_are_shared():
+    """As the covariance of a score whose weights know them."""
+    patterns = {"column_fixed_pattern": {"sigma": 4e-3}, "prnu": {"sigma": 0.02}}
+    listed = [{"name": name, "parameters": p} for name, p in patterns.items()]
+    point = at(sensor_of(effects=listed))
+    [columns] = offsets_of(point)
+    used = point.root > 0
+    a = np.random.default_rng(3).normal(size=(3, used.sum()))
+    along = np.zeros((SHAPE[1], used.sum()))
+    along[columns.labels[used], np.arange(used.sum())] = point.root[used]
+    along *= columns.sigma
+    share = (point.patterns["prnu"] * point.root**2)[used]
+    assert shared_of(a, point).shape == (3, 3)
+    score = np.linalg.solve(np.eye(used.sum()) + along.T @ along, a.T).T
+    expected = (a * share) @ a.T + (score @ along.T) @ (score @ along.T).T
+    assert shared_of(a, point) == pytest.approx(expected, rel=1e-6)
+    assert shared_of(a, at(sensor_of())) == 0
 
 
 def test_offsets_of_rows_are_integrated_out():

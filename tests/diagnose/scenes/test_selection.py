@@ -3,6 +3,7 @@
 """Selection on planted matrices."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,6 +68,21 @@ def test_what_is_known_is_fitted_beside_all_and_not_named():
     grams = pair([0.5, 0, 0, 0.2])
     selection = Selection(SPACE, *grams, LEAST, 0.01, ["one"])
     assert selection.run(["two", "both", "other"], 9).names == ["other"]
+
+
+def test_what_fixed_patterns_leave_in_all_frames_is_no_name():
+    """They are as large in training and in validation, and no noise of one frame."""
+    pattern = 0.2  # of an effect, standard deviation
+    false, strong = 0, []
+    for seed in range(40):
+        part = np.random.default_rng(seed).normal(0, pattern, 4)
+        theta, shared = part + [0, 2, 0, 0], np.diag(np.full(4, (2000 * pattern) ** 2))
+        grams = [replace(one, shared=shared) for one in pair(theta, seed)]
+        plain = [replace(one, shared=0.0) for one in grams]
+        false += any(name != "two" for name in chosen(plain).names)
+        strong.append(chosen(grams).names)
+    assert false > 30
+    assert strong == [["two"]] * 40
 
 
 def test_a_limit_is_the_strength_that_is_found_half_of_the_time():

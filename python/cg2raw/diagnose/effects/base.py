@@ -225,6 +225,10 @@ class Effect:
         """Return values within the bounds of the fit."""
         return np.clip(values, self.low, self.high)
 
+    def is_possible(self, values: Values) -> bool:
+        """Whether light can do what all of its values, with a profile's, say."""
+        return True
+
     def within_registry_bounds(self, values: Values) -> Values:
         """Return values within the bounds of the registry: a found value and the
         profile's are each within them, and their sum need not be."""

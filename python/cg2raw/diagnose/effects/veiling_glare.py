@@ -3,7 +3,7 @@
 
 """Veiling glare: light scattered over the frame."""
 
-from cg2raw.diagnose.effects.base import Effect, Estimates
+from cg2raw.diagnose.effects.base import Effect, Estimates, Values
 from cg2raw.diagnose.effects.sizes import percent, total
 
 
@@ -17,6 +17,10 @@ class VeilingGlare(Effect):
         "black_level": "A dark, and flats at two levels: a gain grows with the signal, "
         "an offset does not.",
     }
+
+    def is_possible(self, values: Values) -> bool:
+        """No lens takes light from where the frame is dark."""
+        return bool(values.sum() >= 0)
 
     def size(self, values: Estimates) -> str:
         spread = percent(total(values, "uniform", "wide"))

@@ -251,13 +251,39 @@ class Scenes:
             self.alpha,
             self.known,
         )
-        self.chosen = select.run(self.candidates, self.most)
+        self.chosen = self._chosen(select)
         moved = self._move(sets)
         moved |= self._fill_well()
         doubted = self.capture_set.nuisances & {"registration", "radiance"}
         if self._calibrates or doubted:
             moved |= self._fit_noise()
         return moved
+
+    def _chosen(self, select: Selection) -> Chosen:
+        """Return the effects chosen of those whose values are possible."""
+        both = self.with_known(self.grams[FIT] + self.grams[SELECT])
+        shape = self.theta - self._counted()
+        by_name = {one.name: one for one in self.effects}
+        asked = set(self.candidates)
+        while True:
+            chosen = select.run(asked, self.most)
+            theta = both.fit(self.space.index({*chosen.names, *self.known})) + shape
+            impossible = {
+                name
+                for name in chosen.names
+                if not by_name[name].is_possible(
+                    self._with_profile(by_name[name], theta)
+                )
+            }
+            if not impossible:
+                return chosen
+            asked -= impossible
+
+    def _with_profile(self, one: Effect, theta: Array) -> Array:
+        """Return all values of an effect, on top of the profile's."""
+        stated = self.model.profile_parameters.get(one.name)
+        listed = one.null if stated is None else np.array([*stated.values()])
+        return one.added(listed, one.with_used(theta[self.space.slices[one.name]]))
 
     def _move(self, sets: Sums) -> bool:
         """Move to the values of the chosen effects; return whether that was far."""

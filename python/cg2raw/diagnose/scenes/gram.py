@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]  # of float64
+LEAST_SHARED = 1e-4  # of a score's variance; less is none
 RIDGE = 1e-10  # of the information on a parameter: two columns alike stay finite
 
 
@@ -53,12 +54,16 @@ class Gram:
     """The log-likelihood of n samples, -(squares - 2 score theta + theta information
     theta) / 2, at parameters (P,) counted from the profile's values.
 
-    information : (P, P). score : (P,)."""
+    information : (P, P). score : (P,). shared : (P, P), how much of the score's
+    covariance is of fixed patterns, which all frames have in common; by view and
+    summed, of so many views."""
 
     n: float
     squares: float
     score: Array
     information: Array
+    shared: Array | float = 0.0
+    views: int = 1
 
     def __add__(self, other: "Gram") -> "Gram":
         return Gram(
@@ -66,6 +71,8 @@ class Gram:
             self.squares + other.squares,
             self.score + other.score,
             self.information + other.information,
+            self.shared + other.shared,
+            self.views + other.views,
         )
 
     def gain(self, theta: Array) -> float:
@@ -77,6 +84,20 @@ class Gram:
         each."""
         information = self.information.copy()
         information[index, index] += deviations**-2.0
+        return replace(self, information=information)
+
+    def with_patterns(self, space: Space, names: Iterable[str]) -> "Gram":
+        """Return that of parameters of which those of some effects are known to be no
+        larger than what fixed patterns make of them in all frames alike."""
+        if np.ndim(self.shared) == 0:
+            return self
+        information = self.information.copy()
+        for name in names:
+            at = np.ix_(index := space.index([name]), index)
+            own = self.information[at]
+            # Views that are alike have the same of it: their scores add, not variances.
+            score = self.views * np.asarray(self.shared)[at] + LEAST_SHARED * own
+            information[at] += own @ _solved(score, own)
         return replace(self, information=information)
 
     def fit(self, index: NDArray[np.intp]) -> Array:
@@ -122,23 +143,38 @@ def _solved(matrix: Array, right: Array) -> Array:
 class Normal:
     """Normal equations A A^T of n samples, whose last row is the residual.
 
-    The first rows are of effects, then of nuisances."""
+    The first rows are of effects, then of nuisances. shared : as products, what fixed
+    patterns have of their noise, summed over views."""
 
     n: float
     products: Array
+    shared: Array | float = 0.0
+    views: int = 1
 
     def __add__(self, other: "Normal") -> "Normal":
-        return Normal(self.n + other.n, self.products + other.products)
+        return Normal(
+            self.n + other.n,
+            self.products + other.products,
+            self.shared + other.shared,
+            self.views + other.views,
+        )
 
     def without(self, nuisances: NDArray[np.intp], deviations: Array) -> "Normal":
         """Return the same where some rows are known to be 0 up to a deviation each, and
         are integrated out; their rows stay, as zeros."""
         left = self.products.copy()
         inner = left[np.ix_(nuisances, nuisances)] + np.diag(deviations**-2.0)
-        cross = left[nuisances]
-        left -= cross.T @ np.linalg.solve(inner, cross)
+        taken = np.linalg.solve(inner, left[nuisances])
+        left -= left[nuisances].T @ taken
+        shared = self.shared
+        if np.ndim(shared):
+            shared = np.array(shared)
+            cross = taken.T @ shared[nuisances]
+            shared += taken.T @ shared[np.ix_(nuisances, nuisances)] @ taken
+            shared -= cross + cross.T
+            shared[nuisances] = shared[:, nuisances] = 0.0
         left[nuisances] = left[:, nuisances] = 0.0
-        return Normal(self.n, left)
+        return replace(self, products=left, shared=shared)
 
     def found(
         self, nuisances: NDArray[np.intp], deviations: Array, theta: Array
@@ -151,5 +187,8 @@ class Normal:
 
     def gram(self, size: int) -> Gram:
         """Return that of the first parameters, after all else was integrated out."""
-        p = self.products
-        return Gram(self.n, float(p[-1, -1]), p[:size, -1], p[:size, :size])
+        p, shared = self.products, self.shared
+        if np.ndim(shared):
+            shared = np.asarray(shared)[:size, :size]
+        own = p[:size, :size]
+        return Gram(self.n, float(p[-1, -1]), p[:size, -1], own, shared, self.views)

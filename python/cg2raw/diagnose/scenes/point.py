@@ -147,7 +147,8 @@ def normal_of(
     residual = point.z.ravel() + theta.astype(np.float32) @ rows[: space.size]
     rows[-1] = residual
     rows = rows[:, used]
-    return Normal(int(used.sum()), products_of(rows, point))
+    products = products_of(rows, point)
+    return Normal(int(used.sum()), products, shared_of(rows, point))
 
 
 @dataclass(frozen=True)
@@ -191,21 +192,53 @@ def offsets_of(point: Point) -> list[Offset]:
 def products_of(rows: Array, point: Point) -> Array:
     """Return A A^T of the samples that are used, in which offsets are integrated out.
 
-    rows : (K, n) of them. Summed in pieces, in double precision."""
+    rows : (K, n) of them."""
+    products = _summed(rows)
+    for offset in offsets_of(point):
+        along, precision = _along(rows, offset, point)
+        products -= (along / precision) @ along.T
+    return products
+
+
+def shared_of(rows: Array, point: Point) -> Array | float:
+    """Return A S A^T, S the variance of fixed patterns, which all frames of a camera
+    have in common, in units of that of a sample; 0 where the profile states none.
+
+    rows : (K, n) of the samples that are used."""
+    used = point.root > 0
+    fixed = sum(v for name, v in point.patterns.items() if name != COLUMN_PATTERN)
+    share = (np.broadcast_to(fixed, used.shape)[used] * point.root[used] ** 2).clip(0)
+    found: Array | float = 0.0
+    if share.any():
+        found = _summed(rows, share)
+    for offset in offsets_of(point):
+        if offset.name == "columns":
+            along, precision = _along(rows, offset, point)
+            # Of an offset that is integrated out, so much is left in a score.
+            left = along / (precision * offset.sigma)
+            found = found + left @ left.T
+    return found
+
+
+def _summed(rows: Array, weights: Array | None = None) -> Array:
+    """Return the products of rows (K, n), in double precision, in pieces so that they
+    do not depend on threads."""
     size = 8192
     products = np.zeros((len(rows), len(rows)))
     for first in range(0, rows.shape[1], size):
         part = rows[:, first : first + size].astype(np.float64)
-        products += part @ part.T
-    used = point.root > 0
-    root = point.root[used]
-    for offset in offsets_of(point):
-        labels, own = offset.labels[used], root * offset.of(used)
-        count = int(labels.max(initial=0)) + 1
-        along = np.array([np.bincount(labels, row * own, count) for row in rows])
-        precision = np.bincount(labels, own**2, count) + offset.sigma**-2.0
-        products -= (along / precision) @ along.T
+        other = part if weights is None else part * weights[first : first + size]
+        products += part @ other.T
     return products
+
+
+def _along(rows: Array, offset: Offset, point: Point) -> tuple[Array, Array]:
+    """Return (K, groups) what rows have of offsets, and their precision, (groups,)."""
+    used = point.root > 0
+    labels, own = offset.labels[used], point.root[used] * offset.of(used)
+    count = int(labels.max(initial=0)) + 1
+    along = np.array([np.bincount(labels, row * own, count) for row in rows])
+    return along, np.bincount(labels, own**2, count) + offset.sigma**-2.0
 
 
 def without_offsets(z: Array, point: Point) -> Array:

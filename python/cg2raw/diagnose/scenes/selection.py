@@ -15,6 +15,7 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
+from scipy.stats import chi2
 
 from cg2raw.diagnose.scenes.gram import Array, Gram, Space
 
@@ -55,8 +56,10 @@ class Selection:
         self._score = cache(self._of)
 
     def _of(self, names: Names) -> float:
-        fitted = self._train.fit(self._space.index(names | self._known))
-        return self._validation.gain(fitted)
+        """Return what validation scenes gain. Effects that are not named may be as
+        large as fixed patterns make them in all scenes alike."""
+        fitted, chance = _fitted(self._train, self._space, names | self._known)
+        return self._validation.gain(fitted) + chance
 
     def run(self, candidates: Collection[str], most: int) -> Chosen:
         """Return the effects chosen of some candidates, at most so many."""
@@ -118,7 +121,8 @@ class Selection:
         both = self._train + self._validation
 
         def score(some: Names) -> float:
-            return both.gain(both.fit(self._space.index(some | self._known)))
+            fitted, chance = _fitted(both, self._space, some | self._known)
+            return both.gain(fitted) + chance
 
         free = sorted(every - names)
         found: dict[str, list[tuple[str, ...]]] = {}
@@ -132,6 +136,20 @@ class Selection:
             ]
             found[a] = [s for s in same if not any(set(t) < set(s) for t in same)]
         return found
+
+
+def _fitted(gram: Gram, space: Space, names: Names) -> tuple[Array, float]:
+    """Return (P,) of most likelihood of some effects, and the logarithm of the chance
+    that fixed patterns make others as large as they are beside these."""
+    pulled = gram.with_patterns(space, sorted(space.slices.keys() - names))
+    if pulled is gram:
+        return gram.fit(space.index(names)), 0.0
+    theta, chance = pulled.fit(space.index(space.slices)), 0.0
+    for name in sorted(space.slices.keys() - names):
+        at = np.ix_(own := space.index([name]), own)
+        known = pulled.information[at] - gram.information[at]
+        chance += float(chi2.logsf(theta[own] @ known @ theta[own], len(own)))
+    return theta, chance
 
 
 def limits(

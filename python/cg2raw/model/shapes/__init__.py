@@ -73,12 +73,10 @@ def shapes(
     shown = Shown(statistics, splits, fits)
     found = (effect(shown) for effect in EFFECTS)
     by_name = {shape.name: shape for shape in found if shape is not None}
-    median = dark_median(shown, splits[0]) or (0.0, 0.0)
-    cores = tuple(core_of(shown, split) for split in splits)
     tails = by_name.get(TAILS)
-    most = tuple(
-        most_of(shown, split) if tails is not None and tails.nats > 0 else None
-        for split in splits
-    )
+    has_tails = tails is not None and tails.nats > 0
+    median = dark_median(shown, splits[0], not has_tails) or (0.0, 0.0)
+    cores = tuple(core_of(shown, split) for split in splits)
+    most = tuple(most_of(shown, split) if has_tails else None for split in splits)
     spots, whole = power_of_spots(shown, splits[0]), whole_of(shown, splits[1])
     return Shapes(by_name, median, cores, most, spots, whole)

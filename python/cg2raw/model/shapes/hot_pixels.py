@@ -37,14 +37,16 @@ def hot_pixels(shown: Shown) -> Shape | None:
     return Shape(NAME, nats, _figures(law, training.noise))
 
 
-def dark_median(shown: Shown, split: str) -> tuple[float, float] | None:
+def dark_median(
+    shown: Shown, split: str, is_normal: bool = True
+) -> tuple[float, float] | None:
     """Return by how much the dark current of most pixels, their median, is above the
     mean of those that are not masked, and its standard error, DN/s; None without two
-    exposure times. Where codes are few, so that noise is not normal, the error is as
-    large."""
+    exposure times. Where noise is not normal, as where codes are few, the error is as
+    large. is_normal : it has no tails."""
     darks = shown.statistics.shortest_darks(split)
     each = [plane.power[darks].min(initial=np.inf) for plane in shown.statistics.planes]
-    law = LAW if min(each) > FINE else 1.0
+    law = LAW if min(each) > FINE and is_normal else 1.0
     for one in shown.statistics.rates:
         if one.split == split:
             value, error = median_of(one.counts.astype(float), shown.shot(one))
