@@ -51,13 +51,30 @@ class DarkLevels:
         """Return the nats of each name of the smallest set that explains levels.
 
         least : nats that a name needs."""
-        return gains_in_smallest_set(
+        gains = gains_in_smallest_set(
             {name: int(name == "black_level_drift") for name in self.places},
             least,
             train=lambda names: self._fitted(self.training, names)[0],
             value=self._value,
             refitted=lambda names: self._fitted(self.validation, names)[0].value,
         )
+        named = [name for name, gain in gains.items() if gain > least]
+        if not named or not self.validation.likelihood.is_coarse:
+            return gains
+        # Of darks at few codes one number tells level and noise: none gains more than
+        # all that are named together, where noise is fitted from where it was.
+        most = self._whole(named) - self._whole([])
+        return {name: min(gain, most) for name, gain in gains.items()}
+
+    def _whole(self, names: Sequence[str]) -> float:
+        """Return the log-likelihood of validation frames of levels as trained, others
+        as the profile has them, all else fitted."""
+        free = np.isfinite(np.diagonal(self.validation.covariance))
+        start = self.validation.theta.copy()
+        for name, own in self.places.items():
+            free &= ~own
+            start[own] = (self.training.theta if name in names else self.profile)[own]
+        return refitted(self.validation.likelihood, start, free).value
 
     @property
     def unsure(self) -> dict[str, float]:

@@ -70,7 +70,7 @@ def charts_of(
     }
     for name in chosen:
         make = makers.get(name)
-        one = make(name) if make else None
+        one = make(name) if make and chosen[name].parameters else None
         one = one or (_parts(name, found, test) if name in NAMES else None)
         if one is not None:
             yield one
